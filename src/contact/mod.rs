@@ -1,0 +1,40 @@
+//! Contacts: which bodies may touch, where they touch, and what the solver last said about it.
+
+use bevy_ecs::component::Component;
+
+pub mod broadphase;
+pub mod cache;
+pub mod manifold;
+pub mod sat;
+
+/// Name of a body, given once and never again: later bodies have larger numbers.
+///
+/// Pairs and cache entries are ordered by it, so results do not depend on where a body is stored.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct BodyId(pub u32);
+
+/// Which bodies may touch: two bodies do if each one's `memberships` meets the other's `filters`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Component)]
+pub struct CollisionLayers {
+    /// Layers the body is in, as bits.
+    pub memberships: u32,
+    /// Layers the body collides with, as bits.
+    pub filters: u32,
+}
+
+impl Default for CollisionLayers {
+    /// In the first layer, colliding with all.
+    fn default() -> Self {
+        Self {
+            memberships: 1,
+            filters: u32::MAX,
+        }
+    }
+}
+
+impl CollisionLayers {
+    /// Whether bodies of these layers may touch.
+    pub fn interact(&self, other: &Self) -> bool {
+        self.memberships & other.filters != 0 && other.memberships & self.filters != 0
+    }
+}

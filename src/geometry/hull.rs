@@ -1,0 +1,1 @@
+//! Convex hull of a point cloud.

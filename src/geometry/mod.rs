@@ -1,0 +1,17 @@
+//! Shapes: triangle meshes, convex hulls, primitives, and the KD code of a point in a box.
+//!
+//! Nothing here knows of mass, motion or the ECS. Coordinates are metres in the body's own frame; triangles and face
+//! loops run counter-clockwise seen from outside.
+
+pub mod convex;
+pub mod convex_mesh;
+pub mod hull;
+pub mod kd_code;
+pub mod mesh;
+pub mod predicates;
+pub mod primitives;
+
+pub use convex::{ConvexHull, Edge, Face, HullDefect, HullError};
+pub use convex_mesh::{ConvexMesh, HalfSpace};
+pub use kd_code::{KdBox, KdCode};
+pub use mesh::{MeshError, TriMesh};

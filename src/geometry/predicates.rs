@@ -1,0 +1,1 @@
+//! Side-of-plane tests: the one place where geometric tolerances are defined.

@@ -1,0 +1,1 @@
+//! Cuboid, regular prism, icosphere, wedge.

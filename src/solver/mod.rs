@@ -1,0 +1,1 @@
+//! One mixed linear complementarity problem, and the methods that solve it.
