@@ -1,1 +1,494 @@
-//! cache
+//! `ContactCache`: last step's multipliers, found again by (body A, code A, body B, code B).
+//!
+//! A contact that persists starts the solve from the impulse it ended with. The key of an entry is the pair of bodies
+//! and, in each body's own box, the [`KdCode`] of the contact point. A hit resets an entry's age, every step adds one,
+//! and an entry that was not hit for more than [`MAX_AGE`] steps is evicted.
+//!
+//! Entries are stored per pair in one sorted list, and the step's manifolds are sorted the same way, so that one merge
+//! of the two lists finds all pairs: no hash, one look-up per pair. Where the plain scheme loses a multiplier or applies
+//! a wrong one, this one differs:
+//! - a point that slid over a cell border is matched to the nearest decoded cell within [`NEAR_SHARE`] of the smaller
+//!   body, one to one. It is enough that the point kept its place on one of the two bodies: a corner that slides over
+//!   a floor stays itself, however far it moves on the floor;
+//! - a multiplier is applied only if its entry was hit in the step before; an older one would be a kick, because the
+//!   bodies have been apart since. It is found (and renewed) all the same;
+//! - impulses are scaled by the ratio of step lengths, since a resting contact's impulse is force times step;
+//! - the friction impulse is kept as a vector in A's frame and projected anew on the tangent plane.
+//!
+//! # References
+//! "Constraint-Based Physics With Real-Time Object Slicing": the key, the ages and the limit of ten steps.
+
+use super::{BodyId, Manifold};
+use crate::contact::manifold::{ContactPoint, MAX_POINTS};
+use crate::geometry::{KdBox, KdCode};
+use bevy_ecs::resource::Resource;
+use glam::{Quat, Vec3};
+use std::cmp::Ordering;
+
+/// An entry is evicted when it was not hit for more than this many steps.
+pub const MAX_AGE: u32 = 10;
+
+/// How far a point may move in a step and still count as the same, as a share of the smaller body's longest edge.
+///
+/// A rolling or spinning body that moves farther has other contacts; corners of one body are farther apart.
+pub const NEAR_SHARE: f32 = 0.02;
+
+/// What the cache knows of one contact point.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CacheEntry {
+    /// Cell of the point in A's box.
+    pub code_a: KdCode,
+    /// Cell of the point in B's box.
+    pub code_b: KdCode,
+    /// Normal impulse, N s.
+    pub normal_impulse: f32,
+    /// Friction impulse on B, in A's body frame, N s.
+    pub friction_impulse: Vec3,
+    /// Steps since the entry was last hit.
+    pub age: u32,
+    /// Whether a point of the current step took this entry.
+    taken: bool,
+}
+
+/// A run of entries that belong to one pair.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct PairRecord {
+    bodies: (BodyId, BodyId),
+    first: u32,
+    count: u32,
+}
+
+impl PairRecord {
+    fn range(&self) -> std::ops::Range<usize> {
+        self.first as usize..(self.first + self.count) as usize
+    }
+}
+
+/// Pairs sorted by bodies, and their entries one after the other.
+#[derive(Clone, Debug, Default)]
+struct Table {
+    pairs: Vec<PairRecord>,
+    entries: Vec<CacheEntry>,
+}
+
+impl Table {
+    fn clear(&mut self) {
+        self.pairs.clear();
+        self.entries.clear();
+    }
+
+    /// Ends a pair whose entries have been pushed since `first`; a pair without entries is not recorded.
+    fn close_pair(&mut self, bodies: (BodyId, BodyId), first: usize) {
+        let count = (self.entries.len() - first) as u32;
+        if count > 0 {
+            self.pairs.push(PairRecord {
+                bodies,
+                first: first as u32,
+                count,
+            });
+        }
+    }
+}
+
+/// How the points of a step were matched.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct CacheStats {
+    /// Contact points asked for.
+    pub points: u32,
+    /// Points that found an entry of the step before under their own codes.
+    pub exact_hits: u32,
+    /// Points that took an entry of the step before from a nearby cell.
+    pub near_hits: u32,
+    /// Points that found only an older entry under their own codes, whose multiplier is not applied.
+    pub stale_hits: u32,
+    /// Points that found nothing.
+    pub misses: u32,
+}
+
+impl CacheStats {
+    /// Share of points that were warm started, 0 to 1; 1 if there were no points.
+    pub fn hit_rate(&self) -> f32 {
+        if self.points == 0 {
+            return 1.0;
+        }
+        (self.exact_hits + self.near_hits) as f32 / self.points as f32
+    }
+
+    /// Adds another step's counts.
+    pub fn add(&mut self, other: &Self) {
+        self.points += other.points;
+        self.exact_hits += other.exact_hits;
+        self.near_hits += other.near_hits;
+        self.stale_hits += other.stale_hits;
+        self.misses += other.misses;
+    }
+}
+
+/// Contact multipliers from step to step; see the [module](self).
+#[derive(Clone, Debug, Default, Resource)]
+pub struct ContactCache {
+    current: Table,
+    /// The table being written, and between steps a spare allocation.
+    next: Table,
+    /// Length of the step whose impulses are stored, s; 0 while there are none.
+    h: f32,
+}
+
+impl ContactCache {
+    /// An empty cache.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Number of entries.
+    pub fn len(&self) -> usize {
+        self.current.entries.len()
+    }
+
+    /// Whether there are no entries.
+    pub fn is_empty(&self) -> bool {
+        self.current.entries.is_empty()
+    }
+
+    /// Forgets everything.
+    pub fn clear(&mut self) {
+        self.current.clear();
+        self.next.clear();
+        self.h = 0.0;
+    }
+
+    /// Entries of a pair, `a < b`: those hit last first.
+    pub fn entries_of(&self, a: BodyId, b: BodyId) -> impl Iterator<Item = &CacheEntry> {
+        let found = self
+            .current
+            .pairs
+            .binary_search_by_key(&(a, b), |pair| pair.bodies);
+        let range = found.map_or(0..0, |i| self.current.pairs[i].range());
+        self.current.entries[range].iter()
+    }
+
+    /// Pairs that have entries, sorted.
+    pub fn pairs(&self) -> impl Iterator<Item = (BodyId, BodyId)> {
+        self.current.pairs.iter().map(|pair| pair.bodies)
+    }
+
+    /// Replaces the entries of a pair, `a < b`; for pieces that inherit their parent's contacts at a cut.
+    ///
+    /// Entries are stored in the order given; an empty list removes the pair.
+    pub fn set_entries(
+        &mut self,
+        a: BodyId,
+        b: BodyId,
+        entries: impl IntoIterator<Item = CacheEntry>,
+    ) {
+        debug_assert!(a < b, "a pair is named by the smaller id first");
+        let mut new = Some(entries);
+        let Self { current, next, .. } = self;
+        next.clear();
+        let mut write_new = |next: &mut Table| {
+            if let Some(entries) = new.take() {
+                let first = next.entries.len();
+                next.entries.extend(entries);
+                next.close_pair((a, b), first);
+            }
+        };
+        for pair in &current.pairs {
+            if pair.bodies >= (a, b) {
+                write_new(next);
+            }
+            if pair.bodies != (a, b) {
+                let first = next.entries.len();
+                next.entries
+                    .extend_from_slice(&current.entries[pair.range()]);
+                next.close_pair(pair.bodies, first);
+            }
+        }
+        write_new(next);
+        std::mem::swap(current, next);
+    }
+
+    /// Forgets all contacts of a body that is gone.
+    pub fn remove_body(&mut self, body: BodyId) {
+        self.remove_bodies(|id| id == body);
+    }
+
+    /// Forgets all contacts of the bodies for which `is_gone` says so, in one pass.
+    pub fn remove_bodies(&mut self, is_gone: impl Fn(BodyId) -> bool) {
+        let Self { current, next, .. } = self;
+        next.clear();
+        for pair in &current.pairs {
+            if is_gone(pair.bodies.0) || is_gone(pair.bodies.1) {
+                continue;
+            }
+            let first = next.entries.len();
+            next.entries
+                .extend_from_slice(&current.entries[pair.range()]);
+            next.close_pair(pair.bodies, first);
+        }
+        std::mem::swap(current, next);
+    }
+
+    /// Fills the impulses of all contact points: last step's where the contact persists, zero elsewhere.
+    ///
+    /// `manifolds` are sorted by the ids of `(a, b)`, with `id(a) < id(b)`; `ids`, `rotations` (world from body) and
+    /// `boxes` are indexed by slot; `h` is the length of the coming step, s. A body without a box (a half-space) has
+    /// code 0 and is matched on the other body's side alone.
+    pub fn warm_start(
+        &mut self,
+        manifolds: &mut [Manifold],
+        ids: &[BodyId],
+        rotations: &[Quat],
+        boxes: &[Option<KdBox>],
+        h: f32,
+    ) -> CacheStats {
+        debug_assert!(is_sorted(manifolds, ids));
+        let mut stats = CacheStats::default();
+        // No step before (or one of no length): entries are matched, multipliers start at zero.
+        let scale = if self.h > 0.0 { h / self.h } else { 0.0 };
+        let Table { pairs, entries } = &mut self.current;
+        entries.iter_mut().for_each(|entry| entry.taken = false);
+        let mut pairs = pairs.iter().peekable();
+        for manifold in manifolds {
+            let bodies = bodies_of(manifold, ids);
+            while pairs.next_if(|pair| pair.bodies < bodies).is_some() {}
+            let range = pairs
+                .peek()
+                .filter(|pair| pair.bodies == bodies)
+                .map_or(0..0, |pair| pair.range());
+            let measure = Nearness::of(
+                boxes[manifold.a as usize].as_ref(),
+                boxes[manifold.b as usize].as_ref(),
+            );
+            let rotation = rotations[manifold.a as usize];
+            let entries = &mut entries[range];
+            let matches = match_points(manifold.points(), entries, &measure, &mut stats);
+            let normal = manifold.normal;
+            for (point, found) in manifold.points_mut().iter_mut().zip(matches) {
+                let entry = found
+                    .map(|index| entries[index])
+                    .filter(|entry| entry.age == 0);
+                apply(point, entry.as_ref(), normal, rotation, scale);
+            }
+        }
+        stats
+    }
+
+    /// Stores the impulses that the solver found, and ages what was not hit.
+    ///
+    /// Takes the same arguments as [`Self::warm_start`], after the solve. Every point of `manifolds` becomes an entry of
+    /// age 0, in place of the entry it was matched to; all other entries grow one step older.
+    pub fn store_and_age(
+        &mut self,
+        manifolds: &[Manifold],
+        ids: &[BodyId],
+        rotations: &[Quat],
+        h: f32,
+    ) {
+        debug_assert!(is_sorted(manifolds, ids));
+        let Self { current, next, .. } = self;
+        next.clear();
+        let mut manifolds = manifolds.iter().peekable();
+        for pair in &current.pairs {
+            while let Some(new) = manifolds.next_if(|m| bodies_of(m, ids) < pair.bodies) {
+                store_pair(next, Some(new), &[], bodies_of(new, ids), rotations);
+            }
+            let same = manifolds.next_if(|m| bodies_of(m, ids) == pair.bodies);
+            let old = &current.entries[pair.range()];
+            store_pair(next, same, old, pair.bodies, rotations);
+        }
+        for new in manifolds {
+            store_pair(next, Some(new), &[], bodies_of(new, ids), rotations);
+        }
+        std::mem::swap(current, next);
+        self.h = h;
+    }
+}
+
+/// Names of a manifold's bodies.
+fn bodies_of(manifold: &Manifold, ids: &[BodyId]) -> (BodyId, BodyId) {
+    (ids[manifold.a as usize], ids[manifold.b as usize])
+}
+
+/// Whether manifolds come in the order that the merge relies on.
+fn is_sorted(manifolds: &[Manifold], ids: &[BodyId]) -> bool {
+    manifolds.is_sorted_by(|l, r| bodies_of(l, ids) < bodies_of(r, ids))
+}
+
+/// Sets a point's impulses to an entry's, or to zero.
+fn apply(
+    point: &mut ContactPoint,
+    entry: Option<&CacheEntry>,
+    normal: Vec3,
+    rotation_a: Quat,
+    scale: f32,
+) {
+    let Some(entry) = entry else {
+        point.normal_impulse = 0.0;
+        point.friction_impulse = Vec3::ZERO;
+        return;
+    };
+    let friction = rotation_a * entry.friction_impulse;
+    point.normal_impulse = scale * entry.normal_impulse;
+    point.friction_impulse = scale * (friction - normal * normal.dot(friction));
+}
+
+/// Writes one pair: the points of its manifold, then the old entries that live on.
+fn store_pair(
+    next: &mut Table,
+    manifold: Option<&Manifold>,
+    old: &[CacheEntry],
+    bodies: (BodyId, BodyId),
+    rotations: &[Quat],
+) {
+    let first = next.entries.len();
+    let points = manifold.map_or(&[][..], Manifold::points);
+    if let Some(manifold) = manifold {
+        let to_a = rotations[manifold.a as usize].inverse();
+        next.entries.extend(points.iter().map(|point| CacheEntry {
+            code_a: point.code_a,
+            code_b: point.code_b,
+            normal_impulse: point.normal_impulse,
+            friction_impulse: to_a * point.friction_impulse,
+            age: 0,
+            taken: false,
+        }));
+    }
+    let replaced = |entry: &CacheEntry| entry.taken || points.iter().any(|p| is_exact(p, entry));
+    next.entries.extend(
+        old.iter()
+            .filter(|entry| entry.age < MAX_AGE && !replaced(entry))
+            .map(|entry| CacheEntry {
+                age: entry.age + 1,
+                taken: false,
+                ..*entry
+            }),
+    );
+    next.close_pair(bodies, first);
+}
+
+/// Whether a point lies in an entry's cells on both bodies.
+fn is_exact(point: &ContactPoint, entry: &CacheEntry) -> bool {
+    point.code_a == entry.code_a && point.code_b == entry.code_b
+}
+
+/// Pairs the points of a manifold with entries, one to one: for each point the index of its entry.
+///
+/// Fresh entries under the point's own codes first; then fresh entries nearby, the closest couple first; then old
+/// entries under the point's own codes. Any tie goes to the first point and the first entry.
+fn match_points(
+    points: &[ContactPoint],
+    entries: &mut [CacheEntry],
+    measure: &Nearness<'_>,
+    stats: &mut CacheStats,
+) -> [Option<usize>; MAX_POINTS] {
+    let mut matches = [None; MAX_POINTS];
+    let take = |found: &mut Option<usize>, entries: &mut [CacheEntry], index: usize| {
+        entries[index].taken = true;
+        *found = Some(index);
+    };
+    for (point, found) in points.iter().zip(&mut matches) {
+        let exact = |e: &CacheEntry| !e.taken && e.age == 0 && is_exact(point, e);
+        if let Some(index) = entries.iter().position(exact) {
+            take(found, entries, index);
+            stats.exact_hits += 1;
+        }
+    }
+    while let Some((i, index)) = nearest_couple(points, &matches, entries, measure) {
+        take(&mut matches[i], entries, index);
+        stats.near_hits += 1;
+    }
+    for (point, found) in points.iter().zip(&mut matches) {
+        if found.is_some() {
+            continue;
+        }
+        let exact = |e: &CacheEntry| !e.taken && is_exact(point, e);
+        match entries.iter().position(exact) {
+            Some(index) => {
+                take(found, entries, index);
+                stats.stale_hits += 1;
+            }
+            None => stats.misses += 1,
+        }
+    }
+    stats.points += points.len() as u32;
+    matches
+}
+
+/// The closest couple of a point without entry and a fresh entry without point, if one is near enough.
+fn nearest_couple(
+    points: &[ContactPoint],
+    matches: &[Option<usize>],
+    entries: &[CacheEntry],
+    measure: &Nearness<'_>,
+) -> Option<(usize, usize)> {
+    let mut best: Option<(Distance, usize, usize)> = None;
+    let open = (0..points.len()).filter(|&i| matches[i].is_none());
+    for i in open {
+        for (index, entry) in entries.iter().enumerate() {
+            if entry.taken || entry.age > 0 {
+                continue;
+            }
+            let Some(distance) = measure.distance(&points[i], entry) else {
+                continue;
+            };
+            if best.is_none_or(|b| distance.order(&b.0) == Ordering::Less) {
+                best = Some((distance, i, index));
+            }
+        }
+    }
+    best.map(|(_, i, index)| (i, index))
+}
+
+/// How far a point and an entry are apart, on the body where they are closer and on the other one; squared, m2.
+#[derive(Clone, Copy, Debug)]
+struct Distance {
+    closer: f32,
+    farther: f32,
+}
+
+impl Distance {
+    fn order(&self, other: &Self) -> Ordering {
+        self.closer
+            .total_cmp(&other.closer)
+            .then(self.farther.total_cmp(&other.farther))
+    }
+}
+
+/// Measures distances between cells of two bodies' boxes.
+#[derive(Debug)]
+struct Nearness<'a> {
+    /// The boxes whose cells are fine enough to tell points apart.
+    boxes: [Option<&'a KdBox>; 2],
+    /// Largest distance that counts as near, m.
+    bound: f32,
+}
+
+impl<'a> Nearness<'a> {
+    /// The bound is a share of the smaller box. A box with cells larger than that does not count: two corners of a
+    /// small body on a kilometre of terrain would both be "in the same cell" there.
+    fn of(a: Option<&'a KdBox>, b: Option<&'a KdBox>) -> Self {
+        let longest = |b: Option<&KdBox>| b.map_or(f32::INFINITY, |b| b.extents.max_element());
+        let bound = NEAR_SHARE * longest(a).min(longest(b));
+        let fine = |b: &&KdBox| 2.0 * b.cell_size().max_element() <= bound;
+        Self {
+            boxes: [a.filter(fine), b.filter(fine)],
+            bound,
+        }
+    }
+
+    /// Distance between a point and an entry; `None` if not near on either body.
+    fn distance(&self, point: &ContactPoint, entry: &CacheEntry) -> Option<Distance> {
+        let on = |b: Option<&KdBox>, p: KdCode, e: KdCode| {
+            b.map_or(f32::INFINITY, |b| {
+                b.decode_centre(p).distance_squared(b.decode_centre(e))
+            })
+        };
+        let d_a = on(self.boxes[0], point.code_a, entry.code_a);
+        let d_b = on(self.boxes[1], point.code_b, entry.code_b);
+        let distance = Distance {
+            closer: d_a.min(d_b),
+            farther: d_a.max(d_b),
+        };
+        (distance.closer <= self.bound * self.bound).then_some(distance)
+    }
+}

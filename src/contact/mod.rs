@@ -5,7 +5,14 @@ use bevy_ecs::component::Component;
 pub mod broadphase;
 pub mod cache;
 pub mod manifold;
+pub mod material;
 pub mod sat;
+
+pub use broadphase::{Broadphase, Pair, Proxy, ProxyKind, ProxyShape};
+pub use cache::{CacheEntry, CacheStats, ContactCache};
+pub use manifold::{ContactPoint, Manifold, ManifoldBody, Patch, PatchPoint};
+pub use material::{CombineRule, Density, Friction, MaterialError, Restitution};
+pub use sat::{NarrowScratch, collide_half_space, collide_hulls};
 
 /// Name of a body, given once and never again: later bodies have larger numbers.
 ///
