@@ -1,7 +1,7 @@
 //! `TriMesh`: triangles with per-vertex attributes, and what can be wrong with them.
 
-use crate::math::Aabb;
-use glam::{Vec2, Vec3, Vec4};
+use crate::math::{Aabb, Pose};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 
 /// A triangle mesh with per-vertex attributes.
 ///
@@ -71,6 +71,12 @@ pub enum MeshError {
     /// The mesh has no triangles.
     #[error("the mesh has no triangles")]
     Empty,
+    /// A scale factor is zero, negative or not finite.
+    #[error("a mesh cannot be scaled by {factor}")]
+    BadScale {
+        /// The factors along x, y and z.
+        factor: Vec3,
+    },
     /// The enclosed volume is zero, or negative because the triangles face inwards.
     #[error("the mesh encloses a volume of {volume} m3")]
     NoVolume {
@@ -80,6 +86,88 @@ pub enum MeshError {
 }
 
 impl TriMesh {
+    /// A mesh from positions (m) and triangles (vertex indices, counter-clockwise seen from outside).
+    ///
+    /// Positions with equal coordinates (`-0.0` equals `0.0`) become one number in [`topology`](Self::topology), so a
+    /// mesh whose vertices are split along seams is still closed. A triangle with two corners at one position has no
+    /// area, and its two remaining edges are each other's reverse, so leaving it out keeps a closed surface closed: such
+    /// triangles are dropped here, and later errors count the triangles that are left.
+    ///
+    /// # Errors
+    /// [`MeshError::NotFinite`], [`MeshError::IndexOutOfRange`], or [`MeshError::Empty`] if no triangle is left.
+    pub fn new(positions: Vec<Vec3>, mut triangles: Vec<[u32; 3]>) -> Result<Self, MeshError> {
+        check_finite(&positions, |p| p.is_finite())?;
+        let vertices = positions.len();
+        for (triangle, corners) in triangles.iter().enumerate() {
+            if let Some(&index) = corners.iter().find(|&&i| i as usize >= vertices) {
+                return Err(MeshError::IndexOutOfRange {
+                    triangle,
+                    index,
+                    vertices,
+                });
+            }
+        }
+        let topology = weld(&positions);
+        triangles.retain(|corners| {
+            let [a, b, c] = corners.map(|i| topology[i as usize]);
+            a != b && b != c && c != a
+        });
+        if triangles.is_empty() {
+            return Err(MeshError::Empty);
+        }
+        Ok(Self {
+            positions,
+            triangles,
+            topology,
+            ..Self::default()
+        })
+    }
+
+    /// The mesh with a normal for each vertex; the caller sees to their unit length.
+    ///
+    /// # Errors
+    /// [`MeshError::AttributeLength`] or [`MeshError::NotFinite`].
+    pub fn with_normals(mut self, normals: Vec<Vec3>) -> Result<Self, MeshError> {
+        self.check_length("normals", normals.len())?;
+        check_finite(&normals, |n| n.is_finite())?;
+        self.normals = normals;
+        Ok(self)
+    }
+
+    /// The mesh with a linear RGBA colour for each vertex.
+    ///
+    /// # Errors
+    /// [`MeshError::AttributeLength`] or [`MeshError::NotFinite`].
+    pub fn with_colours(mut self, colours: Vec<Vec4>) -> Result<Self, MeshError> {
+        self.check_length("colours", colours.len())?;
+        check_finite(&colours, |c| c.is_finite())?;
+        self.colours = colours;
+        Ok(self)
+    }
+
+    /// The mesh with texture coordinates for each vertex.
+    ///
+    /// # Errors
+    /// [`MeshError::AttributeLength`] or [`MeshError::NotFinite`].
+    pub fn with_uvs(mut self, uvs: Vec<Vec2>) -> Result<Self, MeshError> {
+        self.check_length("uvs", uvs.len())?;
+        check_finite(&uvs, |uv| uv.is_finite())?;
+        self.uvs = uvs;
+        Ok(self)
+    }
+
+    fn check_length(&self, attribute: &'static str, found: usize) -> Result<(), MeshError> {
+        let vertices = self.positions.len();
+        if found == vertices {
+            return Ok(());
+        }
+        Err(MeshError::AttributeLength {
+            attribute,
+            found,
+            vertices,
+        })
+    }
+
     /// Positions, m.
     pub fn positions(&self) -> &[Vec3] {
         &self.positions
@@ -114,4 +202,167 @@ impl TriMesh {
     pub fn aabb(&self) -> Aabb {
         Aabb::of_points(self.positions.iter().copied())
     }
+
+    /// Checks that the surface is closed: over [`topology`](Self::topology), each directed edge occurs exactly once and
+    /// so does its reverse.
+    ///
+    /// # Errors
+    /// [`MeshError::Open`] or [`MeshError::NonManifold`], whose `from` and `to` are vertex indices.
+    pub fn check_closed(&self) -> Result<(), MeshError> {
+        let mut edges: Vec<HalfEdge> = (0..self.triangles.len())
+            .flat_map(|triangle| (0..3).map(move |corner| (triangle, corner)))
+            .map(|(triangle, corner)| self.half_edge(triangle, corner))
+            .collect();
+        edges.sort_unstable();
+        for run in edges.chunk_by(|a, b| a.ends == b.ends) {
+            if let Some(again) = run
+                .windows(2)
+                .find(|pair| pair[0].reversed == pair[1].reversed)
+            {
+                let (from, to) = self.half_edge_vertices(&again[1]);
+                let triangle = again[1].triangle as usize;
+                return Err(MeshError::NonManifold { from, to, triangle });
+            }
+            if let [lone] = run {
+                let (from, to) = self.half_edge_vertices(lone);
+                let triangle = lone.triangle as usize;
+                return Err(MeshError::Open { from, to, triangle });
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether the surface is closed; see [`check_closed`](Self::check_closed).
+    pub fn is_closed(&self) -> bool {
+        self.check_closed().is_ok()
+    }
+
+    fn half_edge(&self, triangle: usize, corner: usize) -> HalfEdge {
+        let corners = self.triangles[triangle];
+        let from = self.topology[corners[corner] as usize];
+        let to = self.topology[corners[(corner + 1) % 3] as usize];
+        HalfEdge {
+            ends: [from.min(to), from.max(to)],
+            reversed: from > to,
+            triangle: triangle as u32,
+            corner: corner as u8,
+        }
+    }
+
+    fn half_edge_vertices(&self, edge: &HalfEdge) -> (u32, u32) {
+        let corners = self.triangles[edge.triangle as usize];
+        let corner = edge.corner as usize;
+        (corners[corner], corners[(corner + 1) % 3])
+    }
+
+    /// Enclosed volume, m3; negative if the triangles face inwards. Means something only if the mesh is closed.
+    ///
+    /// Sums signed tetrahedra about the first vertex in `f64`, which keeps the sum exact far from the origin.
+    pub fn volume(&self) -> f64 {
+        let apex = self
+            .triangles
+            .first()
+            .map_or(DVec3::ZERO, |t| self.corner(t[0]));
+        let six_volumes: f64 = self
+            .corners()
+            .map(|[a, b, c]| (a - apex).dot((b - apex).cross(c - apex)))
+            .sum();
+        six_volumes / 6.0
+    }
+
+    /// Surface area, m2, summed in `f64`.
+    pub fn area(&self) -> f64 {
+        let twice: f64 = self
+            .corners()
+            .map(|[a, b, c]| (b - a).cross(c - a).length())
+            .sum();
+        0.5 * twice
+    }
+
+    fn corner(&self, vertex: u32) -> DVec3 {
+        self.positions[vertex as usize].as_dvec3()
+    }
+
+    fn corners(&self) -> impl Iterator<Item = [DVec3; 3]> + '_ {
+        self.triangles.iter().map(|t| t.map(|v| self.corner(v)))
+    }
+
+    /// The mesh moved by `pose`; the inner frame of `pose` is the one the mesh is in now.
+    ///
+    /// Which vertices count as one position stays as it was, even where rounding makes positions meet.
+    pub fn transformed(mut self, pose: &Pose) -> Self {
+        for position in &mut self.positions {
+            *position = pose.transform_point(*position);
+        }
+        for normal in &mut self.normals {
+            *normal = pose.rotation * *normal;
+        }
+        self
+    }
+
+    /// The mesh scaled about its origin by `factor` along x, y and z.
+    ///
+    /// # Errors
+    /// [`MeshError::BadScale`] if a factor is not finite and positive, [`MeshError::NotFinite`] if a position overflows.
+    pub fn scaled(mut self, factor: Vec3) -> Result<Self, MeshError> {
+        if !(factor.is_finite() && factor.min_element() > 0.0) {
+            return Err(MeshError::BadScale { factor });
+        }
+        for position in &mut self.positions {
+            *position *= factor;
+        }
+        check_finite(&self.positions, |p| p.is_finite())?;
+        // A normal is a cross product of edges, so it scales with the two other factors; only the direction counts.
+        let cofactor = factor.max_element() / factor;
+        for normal in &mut self.normals {
+            *normal = (*normal * cofactor).normalize_or(*normal);
+        }
+        Ok(self)
+    }
+}
+
+/// A directed edge of a triangle, ordered so that sorting puts an edge beside its reverse.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct HalfEdge {
+    ends: [u32; 2],
+    reversed: bool,
+    triangle: u32,
+    corner: u8,
+}
+
+fn check_finite<T>(values: &[T], is_finite: impl Fn(&T) -> bool) -> Result<(), MeshError> {
+    match values.iter().position(|value| !is_finite(value)) {
+        Some(vertex) => Err(MeshError::NotFinite { vertex }),
+        None => Ok(()),
+    }
+}
+
+/// Numbers distinct positions in the order in which they first occur.
+pub(crate) fn weld(positions: &[Vec3]) -> Vec<u32> {
+    // Adding +0.0 turns -0.0 into +0.0, after which equal numbers have equal bits.
+    let key = |vertex: u32| {
+        (positions[vertex as usize] + Vec3::ZERO)
+            .to_array()
+            .map(f32::to_bits)
+    };
+    let mut order: Vec<u32> = (0..positions.len() as u32).collect();
+    order.sort_unstable_by_key(|&vertex| (key(vertex), vertex));
+    // Within a run of equal positions the first vertex is the one that occurs first.
+    let mut topology = vec![0; positions.len()];
+    for run in order.chunk_by(|&a, &b| key(a) == key(b)) {
+        for &vertex in run {
+            topology[vertex as usize] = run[0];
+        }
+    }
+    let mut count = 0;
+    for vertex in 0..topology.len() {
+        let first = topology[vertex] as usize;
+        topology[vertex] = if first == vertex {
+            count += 1;
+            count - 1
+        } else {
+            topology[first]
+        };
+    }
+    topology
 }

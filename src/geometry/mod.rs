@@ -15,3 +15,4 @@ pub use convex::{ConvexHull, Edge, Face, HullDefect, HullError};
 pub use convex_mesh::{ConvexMesh, HalfSpace};
 pub use kd_code::{KdBox, KdCode};
 pub use mesh::{MeshError, TriMesh};
+pub use predicates::{PlaneError, Side};
