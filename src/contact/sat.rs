@@ -221,8 +221,7 @@ fn best_edge_pair(
                 continue;
             }
             // The supports say what this axis is worth, whatever rounding did to it.
-            let separation =
-                lowest(&scratch.vertices, normal).1 + lowest(a.vertices(), -normal).1;
+            let separation = lowest(&scratch.vertices, normal).1 + lowest(a.vertices(), -normal).1;
             if separation > floor {
                 floor = separation;
                 best = Some(EdgeAxis {
@@ -404,12 +403,7 @@ impl Clipping<'_> {
     }
 
     /// The patch of points on the incident hull, which are projected onto the reference plane for the other hull.
-    fn patch(
-        &self,
-        reference: &Plane,
-        b_refers: bool,
-        points: &[(Vec3, f32)],
-    ) -> Option<Patch> {
+    fn patch(&self, reference: &Plane, b_refers: bool, points: &[(Vec3, f32)]) -> Option<Patch> {
         let mut patch = Patch {
             normal: if b_refers {
                 -reference.normal

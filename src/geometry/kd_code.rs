@@ -46,11 +46,7 @@ impl KdCode {
 
     /// Number of the leaf along x, y, z.
     pub fn cell(self) -> UVec3 {
-        UVec3::new(
-            gather(self.0 >> 1),
-            gather(self.0),
-            gather(self.0 >> 2),
-        )
+        UVec3::new(gather(self.0 >> 1), gather(self.0), gather(self.0 >> 2))
     }
 }
 
