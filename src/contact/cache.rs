@@ -489,6 +489,8 @@ impl<'a> Nearness<'a> {
             closer: d_a.min(d_b),
             farther: d_a.max(d_b),
         };
-        (distance.closer <= self.bound * self.bound).then_some(distance)
+        // Without any box the bound is infinite too, and nothing is near.
+        let near = distance.closer.is_finite() && distance.closer <= self.bound * self.bound;
+        near.then_some(distance)
     }
 }
