@@ -172,6 +172,19 @@ fn impulses_scale_with_the_step_length() {
 }
 
 #[test]
+fn impulses_that_are_not_numbers_are_never_applied() {
+    let mut cache = ContactCache::new();
+    let places = [Vec3::ZERO, Vec3::splat(0.3)];
+    step(
+        &mut cache,
+        &[point_at(places[0], f32::NAN), point_at(places[1], 2.0)],
+        H,
+    );
+    let (warm, _) = step(&mut cache, &places.map(|p| point_at(p, 1.0)), H);
+    assert_eq!(warm, [0.0, 2.0]);
+}
+
+#[test]
 fn friction_turns_with_body_a_and_stays_tangential() {
     let mut cache = ContactCache::new();
     let mut before = manifold(&[point_at(Vec3::ZERO, 1.0)]);
@@ -325,12 +338,15 @@ struct NaiveEntry {
     age: u32,
 }
 
+/// (A, code A, B, code B).
+type Key = (BodyId, KdCode, BodyId, KdCode);
+
 /// The plain scheme as one hash map.
 #[derive(Default)]
-struct NaiveCache(HashMap<(BodyId, KdCode, BodyId, KdCode), NaiveEntry>);
+struct NaiveCache(HashMap<Key, NaiveEntry>);
 
 impl NaiveCache {
-    fn step(&mut self, keys: &[((BodyId, KdCode, BodyId, KdCode), f32)]) -> Vec<f32> {
+    fn step(&mut self, keys: &[(Key, f32)]) -> Vec<f32> {
         let warm = keys
             .iter()
             .map(|(key, _)| {
@@ -612,9 +628,19 @@ fn check(name: &str, rates: &Rates, exact_at_most: f32, all_at_least: f32) {
 
 #[test]
 fn resting_contacts_are_found_by_their_codes() {
-    let rates = cube_on_floor().measure(slide(0.0, 600));
-    check("rest", &rates, 1.0, 1.0);
-    assert!(rates.exact > 0.98, "{rates:?}");
+    // At 50 places, so that chance does not put the corners in the middle of the floor's cells.
+    let scene = cube_on_floor();
+    let mut random = Random(31);
+    let mut exact = 0.0;
+    for _ in 0..50 {
+        let shift = 2.0 * random.vector() * Vec3::new(1.0, 0.0, 1.0);
+        let rest = slide(0.0, 60).map(|pose| Pose::new(pose.position + shift, pose.rotation));
+        let rates = scene.measure(rest);
+        check("rest", &rates, 1.0, 1.0);
+        exact += rates.exact / 50.0;
+    }
+    // A cell of the floor measures 5 x 10 mm in the plane: jitter of 10 um crosses a border in about 0.3 % of the steps.
+    assert!(exact > 0.98, "{exact}");
 }
 
 #[test]
@@ -637,8 +663,8 @@ fn rolling_contacts_miss_only_where_new_edges_touch() {
         floor: cuboid(Vec3::new(5.0, 0.5, 5.0)),
         body: hull.clone(),
     };
-    check("roll 0.2", &scene.measure(roll(&hull, 0.2, 600)), 1.0, 0.9);
-    check("roll 1", &scene.measure(roll(&hull, 1.0, 300)), 1.0, 0.5);
+    check("roll 0.2", &scene.measure(roll(&hull, 0.2, 600)), 1.0, 0.98);
+    check("roll 1", &scene.measure(roll(&hull, 1.0, 300)), 1.0, 0.93);
 }
 
 #[test]

@@ -50,6 +50,13 @@ pub struct CacheEntry {
     taken: bool,
 }
 
+impl CacheEntry {
+    /// Whether the impulses are numbers; others are stored, but never applied.
+    fn is_finite(&self) -> bool {
+        self.normal_impulse.is_finite() && self.friction_impulse.is_finite()
+    }
+}
+
 /// A run of entries that belong to one pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct PairRecord {
@@ -266,7 +273,7 @@ impl ContactCache {
             for (point, found) in manifold.points_mut().iter_mut().zip(matches) {
                 let entry = found
                     .map(|index| entries[index])
-                    .filter(|entry| entry.age == 0);
+                    .filter(|entry| entry.age == 0 && entry.is_finite());
                 apply(point, entry.as_ref(), normal, rotation, scale);
             }
         }
