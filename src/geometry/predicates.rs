@@ -19,6 +19,7 @@
 
 use crate::math::{Aabb, Plane};
 use glam::Vec3;
+use std::ops::RangeInclusive;
 
 /// Half the thickness of a plane, relative to the length scale: points nearer than this are on it.
 ///
@@ -39,6 +40,12 @@ pub const CONVEX_RELATIVE: f32 = 10.0 * ON_PLANE_RELATIVE;
 /// A body must be thicker than the convexity tolerance, or all its faces lie within the tolerance of each other's
 /// planes and outside is not defined.
 pub const FLAT_RELATIVE: f32 = 2.0 * CONVEX_RELATIVE;
+
+/// Length scales (m) that a body may have.
+///
+/// Inertia grows with the fifth power of the length: with this range and densities of solids it stays within what `f32`
+/// can hold, as do its inverse and the squares of areas.
+pub const SIZE_RANGE: RangeInclusive<f64> = 1.0e-6..=1.0e6;
 
 /// How far the length of a unit normal may be from 1.
 ///
