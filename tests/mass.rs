@@ -7,7 +7,9 @@ use bevy_cleave::mass::{
     MassError, MassProperties, VolumeIntegrals, approximate, particle_inertia, principal_axes,
     volume_integrals,
 };
-use common::{Expected, FLAT_CLOUDS, MODELS, clouds, model, model_mesh, reference, single};
+use common::{
+    Expected, FAR_CLOUD, FLAT_CLOUDS, MODELS, clouds, model, model_mesh, reference, single,
+};
 use glam::{DMat3, DQuat, DVec3, Mat3, Vec3};
 use proptest::prelude::*;
 
@@ -140,12 +142,26 @@ fn real_collision_hulls_match_the_reference_and_the_two_flat_ones_are_refused() 
         } else {
             let expected = Expected::parse(entry);
             check_hull(&format!("cloud {index}"), cloud, &expected);
-            let hull = ConvexHull::from_points(&single(cloud)).unwrap();
-            assert!(
-                (hull.volume() / expected.volume - 1.0).abs() < 1e-6,
-                "cloud {index}"
-            );
+            check_joined_faces_keep_the_volume(index, cloud, &expected);
         }
+    }
+}
+
+/// The file prints f32 numbers with 9 digits, so that reading the text as f64 gives other points by up to 1e-9 of the
+/// coordinate. That matters for one body of 2.6 m by 0.2 m which lies 3 km from its origin; all others have to agree
+/// with the reference itself.
+fn check_joined_faces_keep_the_volume(index: usize, cloud: &[DVec3], expected: &Expected) {
+    let points = single(cloud);
+    let hull = ConvexHull::from_points(&points).unwrap();
+    let same_points: Vec<DVec3> = points.iter().map(|p| p.as_dvec3()).collect();
+    let triangles = convex_hull_triangles(&same_points).unwrap();
+    let exact = volume_integrals(&same_points, triangles.into_iter()).volume;
+    assert!((hull.volume() / exact - 1.0).abs() < 1e-6, "cloud {index}");
+    if index != FAR_CLOUD {
+        assert!(
+            (hull.volume() / expected.volume - 1.0).abs() < 1e-6,
+            "cloud {index}"
+        );
     }
 }
 

@@ -11,7 +11,7 @@
 //! - J. R. Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997.
 
 use super::convex::{ConvexHull, HullError};
-use super::predicates::{FLAT_RELATIVE, SIZE_RANGE, length_scale, plane_tolerance};
+use super::predicates::{FLAT_RELATIVE, SIZE_RANGE, length_scale, merge_tolerance};
 use crate::math::{Aabb, Plane};
 use glam::{DVec3, Vec3};
 use robust::{Coord3D, orient3d};
@@ -39,7 +39,7 @@ pub fn convex_hull_triangles(points: &[DVec3]) -> Result<Vec<[u32; 3]>, HullErro
 impl ConvexHull {
     /// The convex hull of `points` (m).
     ///
-    /// Triangles in one plane, within [`plane_tolerance`], become one polygon face with the plane of the largest of them;
+    /// Triangles in one plane, within [`merge_tolerance`], become one polygon face with the plane of the largest of them;
     /// that plane supports the hull, so no point lies outside it by more than its rounding to `f32`. Points inside a face
     /// or on a straight edge are left out. Vertices keep the order they have in `points`.
     ///
@@ -49,7 +49,7 @@ impl ConvexHull {
         let exact: Vec<DVec3> = points.iter().map(|p| p.as_dvec3()).collect();
         let triangles = convex_hull_triangles(&exact)?;
         let size = length_scale(&Aabb::of_points(points.iter().copied()));
-        let faces = merge_coplanar(&exact, &triangles, f64::from(plane_tolerance(size)))
+        let faces = merge_coplanar(&exact, &triangles, f64::from(merge_tolerance(size)))
             .unwrap_or_else(|| unmerged(&exact, &triangles));
         let (vertices, loops) = compact(points, &faces);
         let planes: Vec<Plane> = faces.iter().map(|face| face.plane).collect();

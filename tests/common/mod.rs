@@ -8,7 +8,7 @@ use serde_json::Value;
 use std::path::Path;
 
 /// The models under `assets/meshes`.
-pub const MODELS: [&str; 16] = [
+pub(crate) const MODELS: [&str; 16] = [
     "barrel.obj",
     "bottle.obj",
     "building.obj",
@@ -28,16 +28,19 @@ pub const MODELS: [&str; 16] = [
 ];
 
 /// The two clouds of `horizon_hull_points.json` that are flat.
-pub const FLAT_CLOUDS: [usize; 2] = [175, 176];
+pub(crate) const FLAT_CLOUDS: [usize; 2] = [175, 176];
+
+/// The cloud of `horizon_hull_points.json` that lies far from its origin: 3 m of body at 3 km.
+pub(crate) const FAR_CLOUD: usize = 42;
 
 /// Text of a file of the repository.
-pub fn read(path: &str) -> String {
+pub(crate) fn read(path: &str) -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
     std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
 /// Positions, as written in the file, and triangles (polygons as fans) of a model.
-pub fn model(name: &str) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+pub(crate) fn model(name: &str) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
     for line in read(&format!("assets/meshes/{name}")).lines() {
         let mut words = line.split_whitespace();
@@ -63,25 +66,25 @@ pub fn model(name: &str) -> (Vec<DVec3>, Vec<[u32; 3]>) {
 }
 
 /// A model in `f32`, positions only.
-pub fn model_mesh(name: &str) -> TriMesh {
+pub(crate) fn model_mesh(name: &str) -> TriMesh {
     let (positions, triangles) = model(name);
     TriMesh::new(single(&positions), triangles).unwrap()
 }
 
 /// The models whose meshes are closed, as the reference says.
-pub fn closed_models() -> Vec<&'static str> {
+pub(crate) fn closed_models() -> Vec<&'static str> {
     let reference = reference();
     let is_closed = |name: &&str| !reference[name]["mesh"].is_null();
     MODELS.into_iter().filter(is_closed).collect()
 }
 
 /// Positions rounded to `f32`.
-pub fn single(positions: &[DVec3]) -> Vec<Vec3> {
+pub(crate) fn single(positions: &[DVec3]) -> Vec<Vec3> {
     positions.iter().map(|p| p.as_vec3()).collect()
 }
 
 /// The 209 point clouds of real collision hulls.
-pub fn clouds() -> Vec<Vec<DVec3>> {
+pub(crate) fn clouds() -> Vec<Vec<DVec3>> {
     let file: Value =
         serde_json::from_str(&read("assets/meshes/horizon_hull_points.json")).unwrap();
     let clouds = file["hulls"].as_array().unwrap();
@@ -92,22 +95,22 @@ pub fn clouds() -> Vec<Vec<DVec3>> {
 }
 
 /// The whole of `reference.json`.
-pub fn reference() -> Value {
+pub(crate) fn reference() -> Value {
     serde_json::from_str(&read("tests/data/reference.json")).unwrap()
 }
 
 /// What `reference.json` says of one body, at unit density.
 #[derive(Clone, Debug)]
-pub struct Expected {
-    pub volume: f64,
-    pub area: f64,
-    pub centroid: DVec3,
-    pub inertia: DMat3,
-    pub principal: DVec3,
+pub(crate) struct Expected {
+    pub(crate) volume: f64,
+    pub(crate) area: f64,
+    pub(crate) centroid: DVec3,
+    pub(crate) inertia: DMat3,
+    pub(crate) principal: DVec3,
 }
 
 impl Expected {
-    pub fn parse(entry: &Value) -> Self {
+    pub(crate) fn parse(entry: &Value) -> Self {
         let rows = &entry["inertia_about_centroid_unit_density"];
         Self {
             volume: entry["volume"].as_f64().unwrap(),
