@@ -4,9 +4,12 @@ use bevy_cleave::contact::{
     BodyId, Broadphase, CollisionLayers, Manifold, ManifoldBody, NarrowScratch, Pair, Patch, Proxy,
     ProxyKind, ProxyShape, collide_half_space, collide_hulls,
 };
+use bevy_cleave::geometry::primitives::icosphere;
 use bevy_cleave::geometry::{ConvexHull, KdBox, KdCode};
 use bevy_cleave::math::{Aabb, Plane, Pose};
 use glam::{DVec3, Mat3, Quat, Vec3};
+
+mod common;
 
 /// A small generator (xorshift64*), so that every run sees the same scenes.
 struct Random(u64);
@@ -107,7 +110,14 @@ fn random_shape(random: &mut Random) -> Mat3 {
 }
 
 fn random_hull(random: &mut Random) -> ConvexHull {
-    match random.below(4) {
+    match random.below(6) {
+        4 => icosphere(random.in_range(0.2, 1.0), random.below(2) as u32).expect("a ball is valid"),
+        5 => {
+            let points: Vec<Vec3> = (0..4 + random.below(20))
+                .map(|_| random.vector(-1.0, 1.0))
+                .collect();
+            ConvexHull::from_points(&points).expect("random points are not flat")
+        }
         0 => cuboid(random.vector(0.1, 1.0)),
         1 => frustum(
             random.vector(0.2, 1.0),
@@ -316,6 +326,52 @@ fn separating_axis_agrees_with_brute_force() {
         assert!((patch.normal.length() - 1.0).abs() < 1e-5);
     }
     assert!(touching > 3000, "only {touching} of 6000 pairs touch");
+}
+
+/// The hulls of a real model's convex parts, each moved to the origin and scaled to a diagonal of 1.
+fn real_hulls() -> Vec<ConvexHull> {
+    let clouds = common::clouds();
+    let usable = clouds
+        .iter()
+        .enumerate()
+        .filter(|(index, _)| !common::FLAT_CLOUDS.contains(index));
+    usable
+        .map(|(_, cloud)| {
+            let points = common::single(cloud);
+            let bounds = Aabb::of_points(points.iter().copied());
+            let at_origin = |p: Vec3| (p - bounds.centre()) / bounds.diagonal();
+            let points: Vec<Vec3> = points.into_iter().map(at_origin).collect();
+            ConvexHull::from_points(&points).expect("the part is a body")
+        })
+        .collect()
+}
+
+#[test]
+fn separating_axis_agrees_with_brute_force_on_real_hulls() {
+    let hulls = real_hulls();
+    assert_eq!(hulls.len(), 207);
+    let mut random = Random::new(13);
+    let mut scratch = NarrowScratch::new();
+    for (case, a) in hulls.iter().enumerate() {
+        let b = &hulls[random.below(hulls.len() as u64) as usize];
+        let mut pose = Pose::new(random.vector(-0.3, 0.3), random.rotation());
+        let solid_a = Solid::new(a, &Pose::IDENTITY);
+        let (gap, axis) = brute_force_axis(&solid_a, &Solid::new(b, &pose));
+        // 2 mm of overlap along the best axis, as two bodies at rest have it.
+        pose.position -= ((gap + 0.002) * axis).as_vec3();
+        let solid_b = Solid::new(b, &pose);
+        let (truth, _) = brute_force_axis(&solid_a, &solid_b);
+        let slack = 2.0 * (5e-4 * f64::from(size_of(a, b)) + 0.02 * truth.abs()) + 1e-6;
+        let patch = collide_hulls(a, b, pose, 0.01, &mut scratch)
+            .unwrap_or_else(|| panic!("case {case}: overlap of {truth} m not found"));
+        let along = separation_along(&solid_a, &solid_b, patch.normal.as_dvec3());
+        assert!(along >= truth - slack, "case {case}: {along} {truth}");
+        let found = f64::from(deepest(&patch));
+        assert!(
+            (found - truth).abs() < slack,
+            "case {case}: {found} {truth}"
+        );
+    }
 }
 
 #[test]
