@@ -1,7 +1,7 @@
 //! `ConvexHull`: planes, face loops and edges of a convex polyhedron.
 
 use super::TriMesh;
-use super::predicates::{check_plane, convex_tolerance, length_scale, signed_distance};
+use super::predicates::{SIZE_RANGE, check_plane, convex_tolerance, length_scale, signed_distance};
 use crate::math::{Aabb, Plane, tangents};
 use glam::{DVec3, Vec2, Vec3};
 
@@ -51,6 +51,13 @@ pub enum HullError {
         /// Number of points.
         found: usize,
     },
+    /// The size of the points' bounding box, or their distance from the origin, is outside
+    /// [`SIZE_RANGE`](super::predicates::SIZE_RANGE).
+    #[error("a body of size {size} m is outside the range of 1e-6 m to 1e6 m")]
+    Size {
+        /// Length scale, m.
+        size: f64,
+    },
     /// All points lie on one plane, line or point, within the tolerance.
     #[error("the points are flat: thickness {thickness} m at size {size} m")]
     Flat {
@@ -74,6 +81,26 @@ pub enum HullError {
         index: u32,
         /// Number of vertices.
         vertices: usize,
+    },
+    /// A length of a primitive is not positive and finite.
+    #[error("{name} must be positive and finite, got {value} m")]
+    Length {
+        /// Which length.
+        name: &'static str,
+        /// Its value, m.
+        value: f32,
+    },
+    /// A count that describes a primitive is out of range.
+    #[error("{name} must be between {least} and {most}, got {value}")]
+    Count {
+        /// What is counted.
+        name: &'static str,
+        /// Its value.
+        value: u32,
+        /// Least allowed value.
+        least: u32,
+        /// Greatest allowed value.
+        most: u32,
     },
     /// The mesh that the hull was to be made from is not usable.
     #[error(transparent)]
@@ -184,6 +211,10 @@ impl ConvexHull {
             loops: Vec::new(),
             edges: Vec::new(),
         };
+        let size = f64::from(length_scale(&hull.aabb));
+        if !SIZE_RANGE.contains(&size) {
+            return Err(HullError::Size { size });
+        }
         for (corners, &plane) in faces.iter().zip(planes) {
             let corners = corners.as_ref();
             hull.faces.push(Face {

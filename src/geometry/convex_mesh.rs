@@ -1,8 +1,11 @@
 //! The shapes a body can have: `ConvexMesh`, shared and immutable, and the static `HalfSpace`.
 
-use super::{ConvexHull, TriMesh};
+use super::predicates::{PlaneError, check_plane};
+use super::{ConvexHull, HullError, MeshError, TriMesh, primitives};
+use crate::math::{Aabb, Plane};
 use bevy_ecs::component::Component;
 use glam::Vec3;
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// The shape of a body: a convex hull, and optionally a closed mesh that rides inside it and is what is drawn.
@@ -19,8 +22,80 @@ struct Parts {
 
 impl ConvexMesh {
     /// A shape from a hull and the mesh that rides in it.
+    ///
+    /// That the mesh is closed and lies inside the hull is for the caller to see to; [`from_mesh`](Self::from_mesh) does.
     pub fn from_parts(hull: ConvexHull, visual: Option<TriMesh>) -> Self {
         Self(Arc::new(Parts { hull, visual }))
+    }
+
+    /// The shape of a hull, which is also what is drawn.
+    pub fn from_hull(hull: ConvexHull) -> Self {
+        Self::from_parts(hull, None)
+    }
+
+    /// The convex hull of points (m).
+    ///
+    /// # Errors
+    /// As [`ConvexHull::from_points`].
+    pub fn from_points(points: &[Vec3]) -> Result<Self, HullError> {
+        Ok(Self::from_hull(ConvexHull::from_points(points)?))
+    }
+
+    /// The convex hull of a closed mesh, with the mesh riding inside as the one that is drawn.
+    ///
+    /// # Errors
+    /// [`HullError::Mesh`] names the edge at which the mesh is open, or says that it encloses no volume;
+    /// otherwise as [`ConvexHull::from_points`].
+    pub fn from_mesh(mesh: TriMesh) -> Result<Self, HullError> {
+        mesh.check_closed()?;
+        let volume = mesh.volume();
+        let outward = volume > 0.0;
+        if !outward {
+            return Err(MeshError::NoVolume { volume }.into());
+        }
+        let mut used: Vec<u32> = mesh.triangles().iter().flatten().copied().collect();
+        used.sort_unstable();
+        used.dedup();
+        let points: Vec<Vec3> = used
+            .iter()
+            .map(|&vertex| mesh.positions()[vertex as usize])
+            .collect();
+        Ok(Self::from_parts(
+            ConvexHull::from_points(&points)?,
+            Some(mesh),
+        ))
+    }
+
+    /// A box with edges of length `x`, `y`, `z` (m); see [`primitives::cuboid`].
+    ///
+    /// # Errors
+    /// As [`primitives::cuboid`].
+    pub fn cuboid(x: f32, y: f32, z: f32) -> Result<Self, HullError> {
+        primitives::cuboid(x, y, z).map(Self::from_hull)
+    }
+
+    /// A prism over a regular polygon, its axis along y; see [`primitives::regular_prism`].
+    ///
+    /// # Errors
+    /// As [`primitives::regular_prism`].
+    pub fn regular_prism(sides: u32, circumradius: f32, height: f32) -> Result<Self, HullError> {
+        primitives::regular_prism(sides, circumradius, height).map(Self::from_hull)
+    }
+
+    /// A sphere of triangles; see [`primitives::icosphere`].
+    ///
+    /// # Errors
+    /// As [`primitives::icosphere`].
+    pub fn icosphere(radius: f32, subdivisions: u32) -> Result<Self, HullError> {
+        primitives::icosphere(radius, subdivisions).map(Self::from_hull)
+    }
+
+    /// A ramp that falls along x; see [`primitives::wedge`].
+    ///
+    /// # Errors
+    /// As [`primitives::wedge`].
+    pub fn wedge(x: f32, y: f32, z: f32) -> Result<Self, HullError> {
+        primitives::wedge(x, y, z).map(Self::from_hull)
     }
 
     /// The hull that collides and carries the mass.
@@ -31,6 +106,19 @@ impl ConvexMesh {
     /// The mesh that rides inside the hull, if one was given.
     pub fn visual(&self) -> Option<&TriMesh> {
         self.0.visual.as_ref()
+    }
+
+    /// The mesh to draw: the one that rides inside, or else the hull's own, flat-shaded.
+    pub fn render_mesh(&self) -> Cow<'_, TriMesh> {
+        match &self.0.visual {
+            Some(mesh) => Cow::Borrowed(mesh),
+            None => Cow::Owned(self.0.hull.to_mesh()),
+        }
+    }
+
+    /// Bounding box of the hull in the entity's frame.
+    pub fn aabb(&self) -> Aabb {
+        self.0.hull.aabb()
     }
 
     /// Whether two handles are the same shape in memory.
@@ -44,4 +132,26 @@ impl ConvexMesh {
 pub struct HalfSpace {
     /// Outward unit normal in the entity's frame; the plane goes through the entity's origin.
     pub normal: Vec3,
+}
+
+impl HalfSpace {
+    /// The half-space below the plane through the entity's origin with this outward normal, which is scaled to unit
+    /// length.
+    ///
+    /// # Errors
+    /// [`PlaneError`] if the normal is zero or not finite.
+    pub fn new(normal: Vec3) -> Result<Self, PlaneError> {
+        if normal == Vec3::ZERO {
+            return Err(PlaneError::ZeroNormal);
+        }
+        // In f64, so that the length of no f32 vector overflows or vanishes.
+        let plane = Plane {
+            normal: normal.as_dvec3().normalize_or(glam::DVec3::NAN).as_vec3(),
+            offset: 0.0,
+        };
+        check_plane(&plane)?;
+        Ok(Self {
+            normal: plane.normal,
+        })
+    }
 }

@@ -1,1 +1,469 @@
-//! Convex hull of a point cloud.
+//! Convex hull of a point cloud: Quickhull with exact predicates, then coplanar triangles joined to polygons.
+//!
+//! The only question the algorithm asks of the coordinates is on which side of a plane through three input points a
+//! fourth one lies, and `robust` answers it exactly. With exact answers the set of facets that a new point sees is
+//! always a disc, a new facet never has zero area (a point in line with a horizon edge lies in the planes of both facets
+//! at that edge and sees neither), and coplanar or repeated points need no special case. Rounding can therefore not
+//! break the topology, whatever the input; `docs/decisions.md` has the comparison with other implementations.
+//!
+//! # References
+//! - C. B. Barber, D. P. Dobkin, H. Huhdanpaa, "The Quickhull Algorithm for Convex Hulls", ACM TOMS 22(4), 1996.
+//! - J. R. Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997.
+
+use super::convex::{ConvexHull, HullError};
+use super::predicates::{FLAT_RELATIVE, SIZE_RANGE, length_scale, merge_tolerance};
+use crate::math::{Aabb, Plane};
+use glam::{DVec3, Vec3};
+use robust::{Coord3D, orient3d};
+
+/// No facet.
+const NONE: u32 = u32::MAX;
+
+/// Triangles (indices into `points`, counter-clockwise seen from outside) of the convex hull of `points` (m).
+///
+/// The surface is closed and no point lies outside any triangle's plane, exactly. Coplanar faces come as several
+/// triangles, and a point in the middle of such a face or of an edge may be a corner of them.
+///
+/// # Errors
+/// [`HullError::TooFewPoints`], [`HullError::NotFinite`], [`HullError::Size`] or [`HullError::Flat`].
+pub fn convex_hull_triangles(points: &[DVec3]) -> Result<Vec<[u32; 3]>, HullError> {
+    let simplex = first_simplex(points)?;
+    let mut quickhull = Quickhull::new(points, simplex);
+    while let Some(facet) = quickhull.pending.pop() {
+        quickhull.add_farthest_point_of(facet);
+    }
+    let alive = quickhull.facets.iter().filter(|facet| facet.alive);
+    Ok(alive.map(|facet| facet.corners).collect())
+}
+
+impl ConvexHull {
+    /// The convex hull of `points` (m).
+    ///
+    /// Triangles in one plane, within [`merge_tolerance`], become one polygon face with the plane of the largest of them;
+    /// that plane supports the hull, so no point lies outside it by more than its rounding to `f32`. Points inside a face
+    /// or on a straight edge are left out. Vertices keep the order they have in `points`.
+    ///
+    /// # Errors
+    /// [`HullError`] says what is wrong with the points.
+    pub fn from_points(points: &[Vec3]) -> Result<Self, HullError> {
+        let exact: Vec<DVec3> = points.iter().map(|p| p.as_dvec3()).collect();
+        let triangles = convex_hull_triangles(&exact)?;
+        let size = length_scale(&Aabb::of_points(points.iter().copied()));
+        let faces = merge_coplanar(&exact, &triangles, f64::from(merge_tolerance(size)))
+            .unwrap_or_else(|| unmerged(&exact, &triangles));
+        let (vertices, loops) = compact(points, &faces);
+        let planes: Vec<Plane> = faces.iter().map(|face| face.plane).collect();
+        Self::from_faces_and_planes(vertices, &loops, &planes)
+    }
+}
+
+/// Four points that span a volume: two far apart, the one farthest from their line, the one farthest from that plane.
+///
+/// Returned so that the fourth lies below the first three.
+fn first_simplex(points: &[DVec3]) -> Result<[u32; 4], HullError> {
+    if let Some(point) = points.iter().position(|p| !p.is_finite()) {
+        return Err(HullError::NotFinite { point });
+    }
+    if points.len() < 4 {
+        return Err(HullError::TooFewPoints {
+            found: points.len(),
+        });
+    }
+    let min = points
+        .iter()
+        .copied()
+        .reduce(DVec3::min)
+        .unwrap_or_default();
+    let max = points
+        .iter()
+        .copied()
+        .reduce(DVec3::max)
+        .unwrap_or_default();
+    let size = (max - min)
+        .length()
+        .max(min.abs().max(max.abs()).max_element());
+    if !SIZE_RANGE.contains(&size) {
+        return Err(HullError::Size { size });
+    }
+    let thinnest = f64::from(FLAT_RELATIVE) * size;
+    let flat = |thickness: f64| Err(HullError::Flat { thickness, size });
+
+    let axis = (max - min).max_position();
+    let a = farthest(points, |p| -p[axis]);
+    let b = farthest(points, |p| p[axis]);
+    let line = points[b] - points[a];
+    let length = line.length();
+    if length <= thinnest {
+        return flat(length);
+    }
+    let from_line = |p: DVec3| (p - points[a]).cross(line).length() / length;
+    let c = farthest(points, from_line);
+    if from_line(points[c]) <= thinnest {
+        return flat(from_line(points[c]));
+    }
+    let normal = line.cross(points[c] - points[a]).normalize();
+    let above = |p: DVec3| normal.dot(p - points[a]);
+    let d = farthest(points, |p| above(p).abs());
+    let highest = above(points[farthest(points, above)]);
+    let lowest = above(points[farthest(points, |p| -above(p))]);
+    if highest - lowest <= thinnest {
+        return flat(highest - lowest);
+    }
+    // Far above the rounding error of `above`, so the simplex is not flat in exact arithmetic either.
+    let [a, b, c, d] = [a, b, c, d].map(|index| index as u32);
+    Ok(if above(points[d as usize]) < 0.0 {
+        [a, b, c, d]
+    } else {
+        [a, c, b, d]
+    })
+}
+
+/// Index of the point with the largest `measure`, the first of equal ones.
+fn farthest(points: &[DVec3], measure: impl Fn(DVec3) -> f64) -> usize {
+    let mut best = (0, f64::NEG_INFINITY);
+    for (index, &point) in points.iter().enumerate() {
+        let value = measure(point);
+        if value > best.1 {
+            best = (index, value);
+        }
+    }
+    best.0
+}
+
+/// A triangle of the growing hull.
+#[derive(Debug)]
+struct Facet {
+    corners: [u32; 3],
+    /// The facet across the edge from `corners[k]` to `corners[k + 1]`.
+    neighbours: [u32; 3],
+    /// Points that see this facet; each point outside the hull is in one such list.
+    outside: Vec<u32>,
+    alive: bool,
+}
+
+/// An edge between a facet that the new point sees, in whose direction it runs, and one that it does not see.
+#[derive(Clone, Copy, Debug)]
+struct HorizonEdge {
+    from: u32,
+    to: u32,
+    hidden: u32,
+}
+
+struct Quickhull<'a> {
+    points: &'a [DVec3],
+    facets: Vec<Facet>,
+    /// Facets whose list of outside points was not empty when they were made.
+    pending: Vec<u32>,
+    /// For each point the newest facet whose horizon edge starts there.
+    facet_from: Vec<u32>,
+    visible: Vec<u32>,
+    horizon: Vec<HorizonEdge>,
+}
+
+impl<'a> Quickhull<'a> {
+    fn new(points: &'a [DVec3], [a, b, c, d]: [u32; 4]) -> Self {
+        let mut quickhull = Self {
+            points,
+            facets: Vec::new(),
+            pending: Vec::new(),
+            facet_from: vec![NONE; points.len()],
+            visible: Vec::new(),
+            horizon: Vec::new(),
+        };
+        for (corners, neighbours) in [
+            ([a, b, c], [1, 2, 3]),
+            ([b, a, d], [0, 3, 2]),
+            ([c, b, d], [0, 1, 3]),
+            ([a, c, d], [0, 2, 1]),
+        ] {
+            quickhull.push(corners, neighbours);
+        }
+        let all: Vec<u32> = (0..points.len() as u32).collect();
+        quickhull.distribute(&all, 0);
+        quickhull
+    }
+
+    fn push(&mut self, corners: [u32; 3], neighbours: [u32; 3]) {
+        self.facets.push(Facet {
+            corners,
+            neighbours,
+            outside: Vec::new(),
+            alive: true,
+        });
+    }
+
+    /// Whether `point` lies strictly outside the plane of `facet`; exact.
+    fn sees(&self, point: u32, facet: u32) -> bool {
+        let coordinates = |index: u32| {
+            let DVec3 { x, y, z } = self.points[index as usize];
+            Coord3D { x, y, z }
+        };
+        let [a, b, c] = self.facets[facet as usize].corners.map(coordinates);
+        // Positive means below the plane of a counter-clockwise triangle.
+        orient3d(a, b, c, coordinates(point)) < 0.0
+    }
+
+    /// Hands each of `points` to the first facet from number `first` on that it sees; points that see none are inside.
+    fn distribute(&mut self, points: &[u32], first: u32) {
+        for &point in points {
+            if let Some(facet) =
+                (first..self.facets.len() as u32).find(|&facet| self.sees(point, facet))
+            {
+                self.facets[facet as usize].outside.push(point);
+            }
+        }
+        for facet in first..self.facets.len() as u32 {
+            if !self.facets[facet as usize].outside.is_empty() {
+                self.pending.push(facet);
+            }
+        }
+    }
+
+    /// The point outside `facet` that is farthest from its plane. Rounding may pick another one: that costs time only.
+    fn farthest_outside(&self, facet: u32) -> Option<u32> {
+        let Facet {
+            corners, outside, ..
+        } = &self.facets[facet as usize];
+        let [a, b, c] = corners.map(|corner| self.points[corner as usize]);
+        let normal = (b - a).cross(c - a);
+        let candidates: Vec<DVec3> = outside
+            .iter()
+            .map(|&point| self.points[point as usize])
+            .collect();
+        outside
+            .get(farthest(&candidates, |p| normal.dot(p - a)))
+            .copied()
+    }
+
+    fn add_farthest_point_of(&mut self, facet: u32) {
+        if !self.facets[facet as usize].alive {
+            return;
+        }
+        let Some(apex) = self.farthest_outside(facet) else {
+            return;
+        };
+        self.find_horizon(apex, facet);
+        let first = self.facets.len() as u32;
+        self.cover_horizon(apex);
+        let mut orphans = Vec::new();
+        for &facet in &self.visible {
+            orphans.append(&mut self.facets[facet as usize].outside);
+        }
+        self.distribute(&orphans, first);
+    }
+
+    /// Marks all facets that `apex` sees as gone, from `start` across edges, and collects the edges around them.
+    fn find_horizon(&mut self, apex: u32, start: u32) {
+        self.visible.clear();
+        self.horizon.clear();
+        self.visible.push(start);
+        self.facets[start as usize].alive = false;
+        let mut next = 0;
+        while next < self.visible.len() {
+            let seen = self.visible[next] as usize;
+            next += 1;
+            for edge in 0..3 {
+                let across = self.facets[seen].neighbours[edge];
+                if !self.facets[across as usize].alive {
+                    continue;
+                }
+                if self.sees(apex, across) {
+                    self.facets[across as usize].alive = false;
+                    self.visible.push(across);
+                } else {
+                    let corners = self.facets[seen].corners;
+                    self.horizon.push(HorizonEdge {
+                        from: corners[edge],
+                        to: corners[(edge + 1) % 3],
+                        hidden: across,
+                    });
+                }
+            }
+        }
+    }
+
+    /// Closes the hole inside the horizon with a fan of facets around `apex`.
+    fn cover_horizon(&mut self, apex: u32) {
+        let first = self.facets.len() as u32;
+        for (k, edge) in self.horizon.iter().enumerate() {
+            self.facet_from[edge.from as usize] = first + k as u32;
+        }
+        for k in 0..self.horizon.len() {
+            let HorizonEdge { from, to, hidden } = self.horizon[k];
+            let this = first + k as u32;
+            let after = self.facet_from[to as usize];
+            self.push([from, to, apex], [hidden, after, NONE]);
+            let other = &mut self.facets[hidden as usize];
+            let edge = other.corners.iter().position(|&corner| corner == to);
+            debug_assert!(edge.is_some(), "neighbours share an edge");
+            other.neighbours[edge.unwrap_or(0)] = this;
+        }
+        // The facet before this one in the fan lies across the edge from the apex to `from`.
+        for k in 0..self.horizon.len() as u32 {
+            let after = self.facets[(first + k) as usize].neighbours[1];
+            self.facets[after as usize].neighbours[2] = first + k;
+        }
+    }
+}
+
+/// A polygon of the hull of a cloud: its loop as indices into the cloud.
+struct PolygonFace {
+    corners: Vec<u32>,
+    plane: Plane,
+}
+
+/// The plane of a triangle, rounded to `f32` such that it still goes through the triangle.
+fn triangle_plane(points: &[DVec3], triangle: [u32; 3]) -> Plane {
+    let [a, b, c] = triangle.map(|corner| points[corner as usize]);
+    let normal = (b - a).cross(c - a).normalize_or_zero().as_vec3();
+    let offset = normal.as_dvec3().dot((a + b + c) / 3.0) as f32;
+    Plane { normal, offset }
+}
+
+fn unmerged(points: &[DVec3], triangles: &[[u32; 3]]) -> Vec<PolygonFace> {
+    let face = |&triangle: &[u32; 3]| PolygonFace {
+        corners: triangle.to_vec(),
+        plane: triangle_plane(points, triangle),
+    };
+    triangles.iter().map(face).collect()
+}
+
+/// Joins triangles whose corners lie within `tolerance` (m) of the plane of the largest among them, and drops corners
+/// that end up inside a face or on a straight edge.
+///
+/// `None` if a joined region is not bounded by one simple loop, which rounding can cause at the tolerance.
+fn merge_coplanar(
+    points: &[DVec3],
+    triangles: &[[u32; 3]],
+    tolerance: f64,
+) -> Option<Vec<PolygonFace>> {
+    let neighbours = triangle_neighbours(triangles);
+    let area_vector = |triangle: usize| {
+        let [a, b, c] = triangles[triangle].map(|corner| points[corner as usize]);
+        (b - a).cross(c - a)
+    };
+    let mut seeds: Vec<usize> = (0..triangles.len()).collect();
+    seeds.sort_by(|&i, &j| {
+        let by_area = area_vector(j)
+            .length_squared()
+            .total_cmp(&area_vector(i).length_squared());
+        by_area.then(i.cmp(&j))
+    });
+    let mut region_of = vec![NONE; triangles.len()];
+    let mut faces = Vec::new();
+    for seed in seeds {
+        if region_of[seed] != NONE {
+            continue;
+        }
+        let region = faces.len() as u32;
+        let normal = area_vector(seed).normalize_or_zero();
+        let base = points[triangles[seed][0] as usize];
+        let near = |corner: u32| normal.dot(points[corner as usize] - base).abs() <= tolerance;
+        region_of[seed] = region;
+        let mut members = vec![seed];
+        let mut next = 0;
+        while next < members.len() {
+            for across in neighbours[members[next]] {
+                let joins = region_of[across] == NONE && triangles[across].into_iter().all(near);
+                if joins {
+                    region_of[across] = region;
+                    members.push(across);
+                }
+            }
+            next += 1;
+        }
+        faces.push(PolygonFace {
+            corners: boundary_loop(triangles, &neighbours, &region_of, &members)?,
+            plane: triangle_plane(points, triangles[seed]),
+        });
+    }
+    drop_straight_corners(points.len(), &mut faces)?;
+    Some(faces)
+}
+
+/// For each triangle the one across the edge from its corner `k` to its corner `k + 1`.
+fn triangle_neighbours(triangles: &[[u32; 3]]) -> Vec<[usize; 3]> {
+    let mut edges: Vec<([u32; 2], usize, usize)> = Vec::with_capacity(3 * triangles.len());
+    for (triangle, corners) in triangles.iter().enumerate() {
+        for k in 0..3 {
+            let (from, to) = (corners[k], corners[(k + 1) % 3]);
+            edges.push(([from.min(to), from.max(to)], triangle, k));
+        }
+    }
+    edges.sort_unstable();
+    let mut neighbours = vec![[usize::MAX; 3]; triangles.len()];
+    for pair in edges.chunks_exact(2) {
+        let [(_, a, edge_of_a), (_, b, edge_of_b)] = [pair[0], pair[1]];
+        neighbours[a][edge_of_a] = b;
+        neighbours[b][edge_of_b] = a;
+    }
+    neighbours
+}
+
+/// The loop around a region of triangles, or `None` if it is not one simple loop. Starts at its smallest index.
+fn boundary_loop(
+    triangles: &[[u32; 3]],
+    neighbours: &[[usize; 3]],
+    region_of: &[u32],
+    members: &[usize],
+) -> Option<Vec<u32>> {
+    let mut edges: Vec<[u32; 2]> = Vec::new();
+    for &triangle in members {
+        for k in 0..3 {
+            if region_of[neighbours[triangle][k]] != region_of[triangle] {
+                edges.push([triangles[triangle][k], triangles[triangle][(k + 1) % 3]]);
+            }
+        }
+    }
+    edges.sort_unstable();
+    if edges.windows(2).any(|pair| pair[0][0] == pair[1][0]) {
+        return None;
+    }
+    let start = edges.first()?[0];
+    let mut corners = vec![start];
+    loop {
+        let last = *corners.last()?;
+        let edge = edges.binary_search_by_key(&last, |edge| edge[0]).ok()?;
+        let next = edges[edge][1];
+        if next == start {
+            break;
+        }
+        if corners.len() == edges.len() {
+            return None;
+        }
+        corners.push(next);
+    }
+    (corners.len() == edges.len()).then_some(corners)
+}
+
+/// Drops corners that only two faces share: the edge there is straight within the tolerance. `None` if a face vanishes.
+fn drop_straight_corners(points: usize, faces: &mut [PolygonFace]) -> Option<()> {
+    let mut sharing = vec![0_u32; points];
+    for &corner in faces.iter().flat_map(|face| &face.corners) {
+        sharing[corner as usize] += 1;
+    }
+    for face in faces.iter_mut() {
+        face.corners.retain(|&corner| sharing[corner as usize] > 2);
+        if face.corners.len() < 3 {
+            return None;
+        }
+    }
+    Some(())
+}
+
+/// The points that are corners of faces, in their order, and the faces' loops as indices into them.
+fn compact(points: &[Vec3], faces: &[PolygonFace]) -> (Vec<Vec3>, Vec<Vec<u32>>) {
+    let mut used: Vec<u32> = faces
+        .iter()
+        .flat_map(|face| face.corners.iter().copied())
+        .collect();
+    used.sort_unstable();
+    used.dedup();
+    let vertices = used.iter().map(|&point| points[point as usize]).collect();
+    let renumber = |corner: &u32| used.partition_point(|point| point < corner) as u32;
+    let loops = faces
+        .iter()
+        .map(|face| face.corners.iter().map(renumber).collect())
+        .collect();
+    (vertices, loops)
+}

@@ -13,6 +13,7 @@ pub mod primitives;
 
 pub use convex::{ConvexHull, Edge, Face, HullDefect, HullError};
 pub use convex_mesh::{ConvexMesh, HalfSpace};
+pub use hull::convex_hull_triangles;
 pub use kd_code::{KdBox, KdCode};
 pub use mesh::{MeshError, TriMesh};
 pub use predicates::{PlaneError, Side};
