@@ -1,0 +1,65 @@
+//! A table from undirected edges to numbers, on dense arrays.
+
+/// Marks the end of a list.
+const NONE: u32 = u32::MAX;
+
+/// One edge, in the list of its end with the smaller number.
+#[derive(Clone, Copy, Debug)]
+struct Entry {
+    other: u32,
+    value: u32,
+    next: u32,
+}
+
+/// A table from undirected edges between densely numbered vertices to a `u32`.
+///
+/// Each vertex heads a list of the edges to vertices of larger number. A plane meets few edges at one vertex, so the
+/// lists are short, and there is nothing to hash.
+#[derive(Clone, Debug, Default)]
+pub(super) struct EdgeTable {
+    head: Vec<u32>,
+    entries: Vec<Entry>,
+}
+
+impl EdgeTable {
+    /// An empty table for vertices `0..vertices`.
+    pub(super) fn new(vertices: usize) -> Self {
+        Self {
+            head: vec![NONE; vertices],
+            entries: Vec::new(),
+        }
+    }
+
+    /// Forgets all edges and makes room for vertices `0..vertices`; keeps the memory.
+    pub(super) fn reset(&mut self, vertices: usize) {
+        self.entries.clear();
+        self.head.clear();
+        self.head.resize(vertices, NONE);
+    }
+
+    /// The value of the edge between `a` and `b`.
+    pub(super) fn get(&self, a: u32, b: u32) -> Option<u32> {
+        let (low, high) = (a.min(b), a.max(b));
+        let mut at = self.head[low as usize];
+        while at != NONE {
+            let entry = self.entries[at as usize];
+            if entry.other == high {
+                return Some(entry.value);
+            }
+            at = entry.next;
+        }
+        None
+    }
+
+    /// Adds the edge between `a` and `b`, which is not in the table yet.
+    pub(super) fn insert(&mut self, a: u32, b: u32, value: u32) {
+        let (low, high) = (a.min(b), a.max(b));
+        let head = &mut self.head[low as usize];
+        self.entries.push(Entry {
+            other: high,
+            value,
+            next: *head,
+        });
+        *head = self.entries.len() as u32 - 1;
+    }
+}
