@@ -1,0 +1,143 @@
+//! Light with shadows: a sun, and a sky made of a few weak suns so that hollows and contacts are dark.
+
+use super::raster::{fill_triangle, parallel};
+use super::render::Triangle;
+use bevy_cleave::math::tangents;
+use glam::{Vec2, Vec3};
+
+/// Number of directions that stand for the sky, and the pixels along one side of their depth pictures.
+const SKY_DIRECTIONS: usize = 24;
+const SKY_RESOLUTION: usize = 512;
+const SUN_RESOLUTION: usize = 2048;
+/// Half the width of the sun's blurred shadow edge, in pixels of its depth picture.
+const SUN_BLUR: i32 = 2;
+const SUN_COLOUR: Vec3 = Vec3::new(2.5, 2.25, 1.9);
+const SKY_COLOUR: Vec3 = Vec3::new(0.62, 0.72, 0.88);
+/// What the ground throws back at faces that look down.
+const BOUNCE_COLOUR: Vec3 = Vec3::new(0.17, 0.16, 0.14);
+
+/// Parallel light from one direction, and what it sees of the scene: the nearest depth for each pixel.
+struct Light {
+    /// Two axes across the light, then the direction towards it.
+    axes: [Vec3; 3],
+    /// Lower corner of the depth picture along the two axes, and its pixels per metre.
+    corner: Vec2,
+    scale: f32,
+    resolution: usize,
+    /// Coordinate towards the light of the nearest surface.
+    nearest: Vec<f32>,
+}
+
+impl Light {
+    fn new(towards: Vec3, resolution: usize, triangles: &[Triangle]) -> Self {
+        let [u, v] = tangents(towards);
+        let across = |p: Vec3| Vec2::new(p.dot(u), p.dot(v));
+        let (mut low, mut high) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
+        for &p in triangles.iter().flat_map(|t| &t.positions) {
+            low = low.min(across(p));
+            high = high.max(across(p));
+        }
+        // A border of 4 pixels keeps the blur inside.
+        let scale = (resolution as f32 - 8.0) / (high - low).max_element().max(1e-6);
+        let mut light = Self {
+            axes: [u, v, towards],
+            corner: low - 4.0 / scale,
+            scale,
+            resolution,
+            nearest: vec![f32::NEG_INFINITY; resolution * resolution],
+        };
+        for t in triangles {
+            let seen = t.positions.map(|p| light.project(p));
+            let nearest = &mut light.nearest;
+            fill_triangle(&seen, resolution, 0..resolution, |x, y, z| {
+                let old = &mut nearest[y * resolution + x];
+                *old = old.max(z);
+            });
+        }
+        light
+    }
+
+    /// Pixel coordinates, and metres towards the light.
+    fn project(&self, p: Vec3) -> Vec3 {
+        let [u, v, towards] = self.axes;
+        let pixel = (Vec2::new(p.dot(u), p.dot(v)) - self.corner) * self.scale;
+        pixel.extend(p.dot(towards))
+    }
+
+    /// The share of light, 0 to 1, that reaches a surface: the mean over `2 blur + 1` pixels each way.
+    fn reaches(&self, point: Vec3, normal: Vec3, blur: i32) -> f32 {
+        // A surface must not shade itself through the steps of the depth picture: look from a little above it.
+        let pixel = 1.0 / self.scale;
+        let seen = self.project(point + normal * (1.5 + blur as f32) * pixel);
+        let limit = seen.z + 0.5 * pixel;
+        let (x, y) = (seen.x - 0.5, seen.y - 0.5);
+        let (x0, y0) = (x.floor(), y.floor());
+        let (fx, fy) = (x - x0, y - y0);
+        let side = self.resolution as i32;
+        let (x0, y0) = (x0 as i32 - blur, y0 as i32 - blur);
+        let taps = 2 * blur + 2;
+        if x0 < 0 || y0 < 0 || x0 + taps > side || y0 + taps > side {
+            return 1.0;
+        }
+        // A box filter that slides smoothly: full weight inside, the two rims share one pixel.
+        let weight = |i: i32, f: f32| match i {
+            0 => 1.0 - f,
+            i if i == taps - 1 => f,
+            _ => 1.0,
+        };
+        let mut lit = 0.0;
+        for j in 0..taps {
+            let start = ((y0 + j) * side + x0) as usize;
+            let row = &self.nearest[start..start + taps as usize];
+            let sum: f32 = (0..taps)
+                .zip(row)
+                .filter(|&(_, &z)| z <= limit)
+                .map(|(i, _)| weight(i, fx))
+                .sum();
+            lit += weight(j, fy) * sum;
+        }
+        lit / ((taps - 1) * (taps - 1)) as f32
+    }
+}
+
+/// Sun and sky over a scene.
+pub struct Lights {
+    sun: Light,
+    sky: Vec<Light>,
+}
+
+impl Lights {
+    /// Light from the sun in direction `towards_sun` and from a hemisphere about the y axis.
+    pub fn new(towards_sun: Vec3, triangles: &[Triangle]) -> Self {
+        let mut lights = parallel(SKY_DIRECTIONS + 1, |i| match i {
+            0 => Light::new(towards_sun.normalize_or(Vec3::Y), SUN_RESOLUTION, triangles),
+            _ => Light::new(sky_direction(i - 1), SKY_RESOLUTION, triangles),
+        });
+        let sky = lights.split_off(1);
+        let sun = lights.pop().expect("the first is the sun");
+        Self { sun, sky }
+    }
+
+    /// Light that a matt surface of `albedo` sends out.
+    pub fn shade(&self, point: Vec3, normal: Vec3, albedo: Vec3) -> Vec3 {
+        let facing = |light: &Light| normal.dot(light.axes[2]).max(0.0);
+        let received = |light: &Light, blur: i32| match facing(light) {
+            0.0 => 0.0,
+            share => share * light.reaches(point, normal, blur),
+        };
+        let sun = received(&self.sun, SUN_BLUR);
+        // The mean of the cosine over the hemisphere is 1/2, so twice the mean is 1 under an open sky.
+        let sky = self.sky.iter().map(|light| received(light, 0)).sum::<f32>() * 2.0
+            / self.sky.len() as f32;
+        albedo * (SUN_COLOUR * sun + SKY_COLOUR * sky + BOUNCE_COLOUR * (0.5 - 0.5 * normal.y))
+    }
+}
+
+/// Point `i` of a spiral that covers the upper hemisphere evenly (a Fibonacci lattice).
+fn sky_direction(i: usize) -> Vec3 {
+    const GOLDEN_ANGLE: f32 = 2.399_963_2;
+    let y = (i as f32 + 0.5) / SKY_DIRECTIONS as f32;
+    let (sin, cos) = (i as f32 * GOLDEN_ANGLE).sin_cos();
+    let radius = (1.0 - y * y).sqrt();
+    Vec3::new(radius * cos, y, radius * sin)
+}

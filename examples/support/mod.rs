@@ -1,0 +1,21 @@
+//! What the examples share: models from files, pictures, plots, and a few statistics.
+//!
+//! Include it with `#[path = "support/mod.rs"] mod support;`. Frames are right-handed with y up, lengths in metres.
+
+#![allow(dead_code, reason = "each example uses a part of this")]
+#![allow(unreachable_pub, reason = "nothing of an example can be reached from outside")]
+#![allow(
+    clippy::disallowed_methods,
+    reason = "pictures may differ in the last bit between platforms"
+)]
+
+pub mod light;
+pub mod model;
+pub mod picture;
+pub mod plot;
+pub mod raster;
+pub mod render;
+pub mod stats;
+
+/// The error of everything here: a sentence for the person who runs the example.
+pub type Error = Box<dyn std::error::Error + Send + Sync>;
