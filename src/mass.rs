@@ -221,6 +221,18 @@ pub enum MassError {
     },
 }
 
+impl Default for MassProperties {
+    /// No mass at all: a body whose mass is not computed yet, or that has none.
+    fn default() -> Self {
+        Self {
+            mass: 0.0,
+            centre: Vec3::ZERO,
+            principal: Vec3::ZERO,
+            principal_frame: Quat::IDENTITY,
+        }
+    }
+}
+
 impl MassProperties {
     /// Mass properties at uniform `density` (kg/m3) from the integrals of the body's shape.
     ///
@@ -250,13 +262,30 @@ impl MassProperties {
             principal: principal.as_vec3(),
             principal_frame: frame.as_quat(),
         };
-        let in_range = |value: f32| value.is_normal() && value.recip().is_normal();
-        let all_in_range =
-            in_range(result.mass) && result.principal.to_array().into_iter().all(in_range);
-        if !(all_in_range && result.centre.is_finite()) {
+        if !result.is_in_range() {
             return Err(MassError::OutOfRange { mass, principal });
         }
         Ok(result)
+    }
+
+    /// Checks values that were not computed here.
+    ///
+    /// # Errors
+    /// [`MassError::OutOfRange`] unless all numbers are finite, and mass and moments positive with finite inverses.
+    pub fn validate(&self) -> Result<(), MassError> {
+        if self.is_in_range() && self.principal_frame.is_normalized() {
+            return Ok(());
+        }
+        Err(MassError::OutOfRange {
+            mass: self.mass.into(),
+            principal: self.principal.as_dvec3(),
+        })
+    }
+
+    fn is_in_range(&self) -> bool {
+        let in_range = |value: f32| value > 0.0 && value.is_normal() && value.recip().is_normal();
+        let moments = self.principal.to_array();
+        in_range(self.mass) && moments.into_iter().all(in_range) && self.centre.is_finite()
     }
 
     /// Mass properties of a solid hull of uniform `density` (kg/m3).

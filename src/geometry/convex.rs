@@ -325,6 +325,16 @@ impl ConvexHull {
         six_volumes / 6.0
     }
 
+    /// The hull moved by `offset` (m).
+    pub fn translated(mut self, offset: Vec3) -> Self {
+        self.vertices.iter_mut().for_each(|v| *v += offset);
+        for face in &mut self.faces {
+            face.plane.offset += face.plane.normal.dot(offset);
+        }
+        self.aabb = Aabb::of_points(self.vertices.iter().copied());
+        self
+    }
+
     /// The hull as a flat-shaded mesh: each face has vertices of its own, with the face's normal and, as texture
     /// coordinates, metres along two directions in the face's plane.
     pub fn to_mesh(&self) -> TriMesh {

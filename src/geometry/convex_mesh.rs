@@ -98,6 +98,23 @@ impl ConvexMesh {
         primitives::wedge(x, y, z).map(Self::from_hull)
     }
 
+    /// The shape scaled about its origin by `factor` along x, y and z.
+    ///
+    /// # Errors
+    /// [`MeshError::BadScale`](super::MeshError::BadScale) if a factor is not finite and positive, and what
+    /// [`ConvexHull::from_points`] says of the result.
+    pub fn scaled(&self, factor: Vec3) -> Result<Self, HullError> {
+        if !(factor.is_finite() && factor.min_element() > 0.0) {
+            return Err(super::MeshError::BadScale { factor }.into());
+        }
+        let points: Vec<Vec3> = self.hull().vertices().iter().map(|v| *v * factor).collect();
+        let visual = self
+            .visual()
+            .map(|mesh| mesh.clone().scaled(factor))
+            .transpose()?;
+        Ok(Self::from_parts(ConvexHull::from_points(&points)?, visual))
+    }
+
     /// The hull that collides and carries the mass.
     pub fn hull(&self) -> &ConvexHull {
         &self.0.hull

@@ -11,7 +11,7 @@ use super::clip::crossing;
 use super::edge_table::EdgeTable;
 use super::{Slice, SliceError, SliceOptions, slice_closed};
 use crate::geometry::predicates::{Side, check_plane, length_scale, plane_tolerance, side};
-use crate::geometry::{ConvexHull, Edge, Face, HullError, MeshError, TriMesh};
+use crate::geometry::{ConvexHull, Edge, Face, HullError, TriMesh};
 use crate::math::{Aabb, Plane};
 use glam::Vec3;
 
@@ -336,7 +336,11 @@ fn divide_face(
             }
         }
     }
-    if crossings == 2 { Ok(()) } else { Err(Irregular) }
+    if crossings == 2 {
+        Ok(())
+    } else {
+        Err(Irregular)
+    }
 }
 
 /// Renumbers the vertices of a part, pairs its edges, and checks that it is a polyhedron with volume.
@@ -435,6 +439,8 @@ pub struct Piece {
 
 /// Cuts a hull, and the closed mesh that rides in it, by one plane after the other; every plane cuts every piece.
 ///
+/// A visual mesh without triangles stays one: the piece of an earlier cut that held nothing of it.
+///
 /// The pieces come in an order that depends on hull and planes only: where a plane cuts a piece, the part below takes
 /// its place and the part above follows it. A plane that misses a piece leaves it as it is.
 ///
@@ -449,10 +455,7 @@ pub fn cut_by_planes(
     for plane in planes {
         check_plane(plane)?;
     }
-    if let Some(mesh) = visual {
-        if mesh.triangles.is_empty() {
-            return Err(MeshError::Empty.into());
-        }
+    if let Some(mesh) = visual.filter(|mesh| !mesh.triangles.is_empty()) {
         mesh.check_closed()?;
     }
     let mut slicer = HullSlicer::default();

@@ -17,6 +17,7 @@ mod cap;
 mod clip;
 pub mod convex;
 mod edge_table;
+pub mod fracturable;
 pub mod pattern;
 
 pub use convex::{HullHalves, HullSlice, HullSlicer, Piece, cut_by_planes, slice_hull};

@@ -1,0 +1,169 @@
+//! From bodies to manifolds: feeds the contact layer with the bodies' boxes, shapes and materials.
+//!
+//! Pairs are independent, so they are split into parts that run on the compute task pool if there is one. The split
+//! depends on the number of pairs only, and the parts are joined in order: any number of threads gives the same bits.
+
+use crate::contact::broadphase::{Broadphase, Pair, Proxy, ProxyKind, ProxyShape};
+use crate::contact::manifold::{Manifold, ManifoldBody, Patch};
+use crate::contact::sat::{NarrowScratch, collide_half_space, collide_hulls};
+use crate::math::{Plane, Pose};
+use crate::solver::bodies::{Bodies, RigidBody, Shape};
+use bevy_tasks::ComputeTaskPool;
+
+/// How far ahead contacts are found, as a share of the body's least extent: far enough that a body at rest keeps its
+/// contacts while it settles, near enough that a body flying past does not get any.
+const CONTACT_MARGIN: f32 = 0.02;
+
+/// How far the boxes kept by the broad phase reach beyond the bodies, m (it limits this for small bodies itself).
+const BOX_MARGIN: f32 = 0.1;
+
+/// Pairs that are worth a task of their own: about 50 us of work, ten times the cost of a task.
+const PAIRS_PER_PART: usize = 64;
+
+/// Most parts, so that few buffers serve any number of pairs.
+const MAX_PARTS: usize = 32;
+
+/// Buffers of the narrow phase.
+#[derive(Debug, Default)]
+pub struct NarrowPhase {
+    proxies: Vec<Option<Proxy>>,
+    parts: Vec<Part>,
+}
+
+#[derive(Debug, Default)]
+struct Part {
+    scratch: NarrowScratch,
+    manifolds: Vec<Manifold>,
+}
+
+/// Brings the pairs of `broadphase` up to date with the bodies.
+pub fn update_pairs(broadphase: &mut Broadphase, narrow: &mut NarrowPhase, bodies: &Bodies) {
+    narrow.proxies.clear();
+    narrow
+        .proxies
+        .extend((0..bodies.slots() as u32).map(|slot| proxy(bodies, slot)));
+    broadphase.update(&narrow.proxies, BOX_MARGIN);
+}
+
+fn proxy(bodies: &Bodies, slot: u32) -> Option<Proxy> {
+    if !bodies.is_active(slot) {
+        return None;
+    }
+    let info = bodies.info(slot);
+    let kind = if info.kind == RigidBody::Dynamic {
+        ProxyKind::Moving
+    } else {
+        ProxyKind::Fixed
+    };
+    let shape = match &info.shape {
+        Shape::Convex(_) => {
+            ProxyShape::Box(bodies.aabb[slot as usize].fattened(contact_margin(bodies, slot)))
+        }
+        Shape::HalfSpace(_) => ProxyShape::HalfSpace(half_space_plane(bodies, slot)),
+    };
+    Some(Proxy {
+        id: bodies.id(slot),
+        kind,
+        layers: info.layers,
+        shape,
+    })
+}
+
+fn contact_margin(bodies: &Bodies, slot: u32) -> f32 {
+    CONTACT_MARGIN * bodies.least_extent[slot as usize]
+}
+
+/// Surface of the half-space in `slot`, world frame.
+fn half_space_plane(bodies: &Bodies, slot: u32) -> Plane {
+    let Shape::HalfSpace(half_space) = &bodies.info(slot).shape else {
+        unreachable!("asked for half-spaces only")
+    };
+    let pose = bodies.pose(slot);
+    Plane::through(pose.position, pose.rotation * half_space.normal)
+}
+
+impl NarrowPhase {
+    /// Fills `manifolds` with the contacts of all `pairs`, in their order. Impulses are zero.
+    pub fn collide(&mut self, bodies: &Bodies, pairs: &[Pair], manifolds: &mut Vec<Manifold>) {
+        let part_count = pairs.len().div_ceil(PAIRS_PER_PART).clamp(1, MAX_PARTS);
+        let part_size = pairs.len().div_ceil(part_count).max(1);
+        self.parts
+            .resize_with(self.parts.len().max(part_count), Part::default);
+        let parts = self.parts.iter_mut().zip(pairs.chunks(part_size));
+        match ComputeTaskPool::try_get().filter(|_| part_count > 1) {
+            Some(pool) => {
+                pool.scope(|scope| {
+                    parts.for_each(|(part, pairs)| {
+                        scope.spawn(async move { part.collide(bodies, pairs) })
+                    });
+                });
+            }
+            None => parts.for_each(|(part, pairs)| part.collide(bodies, pairs)),
+        }
+        manifolds.clear();
+        for part in &mut self.parts {
+            manifolds.append(&mut part.manifolds);
+        }
+    }
+}
+
+impl Part {
+    fn collide(&mut self, bodies: &Bodies, pairs: &[Pair]) {
+        self.manifolds.clear();
+        for &pair in pairs {
+            let Some(patch) = collide_pair(bodies, pair, &mut self.scratch) else {
+                continue;
+            };
+            let [a, b] = [pair.a, pair.b].map(|slot| bodies.info(slot));
+            let friction = a.friction.combined(&b.friction);
+            let restitution = a.restitution.combined(&b.restitution);
+            let [a, b] = [pair.a, pair.b].map(|slot| manifold_body(bodies, slot));
+            self.manifolds
+                .push(Manifold::from_patch(&a, &b, &patch, friction, restitution));
+        }
+    }
+}
+
+fn manifold_body(bodies: &Bodies, slot: u32) -> ManifoldBody {
+    let i = slot as usize;
+    ManifoldBody {
+        slot,
+        pose: bodies.pose(slot),
+        centre: bodies.mass[i].centre,
+        code_box: bodies.kd_box[i],
+    }
+}
+
+/// Contact of one pair in A's frame, normal from A to B.
+fn collide_pair(bodies: &Bodies, pair: Pair, scratch: &mut NarrowScratch) -> Option<Patch> {
+    let margin = contact_margin(bodies, pair.a).min(contact_margin(bodies, pair.b));
+    let b_in_a = relative_pose(bodies, pair.a, pair.b);
+    match (&bodies.info(pair.a).shape, &bodies.info(pair.b).shape) {
+        (Shape::Convex(a), Shape::Convex(b)) => {
+            collide_hulls(a.hull(), b.hull(), b_in_a, margin, scratch)
+        }
+        (Shape::Convex(a), Shape::HalfSpace(b)) => {
+            let plane = Plane::through(b_in_a.position, b_in_a.rotation * b.normal);
+            collide_half_space(a.hull(), plane, b_in_a, margin, scratch)
+        }
+        (Shape::HalfSpace(a), Shape::Convex(b)) => {
+            let a_in_b = relative_pose(bodies, pair.b, pair.a);
+            let plane = Plane::through(a_in_b.position, a_in_b.rotation * a.normal);
+            let patch = collide_half_space(b.hull(), plane, a_in_b, margin, scratch)?;
+            Some(patch.swapped(&a_in_b))
+        }
+        (Shape::HalfSpace(_), Shape::HalfSpace(_)) => None,
+    }
+}
+
+/// `a_from_b`, from the difference of the centres of mass, which is exact far from the origin too.
+fn relative_pose(bodies: &Bodies, a: u32, b: u32) -> Pose {
+    let (i, j) = (a as usize, b as usize);
+    let a_from_world = bodies.rotation[i].inverse();
+    let rotation = a_from_world * bodies.rotation[j];
+    let centres = a_from_world * (bodies.centre[j] - bodies.centre[i]);
+    Pose::new(
+        centres + bodies.mass[i].centre - rotation * bodies.mass[j].centre,
+        rotation,
+    )
+}

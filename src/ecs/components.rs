@@ -1,0 +1,102 @@
+//! Components and messages that a user of the plugin meets.
+
+use crate::contact::BodyId;
+use crate::fracture::{CutError, Ledger};
+use crate::mass::MassProperties;
+use crate::math::Plane;
+use crate::solver::bodies::BodyError;
+use bevy_ecs::prelude::*;
+use bevy_math::Vec3;
+use bevy_transform::components::Transform;
+use smallvec::SmallVec;
+
+/// Velocity of the centre of mass, world axes, m/s.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Component)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
+pub struct LinearVelocity(pub Vec3);
+
+/// Angular velocity, world axes, rad/s.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Component)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
+pub struct AngularVelocity(pub Vec3);
+
+/// Mass properties to use instead of those that follow from shape and density.
+#[derive(Clone, Copy, Debug, PartialEq, Component)]
+pub struct MassOverride(pub MassProperties);
+
+/// Where the simulation keeps the body of this entity. Written by the plugin.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Component)]
+pub struct BodyHandle(pub(crate) Option<(u32, BodyId)>);
+
+impl BodyHandle {
+    /// Slot and id of the body, once the entity takes part in the simulation.
+    pub fn get(&self) -> Option<(u32, BodyId)> {
+        self.0
+    }
+}
+
+/// A body became several. The parent entity is despawned when this is read.
+#[derive(Clone, Debug, PartialEq, Message)]
+pub struct Fractured {
+    /// The entity that is no more.
+    pub parent: Entity,
+    /// The entities that took its place; each has the parent's other components.
+    pub pieces: Vec<Entity>,
+    /// The planes of the cut, world frame.
+    pub planes: SmallVec<[Plane; 8]>,
+    /// Mass, momentum, angular momentum and energy before and after.
+    pub ledger: Ledger,
+}
+
+/// Something about one entity is not usable. The rest of the scene goes on as if the entity were not there.
+///
+/// Sent once when the problem appears; it is also logged as a warning.
+#[derive(Clone, Debug, PartialEq, Message)]
+pub struct BodyWarning {
+    /// The entity.
+    pub entity: Entity,
+    /// What is wrong.
+    pub problem: BodyProblem,
+}
+
+/// What is wrong with an entity.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum BodyProblem {
+    /// Its state or material is not usable.
+    #[error(transparent)]
+    Body(#[from] BodyError),
+    /// A cut of it was refused.
+    #[error("the cut was not made: {0}")]
+    Cut(#[from] CutError),
+}
+
+/// Entities of the bodies, by slot, and the last pose written to each.
+#[derive(Debug, Default, Resource)]
+pub(crate) struct BodyEntities {
+    pub(crate) entity: Vec<Entity>,
+    /// Transform as last written or read; what differs from it was changed by the user.
+    pub(crate) seen: Vec<Transform>,
+}
+
+impl BodyEntities {
+    pub(crate) fn set(&mut self, slot: u32, entity: Entity, seen: Transform) {
+        let needed = slot as usize + 1;
+        if self.entity.len() < needed {
+            self.entity.resize(needed, Entity::PLACEHOLDER);
+            self.seen.resize(needed, Transform::IDENTITY);
+        }
+        self.entity[slot as usize] = entity;
+        self.seen[slot as usize] = seen;
+    }
+}
+
+/// Sends a warning about `entity` both to the log and as a message.
+pub(crate) fn warn(
+    warnings: &mut Messages<BodyWarning>,
+    entity: Entity,
+    problem: impl Into<BodyProblem>,
+) {
+    let problem = problem.into();
+    log::warn!("physics body {entity}: {problem}");
+    warnings.write(BodyWarning { entity, problem });
+}

@@ -1,0 +1,142 @@
+//! Cuts into entities: requests from commands, pieces spawned, parents despawned.
+
+use super::components::*;
+use crate::contact::material::Density;
+use crate::fracture::{CutError, CutRequest, Fractures};
+use crate::geometry::ConvexMesh;
+use crate::mass::MassProperties;
+use crate::math::Plane;
+use crate::slice::fracturable::Fracturable;
+use crate::solver::bodies::{Bodies, RigidBody};
+use bevy_ecs::prelude::*;
+use bevy_transform::components::Transform;
+
+/// Cutting on request.
+pub trait SliceCommands {
+    /// Cuts the body of `entity` by `plane` (world frame) in the next step.
+    ///
+    /// The pieces are new entities with the parent's other components; [`Fractured`] names them. Several cuts of one
+    /// body in one step are made one after the other, each through all pieces that are there by then. A cut that
+    /// cannot be made leaves the body as it is and sends a [`BodyWarning`] with the reason.
+    fn slice(&mut self, entity: Entity, plane: Plane);
+}
+
+impl SliceCommands for Commands<'_, '_> {
+    fn slice(&mut self, entity: Entity, plane: Plane) {
+        self.queue(move |world: &mut World| {
+            if let Some(mut requests) = world.get_resource_mut::<SliceRequests>() {
+                requests.0.push((entity, plane));
+            }
+        });
+    }
+}
+
+/// Cuts that commands asked for since the last step, in order.
+#[derive(Debug, Default, Resource)]
+pub(crate) struct SliceRequests(Vec<(Entity, Plane)>);
+
+/// System: finds the bodies that are to be cut.
+pub(crate) fn gather_requests(
+    mut requests: ResMut<SliceRequests>,
+    mut fractures: ResMut<Fractures>,
+    mut warnings: ResMut<Messages<BodyWarning>>,
+    handles: Query<&BodyHandle>,
+) {
+    for (entity, plane) in requests.0.drain(..) {
+        match handles.get(entity).ok().and_then(|handle| handle.0) {
+            Some((slot, body)) => fractures.requests.push(CutRequest { body, slot, plane }),
+            None => warn(&mut warnings, entity, CutError::NoBody),
+        }
+    }
+}
+
+/// System: warns about cuts that were not made.
+pub(crate) fn report_refusals(
+    fractures: Res<Fractures>,
+    entities: Res<BodyEntities>,
+    mut warnings: ResMut<Messages<BodyWarning>>,
+) {
+    for (request, error) in &fractures.refused {
+        warn(
+            &mut warnings,
+            entities.entity[request.slot as usize],
+            error.clone(),
+        );
+    }
+}
+
+/// Run condition: something broke in this step.
+pub(crate) fn anything_broke(fractures: Res<Fractures>) -> bool {
+    !fractures.done.is_empty()
+}
+
+/// System: spawns an entity for every piece, despawns the parents, tells what happened.
+pub(crate) fn spawn_pieces(world: &mut World) {
+    let done = std::mem::take(&mut world.resource_mut::<Fractures>().done);
+    // All parents first: a slot that a parent left may be a piece's by now.
+    let parents: Vec<Entity> = done
+        .iter()
+        .map(|f| world.resource::<BodyEntities>().entity[f.parent_slot as usize])
+        .collect();
+    for (fracture, &parent) in done.iter().zip(&parents) {
+        let pieces = fracture
+            .pieces
+            .iter()
+            .map(|&slot| spawn_piece(world, parent, slot))
+            .collect();
+        let message = Fractured {
+            parent,
+            pieces,
+            planes: fracture.planes.clone(),
+            ledger: fracture.ledger,
+        };
+        world.despawn(parent);
+        world.write_message(message);
+    }
+    world.resource_mut::<Fractures>().done = done;
+}
+
+/// One piece: a clone of the parent with shape, motion and mass of its own.
+fn spawn_piece(world: &mut World, parent: Entity, slot: u32) -> Entity {
+    let bodies = world.resource::<Bodies>();
+    let pose = bodies.pose(slot);
+    let (v, omega) = bodies.velocity(slot);
+    let transform = Transform {
+        translation: pose.position,
+        rotation: pose.rotation,
+        ..Transform::IDENTITY
+    };
+    let mesh = bodies.convex(slot).expect("pieces are convex").clone();
+    let motion = (
+        transform,
+        LinearVelocity(v),
+        AngularVelocity(omega),
+        Density(bodies.density(slot)),
+        *bodies.mass(slot),
+        BodyHandle(Some((slot, bodies.id(slot)))),
+    );
+    let fracturable = bodies.fracturable(slot).copied();
+    // What is cloned must not carry the parent's body, or observers would take the clone for the parent.
+    let piece = world
+        .entity_mut(parent)
+        .clone_and_spawn_with_opt_out(|builder| {
+            builder.deny::<(
+                RigidBody,
+                BodyHandle,
+                ConvexMesh,
+                MassProperties,
+                MassOverride,
+                Fracturable,
+                Children,
+            )>();
+        });
+    let mut entity = world.entity_mut(piece);
+    entity.insert((RigidBody::Dynamic, mesh, motion));
+    if let Some(fracturable) = fracturable {
+        entity.insert(fracturable);
+    }
+    world
+        .resource_mut::<BodyEntities>()
+        .set(slot, piece, transform);
+    piece
+}

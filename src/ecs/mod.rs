@@ -1,0 +1,10 @@
+//! The ECS face: components, messages, and the thin systems that move data between entities and the flat arrays.
+//!
+//! This is the first layer that knows entities, queries and commands. [`gather`] brings entities and what users changed
+//! into [`Bodies`](crate::solver::bodies::Bodies), [`scatter`] writes poses and velocities back, [`cut`] turns cuts
+//! into entities.
+
+pub mod components;
+pub mod cut;
+pub mod gather;
+pub mod scatter;

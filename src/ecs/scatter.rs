@@ -1,0 +1,50 @@
+//! Flat arrays into components: poses and velocities of bodies that moved, and problems of the step.
+
+use super::components::*;
+use crate::solver::bodies::{Bodies, RigidBody};
+use crate::step::StepReport;
+use bevy_ecs::prelude::*;
+use bevy_transform::components::Transform;
+
+/// System: writes pose and velocity to the entities whose bodies moved. `Transform` is written, never read back: the
+/// pose of record is the centre of mass in [`Bodies`].
+pub(crate) fn scatter(
+    bodies: Res<Bodies>,
+    mut entities: ResMut<BodyEntities>,
+    mut motion: Query<(
+        &BodyHandle,
+        &mut Transform,
+        &mut LinearVelocity,
+        &mut AngularVelocity,
+    )>,
+) {
+    for (handle, mut transform, mut linear, mut angular) in &mut motion {
+        let Some((slot, _)) = handle.0.filter(|&(slot, _)| bodies.is_active(slot)) else {
+            continue;
+        };
+        if bodies.kind(slot) == RigidBody::Static {
+            continue;
+        }
+        let pose = bodies.pose(slot);
+        let (v, omega) = bodies.velocity(slot);
+        transform.set_if_neq(Transform {
+            translation: pose.position,
+            rotation: pose.rotation,
+            scale: transform.scale,
+        });
+        linear.set_if_neq(LinearVelocity(v));
+        angular.set_if_neq(AngularVelocity(omega));
+        entities.seen[slot as usize] = *transform;
+    }
+}
+
+/// System: warns about bodies that the step could not handle.
+pub(crate) fn report_problems(
+    report: Res<StepReport>,
+    entities: Res<BodyEntities>,
+    mut warnings: ResMut<Messages<BodyWarning>>,
+) {
+    for (slot, error) in &report.problems {
+        warn(&mut warnings, entities.entity[*slot as usize], *error);
+    }
+}

@@ -1,0 +1,338 @@
+//! Bodies that break: which ones, through which planes, and what becomes of their motion.
+//!
+//! A body breaks when the contact impulses of one step pass its strength, or when a cut is asked for. It is cut in its
+//! own frame; each piece becomes a body about its own centre of mass and moves as that part of the parent did:
+//! `v_i = v + omega x r_i`, `omega_i = omega`, which conserves momentum, angular momentum and energy exactly; the
+//! [`Ledger`] shows the rounding.
+
+mod ledger;
+
+pub use ledger::{Ledger, Totals};
+
+use crate::contact::BodyId;
+use crate::contact::cache::ContactCache;
+use crate::contact::manifold::Manifold;
+use crate::geometry::ConvexMesh;
+use crate::geometry::predicates::check_plane;
+use crate::mass::VolumeIntegrals;
+use crate::math::Plane;
+use crate::slice::fracturable::Fracturable;
+use crate::slice::pattern::Impact;
+use crate::slice::{Piece, SliceError, SliceOptions, cut_by_planes};
+use crate::solver::bodies::{Bodies, BodyDesc, BodyError, RigidBody, Shape};
+use bevy_ecs::resource::Resource;
+use glam::{Quat, Vec3};
+use smallvec::SmallVec;
+
+/// Why a cut that was asked for was not made. The body is left as it was.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CutError {
+    /// There is no such body (any more).
+    #[error("there is no such body")]
+    NoBody,
+    /// Only dynamic bodies can be cut.
+    #[error("only dynamic bodies can be cut")]
+    NotDynamic,
+    /// The body is out of the simulation because its state is not finite.
+    #[error("the body is left out of the simulation")]
+    Frozen,
+    /// The plane does not go through the body.
+    #[error("the plane misses the body")]
+    Missed,
+    /// Fewer than two pieces are larger than the least volume.
+    #[error("fewer than two pieces would be larger than the least volume")]
+    TooSmall,
+    /// The slicer refused.
+    #[error(transparent)]
+    Slice(#[from] SliceError),
+    /// A piece does not make a body.
+    #[error(transparent)]
+    Piece(#[from] BodyError),
+}
+
+/// A cut that was asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CutRequest {
+    /// The body to cut.
+    pub body: BodyId,
+    /// Its slot.
+    pub slot: u32,
+    /// Where to cut; world frame.
+    pub plane: Plane,
+}
+
+/// One body that became several.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fracture {
+    /// The body that is no more.
+    pub parent: BodyId,
+    /// The slot it had.
+    pub parent_slot: u32,
+    /// Slots of the pieces.
+    pub pieces: SmallVec<[u32; 8]>,
+    /// The planes, world frame.
+    pub planes: SmallVec<[Plane; 8]>,
+    /// Before and after.
+    pub ledger: Ledger,
+}
+
+/// Cuts asked for, and what the last fracture phase did.
+#[derive(Debug, Default, Resource)]
+pub struct Fractures {
+    /// Cuts to make in the next fracture phase, in order; several on one body cut its pieces too.
+    pub requests: Vec<CutRequest>,
+    /// Fractures of the last step, in order of the parents' ids.
+    pub done: Vec<Fracture>,
+    /// Cuts of the last step that were not made.
+    pub refused: Vec<(CutRequest, CutError)>,
+    breaking: Vec<Breaking>,
+    impacts: Vec<ImpactSum>,
+}
+
+#[derive(Debug)]
+struct Breaking {
+    slot: u32,
+    planes: SmallVec<[Plane; 8]>,
+    requests: SmallVec<[CutRequest; 2]>,
+}
+
+/// Contact impulses on one body in one step.
+#[derive(Clone, Copy, Debug, Default)]
+struct ImpactSum {
+    total: f32,
+    strongest: f32,
+    /// From the centre of mass, world axes.
+    point: Vec3,
+    /// Direction of the impulse on the body, world axes.
+    direction: Vec3,
+}
+
+/// Breaks all bodies whose strength was passed or that are to be cut.
+///
+/// Pieces get slots, parents lose theirs; the parents' cache entries go. Results are in `fractures`.
+pub fn fracture_bodies(
+    fractures: &mut Fractures,
+    bodies: &mut Bodies,
+    manifolds: &[Manifold],
+    cache: &mut ContactCache,
+) {
+    fractures.done.clear();
+    fractures.refused.clear();
+    collect_requests(fractures, bodies);
+    collect_impacts(fractures, bodies, manifolds);
+    let mut breaking = std::mem::take(&mut fractures.breaking);
+    breaking.sort_by_key(|b| bodies.id(b.slot));
+    for entry in breaking.drain(..) {
+        match break_body(bodies, &entry) {
+            Ok(fracture) => {
+                cache.remove_body(fracture.parent);
+                fractures.done.push(fracture);
+            }
+            Err(error) => fractures
+                .refused
+                .extend(entry.requests.iter().map(|&r| (r, error.clone()))),
+        }
+    }
+    fractures.breaking = breaking;
+}
+
+/// Turns requests into planes in the bodies' frames; several on one body become one list.
+fn collect_requests(fractures: &mut Fractures, bodies: &Bodies) {
+    for request in fractures.requests.drain(..) {
+        if let Err(error) = check_request(&request, bodies) {
+            fractures.refused.push((request, error));
+            continue;
+        }
+        let plane = request.plane.in_frame_of(&bodies.pose(request.slot));
+        match fractures
+            .breaking
+            .iter_mut()
+            .find(|b| b.slot == request.slot)
+        {
+            Some(entry) => {
+                entry.planes.push(plane);
+                entry.requests.push(request);
+            }
+            None => fractures.breaking.push(Breaking {
+                slot: request.slot,
+                planes: smallvec::smallvec![plane],
+                requests: smallvec::smallvec![request],
+            }),
+        }
+    }
+}
+
+fn check_request(request: &CutRequest, bodies: &Bodies) -> Result<(), CutError> {
+    if !bodies.contains(request.slot) || bodies.id(request.slot) != request.body {
+        return Err(CutError::NoBody);
+    }
+    if bodies.kind(request.slot) != RigidBody::Dynamic {
+        return Err(CutError::NotDynamic);
+    }
+    if !bodies.is_active(request.slot) {
+        return Err(CutError::Frozen);
+    }
+    check_plane(&request.plane).map_err(SliceError::from)?;
+    Ok(())
+}
+
+/// Finds the bodies whose contact impulses of this step exceed their strength.
+fn collect_impacts(fractures: &mut Fractures, bodies: &Bodies, manifolds: &[Manifold]) {
+    if !bodies.any_fracturable() {
+        return;
+    }
+    fractures.impacts.clear();
+    fractures
+        .impacts
+        .resize(bodies.slots(), ImpactSum::default());
+    for manifold in manifolds {
+        for point in manifold.points() {
+            let sides = [
+                (manifold.a, point.anchor_a, -manifold.normal),
+                (manifold.b, point.anchor_b, manifold.normal),
+            ];
+            for (slot, anchor, direction) in sides {
+                let sum = &mut fractures.impacts[slot as usize];
+                sum.total += point.normal_impulse;
+                if point.normal_impulse > sum.strongest {
+                    (sum.strongest, sum.point, sum.direction) =
+                        (point.normal_impulse, anchor, direction);
+                }
+            }
+        }
+    }
+    for (slot, sum) in fractures
+        .impacts
+        .iter()
+        .enumerate()
+        .filter(|(_, sum)| sum.total > 0.0)
+    {
+        let slot = slot as u32;
+        let Some(fracturable) = bodies.fracturable(slot).filter(|f| sum.total > f.strength) else {
+            continue;
+        };
+        if bodies.kind(slot) != RigidBody::Dynamic || !bodies.is_active(slot) {
+            continue;
+        }
+        let Some(mesh) = bodies.convex(slot) else {
+            continue;
+        };
+        let body_from_world = bodies.pose(slot).rotation.inverse();
+        let impact = Impact {
+            point: body_from_world * sum.point + bodies.mass(slot).centre,
+            normal: body_from_world * sum.direction,
+            impulse: sum.total,
+        };
+        let planes = fracturable
+            .pattern
+            .planes(&impact, mesh.hull(), fracturable.seed);
+        match fractures.breaking.iter_mut().find(|b| b.slot == slot) {
+            Some(entry) => entry.planes.extend(planes),
+            None => fractures.breaking.push(Breaking {
+                slot,
+                planes,
+                requests: SmallVec::new(),
+            }),
+        }
+    }
+}
+
+/// Replaces one body by its pieces, or leaves it as it is.
+fn break_body(bodies: &mut Bodies, breaking: &Breaking) -> Result<Fracture, CutError> {
+    let slot = breaking.slot;
+    let mesh = bodies.convex(slot).ok_or(CutError::NotDynamic)?.clone();
+    let fracturable = bodies.fracturable(slot).copied();
+    let options = SliceOptions {
+        cap_colour: fracturable.and_then(|f| f.cut_colour),
+    };
+    let pieces = cut_by_planes(mesh.hull(), mesh.visual(), &breaking.planes, options)?;
+    if pieces.len() < 2 {
+        return Err(CutError::Missed);
+    }
+    let least_volume = f64::from(fracturable.map_or(0.0, |f| f.least_volume));
+    let large_enough = |piece: &Piece| piece.volume > least_volume;
+    if pieces.iter().filter(|p| large_enough(p)).count() < 2 {
+        return Err(CutError::TooSmall);
+    }
+    let world_from_body = bodies.pose(slot);
+    let about = bodies.centre_of_mass(slot).as_dvec3();
+    let mut ledger = Ledger::default();
+    ledger.before.add_body(bodies, slot, about);
+    let mut fracture = Fracture {
+        parent: bodies.id(slot),
+        parent_slot: slot,
+        pieces: SmallVec::new(),
+        planes: breaking
+            .planes
+            .iter()
+            .map(|p| p.in_frame_of(&world_from_body.inverse()))
+            .collect(),
+        ledger,
+    };
+    for piece in pieces {
+        let keep = large_enough(&piece);
+        let desc = piece_desc(
+            bodies,
+            slot,
+            piece,
+            fracturable.and_then(|f| f.for_piece(fracture.pieces.len())),
+        );
+        let piece_slot = match bodies.insert_with_mass(desc) {
+            Ok(piece_slot) => piece_slot,
+            Err(error) => {
+                fracture.pieces.iter().for_each(|&s| bodies.remove(s));
+                return Err(error.into());
+            }
+        };
+        if keep {
+            fracture.ledger.after.add_body(bodies, piece_slot, about);
+            fracture.pieces.push(piece_slot);
+        } else {
+            fracture.ledger.dropped.add_body(bodies, piece_slot, about);
+            fracture.ledger.dropped_pieces += 1;
+            bodies.remove(piece_slot);
+        }
+    }
+    bodies.remove(slot);
+    Ok(fracture)
+}
+
+/// The body that a piece becomes: in a frame about its own centroid, moving as that part of the parent did.
+fn piece_desc(
+    bodies: &Bodies,
+    parent: u32,
+    piece: Piece,
+    fracturable: Option<Fracturable>,
+) -> BodyDesc {
+    let info = bodies.info(parent);
+    let world_from_parent = bodies.pose(parent);
+    let centroid = VolumeIntegrals::of_hull(&piece.hull).centroid.as_vec3();
+    let (v, omega) = bodies.velocity(parent);
+    let density = match (info.mass_override, bodies.convex(parent)) {
+        (Some(given), Some(mesh)) => (f64::from(given.mass) / mesh.hull().volume()) as f32,
+        _ => info.density,
+    };
+    let lever = world_from_parent.rotation * (centroid - bodies.mass(parent).centre);
+    let shift = crate::math::Pose::new(-centroid, Quat::IDENTITY);
+    let visual = piece.visual.map(|mesh| mesh.transformed(&shift));
+    BodyDesc {
+        kind: RigidBody::Dynamic,
+        shape: Shape::Convex(ConvexMesh::from_parts(
+            piece.hull.translated(-centroid),
+            visual,
+        )),
+        pose: crate::math::Pose::new(
+            bodies.centre_of_mass(parent) + lever,
+            world_from_parent.rotation,
+        ),
+        linear_velocity: v + omega.cross(lever),
+        angular_velocity: omega,
+        density,
+        mass: None,
+        friction: info.friction,
+        restitution: info.restitution,
+        layers: info.layers,
+        fracturable,
+    }
+}

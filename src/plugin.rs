@@ -1,0 +1,221 @@
+//! The plugin: the phases of [`step`](crate::step) as system sets, in the same order and under the same names.
+
+use crate::contact::CollisionLayers;
+use crate::contact::cache::ContactCache;
+use crate::contact::material::{Density, Friction, Restitution};
+use crate::ecs::components::*;
+use crate::ecs::{cut, gather, scatter};
+use crate::fracture::Fractures;
+use crate::mass::MassProperties;
+use crate::solver::bodies::{Bodies, RigidBody};
+use crate::solver::{Gravity, SolverConfig};
+use crate::step::{self, Contacts, StepReport};
+use bevy_app::{App, FixedPostUpdate, Plugin};
+use bevy_ecs::intern::Interned;
+use bevy_ecs::prelude::*;
+use bevy_ecs::schedule::ScheduleLabel;
+use bevy_time::Time;
+use bevy_transform::components::Transform;
+
+/// The schedule of one physics step. Run by the plugin; its time step is `Time`'s current delta.
+#[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
+pub struct PhysicsSchedule;
+
+/// The phases of a step, in order.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum PhysicsSystems {
+    /// Entities and what changed about them become bodies; mass, centre and inertia of changed shapes.
+    MassProperties,
+    /// Pairs of bodies that may touch.
+    Broadphase,
+    /// Where pairs touch; multipliers from the cache.
+    ContactGeneration,
+    /// Forces and contact impulses.
+    Solve,
+    /// Poses from velocities.
+    Integrate,
+    /// The contact cache takes the new multipliers and ages the rest.
+    CacheAging,
+    /// Bodies that were hit too hard, or are to be cut, become pieces.
+    Fracture,
+    /// Poses and velocities are written to the entities.
+    Writeback,
+}
+
+/// Rigid-body physics with slicing and fracture.
+///
+/// Runs [`PhysicsSchedule`] in `FixedPostUpdate` unless told otherwise. Needs `TimePlugin` (part of Bevy's default and
+/// minimal plugins), or a `Time` resource that you advance yourself.
+#[derive(Clone, Copy, Debug)]
+pub struct CleavePlugin {
+    schedule: Interned<dyn ScheduleLabel>,
+}
+
+impl Default for CleavePlugin {
+    fn default() -> Self {
+        Self::new(FixedPostUpdate)
+    }
+}
+
+impl CleavePlugin {
+    /// Runs the physics in `schedule`.
+    pub fn new(schedule: impl ScheduleLabel) -> Self {
+        Self {
+            schedule: schedule.intern(),
+        }
+    }
+}
+
+impl Plugin for CleavePlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<Bodies>()
+            .init_resource::<Contacts>()
+            .init_resource::<ContactCache>()
+            .init_resource::<Fractures>()
+            .init_resource::<Gravity>()
+            .init_resource::<SolverConfig>()
+            .init_resource::<StepReport>()
+            .init_resource::<BodyEntities>()
+            .init_resource::<gather::BodyQueue>()
+            .init_resource::<cut::SliceRequests>()
+            .add_message::<Fractured>()
+            .add_message::<BodyWarning>()
+            .add_observer(gather::on_body_inserted)
+            .add_observer(gather::on_body_discarded);
+        require_components(app);
+        app.init_schedule(PhysicsSchedule)
+            .edit_schedule(PhysicsSchedule, add_phases);
+        app.add_systems(self.schedule, |world: &mut World| {
+            world.run_schedule(PhysicsSchedule)
+        });
+    }
+}
+
+/// `(RigidBody, ConvexMesh)` is a whole body: the rest has defaults.
+fn require_components(app: &mut App) {
+    app.register_required_components::<RigidBody, Transform>()
+        .register_required_components::<RigidBody, LinearVelocity>()
+        .register_required_components::<RigidBody, AngularVelocity>()
+        .register_required_components::<RigidBody, Density>()
+        .register_required_components::<RigidBody, Friction>()
+        .register_required_components::<RigidBody, Restitution>()
+        .register_required_components::<RigidBody, CollisionLayers>()
+        .register_required_components::<RigidBody, MassProperties>()
+        .register_required_components::<RigidBody, BodyHandle>();
+}
+
+fn add_phases(schedule: &mut Schedule) {
+    use PhysicsSystems as Phase;
+    schedule.configure_sets(
+        (
+            Phase::MassProperties,
+            Phase::Broadphase,
+            Phase::ContactGeneration,
+            Phase::Solve,
+            Phase::Integrate,
+            Phase::CacheAging,
+            Phase::Fracture,
+            Phase::Writeback,
+        )
+            .chain()
+            .run_if(time_advances),
+    );
+    schedule.add_systems((
+        (
+            gather::register_bodies,
+            gather::gather_changes,
+            gather::gather_motion,
+            mass_properties,
+            gather::publish_mass,
+        )
+            .chain()
+            .in_set(Phase::MassProperties),
+        broadphase.in_set(Phase::Broadphase),
+        generate_contacts.in_set(Phase::ContactGeneration),
+        solve.in_set(Phase::Solve),
+        integrate.in_set(Phase::Integrate),
+        age_cache.in_set(Phase::CacheAging),
+        (
+            cut::gather_requests,
+            fracture,
+            cut::report_refusals,
+            cut::spawn_pieces.run_if(cut::anything_broke),
+        )
+            .chain()
+            .in_set(Phase::Fracture),
+        (scatter::scatter, scatter::report_problems)
+            .chain()
+            .in_set(Phase::Writeback),
+    ));
+}
+
+fn time_advances(time: Res<Time>) -> bool {
+    step::is_usable_step(time.delta_secs())
+}
+
+fn mass_properties(mut bodies: ResMut<Bodies>, mut report: ResMut<StepReport>) {
+    step::mass_properties(&mut bodies, &mut report);
+}
+
+fn broadphase(bodies: Res<Bodies>, mut contacts: ResMut<Contacts>, mut report: ResMut<StepReport>) {
+    step::broadphase(&bodies, &mut contacts, &mut report);
+}
+
+fn generate_contacts(
+    bodies: Res<Bodies>,
+    mut contacts: ResMut<Contacts>,
+    mut cache: ResMut<ContactCache>,
+    config: Res<SolverConfig>,
+    mut report: ResMut<StepReport>,
+    time: Res<Time>,
+) {
+    step::generate_contacts(
+        &bodies,
+        &mut contacts,
+        &mut cache,
+        &config,
+        &mut report,
+        time.delta_secs(),
+    );
+}
+
+fn solve(
+    mut bodies: ResMut<Bodies>,
+    mut contacts: ResMut<Contacts>,
+    gravity: Res<Gravity>,
+    config: Res<SolverConfig>,
+    mut report: ResMut<StepReport>,
+    time: Res<Time>,
+) {
+    step::solve(
+        &mut bodies,
+        &mut contacts,
+        *gravity,
+        &config,
+        &mut report,
+        time.delta_secs(),
+    );
+}
+
+fn integrate(mut bodies: ResMut<Bodies>, mut report: ResMut<StepReport>, time: Res<Time>) {
+    step::integrate(&mut bodies, &mut report, time.delta_secs());
+}
+
+fn age_cache(
+    bodies: Res<Bodies>,
+    contacts: Res<Contacts>,
+    mut cache: ResMut<ContactCache>,
+    config: Res<SolverConfig>,
+    time: Res<Time>,
+) {
+    step::age_cache(&bodies, &contacts, &mut cache, &config, time.delta_secs());
+}
+
+fn fracture(
+    mut bodies: ResMut<Bodies>,
+    contacts: Res<Contacts>,
+    mut cache: ResMut<ContactCache>,
+    mut fractures: ResMut<Fractures>,
+) {
+    step::fracture(&mut bodies, &contacts, &mut cache, &mut fractures);
+}

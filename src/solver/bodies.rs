@@ -1,0 +1,554 @@
+//! Flat arrays of what the step reads and writes, one entry per slot.
+//!
+//! A body keeps its slot for life; slots of removed bodies are reused. Everything that is ordered is ordered by
+//! [`BodyId`], never by slot, so results do not depend on which slots were free.
+
+use crate::contact::material::{Friction, Restitution};
+use crate::contact::{BodyId, CollisionLayers};
+use crate::geometry::{ConvexMesh, HalfSpace, KdBox};
+use crate::mass::{MassError, MassProperties};
+use crate::math::{Aabb, Pose};
+use crate::slice::fracturable::Fracturable;
+use bevy_ecs::component::Component;
+use bevy_ecs::resource::Resource;
+use glam::{Mat3, Quat, Vec3};
+
+/// How a body moves. Immutable: insert another value to change it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Component)]
+#[component(immutable)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub enum RigidBody {
+    /// Moved by forces and contacts.
+    #[default]
+    Dynamic,
+    /// Moved by its velocity only, as if infinitely heavy.
+    Kinematic,
+    /// Never moves.
+    Static,
+}
+
+/// Shape of a body.
+#[derive(Clone, Debug)]
+pub enum Shape {
+    /// A convex hull, perhaps with a mesh riding in it.
+    Convex(ConvexMesh),
+    /// Everything behind a plane; only for bodies that are not dynamic.
+    HalfSpace(HalfSpace),
+}
+
+/// What a body is made from.
+#[derive(Clone, Debug)]
+pub struct BodyDesc {
+    /// How it moves.
+    pub kind: RigidBody,
+    /// Its shape.
+    pub shape: Shape,
+    /// `world_from_body`: where the shape's frame is.
+    pub pose: Pose,
+    /// Velocity of the centre of mass, m/s.
+    pub linear_velocity: Vec3,
+    /// Angular velocity, world axes, rad/s.
+    pub angular_velocity: Vec3,
+    /// Density, kg/m3.
+    pub density: f32,
+    /// Mass properties to use instead of those that follow from shape and density.
+    pub mass: Option<MassProperties>,
+    /// Friction.
+    pub friction: Friction,
+    /// Restitution.
+    pub restitution: Restitution,
+    /// Which bodies it may touch.
+    pub layers: CollisionLayers,
+    /// How it breaks, if it does.
+    pub fracturable: Option<Fracturable>,
+}
+
+impl BodyDesc {
+    /// A body at the origin, at rest, of density 1000 kg/m3, with default materials, that does not break.
+    pub fn new(kind: RigidBody, shape: Shape) -> Self {
+        Self {
+            kind,
+            shape,
+            pose: Pose::IDENTITY,
+            linear_velocity: Vec3::ZERO,
+            angular_velocity: Vec3::ZERO,
+            density: 1000.0,
+            mass: None,
+            friction: Friction::default(),
+            restitution: Restitution::default(),
+            layers: CollisionLayers::default(),
+            fracturable: None,
+        }
+    }
+
+    /// A dynamic convex body at `position`.
+    pub fn dynamic(shape: ConvexMesh, position: Vec3) -> Self {
+        Self {
+            pose: Pose::new(position, Quat::IDENTITY),
+            ..Self::new(RigidBody::Dynamic, Shape::Convex(shape))
+        }
+    }
+
+    /// A static half-space through the origin with the given outward normal: a floor.
+    pub fn floor(half_space: HalfSpace) -> Self {
+        Self::new(RigidBody::Static, Shape::HalfSpace(half_space))
+    }
+}
+
+/// Why a body is left out of the simulation.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum BodyError {
+    /// Position, rotation or velocity is NaN or infinite.
+    #[error("{0} is not finite; the body is left out until it is")]
+    NotFinite(&'static str),
+    /// The motion overflowed: something pushed the body to an infinite speed.
+    #[error("the motion overflowed; the body was stopped where it was")]
+    Overflow,
+    /// The rotation is not a unit quaternion.
+    #[error(
+        "the rotation is not a unit quaternion (length {length}); the body is left out until it is"
+    )]
+    NotUnitRotation {
+        /// Length of the quaternion.
+        length: f32,
+    },
+    /// The entity's `Transform` is scaled.
+    #[error(
+        "the Transform has scale {0}; scale the shape instead (ConvexMesh::scaled), then spawn with scale 1"
+    )]
+    Scaled(Vec3),
+    /// The density or the shape gives no usable mass.
+    #[error(transparent)]
+    Mass(#[from] MassError),
+    /// Friction or restitution is out of range.
+    #[error(transparent)]
+    Material(#[from] crate::contact::material::MaterialError),
+    /// A half-space cannot be dynamic.
+    #[error("a half-space has no mass and cannot be dynamic")]
+    DynamicHalfSpace,
+    /// Neither `ConvexMesh` nor `HalfSpace` is there.
+    #[error("a RigidBody needs a ConvexMesh or a HalfSpace")]
+    NoShape,
+}
+
+/// Velocity and inverse mass: all that a sweep of the solver touches of a body, half a cache line.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C)]
+pub struct SolverBody {
+    /// Velocity of the centre of mass, m/s.
+    pub linear: Vec3,
+    /// 1 / mass, 1/kg; zero for bodies that contacts do not move.
+    pub inverse_mass: f32,
+    /// Angular velocity, world axes, rad/s.
+    pub angular: Vec3,
+    /// Pads to half a cache line.
+    pub unused: f32,
+}
+
+const _: () = assert!(size_of::<SolverBody>() == 32);
+
+/// Whether a slot takes part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Status {
+    /// No body here.
+    Free,
+    /// A body that moves and touches.
+    Active,
+    /// A body with a state that is not finite: kept, but nothing else sees it.
+    Frozen,
+}
+
+/// What the step needs of a body besides its motion.
+#[derive(Clone, Debug)]
+pub(crate) struct BodyInfo {
+    pub(crate) kind: RigidBody,
+    pub(crate) shape: Shape,
+    pub(crate) density: f32,
+    pub(crate) mass_override: Option<MassProperties>,
+    pub(crate) friction: Friction,
+    pub(crate) restitution: Restitution,
+    pub(crate) layers: CollisionLayers,
+    pub(crate) fracturable: Option<Fracturable>,
+}
+
+impl BodyInfo {
+    fn of(desc: BodyDesc) -> Self {
+        Self {
+            kind: desc.kind,
+            shape: desc.shape,
+            density: desc.density,
+            mass_override: desc.mass,
+            friction: desc.friction,
+            restitution: desc.restitution,
+            layers: desc.layers,
+            fracturable: desc.fracturable,
+        }
+    }
+
+    /// Whether mass properties follow from the same things in both.
+    fn has_mass_of(&self, other: &Self) -> bool {
+        let same_shape = match (&self.shape, &other.shape) {
+            (Shape::Convex(a), Shape::Convex(b)) => a.is_same(b),
+            (Shape::HalfSpace(a), Shape::HalfSpace(b)) => a == b,
+            _ => false,
+        };
+        same_shape && self.density == other.density && self.mass_override == other.mass_override
+    }
+}
+
+/// All bodies of a simulation.
+#[derive(Debug, Default, Resource)]
+pub struct Bodies {
+    pub(crate) ids: Vec<BodyId>,
+    pub(crate) status: Vec<Status>,
+    pub(crate) info: Vec<Option<BodyInfo>>,
+    /// Position of the centre of mass, world, m.
+    pub(crate) centre: Vec<Vec3>,
+    /// `world_from_body` rotation.
+    pub(crate) rotation: Vec<Quat>,
+    pub(crate) velocity: Vec<SolverBody>,
+    pub(crate) mass: Vec<MassProperties>,
+    /// Inverse inertia tensor about the centre of mass, world axes, 1/(kg m2).
+    pub(crate) inverse_inertia: Vec<Mat3>,
+    /// Tight box in the world; meaningless for half-spaces.
+    pub(crate) aabb: Vec<Aabb>,
+    pub(crate) kd_box: Vec<Option<KdBox>>,
+    /// Least extent of the hull's box, m: what slop and contact margin are relative to.
+    pub(crate) least_extent: Vec<f32>,
+    /// Slots whose mass properties are out of date.
+    pub(crate) stale_mass: Vec<u32>,
+    /// Slots whose mass properties the last mass phase computed.
+    pub(crate) fresh_mass: Vec<u32>,
+    /// Number of bodies that can break.
+    fracturable: usize,
+    free: Vec<u32>,
+    next_id: u32,
+    alive: usize,
+}
+
+impl Bodies {
+    /// Number of bodies.
+    pub fn len(&self) -> usize {
+        self.alive
+    }
+
+    /// Whether there are no bodies.
+    pub fn is_empty(&self) -> bool {
+        self.alive == 0
+    }
+
+    /// Number of slots, used or free.
+    pub fn slots(&self) -> usize {
+        self.ids.len()
+    }
+
+    /// Adds a body and returns its slot. Its mass is computed by the next mass phase.
+    ///
+    /// # Errors
+    /// [`BodyError`] for a state, density or material that is not usable; nothing is added then.
+    pub fn insert(&mut self, desc: BodyDesc) -> Result<u32, BodyError> {
+        check_desc(&desc)?;
+        let slot = self.free.pop().unwrap_or_else(|| self.grow());
+        let i = slot as usize;
+        self.ids[i] = BodyId(self.next_id);
+        self.next_id += 1;
+        self.alive += 1;
+        self.status[i] = Status::Active;
+        self.centre[i] = desc.pose.position;
+        self.rotation[i] = desc.pose.rotation;
+        self.velocity[i] = SolverBody {
+            linear: desc.linear_velocity,
+            angular: desc.angular_velocity,
+            ..Default::default()
+        };
+        self.mass[i] = MassProperties::default();
+        self.inverse_inertia[i] = Mat3::ZERO;
+        self.info[i] = Some(BodyInfo::of(desc));
+        self.fracturable += usize::from(self.info(slot).fracturable.is_some());
+        self.mark_shape_changed(slot);
+        Ok(slot)
+    }
+
+    /// Adds a body whose mass properties are needed at once: a piece of another body.
+    pub(crate) fn insert_with_mass(&mut self, desc: BodyDesc) -> Result<u32, BodyError> {
+        let slot = self.insert(desc)?;
+        self.refresh_mass(slot).inspect_err(|_| self.remove(slot))?;
+        Ok(slot)
+    }
+
+    /// Removes the body in `slot`; does nothing if the slot is free.
+    pub fn remove(&mut self, slot: u32) {
+        let i = slot as usize;
+        if i >= self.slots() || self.status[i] == Status::Free {
+            return;
+        }
+        self.fracturable -= usize::from(self.info(slot).fracturable.is_some());
+        self.status[i] = Status::Free;
+        self.info[i] = None;
+        self.velocity[i] = SolverBody::default();
+        self.kd_box[i] = None;
+        self.free.push(slot);
+        self.alive -= 1;
+    }
+
+    /// Slots that hold a body, ascending.
+    pub fn iter(&self) -> impl Iterator<Item = u32> + '_ {
+        (0..self.slots() as u32).filter(|&s| self.status[s as usize] != Status::Free)
+    }
+
+    /// Whether `slot` holds a body.
+    pub fn contains(&self, slot: u32) -> bool {
+        self.status
+            .get(slot as usize)
+            .is_some_and(|s| *s != Status::Free)
+    }
+
+    /// Whether the body takes part, that is, its state is finite.
+    pub fn is_active(&self, slot: u32) -> bool {
+        self.status.get(slot as usize) == Some(&Status::Active)
+    }
+
+    /// Id of the body in `slot`.
+    pub fn id(&self, slot: u32) -> BodyId {
+        self.ids[slot as usize]
+    }
+
+    /// How the body moves.
+    pub fn kind(&self, slot: u32) -> RigidBody {
+        self.info(slot).kind
+    }
+
+    /// The convex shape of the body, unless it is a half-space.
+    pub fn convex(&self, slot: u32) -> Option<&ConvexMesh> {
+        match &self.info(slot).shape {
+            Shape::Convex(mesh) => Some(mesh),
+            Shape::HalfSpace(_) => None,
+        }
+    }
+
+    /// `world_from_body`: pose of the frame that the shape is given in.
+    pub fn pose(&self, slot: u32) -> Pose {
+        let i = slot as usize;
+        Pose {
+            position: self.centre[i] - self.rotation[i] * self.mass[i].centre,
+            rotation: self.rotation[i],
+        }
+    }
+
+    /// World position of the centre of mass, m.
+    pub fn centre_of_mass(&self, slot: u32) -> Vec3 {
+        self.centre[slot as usize]
+    }
+
+    /// Velocity of the centre of mass (m/s) and angular velocity (rad/s), world axes.
+    pub fn velocity(&self, slot: u32) -> (Vec3, Vec3) {
+        let v = &self.velocity[slot as usize];
+        (v.linear, v.angular)
+    }
+
+    /// Mass properties in the body's frame; zero mass before the first mass phase and for half-spaces.
+    pub fn mass(&self, slot: u32) -> &MassProperties {
+        &self.mass[slot as usize]
+    }
+
+    /// Density of the body, kg/m3.
+    pub fn density(&self, slot: u32) -> f32 {
+        self.info(slot).density
+    }
+
+    /// Velocities and inverse masses of all slots: what a solver works on.
+    pub fn solver_bodies(&self) -> &[SolverBody] {
+        &self.velocity
+    }
+
+    /// How the body breaks, if it does.
+    pub fn fracturable(&self, slot: u32) -> Option<&Fracturable> {
+        self.info(slot).fracturable.as_ref()
+    }
+
+    /// Puts the body's frame somewhere else.
+    pub fn set_pose(&mut self, slot: u32, pose: Pose) {
+        let i = slot as usize;
+        self.rotation[i] = pose.rotation;
+        self.centre[i] = pose.position + pose.rotation * self.mass[i].centre;
+    }
+
+    /// Sets velocity of the centre of mass (m/s) and angular velocity (rad/s), world axes.
+    pub fn set_velocity(&mut self, slot: u32, linear: Vec3, angular: Vec3) {
+        let v = &mut self.velocity[slot as usize];
+        v.linear = linear;
+        v.angular = angular;
+    }
+
+    /// Kinetic energy of a dynamic body, J.
+    pub fn kinetic_energy(&self, slot: u32) -> f64 {
+        let (v, omega) = self.velocity(slot);
+        let m = self.mass(slot);
+        let spin = (self.rotation[slot as usize] * m.principal_frame).inverse() * omega;
+        0.5 * (f64::from(m.mass) * f64::from(v.length_squared())
+            + f64::from((m.principal * spin).dot(spin)))
+    }
+
+    /// Whether any body can break.
+    pub fn any_fracturable(&self) -> bool {
+        self.fracturable > 0
+    }
+
+    /// Takes over shape, density, material, layers and strength from `desc`, but neither pose nor velocity nor kind.
+    ///
+    /// # Errors
+    /// [`BodyError`]; the body stays as it was then.
+    pub fn redescribe(&mut self, slot: u32, desc: BodyDesc) -> Result<(), BodyError> {
+        check_desc(&desc)?;
+        let info = BodyInfo {
+            kind: self.kind(slot),
+            ..BodyInfo::of(desc)
+        };
+        let same_mass = info.has_mass_of(self.info(slot));
+        self.set_fracturable(slot, info.fracturable);
+        self.info[slot as usize] = Some(info);
+        if !same_mass {
+            self.mark_shape_changed(slot);
+        }
+        Ok(())
+    }
+
+    /// Makes a body breakable or unbreakable.
+    pub fn set_fracturable(&mut self, slot: u32, fracturable: Option<Fracturable>) {
+        self.fracturable += usize::from(fracturable.is_some());
+        self.fracturable -= usize::from(self.info(slot).fracturable.is_some());
+        self.info[slot as usize]
+            .as_mut()
+            .expect("slot holds a body")
+            .fracturable = fracturable;
+    }
+
+    pub(crate) fn info(&self, slot: u32) -> &BodyInfo {
+        self.info[slot as usize]
+            .as_ref()
+            .expect("slot holds a body")
+    }
+
+    /// Call after changing shape, density or mass override: boxes now, mass in the next mass phase.
+    pub(crate) fn mark_shape_changed(&mut self, slot: u32) {
+        let i = slot as usize;
+        let aabb = self.convex(slot).map(|m| m.hull().aabb());
+        self.kd_box[i] = aabb.map(KdBox::around);
+        self.least_extent[i] = aabb.map_or(f32::INFINITY, |b| b.extents().min_element());
+        self.stale_mass.push(slot);
+    }
+
+    /// Takes a body out of the simulation, or lets it in again.
+    pub(crate) fn set_frozen(&mut self, slot: u32, frozen: bool) {
+        self.status[slot as usize] = if frozen {
+            Status::Frozen
+        } else {
+            Status::Active
+        };
+    }
+
+    /// Recomputes the mass properties of one body, keeping its frame where it is.
+    pub(crate) fn refresh_mass(&mut self, slot: u32) -> Result<(), MassError> {
+        let i = slot as usize;
+        let pose = self.pose(slot);
+        let info = self.info(slot);
+        let kind = info.kind;
+        self.mass[i] = match (&info.shape, info.mass_override) {
+            (Shape::HalfSpace(_), _) => MassProperties::default(),
+            (Shape::Convex(_), Some(given)) => given,
+            (Shape::Convex(mesh), None) => MassProperties::of_hull(mesh.hull(), info.density)?,
+        };
+        let movable = kind == RigidBody::Dynamic;
+        self.velocity[i].inverse_mass = if movable {
+            1.0 / self.mass[i].mass
+        } else {
+            0.0
+        };
+        if kind == RigidBody::Static {
+            self.set_velocity(slot, Vec3::ZERO, Vec3::ZERO);
+        }
+        self.set_pose(slot, pose);
+        self.refresh_world(slot);
+        self.fresh_mass.push(slot);
+        Ok(())
+    }
+
+    /// Recomputes what follows from the pose: inverse inertia and box in the world.
+    pub(crate) fn refresh_world(&mut self, slot: u32) {
+        let i = slot as usize;
+        if self.velocity[i].inverse_mass > 0.0 {
+            let m = &self.mass[i];
+            let r = Mat3::from_quat(self.rotation[i] * m.principal_frame);
+            self.inverse_inertia[i] = r * Mat3::from_diagonal(m.principal.recip()) * r.transpose();
+        }
+        let pose = self.pose(slot);
+        if let Some(mesh) = self.convex(slot) {
+            self.aabb[i] = world_box(mesh, &pose);
+        }
+    }
+
+    fn grow(&mut self) -> u32 {
+        let slot = self.ids.len() as u32;
+        self.ids.push(BodyId::default());
+        self.status.push(Status::Free);
+        self.info.push(None);
+        self.centre.push(Vec3::ZERO);
+        self.rotation.push(Quat::IDENTITY);
+        self.velocity.push(SolverBody::default());
+        self.mass.push(MassProperties::default());
+        self.inverse_inertia.push(Mat3::ZERO);
+        self.aabb.push(Aabb::EMPTY);
+        self.kd_box.push(None);
+        self.least_extent.push(0.0);
+        slot
+    }
+}
+
+/// The world box of the eight corners of the hull's own box would be up to `sqrt(3)` too wide; this one is tight.
+fn world_box(mesh: &ConvexMesh, pose: &Pose) -> Aabb {
+    let m = Mat3::from_quat(pose.rotation);
+    let local = Aabb::of_points(mesh.hull().vertices().iter().map(|&v| m * v));
+    Aabb {
+        min: local.min + pose.position,
+        max: local.max + pose.position,
+    }
+}
+
+fn check_desc(desc: &BodyDesc) -> Result<(), BodyError> {
+    check_pose(&desc.pose)?;
+    check_velocity(desc.linear_velocity, desc.angular_velocity)?;
+    desc.friction.validate()?;
+    desc.restitution.validate()?;
+    match &desc.shape {
+        Shape::HalfSpace(_) if desc.kind == RigidBody::Dynamic => Err(BodyError::DynamicHalfSpace),
+        Shape::HalfSpace(_) => Ok(()),
+        Shape::Convex(mesh) => match desc.mass {
+            Some(mass) => Ok(mass.validate()?),
+            None => Ok(MassProperties::of_hull(mesh.hull(), desc.density).map(drop)?),
+        },
+    }
+}
+
+pub(crate) fn check_pose(pose: &Pose) -> Result<(), BodyError> {
+    if !pose.position.is_finite() {
+        return Err(BodyError::NotFinite("the position"));
+    }
+    if !pose.rotation.is_finite() {
+        return Err(BodyError::NotFinite("the rotation"));
+    }
+    if !pose.rotation.is_normalized() {
+        return Err(BodyError::NotUnitRotation {
+            length: pose.rotation.length(),
+        });
+    }
+    Ok(())
+}
+
+pub(crate) fn check_velocity(linear: Vec3, angular: Vec3) -> Result<(), BodyError> {
+    if linear.is_finite() && angular.is_finite() {
+        Ok(())
+    } else {
+        Err(BodyError::NotFinite("the velocity"))
+    }
+}

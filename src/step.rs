@@ -1,0 +1,267 @@
+//! The loop: one step of the simulation as phases over plain data.
+//!
+//! [`Simulation::step`] is the whole step; the plugin runs the same phase functions as systems in the same order.
+//!
+//! ```text
+//! 1 mass properties    changed shapes   -> mass, centre, inertia
+//! 2 broadphase         boxes            -> pairs, sorted by body id
+//! 3 contact generation pairs, hulls     -> manifolds; multipliers from the cache
+//! 4 solve              forces, manifolds -> rows -> impulses with w = A lambda - b, lo <= lambda <= hi
+//! 5 integrate          velocities       -> poses
+//! 6 cache aging        impulses         -> cache: hits reset, others one step older, stale ones evicted
+//! 7 fracture           impulses over the strength, cuts asked for -> pieces
+//! ```
+
+use crate::collide;
+use crate::contact::broadphase::Broadphase;
+use crate::contact::cache::{CacheStats, ContactCache};
+use crate::contact::manifold::Manifold;
+use crate::fracture::{Fractures, fracture_bodies};
+use crate::solver::bodies::{Bodies, BodyError, RigidBody};
+use crate::solver::mlcp::Residual;
+use crate::solver::rows::PointRows;
+use crate::solver::{Gravity, SolverConfig, integrate, pgs, rows};
+use bevy_ecs::resource::Resource;
+
+/// Everything between the bodies and the solver that lives from step to step.
+#[derive(Debug, Default, Resource)]
+pub struct Contacts {
+    pub(crate) broadphase: Broadphase,
+    pub(crate) narrow: collide::NarrowPhase,
+    pub(crate) manifolds: Vec<Manifold>,
+    pub(crate) rows: Vec<PointRows>,
+}
+
+impl Contacts {
+    /// Manifolds of the last step with the impulses that were found, sorted by body ids.
+    pub fn manifolds(&self) -> &[Manifold] {
+        &self.manifolds
+    }
+
+    /// Rows of the last step.
+    pub fn rows(&self) -> &[PointRows] {
+        &self.rows
+    }
+}
+
+/// What the last step did.
+#[derive(Clone, Debug, Default, PartialEq, Resource)]
+pub struct StepReport {
+    /// Bodies in the simulation.
+    pub bodies: usize,
+    /// Pairs that the broad phase found.
+    pub pairs: usize,
+    /// Pairs that touch or nearly touch.
+    pub manifolds: usize,
+    /// Contact points.
+    pub contacts: usize,
+    /// How the contact cache did.
+    pub cache: CacheStats,
+    /// Errors of the solution; only with [`SolverConfig::measure_error`].
+    pub error: Option<StepError>,
+    /// Bodies that were left out since the last step, with the reason, by slot.
+    pub problems: Vec<(u32, BodyError)>,
+}
+
+/// How wrong the step was.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StepError {
+    /// Residual of the contact problem.
+    pub residual: Residual,
+    /// Deepest overlap of two bodies, m.
+    pub penetration: f32,
+    /// Kinetic energy of all dynamic bodies after the solve, J.
+    pub kinetic_energy: f64,
+    /// Potential energy of all dynamic bodies in the gravity field, zero at the origin, J.
+    pub potential_energy: f64,
+}
+
+/// A simulation on plain data: what the plugin does, without an app.
+#[derive(Debug, Default)]
+pub struct Simulation {
+    /// The bodies.
+    pub bodies: Bodies,
+    /// Contacts of the last step.
+    pub contacts: Contacts,
+    /// Multipliers of earlier steps.
+    pub cache: ContactCache,
+    /// Cuts asked for and made.
+    pub fractures: Fractures,
+    /// Gravity.
+    pub gravity: Gravity,
+    /// How contacts are solved.
+    pub config: SolverConfig,
+    /// What the last step did.
+    pub report: StepReport,
+}
+
+impl Simulation {
+    /// Advances the simulation by `h` seconds. Does nothing unless `h` is finite and positive.
+    pub fn step(&mut self, h: f32) {
+        if !is_usable_step(h) {
+            return;
+        }
+        mass_properties(&mut self.bodies, &mut self.report);
+        broadphase(&self.bodies, &mut self.contacts, &mut self.report);
+        generate_contacts(
+            &self.bodies,
+            &mut self.contacts,
+            &mut self.cache,
+            &self.config,
+            &mut self.report,
+            h,
+        );
+        solve(
+            &mut self.bodies,
+            &mut self.contacts,
+            self.gravity,
+            &self.config,
+            &mut self.report,
+            h,
+        );
+        integrate(&mut self.bodies, &mut self.report, h);
+        age_cache(
+            &self.bodies,
+            &self.contacts,
+            &mut self.cache,
+            &self.config,
+            h,
+        );
+        fracture(
+            &mut self.bodies,
+            &self.contacts,
+            &mut self.cache,
+            &mut self.fractures,
+        );
+    }
+}
+
+/// Whether a step of `h` seconds can be made.
+pub fn is_usable_step(h: f32) -> bool {
+    h.is_finite() && h > 0.0
+}
+
+/// Phase 1: mass, centre of mass and inertia of bodies whose shape or density changed.
+pub fn mass_properties(bodies: &mut Bodies, report: &mut StepReport) {
+    report.problems.clear();
+    bodies.fresh_mass.clear();
+    let mut stale = std::mem::take(&mut bodies.stale_mass);
+    for slot in stale.drain(..) {
+        if !bodies.contains(slot) {
+            continue;
+        }
+        if let Err(error) = bodies.refresh_mass(slot) {
+            report.problems.push((slot, error.into()));
+        }
+    }
+    bodies.stale_mass = stale;
+    report.bodies = bodies.len();
+}
+
+/// Phase 2: pairs of bodies whose fattened boxes overlap.
+pub fn broadphase(bodies: &Bodies, contacts: &mut Contacts, report: &mut StepReport) {
+    collide::update_pairs(&mut contacts.broadphase, &mut contacts.narrow, bodies);
+    report.pairs = contacts.broadphase.pairs().len();
+}
+
+/// Phase 3: manifolds of all pairs, and where the solver left off at the same points.
+pub fn generate_contacts(
+    bodies: &Bodies,
+    contacts: &mut Contacts,
+    cache: &mut ContactCache,
+    config: &SolverConfig,
+    report: &mut StepReport,
+    h: f32,
+) {
+    let Contacts {
+        broadphase,
+        narrow,
+        manifolds,
+        ..
+    } = contacts;
+    narrow.collide(bodies, broadphase.pairs(), manifolds);
+    report.cache = if config.warm_start {
+        cache.warm_start(manifolds, &bodies.ids, &bodies.rotation, &bodies.kd_box, h)
+    } else {
+        CacheStats::default()
+    };
+    report.manifolds = manifolds.len();
+    report.contacts = manifolds.iter().map(|m| m.count as usize).sum();
+}
+
+/// Phase 4: forces, then impulses that keep the bodies apart.
+pub fn solve(
+    bodies: &mut Bodies,
+    contacts: &mut Contacts,
+    gravity: Gravity,
+    config: &SolverConfig,
+    report: &mut StepReport,
+    h: f32,
+) {
+    // Rebound is from the speed before gravity of this step acts, or a body would bounce off its own weight.
+    rows::build_rows(&mut contacts.rows, &contacts.manifolds, bodies, config, h);
+    integrate::apply_forces(bodies, gravity.0, h);
+    pgs::solve(&mut contacts.rows, &mut bodies.velocity, config);
+    rows::store_impulses(&contacts.rows, &mut contacts.manifolds);
+    report.error = config
+        .measure_error
+        .then(|| measure_error(bodies, contacts, gravity, config));
+}
+
+/// Phase 5: poses from velocities. A body that would stop being finite is stopped where it is, and reported.
+pub fn integrate(bodies: &mut Bodies, report: &mut StepReport, h: f32) {
+    integrate::integrate_positions(bodies, &mut report.problems, h);
+}
+
+/// Phase 6: the cache takes the new impulses and ages the rest.
+pub fn age_cache(
+    bodies: &Bodies,
+    contacts: &Contacts,
+    cache: &mut ContactCache,
+    config: &SolverConfig,
+    h: f32,
+) {
+    if !config.warm_start {
+        cache.clear();
+        return;
+    }
+    cache.store_and_age(&contacts.manifolds, &bodies.ids, &bodies.rotation, h);
+}
+
+/// Phase 7: bodies that were hit too hard or are to be cut become pieces.
+pub fn fracture(
+    bodies: &mut Bodies,
+    contacts: &Contacts,
+    cache: &mut ContactCache,
+    fractures: &mut Fractures,
+) {
+    fracture_bodies(fractures, bodies, &contacts.manifolds, cache);
+}
+
+fn measure_error(
+    bodies: &Bodies,
+    contacts: &Contacts,
+    gravity: Gravity,
+    config: &SolverConfig,
+) -> StepError {
+    let deepest = contacts
+        .manifolds
+        .iter()
+        .flat_map(|m| m.points())
+        .map(|p| -p.separation)
+        .fold(0.0, f32::max);
+    let mut error = StepError {
+        residual: pgs::residual(&contacts.rows, &bodies.velocity, config),
+        penetration: deepest,
+        ..Default::default()
+    };
+    for slot in bodies
+        .iter()
+        .filter(|&s| bodies.is_active(s) && bodies.kind(s) == RigidBody::Dynamic)
+    {
+        let weight = f64::from(bodies.mass(slot).mass) * gravity.0.as_dvec3();
+        error.kinetic_energy += bodies.kinetic_energy(slot);
+        error.potential_energy -= weight.dot(bodies.centre_of_mass(slot).as_dvec3());
+    }
+    error
+}

@@ -1,0 +1,88 @@
+//! An app with the plugin that makes exactly one step with every update, and spawning from descriptions.
+#![allow(dead_code, reason = "each test uses some of it")]
+
+use bevy_app::{App, TaskPoolPlugin};
+use bevy_cleave::prelude::*;
+use bevy_ecs::prelude::*;
+use bevy_ecs::schedule::{LogLevel, ScheduleBuildSettings};
+use bevy_time::{Fixed, Time, TimePlugin, TimeUpdateStrategy};
+use bevy_transform::components::Transform;
+use std::time::Duration;
+
+/// Length of a step, s.
+pub fn step_length() -> Duration {
+    Duration::from_secs_f64(1.0 / 60.0)
+}
+
+/// The app; systems without a defined order are errors in it.
+pub fn app() -> App {
+    let mut app = App::new();
+    app.add_plugins((
+        TaskPoolPlugin::default(),
+        TimePlugin,
+        CleavePlugin::default(),
+    ))
+    .insert_resource(Time::<Fixed>::from_duration(step_length()))
+    .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+    app.edit_schedule(PhysicsSchedule, |schedule| {
+        schedule.set_build_settings(ScheduleBuildSettings {
+            ambiguity_detection: LogLevel::Error,
+            ..Default::default()
+        });
+    });
+    app.finish();
+    app.cleanup();
+    app.update();
+    app
+}
+
+/// Spawns the entity that `desc` describes.
+pub fn spawn(world: &mut World, desc: &BodyDesc) -> Entity {
+    let transform = Transform {
+        translation: desc.pose.position,
+        rotation: desc.pose.rotation,
+        ..Default::default()
+    };
+    let mut entity = world.spawn((
+        desc.kind,
+        transform,
+        LinearVelocity(desc.linear_velocity),
+        AngularVelocity(desc.angular_velocity),
+        Density(desc.density),
+        desc.friction,
+        desc.restitution,
+        desc.layers,
+    ));
+    match &desc.shape {
+        Shape::Convex(mesh) => entity.insert(mesh.clone()),
+        Shape::HalfSpace(half_space) => entity.insert(*half_space),
+    };
+    if let Some(fracturable) = desc.fracturable {
+        entity.insert(fracturable);
+    }
+    entity.id()
+}
+
+/// Position, rotation and velocities as bits.
+pub fn bits(pose: &Pose, linear: glam::Vec3, angular: glam::Vec3) -> Vec<u32> {
+    let parts = [
+        &pose.position.to_array()[..],
+        &pose.rotation.to_array(),
+        &linear.to_array(),
+        &angular.to_array(),
+    ];
+    parts.concat().into_iter().map(f32::to_bits).collect()
+}
+
+/// Motion of one entity as bits.
+pub fn bits_of_entity(world: &World, entity: Entity) -> Vec<u32> {
+    let entity = world.entity(entity);
+    let t = entity.get::<Transform>().expect("a body has a Transform");
+    let v = entity
+        .get::<LinearVelocity>()
+        .expect("a body has a velocity");
+    let omega = entity
+        .get::<AngularVelocity>()
+        .expect("a body has a velocity");
+    bits(&Pose::new(t.translation, t.rotation), v.0, omega.0)
+}

@@ -1,0 +1,353 @@
+//! Bad input is named and left out; the rest of the scene does not notice, bit for bit.
+
+mod app;
+mod scenes;
+
+use app::{app, bits_of_entity, spawn};
+use bevy_cleave::prelude::*;
+use bevy_ecs::prelude::*;
+use bevy_transform::components::Transform;
+use glam::{Quat, Vec3};
+use scenes::falling_and_breaking;
+
+const STEPS: usize = 90;
+/// The step before which the disturbance happens, once everything moves and some touch.
+const DISTURBED_AT: usize = 30;
+
+/// What the scene looks like in the end, and what was warned about.
+struct Outcome {
+    motion: Vec<Vec<u32>>,
+    warnings: Vec<BodyWarning>,
+}
+
+/// Runs the scene; `spawn_bad` adds an entity in its middle, `disturb` does something to it later.
+///
+/// Entities of pieces are compared too: all that have a body, except the bad one, in the order of their ids.
+fn run(
+    spawn_bad: impl FnOnce(&mut World) -> Option<Entity>,
+    disturb: impl FnOnce(&mut World, Option<Entity>),
+) -> Outcome {
+    let mut app = app();
+    let scene = falling_and_breaking();
+    let (before, after) = scene.split_at(6);
+    before
+        .iter()
+        .for_each(|desc| drop(spawn(app.world_mut(), desc)));
+    let bad = spawn_bad(app.world_mut());
+    after
+        .iter()
+        .for_each(|desc| drop(spawn(app.world_mut(), desc)));
+    let (mut disturb, mut warnings) = (Some(disturb), Vec::new());
+    for step in 0..STEPS {
+        if step == DISTURBED_AT
+            && let Some(disturb) = disturb.take()
+        {
+            disturb(app.world_mut(), bad);
+        }
+        app.update();
+        let messages = app.world().resource::<Messages<BodyWarning>>();
+        warnings.extend(messages.iter_current_update_messages().cloned());
+    }
+    let world = app.world_mut();
+    let mut bodies = world.query::<(Entity, &BodyHandle)>();
+    let mut found: Vec<_> = bodies
+        .iter(world)
+        .filter(|(entity, _)| Some(*entity) != bad)
+        .map(|(entity, handle)| (handle.get().map(|(_, id)| id), entity))
+        .collect();
+    found.sort();
+    let motion = found
+        .iter()
+        .map(|(_, entity)| bits_of_entity(world, *entity))
+        .collect();
+    Outcome { motion, warnings }
+}
+
+fn undisturbed() -> Outcome {
+    run(|_| None, |_, _| ())
+}
+
+/// A body far from the others, so that it never touches them.
+fn bystander(world: &mut World) -> Option<Entity> {
+    let cube = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("valid size");
+    Some(
+        world
+            .spawn((
+                RigidBody::Dynamic,
+                cube,
+                Transform::from_xyz(100.0, 5.0, 0.0),
+            ))
+            .id(),
+    )
+}
+
+/// One warning about the entity, and nobody else noticed.
+fn check_warned(outcome: &Outcome, expected: impl Fn(&BodyProblem) -> bool) {
+    let [warning] = &outcome.warnings[..] else {
+        panic!("exactly one warning expected, got {:?}", outcome.warnings)
+    };
+    assert!(expected(&warning.problem), "{warning:?}");
+    assert!(
+        outcome.motion == undisturbed().motion,
+        "the rest of the scene noticed"
+    );
+}
+
+fn is_not_finite(problem: &BodyProblem) -> bool {
+    matches!(problem, BodyProblem::Body(BodyError::NotFinite(_)))
+}
+
+fn spawn_with(bundle: impl Bundle) -> impl FnOnce(&mut World) -> Option<Entity> {
+    move |world| {
+        let cube = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("valid size");
+        let body = (RigidBody::Dynamic, cube, Transform::from_xyz(0.3, 2.0, 0.1));
+        Some(world.spawn(body).insert(bundle).id())
+    }
+}
+
+#[test]
+fn body_spawned_with_a_nan_pose_is_left_out() {
+    let nan = Transform::from_xyz(f32::NAN, 0.0, 0.0);
+    check_warned(&run(spawn_with(nan), |_, _| ()), is_not_finite);
+}
+
+#[test]
+fn body_spawned_with_infinite_velocity_is_left_out() {
+    let bad = LinearVelocity(Vec3::new(0.0, f32::INFINITY, 0.0));
+    check_warned(&run(spawn_with(bad), |_, _| ()), is_not_finite);
+}
+
+#[test]
+fn body_with_a_rotation_that_is_not_one_is_left_out() {
+    let bad = Transform::from_rotation(Quat::from_xyzw(1.0, 1.0, 1.0, 1.0));
+    let expected =
+        |p: &BodyProblem| matches!(p, BodyProblem::Body(BodyError::NotUnitRotation { .. }));
+    check_warned(&run(spawn_with(bad), |_, _| ()), expected);
+}
+
+#[test]
+fn negative_density_is_refused() {
+    for density in [-1.0, 0.0, f32::NAN] {
+        let outcome = run(spawn_with(Density(density)), |_, _| ());
+        check_warned(&outcome, |p| {
+            matches!(p, BodyProblem::Body(BodyError::Mass(_)))
+        });
+    }
+}
+
+#[test]
+fn friction_and_restitution_out_of_range_are_refused() {
+    let expected = |p: &BodyProblem| matches!(p, BodyProblem::Body(BodyError::Material(_)));
+    check_warned(&run(spawn_with(Friction::new(-0.1)), |_, _| ()), expected);
+    check_warned(&run(spawn_with(Restitution::new(1.5)), |_, _| ()), expected);
+}
+
+#[test]
+fn scaled_transform_is_refused() {
+    let scaled = Transform::from_scale(Vec3::splat(2.0));
+    let expected = |p: &BodyProblem| matches!(p, BodyProblem::Body(BodyError::Scaled(_)));
+    check_warned(&run(spawn_with(scaled), |_, _| ()), expected);
+}
+
+#[test]
+fn body_without_a_shape_and_dynamic_half_space_are_refused() {
+    let shapeless = |world: &mut World| Some(world.spawn(RigidBody::Dynamic).id());
+    check_warned(&run(shapeless, |_, _| ()), |p| {
+        matches!(p, BodyProblem::Body(BodyError::NoShape))
+    });
+    let falling_floor = |world: &mut World| {
+        Some(
+            world
+                .spawn((RigidBody::Dynamic, HalfSpace { normal: Vec3::Y }))
+                .id(),
+        )
+    };
+    check_warned(&run(falling_floor, |_, _| ()), |p| {
+        matches!(p, BodyProblem::Body(BodyError::DynamicHalfSpace))
+    });
+}
+
+#[test]
+fn pose_that_becomes_nan_takes_the_body_out() {
+    let outcome = run(bystander, |world, bad| {
+        let mut entity = world.entity_mut(bad.expect("spawned"));
+        entity.get_mut::<Transform>().expect("there").translation.y = f32::NAN;
+    });
+    check_warned(&outcome, is_not_finite);
+}
+
+#[test]
+fn body_comes_back_when_its_pose_is_mended() {
+    let mut app = app();
+    let cube = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("valid size");
+    let nan = Transform::from_xyz(0.0, f32::NAN, 0.0);
+    let body = app.world_mut().spawn((RigidBody::Dynamic, cube, nan)).id();
+    app.update();
+    assert!(
+        app.world()
+            .entity(body)
+            .get::<BodyHandle>()
+            .expect("required")
+            .get()
+            .is_none()
+    );
+    app.world_mut()
+        .entity_mut(body)
+        .insert(Transform::from_xyz(0.0, 3.0, 0.0));
+    app.update();
+    let y = app
+        .world()
+        .entity(body)
+        .get::<Transform>()
+        .expect("there")
+        .translation
+        .y;
+    assert!(
+        y < 3.0 && y > 2.9,
+        "it falls from where it was put, y = {y}"
+    );
+}
+
+#[test]
+fn density_that_becomes_negative_is_not_taken_over() {
+    let outcome = run(bystander, |world, bad| {
+        world
+            .entity_mut(bad.expect("spawned"))
+            .insert(Density(-5.0));
+    });
+    check_warned(&outcome, |p| {
+        matches!(p, BodyProblem::Body(BodyError::Mass(_)))
+    });
+}
+
+#[test]
+fn cut_of_a_static_body_is_refused() {
+    let still = |world: &mut World| {
+        let cube = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("valid size");
+        Some(
+            world
+                .spawn((
+                    RigidBody::Static,
+                    cube,
+                    Transform::from_xyz(100.0, 0.0, 0.0),
+                ))
+                .id(),
+        )
+    };
+    let outcome = run(still, |world, bad| {
+        let plane = Plane::through(Vec3::new(100.0, 0.0, 0.0), Vec3::X);
+        world.commands().slice(bad.expect("spawned"), plane);
+        world.flush();
+    });
+    check_warned(&outcome, |p| {
+        matches!(p, BodyProblem::Cut(CutError::NotDynamic))
+    });
+}
+
+#[test]
+fn cuts_that_cannot_be_made_are_refused() {
+    let through = Vec3::new(100.0, 5.0, 0.0);
+    let cases: [(Plane, fn(&CutError) -> bool); 3] = [
+        (Plane::through(through, Vec3::ZERO), |e| {
+            matches!(e, CutError::Slice(_))
+        }),
+        (
+            Plane {
+                normal: Vec3::X,
+                offset: f32::NAN,
+            },
+            |e| matches!(e, CutError::Slice(_)),
+        ),
+        (Plane::through(Vec3::new(200.0, 0.0, 0.0), Vec3::X), |e| {
+            matches!(e, CutError::Missed)
+        }),
+    ];
+    for (plane, expected) in cases {
+        let outcome = run(bystander, |world, bad| {
+            world.commands().slice(bad.expect("spawned"), plane);
+            world.flush();
+        });
+        check_warned(
+            &outcome,
+            |p| matches!(p, BodyProblem::Cut(e) if expected(e)),
+        );
+    }
+}
+
+#[test]
+fn cut_of_a_despawned_body_is_refused() {
+    let outcome = run(bystander, |world, bad| {
+        let bad = bad.expect("spawned");
+        world
+            .commands()
+            .slice(bad, Plane::through(Vec3::ZERO, Vec3::X));
+        world.flush();
+        world.despawn(bad);
+    });
+    check_warned(&outcome, |p| {
+        matches!(p, BodyProblem::Cut(CutError::NoBody))
+    });
+}
+
+#[test]
+fn two_cuts_of_one_body_in_one_step_are_both_made() {
+    let mut app = app();
+    let cube = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("valid size");
+    let body = app.world_mut().spawn((RigidBody::Dynamic, cube)).id();
+    app.update();
+    for normal in [Vec3::X, Vec3::Z] {
+        app.world_mut()
+            .commands()
+            .slice(body, Plane::through(Vec3::ZERO, normal));
+    }
+    app.update();
+    let world = app.world_mut();
+    let messages = world.resource::<Messages<Fractured>>();
+    let pieces: Vec<_> = messages
+        .iter_current_update_messages()
+        .map(|m| m.pieces.len())
+        .collect();
+    assert_eq!(pieces, [4], "one fracture into four quarters");
+    assert!(world.resource::<Messages<BodyWarning>>().is_empty());
+}
+
+#[test]
+fn bodies_despawned_while_they_touch_harm_nobody() {
+    let mut app = app();
+    let scene = falling_and_breaking();
+    let spawned: Vec<_> = scene
+        .iter()
+        .map(|desc| spawn(app.world_mut(), desc))
+        .collect();
+    for step in 0..120 {
+        app.update();
+        // One body each tenth step, with whatever it touches at that moment.
+        if step % 10 == 9 {
+            let _ = app.world_mut().try_despawn(spawned[1 + step / 10]);
+        }
+    }
+    let world = app.world_mut();
+    let mut bodies = world.query::<(&BodyHandle, &Transform)>();
+    assert!(
+        bodies
+            .iter(world)
+            .all(|(handle, t)| handle.get().is_some() && t.is_finite())
+    );
+    let alive = bodies.iter(world).count();
+    assert_eq!(world.resource::<Bodies>().len(), alive);
+    assert!(world.resource::<Messages<BodyWarning>>().is_empty());
+}
+
+#[test]
+fn nonsense_step_lengths_do_nothing() {
+    let mut simulation = Simulation::default();
+    let cube = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("valid size");
+    let body = simulation
+        .bodies
+        .insert(BodyDesc::dynamic(cube, Vec3::Y))
+        .expect("usable");
+    for h in [0.0, -0.1, f32::NAN, f32::INFINITY] {
+        simulation.step(h);
+        assert_eq!(simulation.bodies.pose(body).position, Vec3::Y);
+    }
+}
