@@ -322,7 +322,7 @@ fn bodies_despawned_while_they_touch_harm_nobody() {
     for step in 0..120 {
         app.update();
         // One body each tenth step, with whatever it touches at that moment.
-        if step % 10 == 9 {
+        if step % 10 == 4 {
             let _ = app.world_mut().try_despawn(spawned[1 + step / 10]);
         }
     }

@@ -102,7 +102,8 @@ pub(crate) fn register_bodies(
                 entities.set(slot, entity, *item.transform);
             }
             Err(error) => {
-                if known_problem.as_ref() != Some(&error) {
+                // As texts, because a NaN in the reason is not equal to itself.
+                if known_problem.map(|p| p.to_string()) != Some(error.to_string()) {
                     warn(&mut warnings, entity, error);
                 }
                 queue.refused.push((entity, error));
