@@ -639,7 +639,7 @@ fn resting_contacts_are_found_by_their_codes() {
         check("rest", &rates, 1.0, 1.0);
         exact += rates.exact / 50.0;
     }
-    // A cell of the floor measures 5 x 10 mm in the plane: jitter of 10 um crosses a border in about 0.3 % of the steps.
+    // A cell of the floor measures 5 x 10 mm in the plane: jitter of 10 um crosses a border in about 0.5 % of the steps.
     assert!(exact > 0.98, "{exact}");
 }
 

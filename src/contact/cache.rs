@@ -15,6 +15,20 @@
 //! - impulses are scaled by the ratio of step lengths, since a resting contact's impulse is force times step;
 //! - the friction impulse is kept as a vector in A's frame and projected anew on the tangent plane.
 //!
+//! Share of points found, 60 Hz, unit cube (or 16-sided prism of radius 0.5 m) on a floor of 10 m with cells of
+//! 5 x 10 mm, as `tests/contact_cache.rs` plays it:
+//!
+//! | motion | own codes only | with nearest cell |
+//! |---|---|---|
+//! | rest, 10 um of jitter | 0.995 | 1 |
+//! | slide at 0.05 m/s | 0.82 | 1 |
+//! | slide at 0.5 or 2 m/s | 0 | 1 |
+//! | spin at 5 rad/s | 0 | 1 |
+//! | roll at 0.2 m/s | 0.986 | 0.989 |
+//! | roll at 1 m/s | 0.931 | 0.944 |
+//!
+//! No found point had moved by more than 5 mm on both bodies. What a rolling body misses are edges new to the contact.
+//!
 //! # References
 //! "Constraint-Based Physics With Real-Time Object Slicing": the key, the ages and the limit of ten steps.
 
@@ -385,7 +399,7 @@ fn is_exact(point: &ContactPoint, entry: &CacheEntry) -> bool {
 fn match_points(
     points: &[ContactPoint],
     entries: &mut [CacheEntry],
-    measure: &Nearness<'_>,
+    measure: &Nearness,
     stats: &mut CacheStats,
 ) -> [Option<usize>; MAX_POINTS] {
     let mut matches = [None; MAX_POINTS];
@@ -400,9 +414,12 @@ fn match_points(
             stats.exact_hits += 1;
         }
     }
-    while let Some((i, index)) = nearest_couple(points, &matches, entries, measure) {
-        take(&mut matches[i], entries, index);
-        stats.near_hits += 1;
+    if matches[..points.len()].contains(&None) {
+        let mut couples = Couples::new(points, &matches, entries, measure);
+        while let Some((i, index)) = couples.take_closest() {
+            take(&mut matches[i], entries, index);
+            stats.near_hits += 1;
+        }
     }
     for (point, found) in points.iter().zip(&mut matches) {
         if found.is_some() {
@@ -421,29 +438,58 @@ fn match_points(
     matches
 }
 
-/// The closest couple of a point without entry and a fresh entry without point, if one is near enough.
-fn nearest_couple(
-    points: &[ContactPoint],
-    matches: &[Option<usize>],
-    entries: &[CacheEntry],
-    measure: &Nearness<'_>,
-) -> Option<(usize, usize)> {
-    let mut best: Option<(Distance, usize, usize)> = None;
-    let open = (0..points.len()).filter(|&i| matches[i].is_none());
-    for i in open {
-        for (index, entry) in entries.iter().enumerate() {
+/// Most fresh entries of a pair that nearness looks at; a step stores [`MAX_POINTS`], a cut may leave more.
+const MAX_FRESH: usize = 8;
+
+/// Distances between the points without entry and the fresh entries without point of one pair.
+#[derive(Debug)]
+struct Couples {
+    /// Row: point; column: entry. `None`: taken, or not near.
+    distances: [[Option<Distance>; MAX_FRESH]; MAX_POINTS],
+}
+
+impl Couples {
+    fn new(
+        points: &[ContactPoint],
+        matches: &[Option<usize>],
+        entries: &[CacheEntry],
+        measure: &Nearness,
+    ) -> Self {
+        let mut distances = [[None; MAX_FRESH]; MAX_POINTS];
+        for (column, entry) in entries.iter().take(MAX_FRESH).enumerate() {
             if entry.taken || entry.age > 0 {
                 continue;
             }
-            let Some(distance) = measure.distance(&points[i], entry) else {
-                continue;
-            };
-            if best.is_none_or(|b| distance.order(&b.0) == Ordering::Less) {
-                best = Some((distance, i, index));
+            let there = measure.place(entry.code_a, entry.code_b);
+            for (row, point) in points.iter().enumerate() {
+                if matches[row].is_none() {
+                    let here = measure.place(point.code_a, point.code_b);
+                    distances[row][column] = measure.distance(here, there);
+                }
             }
         }
+        Self { distances }
     }
-    best.map(|(_, i, index)| (i, index))
+
+    /// Removes the closest couple: point and entry.
+    fn take_closest(&mut self) -> Option<(usize, usize)> {
+        let mut best: Option<(Distance, usize, usize)> = None;
+        for (row, distances) in self.distances.iter().enumerate() {
+            for (column, distance) in distances.iter().enumerate() {
+                if let Some(distance) = distance
+                    && best.is_none_or(|b| distance.order(&b.0) == Ordering::Less)
+                {
+                    best = Some((*distance, row, column));
+                }
+            }
+        }
+        let (_, row, column) = best?;
+        self.distances[row] = [None; MAX_FRESH];
+        for distances in &mut self.distances {
+            distances[column] = None;
+        }
+        Some((row, column))
+    }
 }
 
 /// How far a point and an entry are apart, on the body where they are closer and on the other one; squared, m2.
@@ -463,35 +509,45 @@ impl Distance {
 
 /// Measures distances between cells of two bodies' boxes.
 #[derive(Debug)]
-struct Nearness<'a> {
-    /// The boxes whose cells are fine enough to tell points apart.
-    boxes: [Option<&'a KdBox>; 2],
+struct Nearness {
+    /// Edge lengths of the cells (m) of those boxes whose cells are fine enough to tell points apart.
+    cell_sizes: [Option<Vec3>; 2],
     /// Largest distance that counts as near, m.
     bound: f32,
 }
 
-impl<'a> Nearness<'a> {
+impl Nearness {
     /// The bound is a share of the smaller box. A box with cells larger than that does not count: two corners of a
     /// small body on a kilometre of terrain would both be "in the same cell" there.
-    fn of(a: Option<&'a KdBox>, b: Option<&'a KdBox>) -> Self {
+    fn of(a: Option<&KdBox>, b: Option<&KdBox>) -> Self {
         let longest = |b: Option<&KdBox>| b.map_or(f32::INFINITY, |b| b.extents.max_element());
         let bound = NEAR_SHARE * longest(a).min(longest(b));
-        let fine = |b: &&KdBox| 2.0 * b.cell_size().max_element() <= bound;
+        let fine = |b: Option<&KdBox>| {
+            b.map(KdBox::cell_size)
+                .filter(|size| 2.0 * size.max_element() <= bound)
+        };
         Self {
-            boxes: [a.filter(fine), b.filter(fine)],
+            cell_sizes: [fine(a), fine(b)],
             bound,
         }
     }
 
-    /// Distance between a point and an entry; `None` if not near on either body.
-    fn distance(&self, point: &ContactPoint, entry: &CacheEntry) -> Option<Distance> {
-        let on = |b: Option<&KdBox>, p: KdCode, e: KdCode| {
-            b.map_or(f32::INFINITY, |b| {
-                b.decode_centre(p).distance_squared(b.decode_centre(e))
-            })
+    /// Where two cells are on A and on B, from the corner of each box, m.
+    fn place(&self, code_a: KdCode, code_b: KdCode) -> [Option<Vec3>; 2] {
+        let on = |size: Option<Vec3>, code: KdCode| size.map(|size| code.cell().as_vec3() * size);
+        [
+            on(self.cell_sizes[0], code_a),
+            on(self.cell_sizes[1], code_b),
+        ]
+    }
+
+    /// Distance between two places; `None` if not near on either body.
+    fn distance(&self, here: [Option<Vec3>; 2], there: [Option<Vec3>; 2]) -> Option<Distance> {
+        let on = |side: usize| match (here[side], there[side]) {
+            (Some(p), Some(q)) => p.distance_squared(q),
+            _ => f32::INFINITY,
         };
-        let d_a = on(self.boxes[0], point.code_a, entry.code_a);
-        let d_b = on(self.boxes[1], point.code_b, entry.code_b);
+        let (d_a, d_b) = (on(0), on(1));
         let distance = Distance {
             closer: d_a.min(d_b),
             farther: d_a.max(d_b),

@@ -103,7 +103,7 @@ impl KdBox {
 
     /// Midpoint of the leaf that `code` names, m, frame of the box.
     pub fn decode_centre(&self, code: KdCode) -> Vec3 {
-        self.decode(code).centre()
+        self.min + (code.cell().as_vec3() + 0.5) * self.cell_size()
     }
 
     /// Point of the grid of leaves.
