@@ -9,12 +9,16 @@ use glam::{Vec2, Vec3};
 const SKY_DIRECTIONS: usize = 24;
 const SKY_RESOLUTION: usize = 512;
 const SUN_RESOLUTION: usize = 2048;
-/// Half the width of the sun's blurred shadow edge, in pixels of its depth picture.
-const SUN_BLUR: i32 = 2;
+/// Half the width of a blurred shadow edge, in pixels of the depth picture.
+const SUN_BLUR: usize = 2;
+const SKY_BLUR: usize = 1;
 const SUN_COLOUR: Vec3 = Vec3::new(2.5, 2.25, 1.9);
-const SKY_COLOUR: Vec3 = Vec3::new(0.62, 0.72, 0.88);
+const SKY_COLOUR: Vec3 = Vec3::new(0.66, 0.73, 0.85);
 /// What the ground throws back at faces that look down.
 const BOUNCE_COLOUR: Vec3 = Vec3::new(0.17, 0.16, 0.14);
+
+/// Edge of the blocks of a depth picture whose maximum tells at one glance that nothing is in the way.
+const BLOCK: usize = 8;
 
 /// Parallel light from one direction, and what it sees of the scene: the nearest depth for each pixel.
 struct Light {
@@ -26,6 +30,8 @@ struct Light {
     resolution: usize,
     /// Coordinate towards the light of the nearest surface.
     nearest: Vec<f32>,
+    /// The largest entry of `nearest` that a look-up may use whose corner is in a block of `BLOCK` pixels squared.
+    blocks: Vec<f32>,
 }
 
 impl Light {
@@ -45,6 +51,7 @@ impl Light {
             scale,
             resolution,
             nearest: vec![f32::NEG_INFINITY; resolution * resolution],
+            blocks: Vec::new(),
         };
         for t in triangles {
             let seen = t.positions.map(|p| light.project(p));
@@ -54,7 +61,20 @@ impl Light {
                 *old = old.max(z);
             });
         }
+        light.blocks = light.block_maxima();
         light
+    }
+
+    fn block_maxima(&self) -> Vec<f32> {
+        let (side, count) = (self.resolution, self.resolution / BLOCK);
+        let reach = BLOCK + 2 * SUN_BLUR.max(SKY_BLUR) + 1;
+        let maximum = |i: usize| {
+            let (x, y) = (i % count * BLOCK, i / count * BLOCK);
+            (y..(y + reach).min(side))
+                .flat_map(|row| &self.nearest[row * side..][x..(x + reach).min(side)])
+                .fold(f32::NEG_INFINITY, |a, &b| a.max(b))
+        };
+        (0..count * count).map(maximum).collect()
     }
 
     /// Pixel coordinates, and metres towards the light.
@@ -64,37 +84,46 @@ impl Light {
         pixel.extend(p.dot(towards))
     }
 
-    /// The share of light, 0 to 1, that reaches a surface: the mean over `2 blur + 1` pixels each way.
-    fn reaches(&self, point: Vec3, normal: Vec3, blur: i32) -> f32 {
+    /// What a surface receives, as a share of what one that faces the light in the open does.
+    fn received<const BLUR: usize>(&self, point: Vec3, normal: Vec3) -> f32 {
+        let facing = normal.dot(self.axes[2]);
+        if facing > 0.0 {
+            facing * self.reaches::<BLUR>(point, normal)
+        } else {
+            0.0
+        }
+    }
+
+    /// The share of light, 0 to 1, that reaches a surface: the mean over `2 BLUR + 1` pixels each way.
+    fn reaches<const BLUR: usize>(&self, point: Vec3, normal: Vec3) -> f32 {
         // A surface must not shade itself through the steps of the depth picture: look from a little above it.
         let pixel = 1.0 / self.scale;
-        let seen = self.project(point + normal * (1.5 + blur as f32) * pixel);
+        let seen = self.project(point + normal * (1.5 + BLUR as f32) * pixel);
         let limit = seen.z + 0.5 * pixel;
-        let (x, y) = (seen.x - 0.5, seen.y - 0.5);
-        let (x0, y0) = (x.floor(), y.floor());
-        let (fx, fy) = (x - x0, y - y0);
-        let side = self.resolution as i32;
-        let (x0, y0) = (x0 as i32 - blur, y0 as i32 - blur);
-        let taps = 2 * blur + 2;
-        if x0 < 0 || y0 < 0 || x0 + taps > side || y0 + taps > side {
+        let corner = Vec2::new(seen.x, seen.y) - (0.5 + BLUR as f32);
+        let taps = 2 * BLUR + 2;
+        let last = (self.resolution - taps) as f32;
+        if corner.min_element() < 0.0 || corner.max_element() >= last {
             return 1.0;
         }
-        // A box filter that slides smoothly: full weight inside, the two rims share one pixel.
-        let weight = |i: i32, f: f32| match i {
-            0 => 1.0 - f,
-            i if i == taps - 1 => f,
-            _ => 1.0,
-        };
+        let (x, y) = (corner.x as usize, corner.y as usize);
+        if self.blocks[y / BLOCK * (self.resolution / BLOCK) + x / BLOCK] <= limit {
+            return 1.0;
+        }
+        let (fx, fy) = (corner.x - x as f32, corner.y - y as f32);
+        // A box that slides smoothly: full weight inside, the two rims share one pixel.
         let mut lit = 0.0;
         for j in 0..taps {
-            let start = ((y0 + j) * side + x0) as usize;
-            let row = &self.nearest[start..start + taps as usize];
-            let sum: f32 = (0..taps)
-                .zip(row)
-                .filter(|&(_, &z)| z <= limit)
-                .map(|(i, _)| weight(i, fx))
-                .sum();
-            lit += weight(j, fy) * sum;
+            let start = (y + j) * self.resolution + x;
+            let row = &self.nearest[start..start + taps];
+            let open = |i: usize| if row[i] <= limit { 1.0 } else { 0.0 };
+            let inside: f32 = (1..taps - 1).map(open).sum();
+            let sum = inside + (1.0 - fx) * open(0) + fx * open(taps - 1);
+            lit += match j {
+                0 => (1.0 - fy) * sum,
+                j if j == taps - 1 => fy * sum,
+                _ => sum,
+            };
         }
         lit / ((taps - 1) * (taps - 1)) as f32
     }
@@ -120,15 +149,13 @@ impl Lights {
 
     /// Light that a matt surface of `albedo` sends out.
     pub fn shade(&self, point: Vec3, normal: Vec3, albedo: Vec3) -> Vec3 {
-        let facing = |light: &Light| normal.dot(light.axes[2]).max(0.0);
-        let received = |light: &Light, blur: i32| match facing(light) {
-            0.0 => 0.0,
-            share => share * light.reaches(point, normal, blur),
-        };
-        let sun = received(&self.sun, SUN_BLUR);
+        let sun = self.sun.received::<SUN_BLUR>(point, normal);
+        let sky = self
+            .sky
+            .iter()
+            .map(|light| light.received::<SKY_BLUR>(point, normal));
         // The mean of the cosine over the hemisphere is 1/2, so twice the mean is 1 under an open sky.
-        let sky = self.sky.iter().map(|light| received(light, 0)).sum::<f32>() * 2.0
-            / self.sky.len() as f32;
+        let sky = sky.sum::<f32>() * 2.0 / self.sky.len() as f32;
         albedo * (SUN_COLOUR * sun + SKY_COLOUR * sky + BOUNCE_COLOUR * (0.5 - 0.5 * normal.y))
     }
 }

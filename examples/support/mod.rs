@@ -3,7 +3,10 @@
 //! Include it with `#[path = "support/mod.rs"] mod support;`. Frames are right-handed with y up, lengths in metres.
 
 #![allow(dead_code, reason = "each example uses a part of this")]
-#![allow(unreachable_pub, reason = "nothing of an example can be reached from outside")]
+#![allow(
+    unreachable_pub,
+    reason = "nothing of an example can be reached from outside"
+)]
 #![allow(
     clippy::disallowed_methods,
     reason = "pictures may differ in the last bit between platforms"

@@ -24,6 +24,9 @@ pub struct Model {
 /// Normals that the file lacks are computed, with creases kept.
 pub fn load(path: impl AsRef<Path>) -> Result<Model, Error> {
     let path = path.as_ref();
+    if !path.is_file() {
+        return Err(format!("{}: no such file", path.display()).into());
+    }
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
     let read = match extension.to_ascii_lowercase().as_str() {
         "obj" => load_obj,
@@ -46,8 +49,16 @@ pub fn load(path: impl AsRef<Path>) -> Result<Model, Error> {
 impl Model {
     /// The same model centred on the origin, its bounding box scaled to a diagonal of `diagonal` metres.
     pub fn fitted(mut self, diagonal: f32) -> Self {
-        let min = self.positions.iter().copied().fold(Vec3::INFINITY, Vec3::min);
-        let max = self.positions.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max);
+        let min = self
+            .positions
+            .iter()
+            .copied()
+            .fold(Vec3::INFINITY, Vec3::min);
+        let max = self
+            .positions
+            .iter()
+            .copied()
+            .fold(Vec3::NEG_INFINITY, Vec3::max);
         let scale = diagonal / (max - min).length();
         for p in &mut self.positions {
             *p = (*p - 0.5 * (min + max)) * scale;
@@ -99,7 +110,11 @@ impl Model {
     ///
     /// A vertex on a crease becomes several, one per normal.
     fn with_smooth_normals(self) -> Self {
-        let bits = |v: u32| (self.positions[v as usize] + 0.0).to_array().map(f32::to_bits);
+        let bits = |v: u32| {
+            (self.positions[v as usize] + 0.0)
+                .to_array()
+                .map(f32::to_bits)
+        };
         let mut faces_at: HashMap<[u32; 3], Vec<Vec3>> = HashMap::new();
         let area_vectors: Vec<Vec3> = self
             .triangles
@@ -110,7 +125,8 @@ impl Model {
             })
             .collect();
         for (t, area) in self.triangles.iter().zip(&area_vectors) {
-            t.iter().for_each(|&v| faces_at.entry(bits(v)).or_default().push(*area));
+            t.iter()
+                .for_each(|&v| faces_at.entry(bits(v)).or_default().push(*area));
         }
         let mut out = Self::default();
         let mut number: HashMap<(u32, [u32; 3]), u32> = HashMap::new();
@@ -142,14 +158,24 @@ fn load_obj(path: &Path) -> Result<Model, Error> {
     let (objects, _materials) = tobj::load_obj(path, &tobj::GPU_LOAD_OPTIONS)?;
     let mut model = Model::default();
     for tobj::Model { mesh, .. } in objects {
-        let vectors = |flat: &[f32]| flat.as_chunks().0.iter().copied().map(Vec3::from_array).collect();
+        let vectors = |flat: &[f32]| {
+            flat.as_chunks()
+                .0
+                .iter()
+                .copied()
+                .map(Vec3::from_array)
+                .collect()
+        };
         let uvs = mesh.texcoords.as_chunks().0;
         let colours = mesh.vertex_color.as_chunks().0;
         model.append(Model {
             positions: vectors(&mesh.positions),
             normals: vectors(&mesh.normals),
             uvs: uvs.iter().copied().map(Vec2::from_array).collect(),
-            colours: colours.iter().map(|&c| Vec3::from_array(c).extend(1.0)).collect(),
+            colours: colours
+                .iter()
+                .map(|&c| Vec3::from_array(c).extend(1.0))
+                .collect(),
             triangles: mesh.indices.as_chunks().0.to_vec(),
         });
     }
@@ -224,10 +250,17 @@ fn read_primitive(
     Ok(Model {
         positions,
         normals: normals
-            .map(|n| (normal_matrix * Vec3::from(n)).try_normalize().unwrap_or(Vec3::Y))
+            .map(|n| {
+                (normal_matrix * Vec3::from(n))
+                    .try_normalize()
+                    .unwrap_or(Vec3::Y)
+            })
             .collect(),
         uvs: uvs.flat_map(|t| t.into_f32()).map(Vec2::from).collect(),
-        colours: colours.flat_map(|c| c.into_rgba_f32()).map(Vec4::from).collect(),
+        colours: colours
+            .flat_map(|c| c.into_rgba_f32())
+            .map(Vec4::from)
+            .collect(),
         triangles: indices.as_chunks().0.iter().copied().map(turn).collect(),
     })
 }

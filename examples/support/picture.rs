@@ -18,7 +18,11 @@ impl Picture {
     /// A picture of one colour.
     pub fn new(width: usize, height: usize, colour: [u8; 3]) -> Self {
         let pixels = vec![colour; width * height];
-        Self { width, height, pixels }
+        Self {
+            width,
+            height,
+            pixels,
+        }
     }
 
     /// Writes a PNG file; folders on the way are made.
@@ -56,7 +60,12 @@ impl Picture {
             };
             let corner = outline.px_bounds().min;
             outline.draw(|dx, dy, coverage| {
-                self.blend(corner.x as i32 + dx as i32, corner.y as i32 + dy as i32, colour, coverage);
+                self.blend(
+                    corner.x as i32 + dx as i32,
+                    corner.y as i32 + dy as i32,
+                    colour,
+                    coverage,
+                );
             });
         }
     }
@@ -69,7 +78,8 @@ impl Picture {
         if x < self.width && y < self.height {
             let pixel = &mut self.pixels[y * self.width + x];
             for (old, new) in pixel.iter_mut().zip(colour) {
-                let mixed = f32::from(*old) + share.clamp(0.0, 1.0) * (f32::from(new) - f32::from(*old));
+                let mixed =
+                    f32::from(*old) + share.clamp(0.0, 1.0) * (f32::from(new) - f32::from(*old));
                 *old = mixed.round() as u8;
             }
         }
@@ -97,25 +107,30 @@ impl Picture {
         let pixels = (0..width * height)
             .map(|i| [0, 1, 2].map(|channel| mean(i % width, i / width, channel)))
             .collect();
-        Picture { width, height, pixels }
+        Picture {
+            width,
+            height,
+            pixels,
+        }
     }
 }
 
-/// Pictures of one size side by side in `columns`, each reduced by `factor`, with its label in its corner.
+/// Pictures of one size side by side in `columns`, each reduced by `factor`, its label above it.
 pub fn contact_sheet(pictures: &[(String, Picture)], columns: usize, factor: usize) -> Picture {
-    const GAP: usize = 6;
+    const GAP: usize = 8;
+    const CAPTION: usize = 34;
     let Some((_, first)) = pictures.first() else {
         return Picture::new(1, 1, [255; 3]);
     };
-    let (width, height) = (first.width / factor, first.height / factor);
     let columns = columns.clamp(1, pictures.len());
     let rows = pictures.len().div_ceil(columns);
-    let size = |count: usize, length: usize| count * (length + GAP) + GAP;
-    let mut sheet = Picture::new(size(columns, width), size(rows, height), [255; 3]);
+    let (tile_width, tile_height) = (first.width / factor + GAP, first.height / factor + CAPTION);
+    let (width, height) = (columns * tile_width + GAP, rows * tile_height + GAP);
+    let mut sheet = Picture::new(width, height, [255; 3]);
     for (i, (label, picture)) in pictures.iter().enumerate() {
-        let (x, y) = (size(i % columns, width), size(i / columns, height));
-        sheet.paste(x, y, &picture.reduced(factor));
-        sheet.text(x + 12, y + 8, 26.0, [25, 30, 40], label);
+        let (x, y) = (i % columns * tile_width + GAP, i / columns * tile_height);
+        sheet.text(x + 2, y + 5, 26.0, [25, 30, 40], label);
+        sheet.paste(x, y + CAPTION, &picture.reduced(factor));
     }
     sheet
 }

@@ -4,6 +4,7 @@ use super::Error;
 use super::picture::Picture;
 use plotters::coord::Shift;
 use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 use std::ops::Range;
 use std::path::Path;
 
@@ -33,16 +34,30 @@ pub struct Panel {
 /// Draws the panels one below the other over a common time axis.
 pub fn time_series(path: impl AsRef<Path>, title: &str, panels: &[Panel]) -> Result<(), Error> {
     // An error here means that another font of that name is there already, which serves as well.
-    let _ = plotters::style::register_font(FONT, FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT);
+    let _ =
+        plotters::style::register_font(FONT, FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT);
     let mut picture = Picture::new(WIDTH, TITLE_HEIGHT + panels.len() * PANEL_HEIGHT, [255; 3]);
     {
         let size = (WIDTH as u32, picture.height as u32);
-        let root = BitMapBackend::with_buffer(picture.pixels.as_flattened_mut(), size).into_drawing_area();
+        let root =
+            BitMapBackend::with_buffer(picture.pixels.as_flattened_mut(), size).into_drawing_area();
         let (head, body) = root.split_vertically(TITLE_HEIGHT as u32);
-        head.titled(title, (FONT, 32)).map_err(plain)?;
+        let style = (FONT, 32).into_font().color(&BLACK);
+        let anchor = style.pos(Pos::new(HPos::Center, VPos::Center));
+        let centre = (WIDTH as i32 / 2, TITLE_HEIGHT as i32 / 2);
+        head.draw_text(title, &anchor, centre).map_err(plain)?;
         let times = range(panels.iter().flat_map(|p| &p.series).map(|s| s.0));
-        for (i, (panel, area)) in panels.iter().zip(body.split_evenly((panels.len(), 1))).enumerate() {
-            draw_panel(&area, panel, times.clone(), LINE_COLOURS[i % LINE_COLOURS.len()])?;
+        for (i, (panel, area)) in panels
+            .iter()
+            .zip(body.split_evenly((panels.len(), 1)))
+            .enumerate()
+        {
+            draw_panel(
+                &area,
+                panel,
+                times.clone(),
+                LINE_COLOURS[i % LINE_COLOURS.len()],
+            )?;
         }
         root.present().map_err(plain)?;
     }
@@ -51,12 +66,18 @@ pub fn time_series(path: impl AsRef<Path>, title: &str, panels: &[Panel]) -> Res
 
 type Area<'a> = DrawingArea<BitMapBackend<'a>, Shift>;
 
-fn draw_panel(area: &Area<'_>, panel: &Panel, times: Range<f64>, colour: RGBColor) -> Result<(), Error> {
+fn draw_panel(
+    area: &Area<'_>,
+    panel: &Panel,
+    times: Range<f64>,
+    colour: RGBColor,
+) -> Result<(), Error> {
     let drawable = |&(t, y): &(f64, f64)| t.is_finite() && y.is_finite() && (!panel.log || y > 0.0);
     let points: Vec<(f64, f64)> = panel.series.iter().copied().filter(drawable).collect();
     let values = range(points.iter().map(|p| p.1));
     let mut builder = ChartBuilder::on(area);
     builder
+        .margin_left(24)
         .margin_right(30)
         .margin_top(14)
         .x_label_area_size(46)
@@ -85,7 +106,9 @@ fn draw_panel(area: &Area<'_>, panel: &Panel, times: Range<f64>, colour: RGBColo
     if panel.log {
         // At least two decades, so that the axis has ticks.
         let low = 10_f64.powf(values.start.max(f64::MIN_POSITIVE).log10().floor());
-        let high = 10_f64.powf(values.end.max(low).log10().ceil()).max(low * 100.0);
+        let high = 10_f64
+            .powf(values.end.max(low).log10().ceil())
+            .max(low * 100.0);
         draw!((low..high).log_scale());
     } else {
         let margin = 0.06 * (values.end - values.start);
@@ -98,7 +121,9 @@ fn draw_panel(area: &Area<'_>, panel: &Panel, times: Range<f64>, colour: RGBColo
 fn range(values: impl Iterator<Item = f64>) -> Range<f64> {
     let (low, high) = values
         .filter(|v| v.is_finite())
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
+            (l.min(v), h.max(v))
+        });
     if low > high {
         0.0..1.0
     } else if low == high {

@@ -60,7 +60,9 @@ pub fn parallel<T: Send>(count: usize, work: impl Fn(usize) -> T + Sync) -> Vec<
                         break;
                     }
                     let result = work(i);
-                    done.lock().expect("no thread panics here").push((i, result));
+                    done.lock()
+                        .expect("no thread panics here")
+                        .push((i, result));
                 }
             });
         }

@@ -15,8 +15,8 @@ const STRIP: usize = 8;
 const SKY: u32 = u32::MAX;
 const GROUND: u32 = u32::MAX - 1;
 
-const HORIZON_COLOUR: Vec3 = Vec3::new(0.78, 0.84, 0.90);
-const ZENITH_COLOUR: Vec3 = Vec3::new(0.25, 0.42, 0.68);
+const HORIZON_COLOUR: Vec3 = Vec3::new(1.15, 1.27, 1.38);
+const ZENITH_COLOUR: Vec3 = Vec3::new(0.30, 0.56, 1.05);
 const GROUND_COLOURS: [Vec3; 2] = [Vec3::new(0.30, 0.295, 0.285), Vec3::new(0.355, 0.35, 0.34)];
 
 /// Where the picture is taken from.
@@ -35,7 +35,14 @@ pub struct Camera {
 
 impl Camera {
     /// A camera at `eye` that looks at `target`; `fov_deg` is the angle from the lower to the upper edge.
-    pub fn look_at(eye: Vec3, target: Vec3, up: Vec3, fov_deg: f32, width: usize, height: usize) -> Self {
+    pub fn look_at(
+        eye: Vec3,
+        target: Vec3,
+        up: Vec3,
+        fov_deg: f32,
+        width: usize,
+        height: usize,
+    ) -> Self {
         let forward = (target - eye).normalize_or(Vec3::NEG_Z);
         let right = forward.cross(up).normalize_or(Vec3::X);
         Self {
@@ -100,24 +107,32 @@ impl Default for Scene {
 impl Scene {
     /// Adds a body. `colour` (linear RGB) is multiplied with the colours of the mesh where it has them.
     pub fn draw(&mut self, mesh: &TriMesh, pose: Pose, colour: Vec3) {
-        let world: Vec<Vec3> = mesh.positions().iter().map(|&p| pose.transform_point(p)).collect();
-        self.triangles.extend(mesh.triangles().iter().map(|corners| {
-            let positions = corners.map(|v| world[v as usize]);
-            let [a, b, c] = positions;
-            let flat = (b - a).cross(c - a).normalize_or(Vec3::Y);
-            let normal = |v: u32| mesh.normals().get(v as usize).map(|&n| pose.rotation * n);
-            let tint = |v: u32| mesh.colours().get(v as usize).map(|c| c.truncate());
-            Triangle {
-                positions,
-                normals: corners.map(|v| normal(v).unwrap_or(flat)),
-                colours: corners.map(|v| colour * tint(v).unwrap_or(Vec3::ONE)),
-            }
-        }));
+        let world: Vec<Vec3> = mesh
+            .positions()
+            .iter()
+            .map(|&p| pose.transform_point(p))
+            .collect();
+        self.triangles
+            .extend(mesh.triangles().iter().map(|corners| {
+                let positions = corners.map(|v| world[v as usize]);
+                let [a, b, c] = positions;
+                let flat = (b - a).cross(c - a).normalize_or(Vec3::Y);
+                let normal = |v: u32| mesh.normals().get(v as usize).map(|&n| pose.rotation * n);
+                let tint = |v: u32| mesh.colours().get(v as usize).map(|c| c.truncate());
+                Triangle {
+                    positions,
+                    normals: corners.map(|v| normal(v).unwrap_or(flat)),
+                    colours: corners.map(|v| colour * tint(v).unwrap_or(Vec3::ONE)),
+                }
+            }));
     }
 
     /// Takes the picture.
     pub fn render(&self, camera: &Camera) -> Picture {
-        let lights = Lights::new(self.towards_sun, &self.triangles);
+        // A piece that flew far away must not stretch the shadow pictures; from here its shadow is a dot.
+        let near = |t: &&Triangle| t.positions[0].distance(camera.eye) < 4.0 * camera.reach;
+        let casters: Vec<Triangle> = self.triangles.iter().filter(near).copied().collect();
+        let lights = Lights::new(self.towards_sun, &casters);
         let seen: Vec<[Vec3; 3]> = self
             .triangles
             .iter()
@@ -125,7 +140,12 @@ impl Scene {
             .collect();
         let strips = camera.height.div_ceil(STRIP);
         let bins = self.bins(&seen, strips);
-        let painter = Painter { scene: self, camera, lights, seen };
+        let painter = Painter {
+            scene: self,
+            camera,
+            lights,
+            seen,
+        };
         let rows = parallel(strips, |strip| painter.paint_strip(strip, &bins[strip]));
         Picture {
             width: camera.width,
@@ -213,8 +233,15 @@ impl Painter<'_> {
 
     /// Not positive where the ground is not seen.
     fn ground_inverse_depth(&self, pixel: Vec2) -> f32 {
-        let below_eye = self.scene.ground.map_or(0.0, |height| height - self.camera.eye.y);
-        if below_eye < 0.0 { self.camera.ray(pixel).y / below_eye } else { 0.0 }
+        let below_eye = self
+            .scene
+            .ground
+            .map_or(0.0, |height| height - self.camera.eye.y);
+        if below_eye < 0.0 {
+            self.camera.ray(pixel).y / below_eye
+        } else {
+            0.0
+        }
     }
 
     /// Shades each owner of the pixel once, at the mean of its samples, and mixes by their number.
@@ -270,13 +297,14 @@ impl Painter<'_> {
         // Möller and Trumbore 1997: weights of b and c where the ray meets the plane.
         let facing = -ray.dot(area);
         let turned = from_a.cross(ray);
-        let wb = (-ac.dot(turned) / facing).clamp(0.0, 1.0);
-        let wc = (ab.dot(turned) / facing).clamp(0.0, 1.0 - wb);
+        let wb = (ac.dot(turned) / facing).clamp(0.0, 1.0);
+        let wc = (-ab.dot(turned) / facing).clamp(0.0, 1.0 - wb);
         let wa = 1.0 - wb - wc;
         let mix = |[p, q, r]: [Vec3; 3]| p * wa + q * wb + r * wc;
         // The inside of an open shell is lit as if it were an outside.
         let normal = mix(triangle.normals).normalize_or(Vec3::Y) * facing.signum();
-        self.lights.shade(mix(triangle.positions), normal, mix(triangle.colours))
+        self.lights
+            .shade(mix(triangle.positions), normal, mix(triangle.colours))
     }
 }
 
@@ -306,6 +334,10 @@ fn tone(light: Vec3) -> Vec3 {
     // Reinhard's curve with white at 2.5.
     let x = x * (1.0 + x / 6.25) / (1.0 + x);
     x.min(Vec3::ONE).map(|c| {
-        if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 }
+        if c <= 0.003_130_8 {
+            12.92 * c
+        } else {
+            1.055 * c.powf(1.0 / 2.4) - 0.055
+        }
     })
 }
