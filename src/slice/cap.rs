@@ -151,7 +151,9 @@ impl<'a> Filler<'a> {
     /// left (`+1`), to the right (`-1`), or straight within the tolerance (`0`).
     fn turn(&self, triangle: [u32; 3], orientation: f64) -> i32 {
         let area = orientation * self.twice_area(triangle);
-        let base = self.point(triangle[0]).distance_squared(self.point(triangle[2]));
+        let base = self
+            .point(triangle[0])
+            .distance_squared(self.point(triangle[2]));
         if area * area <= self.collinear * self.collinear * base {
             0
         } else if area > 0.0 {
@@ -175,10 +177,7 @@ impl<'a> Filler<'a> {
     }
 
     fn take(&mut self, a: u32, b: u32) {
-        if self.shared[a as usize]
-            && self.shared[b as usize]
-            && self.made.get(a, b).is_none()
-        {
+        if self.shared[a as usize] && self.shared[b as usize] && self.made.get(a, b).is_none() {
             self.made.insert(a, b, 0);
         }
     }
@@ -242,9 +241,8 @@ impl<'a> Filler<'a> {
         if self.clip.on_triangles.is_empty() {
             return false;
         }
-        let mut key = triangle.map(|c| {
-            self.clip.vertices.topology[self.corners[c as usize] as usize]
-        });
+        let mut key =
+            triangle.map(|c| self.clip.vertices.topology[self.corners[c as usize] as usize]);
         key.sort_unstable();
         self.clip.on_triangles.contains(&key)
     }
@@ -386,7 +384,13 @@ impl<'a> Filler<'a> {
         }
     }
 
-    fn find_ear(&self, polygon: &[u32], start: usize, kind: Ear, orientation: f64) -> Option<usize> {
+    fn find_ear(
+        &self,
+        polygon: &[u32],
+        start: usize,
+        kind: Ear,
+        orientation: f64,
+    ) -> Option<usize> {
         let n = polygon.len();
         (0..n).map(|i| (start + i) % n).find(|&i| {
             let ear = [polygon[(i + n - 1) % n], polygon[i], polygon[(i + 1) % n]];

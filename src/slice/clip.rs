@@ -6,8 +6,8 @@
 
 use super::attributes::push_between;
 use super::edge_table::EdgeTable;
-use crate::geometry::predicates::{Side, side, signed_distance};
 use crate::geometry::TriMesh;
+use crate::geometry::predicates::{Side, side, signed_distance};
 use crate::math::Plane;
 use glam::Vec3;
 
@@ -166,9 +166,7 @@ impl<'a> Clipper<'a> {
     /// A triangle on the plane bounds the material behind it: below if it faces along the normal, above otherwise.
     fn keep_coplanar(&mut self, triangle: [u32; 3]) {
         let [a, b, c] = triangle.map(|v| self.mesh.positions[v as usize].as_dvec3());
-        let facing = (b - a)
-            .cross(c - a)
-            .dot(self.plane.normal.as_dvec3());
+        let facing = (b - a).cross(c - a).dot(self.plane.normal.as_dvec3());
         let mut key = triangle.map(|vertex| self.topology(vertex));
         key.sort_unstable();
         self.out.on_triangles.push(key);

@@ -109,13 +109,7 @@ fn random_plane(point: Vec3, hull: &ConvexHull, random: &mut Pcg32) -> Planes {
 /// Planes through the line of the blow. Turning from one to the next is a rational rotation, `(1 - s^2, 2 s) / (1 + s^2)`,
 /// whose parameter `s = tan(angle / 2)` runs over half a turn in even steps of the chord instead of the angle: within 8 %
 /// of even spacing for the parts of a quarter turn.
-fn star(
-    point: Vec3,
-    direction: Vec3,
-    hull: &ConvexHull,
-    count: u8,
-    random: &mut Pcg32,
-) -> Planes {
+fn star(point: Vec3, direction: Vec3, hull: &ConvexHull, count: u8, random: &mut Pcg32) -> Planes {
     let u = across(direction, hull);
     let v = direction.cross(u);
     (0..count)

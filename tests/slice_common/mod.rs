@@ -55,7 +55,7 @@ pub(crate) struct Worst {
     pub(crate) missed: usize,
     pub(crate) volume_error: f64,
     pub(crate) cap_error: f64,
-    /// Area of cap triangles that face the wrong way, over the area of the cap.
+    /// Area of cap triangles that face the wrong way, over the square of the body's size.
     pub(crate) flipped: f64,
 }
 
@@ -119,14 +119,23 @@ fn cap_area(mesh: &TriMesh, count: usize, normal: Vec3) -> (f64, f64) {
 }
 
 /// Cuts `mesh` and checks verdict, closedness, volumes and caps.
-pub(crate) fn check_mesh_cut(mesh: &TriMesh, volume: f64, plane: Plane, worst: &mut Worst) -> Slice {
+pub(crate) fn check_mesh_cut(
+    mesh: &TriMesh,
+    volume: f64,
+    plane: Plane,
+    worst: &mut Worst,
+) -> Slice {
     let slice = slice_mesh(mesh, plane, SliceOptions::default()).unwrap();
     let verdict = match slice {
         Slice::Below => [true, false],
         Slice::Above => [false, true],
         Slice::Cut(_) => [true, true],
     };
-    assert_eq!(verdict, sides_of(mesh.positions(), &mesh.aabb(), &plane), "{plane:?}");
+    assert_eq!(
+        verdict,
+        sides_of(mesh.positions(), &mesh.aabb(), &plane),
+        "{plane:?}"
+    );
     let Slice::Cut(halves) = &slice else {
         worst.missed += 1;
         return slice;
@@ -140,14 +149,14 @@ pub(crate) fn check_mesh_cut(mesh: &TriMesh, volume: f64, plane: Plane, worst: &
     let count = halves.cap.triangles;
     let (below, absolute) = cap_area(&halves.below, count, plane.normal);
     let (above, _) = cap_area(&halves.above, count, -plane.normal);
-    assert!((below - halves.cap.area).abs() <= 1e-6 * absolute, "{plane:?}");
+    assert!(
+        (below - halves.cap.area).abs() <= 1e-6 * absolute,
+        "{plane:?}"
+    );
     let scale = absolute.max(f64::MIN_POSITIVE);
     worst.cap_error = worst.cap_error.max((below - above).abs() / scale);
-    // What lies within the tolerance of the plane has no area to speak of.
     let size = f64::from(length_scale(&mesh.aabb()));
-    if absolute > 1e-5 * size * size {
-        worst.flipped = worst.flipped.max(0.5 * (absolute - below) / absolute);
-    }
+    worst.flipped = worst.flipped.max(0.5 * (absolute - below) / (size * size));
     slice
 }
 
