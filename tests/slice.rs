@@ -32,7 +32,6 @@ fn random_planes_cut_mesh(mesh: &TriMesh, seed: u64) -> Worst {
 }
 
 fn assert_sound(name: &str, worst: &Worst) {
-    println!("{name}: {worst:?}");
     assert!(worst.volume_error <= VOLUME_TOLERANCE, "{name}: {worst:?}");
     assert!(worst.cap_error <= 1e-6, "{name}: {worst:?}");
     // The file's concave twelve-sided walls, read as fans, overlap themselves, and so do cuts across them.
@@ -148,7 +147,6 @@ fn adversarial_planes_cut_meshes() {
         for &plane in planes.iter().step_by(planes.len().div_ceil(few)) {
             check_mesh_cut(&mesh, volume, plane, &mut worst);
         }
-        println!("{name}: {worst:?}");
         assert!(worst.volume_error <= VOLUME_TOLERANCE, "{name}: {worst:?}");
     }
 }
@@ -161,7 +159,6 @@ fn adversarial_planes_cut_hulls_as_meshes() {
         for plane in adversarial_planes(&mesh, 5) {
             check_mesh_cut(&mesh, volume, plane, &mut worst);
         }
-        println!("{name}: {worst:?}");
         assert!(worst.volume_error <= VOLUME_TOLERANCE, "{name}: {worst:?}");
     }
 }
@@ -174,7 +171,6 @@ fn adversarial_planes_cut_hulls() {
         for plane in adversarial_planes(&hull.to_mesh(), 6) {
             check_hull_cut(&hull, plane, &mut worst);
         }
-        println!("{name}: {worst:?}");
         assert!(worst.volume_error <= VOLUME_TOLERANCE, "{name}: {worst:?}");
     }
 }
@@ -426,12 +422,10 @@ fn recursive_cuts_keep_the_volume() {
         }
         pieces = cut;
     }
-    println!("{} pieces, {worst:?}", pieces.len());
     assert_eq!(pieces.len(), 256);
     assert!(worst.volume_error < VOLUME_TOLERANCE, "{worst:?}");
     let hulls: f64 = pieces.iter().map(|(hull, _)| hull.volume()).sum();
     let meshes: f64 = pieces.iter().map(|(_, mesh)| mesh.volume()).sum();
-    println!("drift {:e} {:e}", hulls - 1.0, meshes - 1.0);
     assert!((hulls - 1.0).abs() < 1e-6 && (meshes - 1.0).abs() < 1e-6);
 }
 
