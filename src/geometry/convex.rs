@@ -52,7 +52,7 @@ pub enum HullError {
         found: usize,
     },
     /// The size of the points' bounding box, or their distance from the origin, is outside
-    /// [`SIZE_RANGE`](super::predicates::SIZE_RANGE).
+    /// [`SIZE_RANGE`].
     #[error("a body of size {size} m is outside the range of 1e-6 m to 1e6 m")]
     Size {
         /// Length scale, m.

@@ -5,7 +5,7 @@
 
 use super::convex::{ConvexHull, HullError};
 use glam::{DVec2, DVec3, Vec3};
-use std::f64::consts::FRAC_PI_4;
+use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_4};
 use std::ops::RangeInclusive;
 
 /// Numbers of sides a prism may have. More would be finer than `f32` resolves against the convexity tolerance.
@@ -145,7 +145,12 @@ pub(crate) fn unit_circle(k: u32, n: u32) -> DVec2 {
             1.0 - t * t / (m * (m + 1.0)) * sum
         })
     };
-    let (cos, sin) = (series(1), t * series(2));
+    // On the diagonal the two series may differ in the last bit, and which is which depends on the octant.
+    let (cos, sin) = if rest == u64::from(n) {
+        (FRAC_1_SQRT_2, FRAC_1_SQRT_2)
+    } else {
+        (series(1), t * series(2))
+    };
     let (x, y) = if matches!(octant % 4, 1 | 2) {
         (sin, cos)
     } else {
@@ -192,4 +197,43 @@ fn check_count(
         least,
         most,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec2Swizzles;
+
+    #[test]
+    fn unit_circle_agrees_with_the_library_in_the_first_octant() {
+        for n in PRISM_SIDES {
+            for k in 0..=n / 8 {
+                let (sin, cos) = (std::f64::consts::TAU * (f64::from(k) / f64::from(n))).sin_cos();
+                let error = (unit_circle(k, n) - DVec2::new(cos, sin))
+                    .abs()
+                    .max_element();
+                assert!(error < 1e-15, "{k} of {n}: {error}");
+            }
+        }
+    }
+
+    #[test]
+    fn unit_circle_continues_into_the_other_octants_by_exact_symmetry() {
+        for n in PRISM_SIDES {
+            for k in 0..n {
+                let point = unit_circle(k, n);
+                assert_eq!(
+                    unit_circle(n - k, n),
+                    point * DVec2::new(1.0, -1.0),
+                    "{k} of {n}"
+                );
+                assert_eq!(unit_circle(4 * k + n, 4 * n), point.perp(), "{k} of {n}");
+                assert_eq!(
+                    unit_circle(8 * k + n, 8 * n),
+                    unit_circle(8 * n + n - 8 * k, 8 * n).yx(),
+                    "{k} of {n}"
+                );
+            }
+        }
+    }
 }
