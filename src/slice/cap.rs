@@ -147,8 +147,8 @@ impl<'a> Filler<'a> {
             .sum()
     }
 
-    /// Whether `b` lies to the left of the line from `a` to `c`'s reverse, that is: whether the turn at `b` is to the
-    /// left (`+1`), to the right (`-1`), or straight within the tolerance (`0`).
+    /// Whether the path through the three corners turns left (`+1`), right (`-1`), or runs straight within the tolerance
+    /// (`0`): its middle corner is then nearer than that to the line through the others.
     fn turn(&self, triangle: [u32; 3], orientation: f64) -> i32 {
         let area = orientation * self.twice_area(triangle);
         let base = self

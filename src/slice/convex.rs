@@ -244,8 +244,11 @@ impl HullSlicer {
     /// Adds the cap to both parts and makes hulls of them.
     fn build(&mut self, hull: &ConvexHull, plane: &Plane) -> Result<HullHalves, Irregular> {
         self.below.push_face(*plane, self.cap.iter().copied());
+        // Reversed about the same first corner: where vertices on the plane leave the cap uneven, both parts have it as the
+        // same triangle fan, and their volumes add up.
+        self.cap[1..].reverse();
         self.above
-            .push_face(plane.flipped(), self.cap.iter().rev().copied());
+            .push_face(plane.flipped(), self.cap.iter().copied());
         let mut make = |part: &Part| {
             make_hull(
                 part,

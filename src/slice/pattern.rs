@@ -106,9 +106,7 @@ fn random_plane(point: Vec3, hull: &ConvexHull, random: &mut Pcg32) -> Planes {
     Planes::from_iter([Plane::through(inside, unit_vector(random))])
 }
 
-/// Planes through the line of the blow. Turning from one to the next is a rational rotation, `(1 - s^2, 2 s) / (1 + s^2)`,
-/// whose parameter `s = tan(angle / 2)` runs over half a turn in even steps of the chord instead of the angle: within 8 %
-/// of even spacing for the parts of a quarter turn.
+/// Planes through the line of the blow: even steps of half a turn, each with a jitter.
 fn star(point: Vec3, direction: Vec3, hull: &ConvexHull, count: u8, random: &mut Pcg32) -> Planes {
     let u = across(direction, hull);
     let v = direction.cross(u);
@@ -123,7 +121,8 @@ fn star(point: Vec3, direction: Vec3, hull: &ConvexHull, count: u8, random: &mut
 
 /// The unit vector at about `fraction` of half a turn from `(1, 0)`.
 ///
-/// On each quarter turn the rational circle `(1 - s^2, 2 s) / (1 + s^2)` is used with `s` from 0 to 1.
+/// On each quarter turn it is the point `(1 - s^2, 2 s) / (1 + s^2)` of the circle with `s` from 0 to 1, whose angle
+/// `2 atan s` is within 8.2 degrees of `90 s`.
 fn half_turn(fraction: f32) -> Vec2 {
     let quarters = 2.0 * fraction;
     let quarter = quarters.floor();
