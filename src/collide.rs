@@ -6,12 +6,13 @@
 use crate::contact::broadphase::{Broadphase, Pair, Proxy, ProxyKind, ProxyShape};
 use crate::contact::manifold::{Manifold, ManifoldBody, Patch};
 use crate::contact::sat::{NarrowScratch, collide_half_space, collide_hulls};
-use crate::math::{Plane, Pose};
+use crate::math::{Aabb, Plane, Pose};
 use crate::solver::bodies::{Bodies, RigidBody, Shape};
 use bevy_tasks::ComputeTaskPool;
+use glam::Vec3;
 
-/// How far ahead contacts are found, as a share of the body's least extent: far enough that a body at rest keeps its
-/// contacts while it settles, near enough that a body flying past does not get any.
+/// How far ahead contacts are found besides the bodies' motion, as a share of the body's least extent: far enough that a
+/// body at rest keeps its contacts while it settles.
 const CONTACT_MARGIN: f32 = 0.02;
 
 /// How far the boxes kept by the broad phase reach beyond the bodies, m (it limits this for small bodies itself).
@@ -22,6 +23,49 @@ const PAIRS_PER_PART: usize = 64;
 
 /// Most parts, so that few buffers serve any number of pairs.
 const MAX_PARTS: usize = 32;
+
+/// How far ahead in time the step looks, so that contacts exist before bodies overlap.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lookahead {
+    h: f32,
+    /// How far gravity moves a body in one step, m.
+    fall: f32,
+}
+
+impl Lookahead {
+    /// Looks ahead over a step of `h` seconds under `gravity` (m/s2).
+    pub fn new(h: f32, gravity: Vec3) -> Self {
+        Self {
+            h,
+            fall: h * h * gravity.length(),
+        }
+    }
+
+    /// How far a point of the body in `slot` may turn about the centre of mass within the step, m.
+    fn turn(&self, bodies: &Bodies, slot: u32) -> f32 {
+        self.h * bodies.velocity[slot as usize].angular.length() * bodies.radius(slot)
+    }
+
+    /// The body's box with all places it may reach within the step.
+    fn swept_box(&self, bodies: &Bodies, slot: u32) -> Aabb {
+        let i = slot as usize;
+        let tight = bodies.aabb[i]
+            .fattened(margin_at_rest(bodies, slot) + self.fall + self.turn(bodies, slot));
+        let travel = bodies.velocity[i].linear * self.h;
+        Aabb {
+            min: tight.min + travel.min(Vec3::ZERO),
+            max: tight.max + travel.max(Vec3::ZERO),
+        }
+    }
+
+    /// Bodies farther apart than this, m, cannot touch within the step.
+    fn margin(&self, bodies: &Bodies, pair: Pair) -> f32 {
+        let (a, b) = (pair.a as usize, pair.b as usize);
+        let at_rest = margin_at_rest(bodies, pair.a).min(margin_at_rest(bodies, pair.b));
+        let approach = self.h * (bodies.velocity[b].linear - bodies.velocity[a].linear).length();
+        at_rest + self.fall + approach + self.turn(bodies, pair.a) + self.turn(bodies, pair.b)
+    }
+}
 
 /// Buffers of the narrow phase.
 #[derive(Debug, Default)]
@@ -37,15 +81,20 @@ struct Part {
 }
 
 /// Brings the pairs of `broadphase` up to date with the bodies.
-pub fn update_pairs(broadphase: &mut Broadphase, narrow: &mut NarrowPhase, bodies: &Bodies) {
+pub fn update_pairs(
+    broadphase: &mut Broadphase,
+    narrow: &mut NarrowPhase,
+    bodies: &Bodies,
+    ahead: Lookahead,
+) {
     narrow.proxies.clear();
     narrow
         .proxies
-        .extend((0..bodies.slots() as u32).map(|slot| proxy(bodies, slot)));
+        .extend((0..bodies.slots() as u32).map(|slot| proxy(bodies, slot, ahead)));
     broadphase.update(&narrow.proxies, BOX_MARGIN);
 }
 
-fn proxy(bodies: &Bodies, slot: u32) -> Option<Proxy> {
+fn proxy(bodies: &Bodies, slot: u32, ahead: Lookahead) -> Option<Proxy> {
     if !bodies.is_active(slot) {
         return None;
     }
@@ -56,9 +105,7 @@ fn proxy(bodies: &Bodies, slot: u32) -> Option<Proxy> {
         ProxyKind::Fixed
     };
     let shape = match &info.shape {
-        Shape::Convex(_) => {
-            ProxyShape::Box(bodies.aabb[slot as usize].fattened(contact_margin(bodies, slot)))
-        }
+        Shape::Convex(_) => ProxyShape::Box(ahead.swept_box(bodies, slot)),
         Shape::HalfSpace(_) => ProxyShape::HalfSpace(half_space_plane(bodies, slot)),
     };
     Some(Proxy {
@@ -69,7 +116,7 @@ fn proxy(bodies: &Bodies, slot: u32) -> Option<Proxy> {
     })
 }
 
-fn contact_margin(bodies: &Bodies, slot: u32) -> f32 {
+fn margin_at_rest(bodies: &Bodies, slot: u32) -> f32 {
     CONTACT_MARGIN * bodies.least_extent[slot as usize]
 }
 
@@ -84,7 +131,13 @@ fn half_space_plane(bodies: &Bodies, slot: u32) -> Plane {
 
 impl NarrowPhase {
     /// Fills `manifolds` with the contacts of all `pairs`, in their order. Impulses are zero.
-    pub fn collide(&mut self, bodies: &Bodies, pairs: &[Pair], manifolds: &mut Vec<Manifold>) {
+    pub fn collide(
+        &mut self,
+        bodies: &Bodies,
+        pairs: &[Pair],
+        ahead: Lookahead,
+        manifolds: &mut Vec<Manifold>,
+    ) {
         let part_count = pairs.len().div_ceil(PAIRS_PER_PART).clamp(1, MAX_PARTS);
         let part_size = pairs.len().div_ceil(part_count).max(1);
         self.parts
@@ -94,11 +147,11 @@ impl NarrowPhase {
             Some(pool) => {
                 pool.scope(|scope| {
                     parts.for_each(|(part, pairs)| {
-                        scope.spawn(async move { part.collide(bodies, pairs) })
+                        scope.spawn(async move { part.collide(bodies, pairs, ahead) })
                     });
                 });
             }
-            None => parts.for_each(|(part, pairs)| part.collide(bodies, pairs)),
+            None => parts.for_each(|(part, pairs)| part.collide(bodies, pairs, ahead)),
         }
         manifolds.clear();
         for part in &mut self.parts {
@@ -108,10 +161,10 @@ impl NarrowPhase {
 }
 
 impl Part {
-    fn collide(&mut self, bodies: &Bodies, pairs: &[Pair]) {
+    fn collide(&mut self, bodies: &Bodies, pairs: &[Pair], ahead: Lookahead) {
         self.manifolds.clear();
         for &pair in pairs {
-            let Some(patch) = collide_pair(bodies, pair, &mut self.scratch) else {
+            let Some(patch) = collide_pair(bodies, pair, ahead, &mut self.scratch) else {
                 continue;
             };
             let [a, b] = [pair.a, pair.b].map(|slot| bodies.info(slot));
@@ -135,8 +188,13 @@ fn manifold_body(bodies: &Bodies, slot: u32) -> ManifoldBody {
 }
 
 /// Contact of one pair in A's frame, normal from A to B.
-fn collide_pair(bodies: &Bodies, pair: Pair, scratch: &mut NarrowScratch) -> Option<Patch> {
-    let margin = contact_margin(bodies, pair.a).min(contact_margin(bodies, pair.b));
+fn collide_pair(
+    bodies: &Bodies,
+    pair: Pair,
+    ahead: Lookahead,
+    scratch: &mut NarrowScratch,
+) -> Option<Patch> {
+    let margin = ahead.margin(bodies, pair);
     let b_in_a = relative_pose(bodies, pair.a, pair.b);
     match (&bodies.info(pair.a).shape, &bodies.info(pair.b).shape) {
         (Shape::Convex(a), Shape::Convex(b)) => {

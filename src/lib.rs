@@ -31,5 +31,5 @@ pub mod prelude {
     pub use crate::slice::pattern::FracturePattern;
     pub use crate::solver::bodies::{Bodies, BodyDesc, BodyError, RigidBody, Shape};
     pub use crate::solver::{FrictionModel, Gravity, SolverConfig};
-    pub use crate::step::{Contacts, Simulation, StepReport};
+    pub use crate::step::{Contacts, Simulation, StepError, StepReport, StepSettings};
 }

@@ -9,11 +9,12 @@ use crate::fracture::Fractures;
 use crate::mass::MassProperties;
 use crate::solver::bodies::{Bodies, RigidBody};
 use crate::solver::{Gravity, SolverConfig};
-use crate::step::{self, Contacts, StepReport};
+use crate::step::{self, Contacts, StepReport, StepSettings};
 use bevy_app::{App, FixedPostUpdate, Plugin};
 use bevy_ecs::intern::Interned;
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::ScheduleLabel;
+use bevy_ecs::system::SystemParam;
 use bevy_time::Time;
 use bevy_transform::components::Transform;
 
@@ -149,66 +150,77 @@ fn add_phases(schedule: &mut Schedule) {
     ));
 }
 
-fn time_advances(time: Res<Time>) -> bool {
-    step::is_usable_step(time.delta_secs())
+/// What the phases are told, from the resources.
+#[derive(SystemParam)]
+struct Settings<'w> {
+    gravity: Res<'w, Gravity>,
+    config: Res<'w, SolverConfig>,
+    time: Res<'w, Time>,
+}
+
+impl Settings<'_> {
+    fn get(&self) -> StepSettings {
+        StepSettings {
+            gravity: *self.gravity,
+            config: *self.config,
+            h: self.time.delta_secs(),
+        }
+    }
+}
+
+fn time_advances(settings: Settings) -> bool {
+    settings.get().is_usable()
 }
 
 fn mass_properties(mut bodies: ResMut<Bodies>, mut report: ResMut<StepReport>) {
     step::mass_properties(&mut bodies, &mut report);
 }
 
-fn broadphase(bodies: Res<Bodies>, mut contacts: ResMut<Contacts>, mut report: ResMut<StepReport>) {
-    step::broadphase(&bodies, &mut contacts, &mut report);
+fn broadphase(
+    bodies: Res<Bodies>,
+    mut contacts: ResMut<Contacts>,
+    settings: Settings,
+    mut report: ResMut<StepReport>,
+) {
+    step::broadphase(&bodies, &mut contacts, &settings.get(), &mut report);
 }
 
 fn generate_contacts(
     bodies: Res<Bodies>,
     mut contacts: ResMut<Contacts>,
     mut cache: ResMut<ContactCache>,
-    config: Res<SolverConfig>,
+    settings: Settings,
     mut report: ResMut<StepReport>,
-    time: Res<Time>,
 ) {
     step::generate_contacts(
         &bodies,
         &mut contacts,
         &mut cache,
-        &config,
+        &settings.get(),
         &mut report,
-        time.delta_secs(),
     );
 }
 
 fn solve(
     mut bodies: ResMut<Bodies>,
     mut contacts: ResMut<Contacts>,
-    gravity: Res<Gravity>,
-    config: Res<SolverConfig>,
+    settings: Settings,
     mut report: ResMut<StepReport>,
-    time: Res<Time>,
 ) {
-    step::solve(
-        &mut bodies,
-        &mut contacts,
-        *gravity,
-        &config,
-        &mut report,
-        time.delta_secs(),
-    );
+    step::solve(&mut bodies, &mut contacts, &settings.get(), &mut report);
 }
 
-fn integrate(mut bodies: ResMut<Bodies>, mut report: ResMut<StepReport>, time: Res<Time>) {
-    step::integrate(&mut bodies, &mut report, time.delta_secs());
+fn integrate(mut bodies: ResMut<Bodies>, settings: Settings, mut report: ResMut<StepReport>) {
+    step::integrate(&mut bodies, &settings.get(), &mut report);
 }
 
 fn age_cache(
     bodies: Res<Bodies>,
     contacts: Res<Contacts>,
     mut cache: ResMut<ContactCache>,
-    config: Res<SolverConfig>,
-    time: Res<Time>,
+    settings: Settings,
 ) {
-    step::age_cache(&bodies, &contacts, &mut cache, &config, time.delta_secs());
+    step::age_cache(&bodies, &contacts, &mut cache, &settings.get());
 }
 
 fn fracture(

@@ -12,7 +12,7 @@
 //! 7 fracture           impulses over the strength, cuts asked for -> pieces
 //! ```
 
-use crate::collide;
+use crate::collide::{self, Lookahead};
 use crate::contact::broadphase::Broadphase;
 use crate::contact::cache::{CacheStats, ContactCache};
 use crate::contact::manifold::Manifold;
@@ -95,50 +95,51 @@ pub struct Simulation {
     pub report: StepReport,
 }
 
-impl Simulation {
-    /// Advances the simulation by `h` seconds. Does nothing unless `h` is finite and positive.
-    pub fn step(&mut self, h: f32) {
-        if !is_usable_step(h) {
-            return;
-        }
-        mass_properties(&mut self.bodies, &mut self.report);
-        broadphase(&self.bodies, &mut self.contacts, &mut self.report);
-        generate_contacts(
-            &self.bodies,
-            &mut self.contacts,
-            &mut self.cache,
-            &self.config,
-            &mut self.report,
-            h,
-        );
-        solve(
-            &mut self.bodies,
-            &mut self.contacts,
-            self.gravity,
-            &self.config,
-            &mut self.report,
-            h,
-        );
-        integrate(&mut self.bodies, &mut self.report, h);
-        age_cache(
-            &self.bodies,
-            &self.contacts,
-            &mut self.cache,
-            &self.config,
-            h,
-        );
-        fracture(
-            &mut self.bodies,
-            &self.contacts,
-            &mut self.cache,
-            &mut self.fractures,
-        );
+/// What all phases of one step are told.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepSettings {
+    /// Gravity.
+    pub gravity: Gravity,
+    /// How contacts are solved.
+    pub config: SolverConfig,
+    /// Length of the step, s.
+    pub h: f32,
+}
+
+impl StepSettings {
+    /// Whether a step of this length can be made: it must be finite and positive.
+    pub fn is_usable(&self) -> bool {
+        self.h.is_finite() && self.h > 0.0
     }
 }
 
-/// Whether a step of `h` seconds can be made.
-pub fn is_usable_step(h: f32) -> bool {
-    h.is_finite() && h > 0.0
+impl Simulation {
+    /// Advances the simulation by `h` seconds. Does nothing unless `h` is finite and positive.
+    pub fn step(&mut self, h: f32) {
+        let Self {
+            bodies,
+            contacts,
+            cache,
+            fractures,
+            report,
+            ..
+        } = self;
+        let settings = &StepSettings {
+            gravity: self.gravity,
+            config: self.config,
+            h,
+        };
+        if !settings.is_usable() {
+            return;
+        }
+        mass_properties(bodies, report);
+        broadphase(bodies, contacts, settings, report);
+        generate_contacts(bodies, contacts, cache, settings, report);
+        solve(bodies, contacts, settings, report);
+        integrate(bodies, settings, report);
+        age_cache(bodies, contacts, cache, settings);
+        fracture(bodies, contacts, cache, fractures);
+    }
 }
 
 /// Phase 1: mass, centre of mass and inertia of bodies whose shape or density changed.
@@ -158,9 +159,20 @@ pub fn mass_properties(bodies: &mut Bodies, report: &mut StepReport) {
     report.bodies = bodies.len();
 }
 
-/// Phase 2: pairs of bodies whose fattened boxes overlap.
-pub fn broadphase(bodies: &Bodies, contacts: &mut Contacts, report: &mut StepReport) {
-    collide::update_pairs(&mut contacts.broadphase, &mut contacts.narrow, bodies);
+/// Phase 2: pairs of bodies whose boxes, with all they may reach within the step, overlap.
+pub fn broadphase(
+    bodies: &Bodies,
+    contacts: &mut Contacts,
+    settings: &StepSettings,
+    report: &mut StepReport,
+) {
+    let ahead = Lookahead::new(settings.h, settings.gravity.0);
+    collide::update_pairs(
+        &mut contacts.broadphase,
+        &mut contacts.narrow,
+        bodies,
+        ahead,
+    );
     report.pairs = contacts.broadphase.pairs().len();
 }
 
@@ -169,9 +181,8 @@ pub fn generate_contacts(
     bodies: &Bodies,
     contacts: &mut Contacts,
     cache: &mut ContactCache,
-    config: &SolverConfig,
+    settings: &StepSettings,
     report: &mut StepReport,
-    h: f32,
 ) {
     let Contacts {
         broadphase,
@@ -179,9 +190,16 @@ pub fn generate_contacts(
         manifolds,
         ..
     } = contacts;
-    narrow.collide(bodies, broadphase.pairs(), manifolds);
-    report.cache = if config.warm_start {
-        cache.warm_start(manifolds, &bodies.ids, &bodies.rotation, &bodies.kd_box, h)
+    let ahead = Lookahead::new(settings.h, settings.gravity.0);
+    narrow.collide(bodies, broadphase.pairs(), ahead, manifolds);
+    report.cache = if settings.config.warm_start {
+        cache.warm_start(
+            manifolds,
+            &bodies.ids,
+            &bodies.rotation,
+            &bodies.kd_box,
+            settings.h,
+        )
     } else {
         CacheStats::default()
     };
@@ -193,24 +211,23 @@ pub fn generate_contacts(
 pub fn solve(
     bodies: &mut Bodies,
     contacts: &mut Contacts,
-    gravity: Gravity,
-    config: &SolverConfig,
+    settings: &StepSettings,
     report: &mut StepReport,
-    h: f32,
 ) {
+    let StepSettings { gravity, config, h } = settings;
     // Rebound is from the speed before gravity of this step acts, or a body would bounce off its own weight.
-    rows::build_rows(&mut contacts.rows, &contacts.manifolds, bodies, config, h);
-    integrate::apply_forces(bodies, gravity.0, h);
+    rows::build_rows(&mut contacts.rows, &contacts.manifolds, bodies, config, *h);
+    integrate::apply_forces(bodies, gravity.0, *h);
     pgs::solve(&mut contacts.rows, &mut bodies.velocity, config);
     rows::store_impulses(&contacts.rows, &mut contacts.manifolds);
     report.error = config
         .measure_error
-        .then(|| measure_error(bodies, contacts, gravity, config));
+        .then(|| measure_error(bodies, contacts, settings));
 }
 
 /// Phase 5: poses from velocities. A body that would stop being finite is stopped where it is, and reported.
-pub fn integrate(bodies: &mut Bodies, report: &mut StepReport, h: f32) {
-    integrate::integrate_positions(bodies, &mut report.problems, h);
+pub fn integrate(bodies: &mut Bodies, settings: &StepSettings, report: &mut StepReport) {
+    integrate::integrate_positions(bodies, &mut report.problems, settings.h);
 }
 
 /// Phase 6: the cache takes the new impulses and ages the rest.
@@ -218,14 +235,18 @@ pub fn age_cache(
     bodies: &Bodies,
     contacts: &Contacts,
     cache: &mut ContactCache,
-    config: &SolverConfig,
-    h: f32,
+    settings: &StepSettings,
 ) {
-    if !config.warm_start {
+    if !settings.config.warm_start {
         cache.clear();
         return;
     }
-    cache.store_and_age(&contacts.manifolds, &bodies.ids, &bodies.rotation, h);
+    cache.store_and_age(
+        &contacts.manifolds,
+        &bodies.ids,
+        &bodies.rotation,
+        settings.h,
+    );
 }
 
 /// Phase 7: bodies that were hit too hard or are to be cut become pieces.
@@ -238,12 +259,7 @@ pub fn fracture(
     fracture_bodies(fractures, bodies, &contacts.manifolds, cache);
 }
 
-fn measure_error(
-    bodies: &Bodies,
-    contacts: &Contacts,
-    gravity: Gravity,
-    config: &SolverConfig,
-) -> StepError {
+fn measure_error(bodies: &Bodies, contacts: &Contacts, settings: &StepSettings) -> StepError {
     let deepest = contacts
         .manifolds
         .iter()
@@ -251,7 +267,7 @@ fn measure_error(
         .map(|p| -p.separation)
         .fold(0.0, f32::max);
     let mut error = StepError {
-        residual: pgs::residual(&contacts.rows, &bodies.velocity, config),
+        residual: pgs::residual(&contacts.rows, &bodies.velocity, &settings.config),
         penetration: deepest,
         ..Default::default()
     };
@@ -259,7 +275,7 @@ fn measure_error(
         .iter()
         .filter(|&s| bodies.is_active(s) && bodies.kind(s) == RigidBody::Dynamic)
     {
-        let weight = f64::from(bodies.mass(slot).mass) * gravity.0.as_dvec3();
+        let weight = f64::from(bodies.mass(slot).mass) * settings.gravity.0.as_dvec3();
         error.kinetic_energy += bodies.kinetic_energy(slot);
         error.potential_energy -= weight.dot(bodies.centre_of_mass(slot).as_dvec3());
     }

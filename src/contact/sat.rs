@@ -10,7 +10,7 @@
 
 use super::manifold::{MAX_POINTS, Patch, PatchPoint, reduce};
 use crate::geometry::{ConvexHull, Face};
-use crate::math::{Plane, Pose};
+use crate::math::{Aabb, Plane, Pose};
 use glam::Vec3;
 
 /// A face is preferred over an edge pair, and the first face over the second, unless the other separates better by
@@ -46,6 +46,19 @@ pub struct NarrowScratch {
     clipped: Vec<Vec3>,
     /// Points and separations before reduction.
     candidates: Vec<(Vec3, f32)>,
+    /// Edges of either hull that are near enough to the other one to touch it, A's frame.
+    near_a: Vec<NearEdge>,
+    near_b: Vec<NearEdge>,
+}
+
+/// An edge as the edge test reads it, A's frame.
+#[derive(Clone, Copy, Debug)]
+struct NearEdge {
+    index: usize,
+    from: Vec3,
+    along: Vec3,
+    /// Outward normals of its two faces.
+    normals: [Vec3; 2],
 }
 
 impl NarrowScratch {
@@ -67,6 +80,46 @@ impl NarrowScratch {
                 offset: face.plane.offset + normal.dot(b_in_a.position),
             }
         }));
+    }
+}
+
+impl NarrowScratch {
+    /// Collects the edges that come within `reach` (m) of the other hull's box.
+    ///
+    /// Where an edge pair is the best axis, the closest points of the two edges are as far apart as the hulls: by the
+    /// gap, or by the depth of the overlap, which the best face bounds. Farther edges cannot be the best axis.
+    fn load_near_edges(&mut self, a: &ConvexHull, b: &ConvexHull, reach: f32) {
+        let box_a = a.aabb();
+        let box_b = Aabb::of_points(self.vertices.iter().copied());
+        // Rounding of the boxes and of the reach itself is far below a thousandth.
+        let reach = reach + 1e-3 * (reach + box_a.diagonal().min(box_b.diagonal()));
+        let (box_a, box_b) = (box_a.fattened(reach), box_b.fattened(reach));
+        self.near_a.clear();
+        self.near_b.clear();
+        for (index, edge) in a.edges().iter().enumerate() {
+            let [from, to] = edge.vertices.map(|v| a.vertices()[v as usize]);
+            if box_b.overlaps(&Aabb::of_points([from, to])) {
+                let normals = edge.faces.map(|f| a.faces()[f as usize].plane.normal);
+                self.near_a.push(NearEdge {
+                    index,
+                    from,
+                    along: to - from,
+                    normals,
+                });
+            }
+        }
+        for (index, edge) in b.edges().iter().enumerate() {
+            let [from, to] = edge.vertices.map(|v| self.vertices[v as usize]);
+            if box_a.overlaps(&Aabb::of_points([from, to])) {
+                let normals = edge.faces.map(|f| self.planes[f as usize].normal);
+                self.near_b.push(NearEdge {
+                    index,
+                    from,
+                    along: to - from,
+                    normals,
+                });
+            }
+        }
     }
 }
 
@@ -106,7 +159,10 @@ pub fn collide_hulls(
     scratch.load(b, &b_in_a);
     let face_a = best_face(a.faces().iter().map(|f| f.plane), &scratch.vertices, margin)?;
     let face_b = best_face(scratch.planes.iter().copied(), a.vertices(), margin)?;
-    let edge = best_edge_pair(a, b, scratch, face_a.separation.max(face_b.separation));
+    let floor = face_a.separation.max(face_b.separation);
+    let gap = gap_at_most(a, b, [&face_a, &face_b], scratch);
+    scratch.load_near_edges(a, b, gap.max(-floor));
+    let edge = best_edge_pair(a, scratch, floor);
     if edge.is_some_and(|e| e.separation > margin) {
         return None;
     }
@@ -147,13 +203,24 @@ fn best_face(
     margin: f32,
 ) -> Option<FaceAxis> {
     let mut best: Option<FaceAxis> = None;
+    // The vertex that ruled out the last face rules out most of its neighbours too.
+    let mut hint = 0;
     for (face, plane) in planes.enumerate() {
+        let bar = best.map_or(f32::NEG_INFINITY, |b| b.separation);
+        let height = |i: usize| plane.normal.dot(vertices[i]) - plane.offset;
+        if height(hint) <= bar {
+            continue;
+        }
+        if let Some(below) = (0..vertices.len()).find(|&i| height(i) <= bar) {
+            hint = below;
+            continue;
+        }
         let (support, separation) = lowest(vertices, plane.normal);
         let separation = separation - plane.offset;
         if separation > margin {
             return None;
         }
-        if best.is_none_or(|b| separation > b.separation) && separation.is_finite() {
+        if separation > bar && separation.is_finite() {
             best = Some(FaceAxis {
                 face,
                 support,
@@ -162,6 +229,24 @@ fn best_face(
         }
     }
     best
+}
+
+/// An upper bound of the distance of two hulls, m: the least distance from a support vertex to a corner of its face.
+fn gap_at_most(
+    a: &ConvexHull,
+    b: &ConvexHull,
+    [face_a, face_b]: [&FaceAxis; 2],
+    scratch: &NarrowScratch,
+) -> f32 {
+    let nearest = |hull: &ConvexHull, corners: &[Vec3], face: usize, point: Vec3| {
+        let outline = hull.face_loop(&hull.faces()[face]).iter();
+        let distances = outline.map(|&v| corners[v as usize].distance_squared(point));
+        distances.fold(f32::INFINITY, f32::min)
+    };
+    let (on_a, on_b) = (a.vertices(), &scratch.vertices);
+    let from_a = nearest(a, on_a, face_a.face, on_b[face_a.support]);
+    let from_b = nearest(b, on_b, face_b.face, on_a[face_b.support]);
+    from_a.min(from_b).sqrt()
 }
 
 /// The vertex with the smallest coordinate along `axis`, and that coordinate; the first one on a tie.
@@ -180,44 +265,15 @@ fn lowest(vertices: &[Vec3], axis: Vec3) -> (usize, f32) {
 ///
 /// An edge is an arc on the Gauss map, between the normals of its two faces. Only pairs whose arcs cross (B's being
 /// mirrored) are edges of the Minkowski difference; the others cannot be the best axis and are skipped.
-fn best_edge_pair(
-    a: &ConvexHull,
-    b: &ConvexHull,
-    scratch: &NarrowScratch,
-    floor: f32,
-) -> Option<EdgeAxis> {
+fn best_edge_pair(a: &ConvexHull, scratch: &NarrowScratch, floor: f32) -> Option<EdgeAxis> {
     let mut best: Option<EdgeAxis> = None;
     let mut floor = floor;
-    for (i, edge_a) in a.edges().iter().enumerate() {
-        let [from_a, to_a] = edge_a.vertices.map(|v| a.vertices()[v as usize]);
-        let along_a = to_a - from_a;
-        let normals_a = edge_a.faces.map(|f| a.faces()[f as usize].plane.normal);
-        for (j, edge_b) in b.edges().iter().enumerate() {
-            // B's arc is mirrored: its ends are -m0 and -m1. With e the direction of an edge as its first face runs
-            // through it, n0 x n1 is parallel to e, so e is the plane normal of the arc.
-            let normals_b = edge_b.faces.map(|f| -scratch.planes[f as usize].normal);
-            let sides_b = normals_b.map(|m| m.dot(along_a));
-            if sides_b[0] * sides_b[1] >= 0.0 {
+    for edge_a in &scratch.near_a {
+        for edge_b in &scratch.near_b {
+            let Some(normal) = edge_axis(edge_a, edge_b) else {
                 continue;
-            }
-            let [from_b, to_b] = edge_b.vertices.map(|v| scratch.vertices[v as usize]);
-            let along_b = to_b - from_b;
-            let sides_a = normals_a.map(|n| n.dot(along_b));
-            if sides_a[0] * sides_a[1] >= 0.0 {
-                continue;
-            }
-            let axis = along_a.cross(along_b);
-            let least = PARALLEL * PARALLEL * along_a.length_squared() * along_b.length_squared();
-            if axis.length_squared() <= least {
-                continue;
-            }
-            // Both arcs cross the other's great circle; they meet if they do so on the same side of the sphere.
-            let outward = axis * 1.0_f32.copysign(axis.dot(normals_a[0] + normals_a[1]));
-            if outward.dot(normals_b[0] + normals_b[1]) <= 0.0 {
-                continue;
-            }
-            let normal = outward.normalize();
-            if normal.dot(from_b - from_a) <= floor {
+            };
+            if normal.dot(edge_b.from - edge_a.from) <= floor {
                 continue;
             }
             // The supports say what this axis is worth, whatever rounding did to it.
@@ -225,7 +281,7 @@ fn best_edge_pair(
             if separation > floor {
                 floor = separation;
                 best = Some(EdgeAxis {
-                    edges: [i, j],
+                    edges: [edge_a.index, edge_b.index],
                     normal,
                     separation,
                 });
@@ -233,6 +289,28 @@ fn best_edge_pair(
         }
     }
     best
+}
+
+/// The common perpendicular of two edges, from A outwards, if their arcs on the Gauss map cross.
+fn edge_axis(a: &NearEdge, b: &NearEdge) -> Option<Vec3> {
+    // B's arc is mirrored: its ends are -m0 and -m1. With e the direction of an edge as its first face runs through it,
+    // n0 x n1 is parallel to e, so e is the plane normal of the arc.
+    let sides_b = b.normals.map(|m| -m.dot(a.along));
+    if sides_b[0] * sides_b[1] >= 0.0 {
+        return None;
+    }
+    let sides_a = a.normals.map(|n| n.dot(b.along));
+    if sides_a[0] * sides_a[1] >= 0.0 {
+        return None;
+    }
+    let axis = a.along.cross(b.along);
+    let least = PARALLEL * PARALLEL * a.along.length_squared() * b.along.length_squared();
+    if axis.length_squared() <= least {
+        return None;
+    }
+    // Both arcs cross the other's great circle; they meet if they do so on the same side of the sphere.
+    let outward = axis * 1.0_f32.copysign(axis.dot(a.normals[0] + a.normals[1]));
+    (outward.dot(b.normals[0] + b.normals[1]) < 0.0).then(|| outward.normalize())
 }
 
 /// The contact of two crossing edges: their closest points.

@@ -216,6 +216,8 @@ pub struct Bodies {
     pub(crate) kd_box: Vec<Option<KdBox>>,
     /// Least extent of the hull's box, m: what slop and contact margin are relative to.
     pub(crate) least_extent: Vec<f32>,
+    /// Largest distance of the hull from the centre of mass, m.
+    radius: Vec<f32>,
     /// Slots whose mass properties are out of date.
     pub(crate) stale_mass: Vec<u32>,
     /// Slots whose mass properties the last mass phase computed.
@@ -468,10 +470,27 @@ impl Bodies {
         if kind == RigidBody::Static {
             self.set_velocity(slot, Vec3::ZERO, Vec3::ZERO);
         }
+        self.radius[i] = self.radius_about(slot, self.mass[i].centre);
         self.set_pose(slot, pose);
         self.refresh_world(slot);
         self.fresh_mass.push(slot);
         Ok(())
+    }
+
+    /// Largest distance of the body's hull from its centre of mass, m; 0 for half-spaces.
+    pub(crate) fn radius(&self, slot: u32) -> f32 {
+        self.radius[slot as usize]
+    }
+
+    fn radius_about(&self, slot: u32, centre: Vec3) -> f32 {
+        let vertices = self
+            .convex(slot)
+            .map_or(&[][..], |mesh| mesh.hull().vertices());
+        vertices
+            .iter()
+            .map(|v| v.distance_squared(centre))
+            .fold(0.0, f32::max)
+            .sqrt()
     }
 
     /// Recomputes what follows from the pose: inverse inertia and box in the world.
@@ -501,6 +520,7 @@ impl Bodies {
         self.aabb.push(Aabb::EMPTY);
         self.kd_box.push(None);
         self.least_extent.push(0.0);
+        self.radius.push(0.0);
         slot
     }
 }
