@@ -1,49 +1,49 @@
-//! The whole of it: an app with the plugin, a floor, a crate that breaks when it lands, and what it broke into.
-
+//! The scene of `shatter` as an app: a model falls among boxes, breaks, and its pieces tell.
+#[path = "support/mod.rs"]
+mod support;
 use bevy_app::{App, TaskPoolPlugin, Update};
 use bevy_cleave::prelude::*;
 use bevy_ecs::prelude::*;
-use bevy_math::Vec3;
 use bevy_time::{TimePlugin, TimeUpdateStrategy};
 use bevy_transform::components::Transform;
 
-fn main() {
+fn main() -> Result<(), support::Error> {
     let mut app = App::new();
-    app.add_plugins((
-        TaskPoolPlugin::default(),
-        TimePlugin,
-        CleavePlugin::default(),
-    ))
-    .insert_resource(TimeUpdateStrategy::FixedTimesteps(1))
-    .add_systems(Update, tell);
+    app.add_plugins((TaskPoolPlugin::default(), TimePlugin));
+    app.add_plugins(CleavePlugin::default());
+    app.insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+    app.add_systems(Update, tell);
+    let penguin = support::model::load(support::DEFAULT_MODEL)?.fitted(2.6);
+    let shape = ConvexMesh::from_mesh(penguin.into_mesh()?)?;
+    let breakable = Fracturable::with_strength(1500.0);
     let world = app.world_mut();
-    world.spawn((RigidBody::Static, HalfSpace { normal: Vec3::Y }));
+    world.spawn((RigidBody::Static, HalfSpace::new(glam::Vec3::Y)?));
     world.spawn((
         RigidBody::Dynamic,
-        ConvexMesh::cuboid(1.0, 0.6, 0.6).expect("a crate has a volume"),
-        Fracturable {
-            strength: 500.0,
-            ..Default::default()
-        },
-        Transform::from_xyz(0.0, 3.0, 0.0),
+        shape,
+        breakable,
+        Transform::from_xyz(0.0, 4.0, 0.0),
     ));
-    app.finish();
-    app.cleanup();
-    for _ in 0..200 {
-        app.update();
+    for i in 0..8_u8 {
+        let place = Transform::from_xyz(1.5, 0.4 + 1.2 * f32::from(i), 0.0);
+        world.spawn((
+            RigidBody::Dynamic,
+            ConvexMesh::cuboid(0.6, 0.6, 0.6)?,
+            place,
+        ));
     }
-    let mut bodies = app.world_mut().query::<(&MassProperties, &Transform)>();
-    for (mass, transform) in bodies.iter(app.world()).filter(|(mass, _)| mass.mass > 0.0) {
-        println!("{:7.2} kg at {:.3}", mass.mass, transform.translation);
-    }
+    (0..300).for_each(|_| app.update());
+    Ok(())
 }
 
-fn tell(mut fractures: MessageReader<Fractured>) {
+#[expect(clippy::print_stdout, reason = "an example prints what it shows")]
+fn tell(mut fractures: MessageReader<Fractured>, masses: Query<&MassProperties>) {
     for fracture in fractures.read() {
-        println!(
-            "{} broke into {} pieces",
-            fracture.parent,
-            fracture.pieces.len()
-        );
+        let pieces = fracture
+            .pieces
+            .iter()
+            .filter_map(|&piece| masses.get(piece).ok());
+        let masses: Vec<_> = pieces.map(|properties| properties.mass).collect();
+        println!("{} broke into pieces of {masses:.0?} kg", fracture.parent);
     }
 }

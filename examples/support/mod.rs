@@ -22,3 +22,6 @@ pub mod stats;
 
 /// The error of everything here: a sentence for the person who runs the example.
 pub type Error = Box<dyn std::error::Error + Send + Sync>;
+
+/// The model that examples use unless they are given another one.
+pub const DEFAULT_MODEL: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/meshes/penguin.obj");

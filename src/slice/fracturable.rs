@@ -37,6 +37,14 @@ impl Default for Fracturable {
 }
 
 impl Fracturable {
+    /// Breaks at `strength` (N s); everything else as by default.
+    pub fn with_strength(strength: f32) -> Self {
+        Self {
+            strength,
+            ..Self::default()
+        }
+    }
+
     /// What piece number `index` inherits: one generation less, random numbers of its own.
     pub(crate) fn for_piece(self, index: usize) -> Option<Self> {
         let generations = self.generations.checked_sub(1)?;

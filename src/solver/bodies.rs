@@ -198,6 +198,9 @@ impl BodyInfo {
 }
 
 /// All bodies of a simulation.
+///
+/// A slot is an index: methods that take one panic if it was never given out, and those that need a body panic if there
+/// is none in it any more; [`contains`](Self::contains) tells.
 #[derive(Debug, Default, Resource)]
 pub struct Bodies {
     pub(crate) ids: Vec<BodyId>,
@@ -321,9 +324,9 @@ impl Bodies {
         self.info(slot).kind
     }
 
-    /// The convex shape of the body, unless it is a half-space.
+    /// The convex shape of the body; `None` for a half-space or a free slot.
     pub fn convex(&self, slot: u32) -> Option<&ConvexMesh> {
-        match &self.info(slot).shape {
+        match &self.info.get(slot as usize)?.as_ref()?.shape {
             Shape::Convex(mesh) => Some(mesh),
             Shape::HalfSpace(_) => None,
         }
@@ -364,9 +367,9 @@ impl Bodies {
         &self.velocity
     }
 
-    /// How the body breaks, if it does.
+    /// How the body breaks; `None` if it does not or the slot is free.
     pub fn fracturable(&self, slot: u32) -> Option<&Fracturable> {
-        self.info(slot).fracturable.as_ref()
+        self.info.get(slot as usize)?.as_ref()?.fracturable.as_ref()
     }
 
     /// Puts the body's frame somewhere else.
