@@ -13,37 +13,25 @@ fn main() -> Result<(), support::Error> {
     app.add_plugins(CleavePlugin::default());
     app.insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
     app.add_systems(Update, tell);
-    let penguin = support::model::load(support::DEFAULT_MODEL)?.fitted(2.6);
-    let shape = ConvexMesh::from_mesh(penguin.into_mesh()?)?;
-    let breakable = Fracturable::with_strength(1500.0);
+    let model = support::model::load(support::DEFAULT_MODEL)?.fitted(2.6);
+    let shape = ConvexMesh::from_mesh(model.into_mesh()?)?;
+    let brittle = Fracturable::with_strength(1500.0);
+    let cube = ConvexMesh::cuboid(0.6, 0.6, 0.6)?;
     let world = app.world_mut();
     world.spawn((RigidBody::Static, HalfSpace::new(glam::Vec3::Y)?));
-    world.spawn((
-        RigidBody::Dynamic,
-        shape,
-        breakable,
-        Transform::from_xyz(0.0, 4.0, 0.0),
-    ));
+    let above = Transform::from_xyz(0.0, 4.0, 0.0);
+    world.spawn((RigidBody::Dynamic, shape, brittle, above));
     for i in 0..8_u8 {
-        let place = Transform::from_xyz(1.5, 0.4 + 1.2 * f32::from(i), 0.0);
-        world.spawn((
-            RigidBody::Dynamic,
-            ConvexMesh::cuboid(0.6, 0.6, 0.6)?,
-            place,
-        ));
+        let beside = Transform::from_xyz(1.5, 0.4 + 1.2 * f32::from(i), 0.0);
+        world.spawn((RigidBody::Dynamic, cube.clone(), beside));
     }
     (0..300).for_each(|_| app.update());
     Ok(())
 }
 
 #[expect(clippy::print_stdout, reason = "an example prints what it shows")]
-fn tell(mut fractures: MessageReader<Fractured>, masses: Query<&MassProperties>) {
-    for fracture in fractures.read() {
-        let pieces = fracture
-            .pieces
-            .iter()
-            .filter_map(|&piece| masses.get(piece).ok());
-        let masses: Vec<_> = pieces.map(|properties| properties.mass).collect();
-        println!("{} broke into pieces of {masses:.0?} kg", fracture.parent);
+fn tell(mut fractures: MessageReader<Fractured>) {
+    for Fractured { parent, pieces, .. } in fractures.read() {
+        println!("{parent} broke into {pieces:?}");
     }
 }
