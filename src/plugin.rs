@@ -83,6 +83,8 @@ impl Plugin for CleavePlugin {
             .add_observer(gather::on_body_inserted)
             .add_observer(gather::on_body_discarded);
         require_components(app);
+        #[cfg(feature = "reflect")]
+        crate::ecs::reflect::register_types(app);
         app.init_schedule(PhysicsSchedule)
             .edit_schedule(PhysicsSchedule, add_phases);
         app.add_systems(self.schedule, |world: &mut World| {

@@ -146,6 +146,7 @@ impl ConvexMesh {
 
 /// A static half-space: everything on the far side of the plane is solid. For a floor or a wall without end.
 #[derive(Clone, Copy, Debug, PartialEq, Component)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct HalfSpace {
     /// Outward unit normal in the entity's frame; the plane goes through the entity's origin.
     pub normal: Vec3,
