@@ -1,4 +1,4 @@
-//! The plugin: the phases of [`step`](crate::step) as system sets, in the same order and under the same names.
+//! The plugin: the phases of [`step`] as system sets, in the same order and under the same names.
 
 use crate::contact::CollisionLayers;
 use crate::contact::cache::ContactCache;

@@ -101,7 +101,7 @@ impl ConvexMesh {
     /// The shape scaled about its origin by `factor` along x, y and z.
     ///
     /// # Errors
-    /// [`MeshError::BadScale`](super::MeshError::BadScale) if a factor is not finite and positive, and what
+    /// [`MeshError::BadScale`] if a factor is not finite and positive, and what
     /// [`ConvexHull::from_points`] says of the result.
     pub fn scaled(&self, factor: Vec3) -> Result<Self, HullError> {
         if !(factor.is_finite() && factor.min_element() > 0.0) {
