@@ -11,6 +11,7 @@
 use bevy_cleave::geometry::ConvexHull;
 use bevy_cleave::mass::{VolumeIntegrals, approximate, principal_axes};
 use bevy_cleave::math::Plane;
+use bevy_cleave::slice::{HullHalves, slice_hull};
 use glam::{DMat3, Vec3};
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -58,7 +59,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     println!(
-        "\n{PIECES} random pieces of these hulls, each cut from its whole by up to three planes; percent:\n"
+        "\n{PIECES} random pieces of these hulls, each left over after one to three cuts; percent:\n"
     );
     println!("{:<10} {:>8} {:>8} {:>8}", "", "median", "95 %", "max");
     for (column, name) in ["centre", "particles", "diagonal"].into_iter().enumerate() {
@@ -86,7 +87,7 @@ fn errors(hull: &ConvexHull, exact: &VolumeIntegrals) -> [f64; 3] {
     ]
 }
 
-/// What is left of `whole` above one to three random planes; `None` if that is nothing, or flat.
+/// Cuts `whole` by one to three random planes and goes on with either part after each; `None` if a plane misses.
 fn random_piece(whole: &ConvexHull, random: &mut Random) -> Option<ConvexHull> {
     let mut piece = whole.clone();
     for _ in 0..1 + random.next() % 3 {
@@ -94,23 +95,8 @@ fn random_piece(whole: &ConvexHull, random: &mut Random) -> Option<ConvexHull> {
         let inside = Vec3::from_array([(); 3].map(|()| 0.25 * random.signed()));
         let aabb = piece.aabb();
         let plane = Plane::through(aabb.centre() + aabb.extents() * inside, normal);
-        let distance = |vertex: u32| plane.distance(piece.vertices()[vertex as usize]);
-        let mut points: Vec<Vec3> = piece
-            .vertices()
-            .iter()
-            .copied()
-            .filter(|&v| plane.distance(v) >= 0.0)
-            .collect();
-        for edge in piece.edges() {
-            let [a, b] = edge.vertices.map(distance);
-            if (a > 0.0) != (b > 0.0) {
-                let [from, to] = edge
-                    .vertices
-                    .map(|vertex| piece.vertices()[vertex as usize]);
-                points.push(from.lerp(to, a / (a - b)));
-            }
-        }
-        piece = ConvexHull::from_points(&points).ok()?;
+        let HullHalves { below, above } = slice_hull(&piece, plane).ok()?.halves()?;
+        piece = if random.signed() < 0.0 { below } else { above };
     }
     Some(piece)
 }

@@ -176,6 +176,7 @@ fn jacobi_rotate(a: &mut [[f64; 3]; 3], axes: &mut [DVec3; 3], p: usize, q: usiz
 
 /// Mass, centre of mass and principal inertia of a body, in its own frame.
 #[derive(Clone, Copy, Debug, PartialEq, Component)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct MassProperties {
     /// Mass, kg.
     pub mass: f32,

@@ -1,4 +1,4 @@
-//! The plugin: the phases of [`step`](crate::step) as system sets, in the same order and under the same names.
+//! The plugin: the phases of [`step`] as system sets, in the same order and under the same names.
 
 use crate::contact::CollisionLayers;
 use crate::contact::cache::ContactCache;
@@ -84,6 +84,8 @@ impl Plugin for CleavePlugin {
             .add_observer(gather::on_body_inserted)
             .add_observer(gather::on_body_discarded);
         require_components(app);
+        #[cfg(feature = "reflect")]
+        crate::ecs::reflect::register_types(app);
         app.init_schedule(PhysicsSchedule)
             .edit_schedule(PhysicsSchedule, add_phases);
         app.add_systems(self.schedule, |world: &mut World| {

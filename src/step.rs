@@ -46,6 +46,7 @@ impl Contacts {
 
 /// What the last step did.
 #[derive(Clone, Debug, Default, PartialEq, Resource)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct StepReport {
     /// Bodies in the simulation.
     pub bodies: usize,
@@ -60,11 +61,13 @@ pub struct StepReport {
     /// Errors of the solution; only with [`SolverConfig::measure_error`].
     pub error: Option<StepError>,
     /// Bodies that were left out since the last step, with the reason, by slot.
+    #[cfg_attr(feature = "reflect", reflect(ignore))]
     pub problems: Vec<(u32, BodyError)>,
 }
 
 /// How wrong the step was.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct StepError {
     /// Residual of the contact problem.
     pub residual: Residual,

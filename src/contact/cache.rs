@@ -113,6 +113,7 @@ impl Table {
 
 /// How the points of a step were matched.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct CacheStats {
     /// Contact points asked for.
     pub points: u32,

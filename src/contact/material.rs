@@ -6,6 +6,7 @@ use bevy_ecs::component::Component;
 ///
 /// If the two bodies ask for different rules, the later one in this list wins.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum CombineRule {
     /// `(a + b) / 2`; the default.
     #[default]
@@ -50,6 +51,7 @@ pub enum MaterialError {
 
 /// Coulomb friction of a body's surface: the friction force is at most `coefficient` times the normal force.
 #[derive(Clone, Copy, Debug, PartialEq, Component)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Friction {
     /// Coefficient, 0 (ice) upwards; 0.5 unless given.
     pub coefficient: f32,
@@ -100,6 +102,7 @@ impl Friction {
 
 /// Newton's restitution of a body's surface: separation speed over approach speed.
 #[derive(Clone, Copy, Debug, PartialEq, Component)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Restitution {
     /// Coefficient, 0 (clay) to 1 (no loss); 0 unless given.
     pub coefficient: f32,
@@ -150,6 +153,7 @@ impl Restitution {
 
 /// Density of a body, kg/m3.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Component)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Density(pub f32);
 
 impl Default for Density {

@@ -12,16 +12,17 @@ use smallvec::SmallVec;
 
 /// Velocity of the centre of mass, world axes, m/s.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Component)]
-#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct LinearVelocity(pub Vec3);
 
 /// Angular velocity, world axes, rad/s.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Component)]
-#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct AngularVelocity(pub Vec3);
 
 /// Mass properties to use instead of those that follow from shape and density.
 #[derive(Clone, Copy, Debug, PartialEq, Component)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct MassOverride(pub MassProperties);
 
 /// Where the simulation keeps the body of this entity. Written by the plugin.

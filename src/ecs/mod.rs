@@ -7,4 +7,6 @@
 pub mod components;
 pub mod cut;
 pub mod gather;
+#[cfg(feature = "reflect")]
+pub(crate) mod reflect;
 pub mod scatter;

@@ -101,7 +101,7 @@ impl ConvexMesh {
     /// The shape scaled about its origin by `factor` along x, y and z.
     ///
     /// # Errors
-    /// [`MeshError::BadScale`](super::MeshError::BadScale) if a factor is not finite and positive, and what
+    /// [`MeshError::BadScale`] if a factor is not finite and positive, and what
     /// [`ConvexHull::from_points`] says of the result.
     pub fn scaled(&self, factor: Vec3) -> Result<Self, HullError> {
         if !(factor.is_finite() && factor.min_element() > 0.0) {
@@ -146,6 +146,7 @@ impl ConvexMesh {
 
 /// A static half-space: everything on the far side of the plane is solid. For a floor or a wall without end.
 #[derive(Clone, Copy, Debug, PartialEq, Component)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct HalfSpace {
     /// Outward unit normal in the entity's frame; the plane goes through the entity's origin.
     pub normal: Vec3,

@@ -38,6 +38,7 @@ pub type Planes = SmallVec<[Plane; 8]>;
 
 /// How a body breaks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 #[non_exhaustive]
 pub enum FracturePattern {
     /// One plane through the point of contact that contains the direction of the blow, across the longest direction of

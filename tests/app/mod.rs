@@ -10,12 +10,12 @@ use bevy_transform::components::Transform;
 use std::time::Duration;
 
 /// Length of a step, s.
-pub fn step_length() -> Duration {
+pub(crate) fn step_length() -> Duration {
     Duration::from_secs_f64(1.0 / 60.0)
 }
 
 /// The app; systems without a defined order are errors in it.
-pub fn app() -> App {
+pub(crate) fn app() -> App {
     let mut app = App::new();
     app.add_plugins((
         TaskPoolPlugin::default(),
@@ -37,7 +37,7 @@ pub fn app() -> App {
 }
 
 /// Spawns the entity that `desc` describes.
-pub fn spawn(world: &mut World, desc: &BodyDesc) -> Entity {
+pub(crate) fn spawn(world: &mut World, desc: &BodyDesc) -> Entity {
     let transform = Transform {
         translation: desc.pose.position,
         rotation: desc.pose.rotation,
@@ -64,7 +64,7 @@ pub fn spawn(world: &mut World, desc: &BodyDesc) -> Entity {
 }
 
 /// Position, rotation and velocities as bits.
-pub fn bits(pose: &Pose, linear: glam::Vec3, angular: glam::Vec3) -> Vec<u32> {
+pub(crate) fn bits(pose: &Pose, linear: glam::Vec3, angular: glam::Vec3) -> Vec<u32> {
     let parts = [
         &pose.position.to_array()[..],
         &pose.rotation.to_array(),
@@ -75,7 +75,7 @@ pub fn bits(pose: &Pose, linear: glam::Vec3, angular: glam::Vec3) -> Vec<u32> {
 }
 
 /// Motion of one entity as bits.
-pub fn bits_of_entity(world: &World, entity: Entity) -> Vec<u32> {
+pub(crate) fn bits_of_entity(world: &World, entity: Entity) -> Vec<u32> {
     let entity = world.entity(entity);
     let t = entity.get::<Transform>().expect("a body has a Transform");
     let v = entity

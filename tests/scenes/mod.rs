@@ -5,7 +5,7 @@ use bevy_cleave::prelude::*;
 use glam::{Quat, Vec3};
 
 /// A floor and a heap of different bodies that fall on it; some break on impact.
-pub fn falling_and_breaking() -> Vec<BodyDesc> {
+pub(crate) fn falling_and_breaking() -> Vec<BodyDesc> {
     let breakable = |strength, pattern, seed| Fracturable {
         strength,
         pattern,
@@ -43,7 +43,7 @@ pub fn falling_and_breaking() -> Vec<BodyDesc> {
 }
 
 /// Seeded random points in the cube from -1 to 1.
-pub fn random_points(count: usize, seed: u32) -> Vec<Vec3> {
+pub(crate) fn random_points(count: usize, seed: u32) -> Vec<Vec3> {
     let mut state = seed;
     let mut random = move || {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -55,7 +55,7 @@ pub fn random_points(count: usize, seed: u32) -> Vec<Vec3> {
 }
 
 /// A heap of `count` bodies of four shapes that falls on a floor.
-pub fn pile(count: usize) -> Simulation {
+pub(crate) fn pile(count: usize) -> Simulation {
     let shapes = [
         ConvexMesh::cuboid(0.8, 0.6, 0.5),
         ConvexMesh::icosphere(0.4, 1),
