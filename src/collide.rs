@@ -6,7 +6,7 @@
 use crate::contact::broadphase::{Broadphase, Pair, Proxy, ProxyKind, ProxyShape};
 use crate::contact::manifold::{Manifold, ManifoldBody, Patch};
 use crate::contact::sat::{NarrowScratch, collide_half_space, collide_hulls};
-use crate::math::{Aabb, Plane, Pose};
+use crate::math::{Aabb, Plane, Pose, rotate};
 use crate::solver::bodies::{Bodies, RigidBody, Shape};
 use bevy_tasks::ComputeTaskPool;
 use glam::Vec3;
@@ -126,7 +126,7 @@ fn half_space_plane(bodies: &Bodies, slot: u32) -> Plane {
         unreachable!("asked for half-spaces only")
     };
     let pose = bodies.pose(slot);
-    Plane::through(pose.position, pose.rotation * half_space.normal)
+    Plane::through(pose.position, rotate(pose.rotation, half_space.normal))
 }
 
 impl NarrowPhase {
@@ -201,12 +201,12 @@ fn collide_pair(
             collide_hulls(a.hull(), b.hull(), b_in_a, margin, scratch)
         }
         (Shape::Convex(a), Shape::HalfSpace(b)) => {
-            let plane = Plane::through(b_in_a.position, b_in_a.rotation * b.normal);
+            let plane = Plane::through(b_in_a.position, rotate(b_in_a.rotation, b.normal));
             collide_half_space(a.hull(), plane, b_in_a, margin, scratch)
         }
         (Shape::HalfSpace(a), Shape::Convex(b)) => {
             let a_in_b = relative_pose(bodies, pair.b, pair.a);
-            let plane = Plane::through(a_in_b.position, a_in_b.rotation * a.normal);
+            let plane = Plane::through(a_in_b.position, rotate(a_in_b.rotation, a.normal));
             let patch = collide_half_space(b.hull(), plane, a_in_b, margin, scratch)?;
             Some(patch.swapped(&a_in_b))
         }
@@ -219,9 +219,9 @@ fn relative_pose(bodies: &Bodies, a: u32, b: u32) -> Pose {
     let (i, j) = (a as usize, b as usize);
     let a_from_world = bodies.rotation[i].inverse();
     let rotation = a_from_world * bodies.rotation[j];
-    let centres = a_from_world * (bodies.centre[j] - bodies.centre[i]);
+    let centres = rotate(a_from_world, bodies.centre[j] - bodies.centre[i]);
     Pose::new(
-        centres + bodies.mass[i].centre - rotation * bodies.mass[j].centre,
+        centres + bodies.mass[i].centre - rotate(rotation, bodies.mass[j].centre),
         rotation,
     )
 }

@@ -1,5 +1,26 @@
-//! Rigid-body physics for convex bodies with real-time slicing and fracture.
-
+//! Rigid-body physics for convex bodies with real-time slicing and fracture, as a plugin for `bevy_ecs` and `bevy_app`.
+//!
+//! Bodies are convex polyhedra with exact mass, centre and inertia. Contacts are rows of one mixed linear
+//! complementarity problem, warm-started from a cache keyed by KD codes. A plane cuts a body, and the mesh that rides in
+//! it, into closed pieces that are bodies of their own. The README has an example to start from.
+//!
+//! # Where to read on
+//!
+//! - [`step`]: the loop, one function per phase; [`Simulation`](step::Simulation) runs it on plain data, without an app.
+//! - [`plugin`]: the same phases as system sets; [`ecs::components`] and [`ecs::cut`]: what a user of the plugin meets.
+//! - [`slice`]: a plane against meshes and hulls; [`fracture`]: who breaks, and what becomes of the motion.
+//! - [`solver`]: the problem ([`solver::mlcp`]), its rows, and what solves it.
+//! - [`contact`], [`mass`], [`geometry`], [`math`]: what the others are built on; each uses only those after it.
+//!
+//! # Conventions
+//!
+//! - SI units: m, kg, s, rad, N s. Right-handed axes; only the default [`Gravity`](solver::Gravity) prefers one (-y).
+//! - A body's frame is that of its shape as given and of its entity's `Transform`; it need not be at the centre of mass.
+//!   Linear velocity is that of the centre of mass; velocities are in world axes.
+//! - Normals point from body A to body B, A being the one with the smaller id. Separation is negative where they overlap.
+//! - Triangles and face loops run counter-clockwise seen from outside. A plane's positive side is where its normal points.
+//! - State and geometry are `f32`, volume integrals and exact predicates `f64`. The step uses `+ - * /` and square roots
+//!   only, in a fixed order: the same scene gives the same bits on any number of threads.
 pub mod collide;
 pub mod contact;
 pub mod ecs;
@@ -33,3 +54,7 @@ pub mod prelude {
     pub use crate::solver::{FrictionModel, Gravity, SolverConfig};
     pub use crate::step::{Contacts, Simulation, StepError, StepReport, StepSettings};
 }
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+mod readme {}

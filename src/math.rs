@@ -25,19 +25,19 @@ impl Pose {
 
     /// A point of the inner frame, seen from the outer one.
     pub fn transform_point(&self, point: Vec3) -> Vec3 {
-        self.rotation * point + self.position
+        rotate(self.rotation, point) + self.position
     }
 
     /// A point of the outer frame, seen from the inner one.
     pub fn inverse_transform_point(&self, point: Vec3) -> Vec3 {
-        self.rotation.inverse() * (point - self.position)
+        rotate(self.rotation.inverse(), point - self.position)
     }
 
     /// The inverse transform.
     pub fn inverse(&self) -> Self {
         let rotation = self.rotation.inverse();
         Self {
-            position: rotation * -self.position,
+            position: rotate(rotation, -self.position),
             rotation,
         }
     }
@@ -149,7 +149,7 @@ impl Plane {
     /// The plane seen from the inner frame of `pose`, if `self` is given in the outer one.
     pub fn in_frame_of(&self, pose: &Pose) -> Self {
         Self {
-            normal: pose.rotation.inverse() * self.normal,
+            normal: rotate(pose.rotation.inverse(), self.normal),
             offset: self.offset - self.normal.dot(pose.position),
         }
     }
@@ -175,6 +175,16 @@ pub fn tangents(n: Vec3) -> [Vec3; 2] {
         Vec3::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x),
         Vec3::new(b, sign + n.y * n.y * a, -n.y),
     ]
+}
+
+/// `v` turned by the unit quaternion `rotation`: `v + 2 w (u x v) + 2 u x (u x v)` with `rotation = (u, w)`.
+///
+/// Used in place of the product of `glam`, which fuses multiplications and additions where the compiler is allowed to, so
+/// that a build for a newer processor would give other bits.
+pub fn rotate(rotation: Quat, v: Vec3) -> Vec3 {
+    let u = rotation.xyz();
+    let t = 2.0 * u.cross(v);
+    v + rotation.w * t + u.cross(t)
 }
 
 /// `rotation` after turning for `h` seconds with the world-frame angular velocity `omega` (rad/s).

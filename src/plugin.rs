@@ -121,7 +121,7 @@ fn add_phases(schedule: &mut Schedule) {
             Phase::Writeback,
         )
             .chain()
-            .run_if(time_advances),
+            .run_if(can_step),
     );
     schedule.add_systems((
         (
@@ -170,8 +170,13 @@ impl Settings<'_> {
     }
 }
 
-fn time_advances(settings: Settings) -> bool {
-    settings.get().is_usable()
+/// Run condition of all phases; warns when gravity, and not a standing clock, is why nothing moves.
+fn can_step(settings: Settings) -> bool {
+    let settings = settings.get();
+    if settings.h > 0.0 && !settings.gravity.0.is_finite() {
+        log::warn!("no physics step is made: gravity is {}", settings.gravity.0);
+    }
+    settings.is_usable()
 }
 
 fn mass_properties(mut bodies: ResMut<Bodies>, mut report: ResMut<StepReport>) {

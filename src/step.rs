@@ -110,14 +110,14 @@ pub struct StepSettings {
 }
 
 impl StepSettings {
-    /// Whether a step of this length can be made: it must be finite and positive.
+    /// Whether a step can be made: its length must be finite and positive, gravity finite.
     pub fn is_usable(&self) -> bool {
-        self.h.is_finite() && self.h > 0.0
+        self.h.is_finite() && self.h > 0.0 && self.gravity.0.is_finite()
     }
 }
 
 impl Simulation {
-    /// Advances the simulation by `h` seconds. Does nothing unless `h` is finite and positive.
+    /// Advances the simulation by `h` seconds. Does nothing unless the settings are usable.
     pub fn step(&mut self, h: f32) {
         let Self {
             bodies,

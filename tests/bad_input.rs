@@ -168,6 +168,52 @@ fn body_without_a_shape_and_dynamic_half_space_are_refused() {
 }
 
 #[test]
+fn half_space_without_a_direction_is_refused() {
+    for normal in [Vec3::ZERO, Vec3::NAN] {
+        let floor = move |world: &mut World| {
+            Some(world.spawn((RigidBody::Static, HalfSpace { normal })).id())
+        };
+        check_warned(&run(floor, |_, _| ()), |p| {
+            matches!(p, BodyProblem::Body(BodyError::HalfSpace(_)))
+        });
+    }
+}
+
+#[test]
+fn shape_that_is_taken_away_is_missed_but_the_body_stays() {
+    let outcome = run(bystander, |world, bad| {
+        world
+            .entity_mut(bad.expect("spawned"))
+            .remove::<ConvexMesh>();
+    });
+    check_warned(&outcome, |p| {
+        matches!(p, BodyProblem::Body(BodyError::NoShape))
+    });
+}
+
+#[test]
+fn bodies_without_entities_and_requests_without_bodies_harm_nobody() {
+    let mut app = app();
+    let cube = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("valid size");
+    let mut bodies = app.world_mut().resource_mut::<Bodies>();
+    let slot = bodies
+        .insert(BodyDesc::dynamic(cube, Vec3::ZERO))
+        .expect("usable");
+    let body = bodies.id(slot);
+    let plane = Plane::through(Vec3::ZERO, Vec3::X);
+    let request = CutRequest { body, slot, plane };
+    let lost = CutRequest {
+        slot: 99,
+        ..request
+    };
+    app.world_mut().resource_mut::<Fractures>().requests = vec![request, lost];
+    app.update();
+    assert_eq!(app.world().resource::<Bodies>().len(), 2, "two halves");
+    let refused = &app.world().resource::<Fractures>().refused;
+    assert!(matches!(refused[..], [(_, CutError::NoBody)]));
+}
+
+#[test]
 fn pose_that_becomes_nan_takes_the_body_out() {
     let outcome = run(bystander, |world, bad| {
         let mut entity = world.entity_mut(bad.expect("spawned"));
@@ -345,4 +391,7 @@ fn nonsense_step_lengths_do_nothing() {
         simulation.step(h);
         assert_eq!(simulation.bodies.pose(body).position, Vec3::Y);
     }
+    simulation.gravity = Gravity(Vec3::NAN);
+    simulation.step(0.01);
+    assert_eq!(simulation.bodies.pose(body).position, Vec3::Y);
 }

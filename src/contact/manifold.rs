@@ -1,7 +1,7 @@
 //! Contact manifolds: feature clipping, reduction to four points, normal from A to B.
 
 use crate::geometry::{KdBox, KdCode};
-use crate::math::{Pose, tangents};
+use crate::math::{Pose, rotate, tangents};
 use glam::Vec3;
 
 /// Most points a manifold keeps.
@@ -76,7 +76,7 @@ impl ManifoldBody {
         let code = self
             .code_box
             .map_or(KdCode::default(), |b| b.encode(on_surface));
-        (self.pose.rotation * (point - self.centre), code)
+        (rotate(self.pose.rotation, point - self.centre), code)
     }
 }
 
@@ -92,8 +92,8 @@ impl Manifold {
         friction: f32,
         restitution: f32,
     ) -> Self {
-        let normal = a.pose.rotation * patch.normal;
-        let normal_in_b = b.pose.rotation.inverse() * normal;
+        let normal = rotate(a.pose.rotation, patch.normal);
+        let normal_in_b = rotate(b.pose.rotation.inverse(), normal);
         let mut manifold = Self {
             a: a.slot,
             b: b.slot,
@@ -146,7 +146,7 @@ impl Patch {
     /// The patch with the two bodies exchanged: in B's frame, normal from B to A.
     pub fn swapped(&self, b_in_a: &Pose) -> Self {
         let mut patch = Self {
-            normal: b_in_a.rotation.inverse() * -self.normal,
+            normal: rotate(b_in_a.rotation.inverse(), -self.normal),
             ..*self
         };
         for point in &mut patch.points {

@@ -10,7 +10,7 @@
 
 use super::manifold::{MAX_POINTS, Patch, PatchPoint, reduce};
 use crate::geometry::{ConvexHull, Face};
-use crate::math::{Aabb, Plane, Pose};
+use crate::math::{Aabb, Plane, Pose, rotate};
 use glam::Vec3;
 
 /// A face is preferred over an edge pair, and the first face over the second, unless the other separates better by
@@ -74,7 +74,7 @@ impl NarrowScratch {
             .extend(b.vertices().iter().map(|&v| b_in_a.transform_point(v)));
         self.planes.clear();
         self.planes.extend(b.faces().iter().map(|face| {
-            let normal = b_in_a.rotation * face.plane.normal;
+            let normal = rotate(b_in_a.rotation, face.plane.normal);
             Plane {
                 normal,
                 offset: face.plane.offset + normal.dot(b_in_a.position),

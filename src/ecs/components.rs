@@ -74,19 +74,26 @@ pub enum BodyProblem {
 /// Entities of the bodies, by slot, and the last pose written to each.
 #[derive(Debug, Default, Resource)]
 pub(crate) struct BodyEntities {
-    pub(crate) entity: Vec<Entity>,
+    /// With the id of the body, because a slot may have been given to another body since.
+    entity: Vec<Option<(BodyId, Entity)>>,
     /// Transform as last written or read; what differs from it was changed by the user.
     pub(crate) seen: Vec<Transform>,
 }
 
 impl BodyEntities {
-    pub(crate) fn set(&mut self, slot: u32, entity: Entity, seen: Transform) {
-        let needed = slot as usize + 1;
-        if self.entity.len() < needed {
-            self.entity.resize(needed, Entity::PLACEHOLDER);
-            self.seen.resize(needed, Transform::IDENTITY);
-        }
-        self.entity[slot as usize] = entity;
+    /// The entity of a body; `None` for one that was put into `Bodies` without an entity.
+    pub(crate) fn of(&self, slot: u32, id: BodyId) -> Option<Entity> {
+        let known = self.entity.get(slot as usize).copied().flatten();
+        known
+            .filter(|(owner, _)| *owner == id)
+            .map(|(_, entity)| entity)
+    }
+
+    pub(crate) fn set(&mut self, slot: u32, id: BodyId, entity: Entity, seen: Transform) {
+        let needed = self.entity.len().max(slot as usize + 1);
+        self.entity.resize(needed, None);
+        self.seen.resize(needed, Transform::IDENTITY);
+        self.entity[slot as usize] = Some((id, entity));
         self.seen[slot as usize] = seen;
     }
 }

@@ -57,11 +57,9 @@ pub(crate) fn report_refusals(
     mut warnings: ResMut<Messages<BodyWarning>>,
 ) {
     for (request, error) in &fractures.refused {
-        warn(
-            &mut warnings,
-            entities.entity[request.slot as usize],
-            error.clone(),
-        );
+        if let Some(entity) = entities.of(request.slot, request.body) {
+            warn(&mut warnings, entity, error.clone());
+        }
     }
 }
 
@@ -71,17 +69,22 @@ pub(crate) fn anything_broke(fractures: Res<Fractures>) -> bool {
 }
 
 /// System: spawns an entity for every piece, despawns the parents, tells what happened.
+///
+/// Pieces of a body without an entity stay bodies without entities.
 pub(crate) fn spawn_pieces(world: &mut World) {
     let done = std::mem::take(&mut world.resource_mut::<Fractures>().done);
     // All parents first: a slot that a parent left may be a piece's by now.
-    let parents: Vec<Entity> = done
+    let entities = world.resource::<BodyEntities>();
+    let parents: Vec<_> = done
         .iter()
-        .map(|f| world.resource::<BodyEntities>().entity[f.parent_slot as usize])
+        .map(|f| entities.of(f.parent_slot, f.parent))
         .collect();
-    for (fracture, &parent) in done.iter().zip(&parents) {
-        let pieces = fracture
-            .pieces
-            .iter()
+    for (fracture, parent) in done.iter().zip(parents) {
+        let Some(parent) = parent.filter(|&p| world.get_entity(p).is_ok()) else {
+            continue;
+        };
+        let slots = fracture.pieces.iter();
+        let pieces = slots
             .map(|&slot| spawn_piece(world, parent, slot))
             .collect();
         let message = Fractured {
@@ -99,7 +102,7 @@ pub(crate) fn spawn_pieces(world: &mut World) {
 /// One piece: a clone of the parent with shape, motion and mass of its own.
 fn spawn_piece(world: &mut World, parent: Entity, slot: u32) -> Entity {
     let bodies = world.resource::<Bodies>();
-    let pose = bodies.pose(slot);
+    let (id, pose) = (bodies.id(slot), bodies.pose(slot));
     let (v, omega) = bodies.velocity(slot);
     let transform = Transform {
         translation: pose.position,
@@ -113,7 +116,7 @@ fn spawn_piece(world: &mut World, parent: Entity, slot: u32) -> Entity {
         AngularVelocity(omega),
         Density(bodies.density(slot)),
         *bodies.mass(slot),
-        BodyHandle(Some((slot, bodies.id(slot)))),
+        BodyHandle(Some((slot, id))),
     );
     let fracturable = bodies.fracturable(slot).copied();
     // What is cloned must not carry the parent's body, or observers would take the clone for the parent.
@@ -137,6 +140,6 @@ fn spawn_piece(world: &mut World, parent: Entity, slot: u32) -> Entity {
     }
     world
         .resource_mut::<BodyEntities>()
-        .set(slot, piece, transform);
+        .set(slot, id, piece, transform);
     piece
 }

@@ -10,6 +10,7 @@ use crate::slice::fracturable::Fracturable;
 use crate::solver::bodies::{self, Bodies, BodyDesc, BodyError, RigidBody, Shape};
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
+use bevy_ecs::system::SystemParam;
 use bevy_math::Vec3;
 use bevy_transform::components::Transform;
 
@@ -99,7 +100,7 @@ pub(crate) fn register_bodies(
         match pose_of(item.transform).and_then(|pose| bodies.insert(describe(&item, pose)?)) {
             Ok(slot) => {
                 handle.0 = Some((slot, bodies.id(slot)));
-                entities.set(slot, entity, *item.transform);
+                entities.set(slot, bodies.id(slot), entity, *item.transform);
             }
             Err(error) => {
                 // As texts, because a NaN in the reason is not equal to itself.
@@ -209,31 +210,40 @@ type Changes = Or<(
     Changed<Fracturable>,
 )>;
 
+/// What of a body's description was taken away.
+#[derive(SystemParam)]
+pub(crate) struct Removals<'w, 's> {
+    convex: RemovedComponents<'w, 's, ConvexMesh>,
+    half_space: RemovedComponents<'w, 's, HalfSpace>,
+    mass: RemovedComponents<'w, 's, MassOverride>,
+    fracturable: RemovedComponents<'w, 's, Fracturable>,
+}
+
+impl Removals<'_, '_> {
+    fn read(&mut self) -> impl Iterator<Item = Entity> + '_ {
+        let shapes = self.convex.read().chain(self.half_space.read());
+        shapes
+            .chain(self.mass.read())
+            .chain(self.fracturable.read())
+    }
+}
+
 /// System: shapes, densities, materials and layers that the user changed. What is not usable is not taken over.
 pub(crate) fn gather_changes(
     mut bodies: ResMut<Bodies>,
     mut warnings: ResMut<Messages<BodyWarning>>,
-    changed: Query<(Entity, &BodyHandle, BodyParts), Changes>,
-    mut removed: RemovedComponents<Fracturable>,
-    handles: Query<&BodyHandle, Without<Fracturable>>,
+    changed: Query<Entity, (Changes, With<BodyHandle>)>,
+    mut removals: Removals,
+    described: Query<(&BodyHandle, BodyParts)>,
 ) {
-    for (entity, handle, parts) in &changed {
-        let Some((slot, _)) = handle.0 else { continue };
+    for entity in changed.iter().chain(removals.read()) {
+        let Ok((&BodyHandle(Some((slot, _))), parts)) = described.get(entity) else {
+            continue;
+        };
         // Pose and velocity are gather_motion's business: broken ones must not hide a new shape.
-        let described = describe(&parts, Pose::IDENTITY)
-            .map(|desc| BodyDesc {
-                linear_velocity: Vec3::ZERO,
-                angular_velocity: Vec3::ZERO,
-                ..desc
-            })
-            .and_then(|desc| bodies.redescribe(slot, desc));
-        if let Err(error) = described {
+        let desc = describe(&parts, Pose::IDENTITY);
+        if let Err(error) = desc.and_then(|desc| bodies.redescribe(slot, desc)) {
             warn(&mut warnings, entity, error);
-        }
-    }
-    for entity in removed.read() {
-        if let Ok(Some((slot, _))) = handles.get(entity).map(|h| h.0) {
-            bodies.set_fracturable(slot, None);
         }
     }
 }
@@ -245,7 +255,8 @@ pub(crate) fn publish_mass(
     mut masses: Query<&mut MassProperties>,
 ) {
     for slot in std::mem::take(&mut bodies.fresh_mass) {
-        if let Ok(mut mass) = masses.get_mut(entities.entity[slot as usize]) {
+        let entity = entities.of(slot, bodies.id(slot));
+        if let Some(mut mass) = entity.and_then(|e| masses.get_mut(e).ok()) {
             mass.set_if_neq(*bodies.mass(slot));
         }
     }

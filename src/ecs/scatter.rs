@@ -41,10 +41,13 @@ pub(crate) fn scatter(
 /// System: warns about bodies that the step could not handle.
 pub(crate) fn report_problems(
     report: Res<StepReport>,
+    bodies: Res<Bodies>,
     entities: Res<BodyEntities>,
     mut warnings: ResMut<Messages<BodyWarning>>,
 ) {
     for (slot, error) in &report.problems {
-        warn(&mut warnings, entities.entity[*slot as usize], *error);
+        if let Some(entity) = entities.of(*slot, bodies.id(*slot)) {
+            warn(&mut warnings, entity, *error);
+        }
     }
 }

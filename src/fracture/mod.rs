@@ -15,7 +15,7 @@ use crate::contact::manifold::Manifold;
 use crate::geometry::ConvexMesh;
 use crate::geometry::predicates::check_plane;
 use crate::mass::VolumeIntegrals;
-use crate::math::Plane;
+use crate::math::{Plane, rotate};
 use crate::slice::fracturable::Fracturable;
 use crate::slice::pattern::Impact;
 use crate::slice::{Piece, SliceError, SliceOptions, cut_by_planes};
@@ -313,7 +313,10 @@ fn piece_desc(
         (Some(given), Some(mesh)) => (f64::from(given.mass) / mesh.hull().volume()) as f32,
         _ => info.density,
     };
-    let lever = world_from_parent.rotation * (centroid - bodies.mass(parent).centre);
+    let lever = rotate(
+        world_from_parent.rotation,
+        centroid - bodies.mass(parent).centre,
+    );
     let shift = crate::math::Pose::new(-centroid, Quat::IDENTITY);
     let visual = piece.visual.map(|mesh| mesh.transformed(&shift));
     BodyDesc {

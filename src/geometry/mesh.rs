@@ -1,6 +1,6 @@
 //! `TriMesh`: triangles with per-vertex attributes, and what can be wrong with them.
 
-use crate::math::{Aabb, Pose};
+use crate::math::{Aabb, Pose, rotate};
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
 /// A triangle mesh with per-vertex attributes.
@@ -295,7 +295,7 @@ impl TriMesh {
             *position = pose.transform_point(*position);
         }
         for normal in &mut self.normals {
-            *normal = pose.rotation * *normal;
+            *normal = rotate(pose.rotation, *normal);
         }
         self
     }

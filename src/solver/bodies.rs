@@ -5,9 +5,10 @@
 
 use crate::contact::material::{Friction, Restitution};
 use crate::contact::{BodyId, CollisionLayers};
-use crate::geometry::{ConvexMesh, HalfSpace, KdBox};
+use crate::geometry::predicates::check_plane;
+use crate::geometry::{ConvexMesh, HalfSpace, KdBox, PlaneError};
 use crate::mass::{MassError, MassProperties};
-use crate::math::{Aabb, Pose};
+use crate::math::{Aabb, Plane, Pose, rotate};
 use crate::slice::fracturable::Fracturable;
 use bevy_ecs::component::Component;
 use bevy_ecs::resource::Resource;
@@ -124,6 +125,9 @@ pub enum BodyError {
     /// Friction or restitution is out of range.
     #[error(transparent)]
     Material(#[from] crate::contact::material::MaterialError),
+    /// The normal of a half-space is zero or not finite.
+    #[error(transparent)]
+    HalfSpace(#[from] PlaneError),
     /// A half-space cannot be dynamic.
     #[error("a half-space has no mass and cannot be dynamic")]
     DynamicHalfSpace,
@@ -183,6 +187,29 @@ impl BodyInfo {
             restitution: desc.restitution,
             layers: desc.layers,
             fracturable: desc.fracturable,
+        }
+    }
+
+    /// Whether friction and restitution are usable.
+    fn check_surface(&self) -> Result<(), BodyError> {
+        self.friction.validate()?;
+        Ok(self.restitution.validate()?)
+    }
+
+    /// Whether shape and density make a body.
+    fn check_mass(&self) -> Result<(), BodyError> {
+        match (&self.shape, self.mass_override) {
+            (Shape::HalfSpace(_), _) if self.kind == RigidBody::Dynamic => {
+                Err(BodyError::DynamicHalfSpace)
+            }
+            (Shape::HalfSpace(half_space), _) => {
+                let plane = Plane::through(Vec3::ZERO, half_space.normal);
+                Ok(check_plane(&plane)?)
+            }
+            (Shape::Convex(_), Some(given)) => Ok(given.validate()?),
+            (Shape::Convex(mesh), None) => {
+                Ok(MassProperties::of_hull(mesh.hull(), self.density).map(drop)?)
+            }
         }
     }
 
@@ -253,23 +280,28 @@ impl Bodies {
     /// # Errors
     /// [`BodyError`] for a state, density or material that is not usable; nothing is added then.
     pub fn insert(&mut self, desc: BodyDesc) -> Result<u32, BodyError> {
-        check_desc(&desc)?;
+        check_pose(&desc.pose)?;
+        check_velocity(desc.linear_velocity, desc.angular_velocity)?;
+        let (pose, linear, angular) = (desc.pose, desc.linear_velocity, desc.angular_velocity);
+        let info = BodyInfo::of(desc);
+        info.check_surface()?;
+        info.check_mass()?;
         let slot = self.free.pop().unwrap_or_else(|| self.grow());
         let i = slot as usize;
         self.ids[i] = BodyId(self.next_id);
         self.next_id += 1;
         self.alive += 1;
         self.status[i] = Status::Active;
-        self.centre[i] = desc.pose.position;
-        self.rotation[i] = desc.pose.rotation;
+        self.centre[i] = pose.position;
+        self.rotation[i] = pose.rotation;
         self.velocity[i] = SolverBody {
-            linear: desc.linear_velocity,
-            angular: desc.angular_velocity,
+            linear,
+            angular,
             ..Default::default()
         };
         self.mass[i] = MassProperties::default();
         self.inverse_inertia[i] = Mat3::ZERO;
-        self.info[i] = Some(BodyInfo::of(desc));
+        self.info[i] = Some(info);
         self.fracturable += usize::from(self.info(slot).fracturable.is_some());
         self.mark_shape_changed(slot);
         Ok(slot)
@@ -279,6 +311,7 @@ impl Bodies {
     pub(crate) fn insert_with_mass(&mut self, desc: BodyDesc) -> Result<u32, BodyError> {
         let slot = self.insert(desc)?;
         self.refresh_mass(slot).inspect_err(|_| self.remove(slot))?;
+        self.stale_mass.pop();
         Ok(slot)
     }
 
@@ -336,7 +369,7 @@ impl Bodies {
     pub fn pose(&self, slot: u32) -> Pose {
         let i = slot as usize;
         Pose {
-            position: self.centre[i] - self.rotation[i] * self.mass[i].centre,
+            position: self.centre[i] - rotate(self.rotation[i], self.mass[i].centre),
             rotation: self.rotation[i],
         }
     }
@@ -376,7 +409,7 @@ impl Bodies {
     pub fn set_pose(&mut self, slot: u32, pose: Pose) {
         let i = slot as usize;
         self.rotation[i] = pose.rotation;
-        self.centre[i] = pose.position + pose.rotation * self.mass[i].centre;
+        self.centre[i] = pose.position + rotate(pose.rotation, self.mass[i].centre);
     }
 
     /// Sets velocity of the centre of mass (m/s) and angular velocity (rad/s), world axes.
@@ -390,7 +423,10 @@ impl Bodies {
     pub fn kinetic_energy(&self, slot: u32) -> f64 {
         let (v, omega) = self.velocity(slot);
         let m = self.mass(slot);
-        let spin = (self.rotation[slot as usize] * m.principal_frame).inverse() * omega;
+        let spin = rotate(
+            (self.rotation[slot as usize] * m.principal_frame).inverse(),
+            omega,
+        );
         0.5 * (f64::from(m.mass) * f64::from(v.length_squared())
             + f64::from((m.principal * spin).dot(spin)))
     }
@@ -405,12 +441,15 @@ impl Bodies {
     /// # Errors
     /// [`BodyError`]; the body stays as it was then.
     pub fn redescribe(&mut self, slot: u32, desc: BodyDesc) -> Result<(), BodyError> {
-        check_desc(&desc)?;
         let info = BodyInfo {
             kind: self.kind(slot),
             ..BodyInfo::of(desc)
         };
+        info.check_surface()?;
         let same_mass = info.has_mass_of(self.info(slot));
+        if !same_mass {
+            info.check_mass()?;
+        }
         self.set_fracturable(slot, info.fracturable);
         self.info[slot as usize] = Some(info);
         if !same_mass {
@@ -535,21 +574,6 @@ fn world_box(mesh: &ConvexMesh, pose: &Pose) -> Aabb {
     Aabb {
         min: local.min + pose.position,
         max: local.max + pose.position,
-    }
-}
-
-fn check_desc(desc: &BodyDesc) -> Result<(), BodyError> {
-    check_pose(&desc.pose)?;
-    check_velocity(desc.linear_velocity, desc.angular_velocity)?;
-    desc.friction.validate()?;
-    desc.restitution.validate()?;
-    match &desc.shape {
-        Shape::HalfSpace(_) if desc.kind == RigidBody::Dynamic => Err(BodyError::DynamicHalfSpace),
-        Shape::HalfSpace(_) => Ok(()),
-        Shape::Convex(mesh) => match desc.mass {
-            Some(mass) => Ok(mass.validate()?),
-            None => Ok(MassProperties::of_hull(mesh.hull(), desc.density).map(drop)?),
-        },
     }
 }
 

@@ -1,7 +1,7 @@
 //! Semi-implicit Euler: velocities first, then positions from the new velocities; with a stable gyroscopic term.
 
 use super::bodies::{Bodies, BodyError, RigidBody, Status};
-use crate::math::rotate_by;
+use crate::math::{rotate, rotate_by};
 use glam::{Mat3, Quat, Vec3};
 
 /// Applies gravity and the gyroscopic torque to the velocities of all dynamic bodies: the step's `v*`.
@@ -36,7 +36,7 @@ fn gyroscopic(omega: Vec3, frame: Quat, principal: Vec3, h: f32) -> Vec3 {
     if principal.x == principal.y && principal.y == principal.z {
         return omega;
     }
-    let w = frame.inverse() * omega;
+    let w = rotate(frame.inverse(), omega);
     // Divided by the largest moment, so that the determinant does not underflow for small bodies.
     let i = principal / principal.max_element();
     let momentum = i * w;
@@ -46,7 +46,7 @@ fn gyroscopic(omega: Vec3, frame: Quat, principal: Vec3, h: f32) -> Vec3 {
     if jacobian.determinant().abs() < f32::MIN_POSITIVE {
         return omega;
     }
-    frame * (w - jacobian.inverse() * f)
+    rotate(frame, w - jacobian.inverse() * f)
 }
 
 /// Moves all bodies by their velocities for `h` seconds and refreshes what follows from the pose.

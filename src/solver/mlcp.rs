@@ -1,6 +1,6 @@
 //! The problem, and how far a vector of multipliers is from solving it.
 //!
-//! All constraints of a step, contacts and joints alike, are rows of one mixed linear complementarity problem (MLCP).
+//! All constraints of a step are rows of one mixed linear complementarity problem (MLCP); today they are contacts.
 //! With the Jacobian `J` (one row per constraint), the inverse mass matrix `M^-1`, the velocities `v*` that the bodies
 //! would have without constraints, and the wanted constraint velocity `u`:
 //!
