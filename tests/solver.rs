@@ -286,34 +286,35 @@ fn box_friction_is_stronger_along_the_diagonal_of_its_tangents() {
 
 #[test]
 fn resting_bodies_stay_and_their_contacts_carry_their_weight() {
-    let mut simulation = with_floor();
-    let top: Vec<u32> = (0..5_u8)
-        .map(|i| {
-            add(
-                &mut simulation,
-                dynamic(&cube(1.0), 0.0, 0.5 + f32::from(i), 0.0),
-            )
-        })
-        .collect();
-    for _ in 0..600 {
-        simulation.step(H);
+    // 16 sweeps (the default) do not converge before the column has settled by millimetres; 32 do.
+    for (sweeps, drift) in [(16, 0.02), (32, 0.001)] {
+        let mut simulation = with_floor();
+        simulation.config.sweeps = sweeps;
+        let column: Vec<u32> = (0..5_u8)
+            .map(|i| {
+                add(
+                    &mut simulation,
+                    dynamic(&cube(1.0), 0.0, 0.5 + f32::from(i), 0.0),
+                )
+            })
+            .collect();
+        for _ in 0..600 {
+            simulation.step(H);
+        }
+        let moved = simulation.bodies.centre_of_mass(column[4]) - Vec3::new(0.0, 4.5, 0.0);
+        assert!(moved.length() < drift, "{moved} at {sweeps} sweeps");
+        let floor_contact = &simulation.contacts.manifolds()[0];
+        let carried: f32 = floor_contact
+            .points()
+            .iter()
+            .map(|p| p.normal_impulse)
+            .sum();
+        let weight = 5.0 * 1000.0 * G * H;
+        assert!(
+            (carried - weight).abs() < 1e-3 * weight,
+            "{carried} N s carried of {weight}"
+        );
     }
-    let centre = simulation.bodies.centre_of_mass(top[4]);
-    assert!(
-        centre.with_y(0.0).length() < 0.01 && (centre.y - 4.5).abs() < 0.02,
-        "{centre}"
-    );
-    let floor_contact = &simulation.contacts.manifolds()[0];
-    let carried: f32 = floor_contact
-        .points()
-        .iter()
-        .map(|p| p.normal_impulse)
-        .sum();
-    let weight = 5.0 * 1000.0 * G * H;
-    assert!(
-        (carried - weight).abs() < 0.01 * weight,
-        "{carried} N s carried of {weight}"
-    );
 }
 
 #[test]

@@ -10,8 +10,8 @@
 
 use super::manifold::{MAX_POINTS, Patch, PatchPoint, reduce};
 use crate::geometry::{ConvexHull, Face};
-use crate::math::{Aabb, Plane, Pose, rotate};
-use glam::Vec3;
+use crate::math::{Aabb, Plane, Pose};
+use glam::{Mat3, Vec3};
 
 /// A face is preferred over an edge pair, and the first face over the second, unless the other separates better by
 /// this share of the smaller hull's diagonal.
@@ -69,12 +69,13 @@ impl NarrowScratch {
 
     /// Brings B into A's frame.
     fn load(&mut self, b: &ConvexHull, b_in_a: &Pose) {
+        let turn = Mat3::from_quat(b_in_a.rotation);
+        let moved = b.vertices().iter().map(|&v| turn * v + b_in_a.position);
         self.vertices.clear();
-        self.vertices
-            .extend(b.vertices().iter().map(|&v| b_in_a.transform_point(v)));
+        self.vertices.extend(moved);
         self.planes.clear();
         self.planes.extend(b.faces().iter().map(|face| {
-            let normal = rotate(b_in_a.rotation, face.plane.normal);
+            let normal = turn * face.plane.normal;
             Plane {
                 normal,
                 offset: face.plane.offset + normal.dot(b_in_a.position),
@@ -157,6 +158,9 @@ pub fn collide_hulls(
         return None;
     }
     scratch.load(b, &b_in_a);
+    if centres_separate(a, scratch, margin) {
+        return None;
+    }
     let face_a = best_face(a.faces().iter().map(|f| f.plane), &scratch.vertices, margin)?;
     let face_b = best_face(scratch.planes.iter().copied(), a.vertices(), margin)?;
     let floor = face_a.separation.max(face_b.separation);
@@ -196,6 +200,16 @@ pub fn collide_hulls(
         .or_else(|| contact.support_patch(&face, b_refers, scratch))
 }
 
+/// Whether the line through the middles of the two boxes separates the hulls by more than `margin`: true for most pairs
+/// that do not touch, and much cheaper to find out than by the faces.
+fn centres_separate(a: &ConvexHull, scratch: &NarrowScratch, margin: f32) -> bool {
+    let middle = Aabb::of_points(scratch.vertices.iter().copied()).centre();
+    let Some(axis) = (middle - a.aabb().centre()).try_normalize() else {
+        return false;
+    };
+    lowest(&scratch.vertices, axis).1 + lowest(a.vertices(), -axis).1 > margin
+}
+
 /// The plane with the largest separation from `vertices`; `None` if that exceeds `margin` or nothing is comparable.
 fn best_face(
     planes: impl Iterator<Item = Plane>,
@@ -211,7 +225,8 @@ fn best_face(
         if height(hint) <= bar {
             continue;
         }
-        if let Some(below) = (0..vertices.len()).find(|&i| height(i) <= bar) {
+        let depth = bar + plane.offset;
+        if let Some(below) = vertices.iter().position(|v| plane.normal.dot(*v) <= depth) {
             hint = below;
             continue;
         }
