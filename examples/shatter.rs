@@ -3,7 +3,11 @@
 //! `cargo run --release --example shatter [MODEL.obj|MODEL.glb]` prints what happened as `name: value` lines and
 //! writes pictures of the scene over time, a contact sheet of them, and a plot of step time, residual and energy
 //! under `target/shatter/`. Look for the pale cut faces: they are where the model was cut while it moved.
-#![expect(clippy::print_stdout, reason = "an example prints what it shows")]
+#![expect(
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "an example prints what it shows"
+)]
 
 #[path = "support/mod.rs"]
 mod support;
@@ -13,6 +17,7 @@ use bevy_cleave::prelude::*;
 use glam::{Quat, Vec3, Vec4};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::Path;
+use std::process::ExitCode;
 use std::time::Instant;
 use support::picture::{Picture, contact_sheet};
 use support::plot::{Panel, time_series};
@@ -28,7 +33,17 @@ const PICTURES: [usize; 6] = [24, 48, 56, 70, 110, STEPS];
 const SURFACE_COLOUR: Vec3 = Vec3::splat(0.5);
 const CUT_COLOUR: Vec4 = Vec4::new(2.2, 2.2, 2.2, 1.0);
 
-fn main() -> Result<(), support::Error> {
+fn main() -> ExitCode {
+    match shatter() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("shatter: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn shatter() -> Result<(), support::Error> {
     let path = std::env::args()
         .nth(1)
         .unwrap_or_else(|| support::DEFAULT_MODEL.into());
