@@ -7,7 +7,8 @@ use crate::geometry::{ConvexMesh, HalfSpace};
 use crate::mass::MassProperties;
 use crate::math::Pose;
 use crate::slice::fracturable::Fracturable;
-use crate::solver::bodies::{self, Bodies, BodyDesc, BodyError, RigidBody, Shape};
+use crate::solver::bodies::{Bodies, BodyDesc, BodyError, RigidBody, Shape};
+use crate::solver::body;
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
 use bevy_ecs::system::SystemParam;
@@ -184,10 +185,10 @@ fn read_motion(
     linear: Vec3,
     angular: Vec3,
 ) -> Result<(), BodyError> {
-    bodies::check_velocity(linear, angular)?;
+    body::check_velocity(linear, angular)?;
     if transform != seen {
         let pose = pose_of(transform)?;
-        bodies::check_pose(&pose)?;
+        body::check_pose(&pose)?;
         bodies.set_pose(slot, pose);
         bodies.refresh_world(slot);
         *seen = *transform;

@@ -5,6 +5,7 @@
 //! `v_i = v + omega x r_i`, `omega_i = omega`, which conserves momentum, angular momentum and energy exactly; the
 //! [`Ledger`] shows the rounding.
 
+mod impact;
 mod ledger;
 
 pub use ledger::{Ledger, Totals};
@@ -17,11 +18,10 @@ use crate::geometry::predicates::check_plane;
 use crate::mass::VolumeIntegrals;
 use crate::math::{Plane, rotate};
 use crate::slice::fracturable::Fracturable;
-use crate::slice::pattern::Impact;
 use crate::slice::{Piece, SliceError, SliceOptions, cut_by_planes};
 use crate::solver::bodies::{Bodies, BodyDesc, BodyError, RigidBody, Shape};
 use bevy_ecs::resource::Resource;
-use glam::{Quat, Vec3};
+use glam::Quat;
 use smallvec::SmallVec;
 
 /// Why a cut that was asked for was not made. The body is left as it was.
@@ -87,7 +87,7 @@ pub struct Fractures {
     /// Cuts of the last step that were not made.
     pub refused: Vec<(CutRequest, CutError)>,
     breaking: Vec<Breaking>,
-    impacts: Vec<ImpactSum>,
+    impacts: Vec<impact::ImpulseSum>,
 }
 
 #[derive(Debug)]
@@ -95,17 +95,6 @@ struct Breaking {
     slot: u32,
     planes: SmallVec<[Plane; 8]>,
     requests: SmallVec<[CutRequest; 2]>,
-}
-
-/// Contact impulses on one body in one step.
-#[derive(Clone, Copy, Debug, Default)]
-struct ImpactSum {
-    total: f32,
-    strongest: f32,
-    /// From the centre of mass, world axes.
-    point: Vec3,
-    /// Direction of the impulse on the body, world axes.
-    direction: Vec3,
 }
 
 /// Breaks all bodies whose strength was passed or that are to be cut.
@@ -145,21 +134,9 @@ fn collect_requests(fractures: &mut Fractures, bodies: &Bodies) {
             continue;
         }
         let plane = request.plane.in_frame_of(&bodies.pose(request.slot));
-        match fractures
-            .breaking
-            .iter_mut()
-            .find(|b| b.slot == request.slot)
-        {
-            Some(entry) => {
-                entry.planes.push(plane);
-                entry.requests.push(request);
-            }
-            None => fractures.breaking.push(Breaking {
-                slot: request.slot,
-                planes: smallvec::smallvec![plane],
-                requests: smallvec::smallvec![request],
-            }),
-        }
+        let entry = breaking_of(&mut fractures.breaking, request.slot);
+        entry.planes.push(plane);
+        entry.requests.push(request);
     }
 }
 
@@ -177,65 +154,34 @@ fn check_request(request: &CutRequest, bodies: &Bodies) -> Result<(), CutError> 
     Ok(())
 }
 
-/// Finds the bodies whose contact impulses of this step exceed their strength.
+/// Adds the bodies whose contact impulses of this step exceed their strength.
 fn collect_impacts(fractures: &mut Fractures, bodies: &Bodies, manifolds: &[Manifold]) {
     if !bodies.any_fracturable() {
         return;
     }
-    fractures.impacts.clear();
-    fractures
-        .impacts
-        .resize(bodies.slots(), ImpactSum::default());
-    for manifold in manifolds {
-        for point in manifold.points() {
-            let sides = [
-                (manifold.a, point.anchor_a, -manifold.normal),
-                (manifold.b, point.anchor_b, manifold.normal),
-            ];
-            for (slot, anchor, direction) in sides {
-                let sum = &mut fractures.impacts[slot as usize];
-                sum.total += point.normal_impulse;
-                if point.normal_impulse > sum.strongest {
-                    (sum.strongest, sum.point, sum.direction) =
-                        (point.normal_impulse, anchor, direction);
-                }
-            }
+    impact::sum_impulses(&mut fractures.impacts, bodies.slots(), manifolds);
+    for (slot, sum) in (0..).zip(&fractures.impacts) {
+        let planes = impact::planes_of_impact(bodies, slot, sum);
+        if !planes.is_empty() {
+            breaking_of(&mut fractures.breaking, slot)
+                .planes
+                .extend(planes);
         }
     }
-    for (slot, sum) in fractures
-        .impacts
-        .iter()
-        .enumerate()
-        .filter(|(_, sum)| sum.total > 0.0)
-    {
-        let slot = slot as u32;
-        let Some(fracturable) = bodies.fracturable(slot).filter(|f| sum.total > f.strength) else {
-            continue;
-        };
-        if bodies.kind(slot) != RigidBody::Dynamic || !bodies.is_active(slot) {
-            continue;
-        }
-        let Some(mesh) = bodies.convex(slot) else {
-            continue;
-        };
-        let body_from_world = bodies.pose(slot).rotation.inverse();
-        let impact = Impact {
-            point: body_from_world * sum.point + bodies.mass(slot).centre,
-            normal: body_from_world * sum.direction,
-            impulse: sum.total,
-        };
-        let planes = fracturable
-            .pattern
-            .planes(&impact, mesh.hull(), fracturable.seed);
-        match fractures.breaking.iter_mut().find(|b| b.slot == slot) {
-            Some(entry) => entry.planes.extend(planes),
-            None => fractures.breaking.push(Breaking {
-                slot,
-                planes,
-                requests: SmallVec::new(),
-            }),
-        }
-    }
+}
+
+/// The entry of the body in `slot`, made if it is not there yet.
+fn breaking_of(breaking: &mut Vec<Breaking>, slot: u32) -> &mut Breaking {
+    let index = breaking.iter().position(|b| b.slot == slot);
+    let index = index.unwrap_or_else(|| {
+        breaking.push(Breaking {
+            slot,
+            planes: SmallVec::new(),
+            requests: SmallVec::new(),
+        });
+        breaking.len() - 1
+    });
+    &mut breaking[index]
 }
 
 /// Replaces one body by its pieces, or leaves it as it is.

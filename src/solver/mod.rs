@@ -1,9 +1,10 @@
 //! One mixed linear complementarity problem, and the methods that solve it.
 //!
-//! [`bodies`] holds the flat arrays of state, [`rows`] turns contacts into rows of the problem that [`mlcp`] states,
+//! [`bodies`] holds the flat arrays of state and [`body`] what goes into them, [`rows`] turns contacts into rows of the problem that [`mlcp`] states,
 //! [`pgs`] solves it, [`integrate`] moves the bodies. Nothing here knows the ECS.
 
 pub mod bodies;
+pub mod body;
 pub mod integrate;
 pub mod mlcp;
 pub mod pgs;
