@@ -165,6 +165,50 @@ fn check_joined_faces_keep_the_volume(index: usize, cloud: &[DVec3], expected: &
     }
 }
 
+/// What a body gets, in f32, against the reference: mass, centre relative to the size of the box, principal moments.
+fn check_mass_properties(name: &str, positions: &[DVec3], expected: &Expected, centre_bound: f64) {
+    let hull = ConvexHull::from_points(&single(positions)).unwrap();
+    let mass = MassProperties::of_hull(&hull, 1.0).unwrap();
+    let relative = f64::from(mass.mass) / expected.volume - 1.0;
+    assert!(relative.abs() <= 1e-5, "{name}: mass off by {relative:e}");
+    let offset = mass.centre.as_dvec3() - expected.centroid;
+    let offset = offset.abs().max_element() / size(positions);
+    assert!(offset <= centre_bound, "{name}: centre off by {offset:e}");
+    let moments = mass.principal.as_dvec3() / expected.principal - 1.0;
+    let worst = moments.abs().max_element();
+    assert!(worst <= 1e-5, "{name}: principal moments off by {worst:e}");
+}
+
+#[test]
+fn mass_properties_in_single_precision_match_the_reference() {
+    let reference = reference();
+    for name in MODELS {
+        let expected = Expected::parse(&reference[name]["hull"]);
+        check_mass_properties(name, &model(name).0, &expected, 1e-5);
+    }
+    let mut checked = 0;
+    for (index, cloud) in clouds().iter().enumerate() {
+        if FLAT_CLOUDS.contains(&index) {
+            continue;
+        }
+        let expected = Expected::parse(&reference["horizon_hull_points.json"][index]);
+        // Kilometres from its origin, the centre as f32 is off by half a last digit of each coordinate.
+        let half_ulp = 0.5 * f64::from(f32::EPSILON) * power_of_two_below(expected.centroid);
+        let rounding = half_ulp / size(cloud);
+        assert_eq!(rounding > 1e-5, index == FAR_CLOUD, "{rounding:e}");
+        let bound = if index == FAR_CLOUD { rounding } else { 1e-5 };
+        check_mass_properties(&format!("cloud {index}"), cloud, &expected, bound);
+        checked += 1;
+    }
+    assert_eq!(checked, 207);
+}
+
+/// The largest power of two that is not above the largest coordinate.
+fn power_of_two_below(v: DVec3) -> f64 {
+    let largest = v.abs().max_element();
+    f64::from_bits(largest.to_bits() & f64::INFINITY.to_bits())
+}
+
 #[test]
 fn cuboid_has_its_textbook_inertia() {
     let (x, y, z) = (2.0, 3.0, 4.0);
