@@ -186,21 +186,24 @@ fn mass_properties_in_single_precision_match_the_reference() {
         let expected = Expected::parse(&reference[name]["hull"]);
         check_mass_properties(name, &model(name).0, &expected, 1e-5);
     }
-    let mut checked = 0;
+    let (mut checked, mut far) = (0, Vec::new());
     for (index, cloud) in clouds().iter().enumerate() {
         if FLAT_CLOUDS.contains(&index) {
             continue;
         }
         let expected = Expected::parse(&reference["horizon_hull_points.json"][index]);
-        // Kilometres from its origin, the centre as f32 is off by half a last digit of each coordinate.
+        // Kilometres from its origin, the centre as f32 is off by up to half a last digit of its largest coordinate.
         let half_ulp = 0.5 * f64::from(f32::EPSILON) * power_of_two_below(expected.centroid);
         let rounding = half_ulp / size(cloud);
-        assert_eq!(rounding > 1e-5, index == FAR_CLOUD, "{rounding:e}");
-        let bound = if index == FAR_CLOUD { rounding } else { 1e-5 };
-        check_mass_properties(&format!("cloud {index}"), cloud, &expected, bound);
+        if rounding > 1e-5 {
+            far.push(index);
+        }
+        let name = format!("cloud {index}");
+        check_mass_properties(&name, cloud, &expected, rounding.max(1e-5));
         checked += 1;
     }
-    assert_eq!(checked, 207);
+    // The second is 7 m of body at 2.3 km.
+    assert_eq!((checked, far), (207, vec![FAR_CLOUD, 138]));
 }
 
 /// The largest power of two that is not above the largest coordinate.

@@ -377,7 +377,6 @@ fn rebound_has_the_speed_of_the_coefficient() {
     }
     // Combined with the floor's 0 by averaging: e = 0.5, so in continuous time a quarter of the height each time.
     let expected = discrete_apexes(1.0, 0.5, 200);
-    eprintln!("REB {apexes:?} {expected:?}");
     assert!(expected.len() >= 3 && apexes.len() >= expected.len());
     for (apex, expected) in apexes.iter().zip(&expected) {
         assert!((apex - expected).abs() < 1e-5, "{apex} m, not {expected}");
@@ -448,18 +447,14 @@ fn contacts_conserve_momentum_and_lose_energy_in_a_zero_g_cloud() {
         simulation.report.bodies == 64 && e < 0.9 * e0,
         "they collide: {e0} J, then {e} J"
     );
+    // Measured: 4e-8 and 7e-6 of the sums of magnitudes at the start.
     assert!(
-        (p - p0).length() < 1e-5 * scale,
+        (p - p0).length() < 1e-6 * scale,
         "momentum {}",
         (p - p0).length() / scale
     );
-    eprintln!(
-        "CLOUD {:e} {:e}",
-        (p - p0).length() / scale,
-        (l - l0).length() / angular_scale
-    );
     assert!(
-        (l - l0).length() < 1e-4 * angular_scale,
+        (l - l0).length() < 2e-5 * angular_scale,
         "angular momentum {}",
         (l - l0).length() / angular_scale
     );
@@ -491,17 +486,14 @@ fn tumbling_body_keeps_flipping_and_does_not_gain_energy() {
         }
     }
     let (_, l, _) = totals(&simulation);
-    eprintln!(
-        "TUMBLE {} {} flips {flips} e {e0} {}",
-        (l - l0).length() / l0.length(),
-        l.length() / l0.length() - 1.0,
-        totals(&simulation).2
-    );
     assert!(
         flips >= 2,
         "the intermediate axis is unstable: {flips} flips"
     );
-    assert!((l - l0).length() < 0.2 * l0.length(), "{l0} became {l}");
+    // Measured: 0.099. The implicit gyroscopic step damps whatever turns the momentum in the body's frame, that is each
+    // flip, of which there are four; the bound is 1.3 times that.
+    assert!((l - l0).length() < 0.129 * l0.length(), "{l0} became {l}");
+    assert!(l.length() < l0.length(), "{l0} became {l}");
 }
 
 #[test]
