@@ -89,8 +89,8 @@ fn cut_by_three_planes(c: &mut Criterion) {
 
 fn broadphase(c: &mut Criterion) {
     let mut group = c.benchmark_group("broadphase");
-    for count in [100, 1000, 5000_u32] {
-        let side = (count as f32).cbrt();
+    // Edges of cubes with one body per cubic metre, m.
+    for (count, side) in [(100, 4.64), (1000, 10.0), (5000_u32, 17.1)] {
         let centres = random_points(count as usize, 2)
             .into_iter()
             .map(|p| 0.5 * p * side);

@@ -1,5 +1,10 @@
 //! Meshes and hulls are valid or refused with a reason; primitives are what they say.
 
+#![expect(
+    clippy::disallowed_methods,
+    reason = "expected values within a tolerance, and scales of random inputs"
+)]
+
 mod common;
 
 use bevy_cleave::geometry::predicates::{self, PlaneError, Side, side};

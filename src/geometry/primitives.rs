@@ -200,6 +200,10 @@ fn check_count(
 }
 
 #[cfg(test)]
+#[expect(
+    clippy::disallowed_methods,
+    reason = "the library's functions are what the exact ones are held against"
+)]
 mod tests {
     use super::*;
     use glam::Vec2Swizzles;

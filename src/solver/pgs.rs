@@ -148,7 +148,8 @@ fn friction_residual(point: &PointRows, w: [f64; 2], model: FrictionModel) -> f6
             r * r
         }
         FrictionModel::Box => (0..2)
-            .map(|i| mlcp::natural_map(impulse[i], w[i], diagonal[i], -bound, bound).powi(2))
+            .map(|i| mlcp::natural_map(impulse[i], w[i], diagonal[i], -bound, bound))
+            .map(|r| r * r)
             .sum(),
     }
 }
