@@ -43,6 +43,7 @@ pub mod prelude {
         MassOverride,
     };
     pub use crate::ecs::cut::SliceCommands;
+    pub use crate::ecs::spawn::SpawnBody;
     pub use crate::fracture::{CutError, CutRequest, Fracture, Fractures, Ledger};
     pub use crate::geometry::{ConvexHull, ConvexMesh, HalfSpace, HullError, MeshError, TriMesh};
     pub use crate::mass::MassProperties;
