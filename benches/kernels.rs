@@ -1,16 +1,21 @@
 //! Time of each kernel and system, and of the whole step. `cargo bench`; `cargo test` runs each once.
 
+#[path = "../tests/app/mod.rs"]
+mod app;
 #[path = "../tests/scenes/mod.rs"]
 mod scenes;
 
+use bevy_app::{App, TaskPoolPlugin};
 use bevy_cleave::contact::broadphase::{Broadphase, Proxy, ProxyKind, ProxyShape};
 use bevy_cleave::contact::sat::{NarrowScratch, collide_half_space, collide_hulls};
+use bevy_cleave::geometry::KdBox;
 use bevy_cleave::prelude::*;
-use bevy_cleave::slice::{SliceOptions, slice_hull, slice_mesh};
-use bevy_cleave::solver::{integrate, pgs};
+use bevy_cleave::slice::{SliceOptions, cut_by_planes, slice_hull, slice_mesh};
+use bevy_cleave::solver::{integrate, pgs, rows};
+use bevy_time::Time;
 use criterion::{BatchSize, BenchmarkId, Criterion, criterion_group, criterion_main};
 use glam::{Quat, Vec3};
-use scenes::{pile, random_points};
+use scenes::{heap, pile, random_points};
 use std::hint::black_box;
 use std::time::Duration;
 
@@ -63,6 +68,23 @@ fn slice(c: &mut Criterion) {
             b.iter(|| slice_mesh(black_box(&mesh), plane, SliceOptions::default()));
         });
     }
+}
+
+fn cut_by_three_planes(c: &mut Criterion) {
+    let shape = sphere(2);
+    let mesh = shape.hull().to_mesh();
+    let normals = [
+        Vec3::new(0.3, 1.0, 0.2),
+        Vec3::new(1.0, -0.2, 0.1),
+        Vec3::new(-0.1, 0.3, 1.0),
+    ];
+    let planes = normals.map(|normal| Plane::through(Vec3::splat(0.01), normal));
+    c.bench_function("cut_by_planes/3/ico320", |b| {
+        b.iter(|| {
+            let (hull, options) = (black_box(shape.hull()), SliceOptions::default());
+            cut_by_planes(hull, Some(&mesh), &planes, options)
+        });
+    });
 }
 
 fn broadphase(c: &mut Criterion) {
@@ -128,14 +150,53 @@ fn manifold(c: &mut Criterion) {
     });
 }
 
+/// Warm start and storing of the contacts of a settled pile.
+fn contact_cache(c: &mut Criterion) {
+    let mut settled = Lazy::new(1000);
+    c.bench_function("contact_cache/1000", |b| {
+        let Simulation {
+            bodies,
+            contacts,
+            cache,
+            ..
+        } = settled.get();
+        let slots = 0..bodies.slots() as u32;
+        let ids: Vec<_> = slots.clone().map(|slot| bodies.id(slot)).collect();
+        let rotations: Vec<_> = slots.clone().map(|s| bodies.pose(s).rotation).collect();
+        let boxes: Vec<_> = slots
+            .map(|slot| bodies.convex(slot).map(|mesh| KdBox::around(mesh.aabb())))
+            .collect();
+        let mut manifolds = contacts.manifolds().to_vec();
+        b.iter(|| {
+            let stats = cache.warm_start(&mut manifolds, &ids, &rotations, &boxes, H);
+            cache.store_and_age(&manifolds, &ids, &rotations, H);
+            stats
+        });
+    });
+}
+
+fn build_rows(c: &mut Criterion) {
+    let mut settled = Lazy::new(1000);
+    c.bench_function("build_rows/1000", |b| {
+        let Simulation {
+            bodies,
+            contacts,
+            config,
+            ..
+        } = settled.get();
+        let mut built = Vec::new();
+        b.iter(|| rows::build_rows(&mut built, contacts.manifolds(), bodies, config, H));
+    });
+}
+
 fn solve(c: &mut Criterion) {
     let mut group = c.benchmark_group("solve_16_sweeps");
     for count in [100, 1000] {
-        let simulation = settled(count);
-        let bodies = simulation.bodies.solver_bodies();
-        let rows = simulation.contacts.rows();
-        group.throughput(criterion::Throughput::Elements(16 * 3 * rows.len() as u64));
+        let mut settled = Lazy::new(count);
         group.bench_function(BenchmarkId::from_parameter(count), |b| {
+            let simulation = settled.get();
+            let bodies = simulation.bodies.solver_bodies();
+            let rows = simulation.contacts.rows();
             b.iter_batched_ref(
                 || (rows.to_vec(), bodies.to_vec()),
                 |(rows, bodies)| pgs::solve(rows, bodies, &simulation.config),
@@ -146,10 +207,11 @@ fn solve(c: &mut Criterion) {
 }
 
 fn integrate_positions(c: &mut Criterion) {
-    let mut simulation = settled(1000);
+    let mut settled = Lazy::new(1000);
     c.bench_function("integrate/1000", |b| {
+        let bodies = &mut settled.get().bodies;
         let mut problems = Vec::new();
-        b.iter(|| integrate::integrate_positions(&mut simulation.bodies, &mut problems, 1e-9));
+        b.iter(|| integrate::integrate_positions(bodies, &mut problems, 1e-9));
     });
 }
 
@@ -157,21 +219,71 @@ fn whole_step(c: &mut Criterion) {
     let mut group = c.benchmark_group("step");
     group.sample_size(10);
     for count in [100, 1000, 5000] {
-        let mut simulation = settled(count);
+        let mut settled = Lazy::new(count);
         group.bench_function(BenchmarkId::from_parameter(count), |b| {
-            b.iter(|| simulation.step(H))
+            let simulation = settled.get();
+            b.iter(|| simulation.step(H));
         });
+    }
+    let mut app = None;
+    group.bench_function("plugin/1000", |b| {
+        let app = app.get_or_insert_with(|| settled_app(1000));
+        b.iter(|| step_app(app));
+    });
+}
+
+/// Steps until a pile has come down; fewer in a test run, where nobody reads the time.
+const STEPS_TO_SETTLE: u32 = if cfg!(debug_assertions) { 5 } else { 120 };
+
+/// A pile of `count` bodies that has come down, made when it is first asked for: not at all if a filter leaves it out.
+struct Lazy {
+    count: usize,
+    simulation: Option<Simulation>,
+}
+
+impl Lazy {
+    fn new(count: usize) -> Self {
+        Self {
+            count,
+            simulation: None,
+        }
+    }
+
+    fn get(&mut self) -> &mut Simulation {
+        let Self { count, simulation } = self;
+        simulation.get_or_insert_with(|| {
+            let mut simulation = pile(*count);
+            for _ in 0..STEPS_TO_SETTLE {
+                simulation.step(H);
+            }
+            simulation
+        })
     }
 }
 
-/// A pile of `count` bodies that has come down; fewer steps in a test run, where nobody reads the time.
-fn settled(count: usize) -> Simulation {
-    let mut simulation = pile(count);
-    let steps = if cfg!(debug_assertions) { 5 } else { 120 };
-    for _ in 0..steps {
-        simulation.step(H);
+/// The same pile as entities of an app with the plugin.
+fn settled_app(count: usize) -> App {
+    let mut app = App::new();
+    app.add_plugins((TaskPoolPlugin::default(), CleavePlugin::default()))
+        .init_resource::<Time>();
+    app.finish();
+    app.cleanup();
+    for desc in heap(count) {
+        app::spawn(app.world_mut(), &desc);
     }
-    simulation
+    for _ in 0..STEPS_TO_SETTLE {
+        step_app(&mut app);
+    }
+    app
+}
+
+/// One step of the plugin, without the rest of an update.
+fn step_app(app: &mut App) {
+    let world = app.world_mut();
+    world
+        .resource_mut::<Time>()
+        .advance_by(Duration::from_secs_f32(H));
+    world.run_schedule(PhysicsSchedule);
 }
 
 criterion_group! {
@@ -179,6 +291,7 @@ criterion_group! {
     config = Criterion::default()
         .warm_up_time(Duration::from_millis(500))
         .measurement_time(Duration::from_secs(2));
-    targets = hull_build, mass, slice, broadphase, manifold, solve, integrate_positions, whole_step
+    targets = hull_build, mass, slice, cut_by_three_planes, broadphase, manifold, contact_cache, build_rows, solve,
+        integrate_positions, whole_step
 }
 criterion_main!(kernels);

@@ -615,15 +615,20 @@ fn spin(steps: u32) -> impl Iterator<Item = Pose> {
     })
 }
 
-/// Asserts hit rates: at most `exact`, at least `all`, no wrong hit.
-fn check(name: &str, rates: &Rates, exact_at_most: f32, all_at_least: f32) {
-    assert!(rates.all >= all_at_least, "{name}: {rates:?}");
-    assert!(rates.exact <= exact_at_most, "{name}: {rates:?}");
+/// Asserts what holds of any motion: at least the share `all` of the points is found, none wrongly.
+fn check_found(name: &str, rates: &Rates, all: f32) {
+    assert!(rates.all >= all, "{name}: {rates:?}");
     assert_eq!(rates.wrong, 0.0, "{name}: {rates:?}");
     assert!(
         rates.entries <= 44,
         "{name}: at most 4 points times 11 ages: {rates:?}"
     );
+}
+
+/// As [`check_found`], and the share that exact keys find is the one of the module's table, which has three digits.
+fn check(name: &str, rates: &Rates, exact: f32, all: f32) {
+    check_found(name, rates, all);
+    assert!((rates.exact - exact).abs() < 0.001, "{name}: {rates:?}");
 }
 
 #[test]
@@ -636,24 +641,24 @@ fn resting_contacts_are_found_by_their_codes() {
         let shift = 2.0 * random.vector() * Vec3::new(1.0, 0.0, 1.0);
         let rest = slide(0.0, 60).map(|pose| Pose::new(pose.position + shift, pose.rotation));
         let rates = scene.measure(rest);
-        check("rest", &rates, 1.0, 1.0);
+        check_found("rest", &rates, 1.0);
         exact += rates.exact / 50.0;
     }
     // A cell of the floor measures 5 x 10 mm in the plane: jitter of 10 um crosses a border in about 0.5 % of the steps.
-    assert!(exact > 0.98, "{exact}");
+    assert!((exact - 0.995).abs() < 0.001, "{exact}");
 }
 
 #[test]
 fn sliding_contacts_are_found_by_nearness() {
     let scene = cube_on_floor();
-    check("slide 0.05", &scene.measure(slide(0.05, 600)), 1.0, 1.0);
-    check("slide 0.5", &scene.measure(slide(0.5, 600)), 0.3, 1.0);
-    check("slide 2", &scene.measure(slide(2.0, 180)), 0.1, 1.0);
+    check("slide 0.05", &scene.measure(slide(0.05, 600)), 0.823, 1.0);
+    check("slide 0.5", &scene.measure(slide(0.5, 600)), 0.0, 1.0);
+    check("slide 2", &scene.measure(slide(2.0, 180)), 0.0, 1.0);
 }
 
 #[test]
 fn spinning_contacts_are_found_by_nearness() {
-    check("spin", &cube_on_floor().measure(spin(600)), 0.1, 1.0);
+    check("spin", &cube_on_floor().measure(spin(600)), 0.0, 1.0);
 }
 
 #[test]
@@ -663,8 +668,18 @@ fn rolling_contacts_miss_only_where_new_edges_touch() {
         floor: cuboid(Vec3::new(5.0, 0.5, 5.0)),
         body: hull.clone(),
     };
-    check("roll 0.2", &scene.measure(roll(&hull, 0.2, 600)), 1.0, 0.98);
-    check("roll 1", &scene.measure(roll(&hull, 1.0, 300)), 1.0, 0.93);
+    check(
+        "roll 0.2",
+        &scene.measure(roll(&hull, 0.2, 600)),
+        0.986,
+        0.989,
+    );
+    check(
+        "roll 1",
+        &scene.measure(roll(&hull, 1.0, 300)),
+        0.931,
+        0.943,
+    );
 }
 
 #[test]

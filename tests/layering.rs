@@ -78,15 +78,83 @@ fn layers_below_the_ecs_do_not_know_it() {
     }
 }
 
+/// Whether `code` has the path `path`, as a whole: followed by no further letter of a name.
+fn names(code: &str, path: &str) -> bool {
+    let goes_on = |rest: &str| rest.starts_with(|c: char| c.is_alphanumeric() || c == '_');
+    code.match_indices(path)
+        .any(|(at, _)| !goes_on(&code[at + path.len()..]))
+}
+
+/// Layers above `layer` that a line of code uses.
+fn layers_used_above(layer: usize, code: &str) -> Vec<&'static str> {
+    let above = LAYERS[layer + 1..].iter().copied();
+    above
+        .filter(|name| names(code, &format!("crate::{name}")))
+        .collect()
+}
+
+/// Ways to name a layer that a look at `crate::name` does not see: groups, the prelude, and two levels up at once.
+fn hides_a_layer(code: &str) -> bool {
+    let hidden = ["crate::{", "crate::*", "super::super", "super::{super"];
+    hidden.iter().any(|path| code.contains(path))
+        || names(code, "crate::prelude")
+        || names(code, "use crate as")
+}
+
 #[test]
 fn no_file_uses_a_layer_above_its_own() {
     for source in &sources() {
         for (place, line) in source.code_lines() {
-            for name in &LAYERS[source.layer + 1..] {
-                let used = line.contains(&format!("crate::{name}::"))
-                    || line.contains(&format!("crate::{name};"));
-                assert!(!used, "a layer below {name} uses it: {place}");
-            }
+            assert!(!hides_a_layer(line), "name the layer: {place}");
+            let used = layers_used_above(source.layer, line);
+            assert!(used.is_empty(), "a layer below {used:?} uses it: {place}");
         }
+    }
+}
+
+#[test]
+fn the_root_file_of_a_layer_does_not_go_up_to_the_crate() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let is_root =
+        |path: &Path| path.ends_with("mod.rs") || path.parent().is_some_and(|p| p == root);
+    for source in sources().iter().filter(|s| is_root(&s.path)) {
+        for (place, line) in source.code_lines() {
+            // The star is how a file's own test module takes its names.
+            let up = line.replace("pub(super)", "").contains("super::");
+            assert!(!up || line == "use super::*;", "{place}");
+        }
+    }
+}
+
+#[test]
+fn every_way_to_use_a_layer_above_is_seen() {
+    let mass = LAYERS.iter().position(|l| *l == "mass").expect("a layer");
+    for code in [
+        "use crate::ecs::components;",
+        "use crate::ecs;",
+        "use crate::ecs as up;",
+        "let x = crate::ecs::f();",
+    ] {
+        assert_eq!(layers_used_above(mass, code), ["ecs"], "{code}");
+    }
+    for code in [
+        "use crate::{ecs::components, math};",
+        "use crate::{",
+        "use crate::prelude::Bodies;",
+        "use super::super::ecs;",
+        "use super::{super::ecs};",
+        "use crate as top;",
+    ] {
+        assert!(hides_a_layer(code), "{code}");
+    }
+    for code in [
+        "use crate::math::Pose;",
+        "use crate::geometry;",
+        "use super::particle_inertia;",
+    ] {
+        assert!(
+            layers_used_above(mass, code).is_empty() && !hides_a_layer(code),
+            "{code}"
+        );
     }
 }

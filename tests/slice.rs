@@ -11,10 +11,12 @@ use bevy_cleave::slice::{
     FracturePattern, HullSlice, Impact, Slice, SliceError, SliceOptions, cut_by_planes, slice_hull,
     slice_mesh,
 };
-use common::{MODELS, closed_models, model_mesh};
+use common::{MODELS, assert_edge_is_bad, closed_models, model_mesh};
 use glam::{Vec2, Vec3, Vec4};
 use proptest::prelude::*;
-use slice_common::{Dice, Worst, check_hull_cut, check_mesh_cut, defect, model_hull};
+use slice_common::{
+    Dice, Worst, check_hull_cut, check_mesh_cut, defect, last_face_area, model_hull,
+};
 
 const PLANES: usize = 1000;
 
@@ -34,10 +36,15 @@ fn random_planes_cut_mesh(mesh: &TriMesh, seed: u64) -> Worst {
 fn assert_sound(name: &str, worst: &Worst) {
     assert!(worst.volume_error <= VOLUME_TOLERANCE, "{name}: {worst:?}");
     assert!(worst.cap_error <= 1e-6, "{name}: {worst:?}");
-    // The file's concave twelve-sided walls, read as fans, overlap themselves, and so do cuts across them.
+    // The plane's normal and tangents are rounded to f32, which makes areas of up to one size squared wrong by 2^-24.
+    assert!(worst.section_error <= 6e-8, "{name}: {worst:?}");
+    // Measured: 9.4e-9. Cut points are rounded, which moves them by up to 6e-8 of the size sideways, and turns slivers along
+    // the border that are thinner than that over.
+    //
+    // The concave twelve-sided walls of this file, read as fans, overlap themselves, and so do cuts across them: no
+    // triangulation of such a border faces one way. The signed area is right all the same, as checked above.
     let is_folded = name == "stairs.obj";
-    // Cut points are rounded, which moves them by 1e-7 of the size sideways, over a border of a few sizes.
-    assert!(is_folded || worst.flipped <= 1e-6, "{name}: {worst:?}");
+    assert!(is_folded || worst.flipped <= 1e-8, "{name}: {worst:?}");
 }
 
 macro_rules! random_planes_cut_model {
@@ -221,17 +228,10 @@ fn open_meshes_are_refused_by_edge() {
             },
             SliceOptions::default(),
         );
-        let Err(SliceError::Mesh(
-            MeshError::Open { from, to, triangle } | MeshError::NonManifold { from, to, triangle },
-        )) = error
-        else {
+        let Err(SliceError::Mesh(error)) = error else {
             panic!("{name}: {error:?}");
         };
-        let corners = mesh.triangles()[triangle];
-        assert!(
-            (0..3).any(|k| (corners[k], corners[(k + 1) % 3]) == (from, to)),
-            "{name}"
-        );
+        assert_edge_is_bad(name, &mesh, &error);
     }
     assert_eq!(
         slice_mesh(
@@ -615,6 +615,9 @@ proptest! {
         let meshes = check_mesh_cut(&mesh, mesh.volume(), plane, &mut worst);
         let tolerance = VOLUME_TOLERANCE * hull.volume();
         if let (Some(hulls), Slice::Cut(meshes)) = (hulls, meshes) {
+            let size = f64::from(length_scale(&hull.aabb()));
+            let section = last_face_area(&hulls.below).length();
+            prop_assert!((section - meshes.cap.area).abs() <= 1e-7 * size * size);
             prop_assert!((hulls.below.volume() - meshes.below.volume()).abs() <= tolerance);
             prop_assert!((hulls.above.volume() - meshes.above.volume()).abs() <= tolerance);
         }

@@ -195,22 +195,33 @@ fn residual_falls_with_more_sweeps() {
 #[test]
 fn friction_stays_in_its_bounds() {
     for friction_model in [FrictionModel::Disc, FrictionModel::Box] {
-        let (mut points, mut bodies) = heap(0.3);
-        let config = SolverConfig {
-            friction_model,
-            ..Default::default()
+        let solved = |sweeps| {
+            let (mut points, mut bodies) = heap(0.3);
+            let config = SolverConfig {
+                sweeps,
+                friction_model,
+                ..Default::default()
+            };
+            pgs::solve(&mut points, &mut bodies, &config);
+            points
         };
-        pgs::solve(&mut points, &mut bodies, &config);
-        // One more sweep moved the normal impulse after the friction of the same point was bounded by the old one.
-        for point in &points {
-            let [t1, t2] = point.tangents.map(|t| t.impulse);
-            let bound = 0.3 * point.normal.impulse * 1.05 + 1e-3;
+        // In a sweep friction comes first, so its bound is the normal impulse as the sweep before left it.
+        let sweeps = SolverConfig::default().sweeps;
+        let (before, after) = (solved(sweeps - 1), solved(sweeps));
+        let mut at_the_bound = 0;
+        for (before, point) in before.iter().zip(&after) {
             assert!(point.normal.impulse >= 0.0);
-            match friction_model {
-                FrictionModel::Disc => assert!((t1 * t1 + t2 * t2).sqrt() <= bound),
-                FrictionModel::Box => assert!(t1.abs() <= bound && t2.abs() <= bound),
-            }
+            let [t1, t2] = point.tangents.map(|t| f64::from(t.impulse));
+            let friction = match friction_model {
+                FrictionModel::Disc => (t1 * t1 + t2 * t2).sqrt(),
+                FrictionModel::Box => t1.abs().max(t2.abs()),
+            };
+            // Scaling onto the disc rounds a few times in f32; clipping to the box does not.
+            let bound = f64::from(0.3 * before.normal.impulse);
+            assert!(friction <= bound * (1.0 + 1e-6), "{friction} of {bound}");
+            at_the_bound += usize::from(bound > 0.0 && friction >= bound * (1.0 - 1e-6));
         }
+        assert!(at_the_bound > 0, "no point slips, the bound is not tried");
     }
 }
 
@@ -344,6 +355,31 @@ fn resting_bodies_stay_and_their_contacts_carry_their_weight() {
     }
 }
 
+/// Heights of the apexes (the last ones on the way up) of a point that falls from `height` (m) on a floor, in steps of `H`, by the scheme itself in f64.
+///
+/// A contact looks one step ahead: in the step in which the body would touch, by its speed before gravity, it gets `e`
+/// times that speed; if only gravity of this step takes it through the floor, it gets the speed that closes the gap.
+fn discrete_apexes(height: f64, e: f64, steps: usize) -> Vec<f64> {
+    let (h, g) = (f64::from(H), f64::from(G));
+    let config = SolverConfig::default();
+    let (mut y, mut v, mut apexes) = (height, 0.0_f64, Vec::new());
+    for _ in 0..steps {
+        let (y_before, v_before) = (y, v);
+        let rebounds = -v > f64::from(config.restitution_threshold) && -v * h > y;
+        let wanted = if rebounds {
+            (-e * v).max(-y / h)
+        } else {
+            -y / h
+        };
+        v = (v - g * h).max(wanted);
+        y += v * h;
+        if v_before > 0.0 && v <= 0.0 {
+            apexes.push(y_before);
+        }
+    }
+    apexes
+}
+
 #[test]
 fn rebound_has_the_speed_of_the_coefficient() {
     let mut simulation = with_floor();
@@ -354,6 +390,7 @@ fn rebound_has_the_speed_of_the_coefficient() {
     let mut apexes = Vec::new();
     let mut last_speed = 0.0;
     for _ in 0..200 {
+        let last_height = f64::from(simulation.bodies.centre_of_mass(body).y - 0.5);
         simulation.step(H);
         let (v, omega) = simulation.bodies.velocity(body);
         assert!(
@@ -361,12 +398,16 @@ fn rebound_has_the_speed_of_the_coefficient() {
             "a flat impact must not spin the cube: {omega}"
         );
         if last_speed > 0.0 && v.y <= 0.0 {
-            apexes.push(simulation.bodies.centre_of_mass(body).y - 0.5);
+            apexes.push(last_height);
         }
         last_speed = v.y;
     }
-    // Combined with the floor's 0 by averaging: e = 0.5, a quarter of the height, within the O(h) of the step.
-    assert!((apexes[0] - 0.25).abs() < 0.05, "{apexes:?}");
+    // Combined with the floor's 0 by averaging: e = 0.5, so in continuous time a quarter of the height each time.
+    let expected = discrete_apexes(1.0, 0.5, 200);
+    assert!(expected.len() >= 3 && apexes.len() >= expected.len());
+    for (apex, expected) in apexes.iter().zip(&expected) {
+        assert!((apex - expected).abs() < 1e-5, "{apex} m, not {expected}");
+    }
 }
 
 /// Momentum, angular momentum about the origin and kinetic energy of all bodies.
@@ -414,10 +455,17 @@ fn contacts_conserve_momentum_and_lose_energy_in_a_zero_g_cloud() {
     }
     simulation.step(H);
     let (p0, l0, e0) = totals(&simulation);
-    let scale = simulation.bodies.iter().map(|s| {
-        f64::from(simulation.bodies.mass(s).mass * simulation.bodies.velocity(s).0.length())
+    let bodies = &simulation.bodies;
+    let scales = bodies.iter().map(|s| {
+        let (v, omega) = bodies.velocity(s);
+        let mass = bodies.mass(s);
+        let momentum = f64::from(mass.mass) * v.as_dvec3();
+        let orbit = bodies.centre_of_mass(s).as_dvec3().cross(momentum);
+        // Of a cube: one moment about all axes.
+        let spin = f64::from(mass.principal.x) * omega.as_dvec3();
+        (momentum.length(), orbit.length() + spin.length())
     });
-    let scale: f64 = scale.sum();
+    let (scale, angular_scale) = scales.fold((0.0, 0.0), |(p, l), (dp, dl)| (p + dp, l + dl));
     for _ in 0..300 {
         simulation.step(H);
     }
@@ -426,15 +474,16 @@ fn contacts_conserve_momentum_and_lose_energy_in_a_zero_g_cloud() {
         simulation.report.bodies == 64 && e < 0.9 * e0,
         "they collide: {e0} J, then {e} J"
     );
+    // Measured: 4e-8 and 7e-6 of the sums of magnitudes at the start.
     assert!(
-        (p - p0).length() < 1e-5 * scale,
+        (p - p0).length() < 1e-6 * scale,
         "momentum {}",
         (p - p0).length() / scale
     );
     assert!(
-        (l - l0).length() < 2e-3 * scale,
+        (l - l0).length() < 2e-5 * angular_scale,
         "angular momentum {}",
-        (l - l0).length() / scale
+        (l - l0).length() / angular_scale
     );
 }
 
@@ -468,7 +517,10 @@ fn tumbling_body_keeps_flipping_and_does_not_gain_energy() {
         flips >= 2,
         "the intermediate axis is unstable: {flips} flips"
     );
-    assert!((l - l0).length() < 0.2 * l0.length(), "{l0} became {l}");
+    // Measured: 0.099. The implicit gyroscopic step damps whatever turns the momentum in the body's frame, that is each
+    // flip, of which there are four; the bound is 1.3 times that.
+    assert!((l - l0).length() < 0.129 * l0.length(), "{l0} became {l}");
+    assert!(l.length() < l0.length(), "{l0} became {l}");
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 #![allow(dead_code, reason = "each test file uses a part")]
 
-use bevy_cleave::geometry::TriMesh;
+use bevy_cleave::geometry::{MeshError, TriMesh};
 use glam::{DMat3, DVec3, Vec3};
 use serde_json::Value;
 use std::path::Path;
@@ -76,6 +76,32 @@ pub(crate) fn closed_models() -> Vec<&'static str> {
     let reference = reference();
     let is_closed = |name: &&str| !reference[name]["mesh"].is_null();
     MODELS.into_iter().filter(is_closed).collect()
+}
+
+/// Asserts that the edge that `error` names is an edge of its triangle and is wrong as `error` says, by brute force over
+/// topology numbers: an open edge has no reverse, a non-manifold one occurs more than once.
+pub(crate) fn assert_edge_is_bad(name: &str, mesh: &TriMesh, error: &MeshError) {
+    let (MeshError::Open { from, to, triangle } | MeshError::NonManifold { from, to, triangle }) =
+        *error
+    else {
+        panic!("{name}: {error:?} names no edge");
+    };
+    let edges = |corners: [u32; 3]| (0..3).map(move |k| [corners[k], corners[(k + 1) % 3]]);
+    assert!(
+        edges(mesh.triangles()[triangle]).any(|edge| edge == [from, to]),
+        "{name}: {error:?} is no edge of its triangle"
+    );
+    let number = |vertex: u32| mesh.topology()[vertex as usize];
+    let [from, to] = [from, to].map(number);
+    let count = |wanted: [u32; 2]| {
+        let all = mesh.triangles().iter().flat_map(|&t| edges(t));
+        all.filter(|edge| edge.map(number) == wanted).count()
+    };
+    let (along, against) = (count([from, to]), count([to, from]));
+    match error {
+        MeshError::Open { .. } => assert_eq!((along, against), (1, 0), "{name}: {error:?}"),
+        _ => assert!(along > 1, "{name}: {error:?} occurs {along} times"),
+    }
 }
 
 /// Positions rounded to `f32`.

@@ -54,8 +54,13 @@ pub(crate) fn random_points(count: usize, seed: u32) -> Vec<Vec3> {
         .collect()
 }
 
-/// A heap of `count` bodies of four shapes that falls on a floor.
-pub(crate) fn pile(count: usize) -> Simulation {
+/// Edge of the smallest cube of cells that holds `count`.
+fn least_cube(count: usize) -> usize {
+    (1..).find(|n| n * n * n >= count).unwrap_or(1)
+}
+
+/// A floor and a heap of `count` bodies of four shapes that falls on it.
+pub(crate) fn heap(count: usize) -> Vec<BodyDesc> {
     let shapes = [
         ConvexMesh::cuboid(0.8, 0.6, 0.5),
         ConvexMesh::icosphere(0.4, 1),
@@ -63,12 +68,9 @@ pub(crate) fn pile(count: usize) -> Simulation {
         ConvexMesh::wedge(0.8, 0.5, 0.6),
     ]
     .map(|shape| shape.expect("valid sizes"));
-    let mut simulation = Simulation::default();
-    let floor = BodyDesc::floor(HalfSpace { normal: Vec3::Y });
-    simulation.bodies.insert(floor).expect("usable");
-    let side = (count as f32).cbrt().ceil() as usize;
+    let side = least_cube(count);
     let jitter = random_points(count, 3);
-    for i in 0..count {
+    let falling = (0..count).map(|i| {
         let cell = Vec3::new(
             (i % side) as f32,
             (i / side / side) as f32,
@@ -77,6 +79,16 @@ pub(crate) fn pile(count: usize) -> Simulation {
         let position = cell + 0.5 * Vec3::Y + 0.1 * jitter[i];
         let mut desc = BodyDesc::dynamic(shapes[i % 4].clone(), position);
         desc.pose.rotation = Quat::from_vec4(jitter[i].extend(1.0)).normalize();
+        desc
+    });
+    let floor = BodyDesc::floor(HalfSpace { normal: Vec3::Y });
+    std::iter::once(floor).chain(falling).collect()
+}
+
+/// The simulation of a [`heap`].
+pub(crate) fn pile(count: usize) -> Simulation {
+    let mut simulation = Simulation::default();
+    for desc in heap(count) {
         simulation.bodies.insert(desc).expect("usable");
     }
     simulation

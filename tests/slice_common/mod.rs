@@ -55,6 +55,8 @@ pub(crate) struct Worst {
     pub(crate) missed: usize,
     pub(crate) volume_error: f64,
     pub(crate) cap_error: f64,
+    /// Area of the cap against that of the hole it closes, over the square of the body's size.
+    pub(crate) section_error: f64,
     /// Area of cap triangles that face the wrong way, over the square of the body's size.
     pub(crate) flipped: f64,
 }
@@ -118,6 +120,23 @@ fn cap_area(mesh: &TriMesh, count: usize, normal: Vec3) -> (f64, f64) {
     })
 }
 
+/// Area along `normal` of the hole that is left in `mesh` without its last `count` triangles.
+///
+/// The triangles of a closed surface, as vectors of length area along their normals, sum to zero; so what those of an open
+/// one lack is the vector of its hole, however that is filled.
+fn hole_area(mesh: &TriMesh, count: usize, normal: Vec3) -> f64 {
+    let apex = mesh.positions()[0].as_dvec3();
+    let open = &mesh.triangles()[..mesh.triangles().len() - count];
+    let sum: DVec3 = open
+        .iter()
+        .map(|t| {
+            let [a, b, c] = t.map(|v| mesh.positions()[v as usize].as_dvec3() - apex);
+            0.5 * (b - a).cross(c - a)
+        })
+        .sum();
+    -sum.dot(normal.as_dvec3())
+}
+
 /// Cuts `mesh` and checks verdict, closedness, volumes and caps.
 pub(crate) fn check_mesh_cut(
     mesh: &TriMesh,
@@ -156,6 +175,13 @@ pub(crate) fn check_mesh_cut(
     let scale = absolute.max(f64::MIN_POSITIVE);
     worst.cap_error = worst.cap_error.max((below - above).abs() / scale);
     let size = f64::from(length_scale(&mesh.aabb()));
+    for hole in [
+        hole_area(&halves.below, count, plane.normal),
+        hole_area(&halves.above, count, -plane.normal),
+    ] {
+        let error = (halves.cap.area - hole).abs();
+        worst.section_error = worst.section_error.max(error / (size * size));
+    }
     worst.flipped = worst.flipped.max(0.5 * (absolute - below) / (size * size));
     slice
 }
@@ -194,7 +220,7 @@ pub(crate) fn check_hull_cut(hull: &ConvexHull, plane: Plane, worst: &mut Worst)
 }
 
 /// Vector area of the last face.
-fn last_face_area(hull: &ConvexHull) -> DVec3 {
+pub(crate) fn last_face_area(hull: &ConvexHull) -> DVec3 {
     let face = hull.faces().last().unwrap();
     let points: Vec<DVec3> = hull
         .face_loop(face)
