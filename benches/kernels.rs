@@ -1,7 +1,5 @@
 //! Time of each kernel and system, and of the whole step. `cargo bench`; `cargo test` runs each once.
 
-#[path = "../tests/app/mod.rs"]
-mod app;
 #[path = "../tests/scenes/mod.rs"]
 mod scenes;
 
@@ -269,7 +267,7 @@ fn settled_app(count: usize) -> App {
     app.finish();
     app.cleanup();
     for desc in heap(count) {
-        app::spawn(app.world_mut(), &desc);
+        app.world_mut().spawn_body(desc);
     }
     for _ in 0..STEPS_TO_SETTLE {
         step_app(&mut app);

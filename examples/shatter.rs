@@ -12,9 +12,8 @@
 #[path = "support/mod.rs"]
 mod support;
 
-use bevy_cleave::geometry::primitives;
 use bevy_cleave::prelude::*;
-use glam::{Quat, Vec3, Vec4};
+use glam::Vec3;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::Path;
 use std::process::ExitCode;
@@ -22,16 +21,13 @@ use std::time::Instant;
 use support::picture::{Picture, contact_sheet};
 use support::plot::{Panel, time_series};
 use support::render::{Camera, Scene, palette};
-use support::{model, stats};
+use support::stats;
 
 const FOLDER: &str = "target/shatter";
 const H: f32 = 1.0 / 60.0;
 const STEPS: usize = 420;
 /// Steps after which a picture is taken: in flight, at the impact, breaking, spreading, hit from above, at rest.
 const PICTURES: [usize; 6] = [24, 48, 56, 70, 110, STEPS];
-/// Colours of meshes multiply the colour of their body: surfaces are dark, cut faces pale.
-const SURFACE_COLOUR: Vec3 = Vec3::splat(0.5);
-const CUT_COLOUR: Vec4 = Vec4::new(2.2, 2.2, 2.2, 1.0);
 
 fn main() -> ExitCode {
     match shatter() {
@@ -47,7 +43,12 @@ fn shatter() -> Result<(), support::Error> {
     let path = std::env::args()
         .nth(1)
         .unwrap_or_else(|| support::DEFAULT_MODEL.into());
-    let mut run = Run::new(build_scene(&path)?);
+    let mut simulation = Simulation::default();
+    simulation.config.measure_error = true;
+    for body in support::scene::shatter(&path)? {
+        simulation.bodies.insert(body)?;
+    }
+    let mut run = Run::new(simulation);
     let bar = ProgressBar::new(STEPS as u64).with_style(ProgressStyle::with_template(
         "{bar:40} {pos}/{len} steps  {msg}",
     )?);
@@ -67,64 +68,6 @@ fn shatter() -> Result<(), support::Error> {
     run.plot()?;
     run.print();
     Ok(())
-}
-
-/// A floor, the model high above it, and a ring of ordinary bodies that it falls among.
-fn build_scene(path: &str) -> Result<Simulation, support::Error> {
-    let mesh = model::load(path)?
-        .fitted(2.6)
-        .coloured(SURFACE_COLOUR)
-        .into_mesh()?;
-    let body = ConvexMesh::from_mesh(mesh)?;
-    let breakable = |strength, planes, generations| Fracturable {
-        strength,
-        pattern: FracturePattern::Star { planes },
-        least_volume: 2e-4,
-        generations,
-        seed: 7,
-        cut_colour: Some(CUT_COLOUR),
-    };
-    let mut simulation = Simulation::default();
-    simulation.config.measure_error = true;
-    simulation
-        .bodies
-        .insert(BodyDesc::floor(HalfSpace::new(Vec3::Y)?))?;
-    let mut model = BodyDesc::dynamic(body, Vec3::new(0.0, 4.0, 0.0));
-    model.pose.rotation = Quat::from_rotation_z(0.12) * Quat::from_rotation_y(0.7);
-    model.angular_velocity = Vec3::new(0.1, 0.3, 0.1);
-    model.fracturable = Some(breakable(1500.0, 3, 2));
-    simulation.bodies.insert(model)?;
-    let shapes = [
-        painted(primitives::cuboid(0.6, 0.6, 0.6)?)?,
-        painted(primitives::regular_prism(6, 0.35, 0.7)?)?,
-        painted(primitives::icosphere(0.38, 1)?)?,
-        painted(primitives::wedge(0.8, 0.5, 0.6)?)?,
-    ];
-    for i in 0..12_u8 {
-        // Eight around the place of the impact, four that come down on it later.
-        let turn = Quat::from_rotation_y(f32::from(i) * std::f32::consts::TAU / 8.0);
-        let (radius, height) = if i < 8 {
-            (1.9, 0.5)
-        } else {
-            (1.2, 8.0 + f32::from(i))
-        };
-        let shape = shapes[usize::from(i % 4)].clone();
-        let mut desc = BodyDesc::dynamic(shape, turn * Vec3::new(radius, height, 0.0));
-        desc.pose.rotation = turn;
-        desc.fracturable = (i % 2 == 0).then(|| breakable(700.0, 2, 1));
-        simulation.bodies.insert(desc)?;
-    }
-    Ok(simulation)
-}
-
-/// A primitive with a mesh of its own, in the surface colour, so that cut faces show on it.
-fn painted(hull: ConvexHull) -> Result<ConvexMesh, support::Error> {
-    let mesh = hull.to_mesh();
-    let colours = vec![SURFACE_COLOUR.extend(1.0); mesh.positions().len()];
-    Ok(ConvexMesh::from_parts(
-        hull,
-        Some(mesh.with_colours(colours)?),
-    ))
 }
 
 /// The simulation with what is remembered of it for the report.

@@ -8,7 +8,7 @@
 //!
 //! - [`step`]: the loop, one function per phase; [`Simulation`](step::Simulation) runs it on plain data, without an app.
 //! - [`plugin`]: the same phases as system sets; [`ecs::components`] and [`ecs::cut`]: what a user of the plugin meets.
-//! - [`slice`]: a plane against meshes and hulls; [`fracture`]: who breaks, and what becomes of the motion.
+//! - [`mod@slice`]: a plane against meshes and hulls; [`fracture`]: who breaks, and what becomes of the motion.
 //! - [`solver`]: the problem ([`solver::mlcp`]), its rows, and what solves it.
 //! - [`contact`], [`mass`], [`geometry`], [`math`]: what the others are built on; each uses only those after it.
 //!
@@ -43,6 +43,7 @@ pub mod prelude {
         MassOverride,
     };
     pub use crate::ecs::cut::SliceCommands;
+    pub use crate::ecs::spawn::SpawnBody;
     pub use crate::fracture::{CutError, CutRequest, Fracture, Fractures, Ledger};
     pub use crate::geometry::{ConvexHull, ConvexMesh, HalfSpace, HullError, MeshError, TriMesh};
     pub use crate::mass::MassProperties;

@@ -82,7 +82,8 @@ impl Plugin for CleavePlugin {
             .add_message::<Fractured>()
             .add_message::<BodyWarning>()
             .add_observer(gather::on_body_inserted)
-            .add_observer(gather::on_body_discarded);
+            .add_observer(gather::on_body_discarded)
+            .add_observer(gather::on_part_removed);
         require_components(app);
         #[cfg(feature = "reflect")]
         crate::ecs::reflect::register_types(app);
@@ -128,6 +129,7 @@ fn add_phases(schedule: &mut Schedule) {
             gather::register_bodies,
             gather::gather_changes,
             gather::gather_motion,
+            cut::gather_requests,
             mass_properties,
             gather::publish_mass,
         )
@@ -139,7 +141,6 @@ fn add_phases(schedule: &mut Schedule) {
         integrate.in_set(Phase::Integrate),
         age_cache.in_set(Phase::CacheAging),
         (
-            cut::gather_requests,
             fracture,
             cut::report_refusals,
             cut::spawn_pieces.run_if(cut::anything_broke),
@@ -170,12 +171,16 @@ impl Settings<'_> {
     }
 }
 
-/// Run condition of all phases; warns when gravity, and not a standing clock, is why nothing moves.
-fn can_step(settings: Settings) -> bool {
+/// Run condition of all phases. Warns once when gravity or configuration, and not a standing clock, stops the physics.
+fn can_step(settings: Settings, mut has_warned: Local<bool>) -> bool {
     let settings = settings.get();
-    if settings.h > 0.0 && !settings.gravity.0.is_finite() {
-        log::warn!("no physics step is made: gravity is {}", settings.gravity.0);
+    let is_broken = !settings.are_numbers_usable();
+    if is_broken && !*has_warned {
+        log::warn!(
+            "no physics step is made: Gravity or SolverConfig has unusable numbers: {settings:?}"
+        );
     }
+    *has_warned = is_broken;
     settings.is_usable()
 }
 

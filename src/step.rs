@@ -16,7 +16,8 @@ use crate::collide::{self, Lookahead};
 use crate::contact::broadphase::Broadphase;
 use crate::contact::cache::{CacheStats, ContactCache};
 use crate::contact::manifold::Manifold;
-use crate::fracture::{Fractures, fracture_bodies};
+use crate::fracture::{CutError, CutRequest, Fractures, fracture_bodies};
+use crate::math::Plane;
 use crate::solver::bodies::{Bodies, BodyError, RigidBody};
 use crate::solver::mlcp::Residual;
 use crate::solver::rows::PointRows;
@@ -110,13 +111,28 @@ pub struct StepSettings {
 }
 
 impl StepSettings {
-    /// Whether a step can be made: its length must be finite and positive, gravity finite.
+    /// Whether a step can be made: its length must be finite and positive, gravity and configuration usable.
     pub fn is_usable(&self) -> bool {
-        self.h.is_finite() && self.h > 0.0 && self.gravity.0.is_finite()
+        self.h.is_finite() && self.h > 0.0 && self.are_numbers_usable()
+    }
+
+    /// Whether gravity is finite and the configuration usable.
+    pub fn are_numbers_usable(&self) -> bool {
+        self.gravity.0.is_finite() && self.config.is_usable()
     }
 }
 
 impl Simulation {
+    /// Cuts the body in `slot` by a plane (world frame) in the next step; what came of it is in `fractures` then.
+    ///
+    /// # Errors
+    /// [`CutError::NoBody`] if the slot is free.
+    pub fn slice(&mut self, slot: u32, plane: Plane) -> Result<(), CutError> {
+        let request = CutRequest::in_world(&self.bodies, slot, plane)?;
+        self.fractures.requests.push(request);
+        Ok(())
+    }
+
     /// Advances the simulation by `h` seconds. Does nothing unless the settings are usable.
     pub fn step(&mut self, h: f32) {
         let Self {

@@ -3,7 +3,8 @@
 mod app;
 mod scenes;
 
-use app::{app, bits_of_entity, spawn};
+use app::{app, bits_of_entity};
+use bevy_app::App;
 use bevy_cleave::prelude::*;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
@@ -18,6 +19,8 @@ const DISTURBED_AT: usize = 30;
 struct Outcome {
     motion: Vec<Vec<u32>>,
     warnings: Vec<BodyWarning>,
+    /// The entity that is meant to be warned about.
+    bad: Option<Entity>,
 }
 
 /// Runs the scene; `spawn_bad` adds an entity in its middle, `disturb` does something to it later.
@@ -31,11 +34,11 @@ fn run(
     let scene = falling_and_breaking();
     let (before, after) = scene.split_at(6);
     for desc in before {
-        spawn(app.world_mut(), desc);
+        app.world_mut().spawn_body(desc.clone());
     }
     let bad = spawn_bad(app.world_mut());
     for desc in after {
-        spawn(app.world_mut(), desc);
+        app.world_mut().spawn_body(desc.clone());
     }
     let (mut disturb, mut warnings) = (Some(disturb), Vec::new());
     for step in 0..STEPS {
@@ -60,7 +63,11 @@ fn run(
         .iter()
         .map(|(_, entity)| bits_of_entity(world, *entity))
         .collect();
-    Outcome { motion, warnings }
+    Outcome {
+        motion,
+        warnings,
+        bad,
+    }
 }
 
 fn undisturbed() -> Outcome {
@@ -87,6 +94,7 @@ fn check_warned(outcome: &Outcome, expected: impl Fn(&BodyProblem) -> bool) {
         panic!("exactly one warning expected, got {:?}", outcome.warnings)
     };
     assert!(expected(&warning.problem), "{warning:?}");
+    assert_eq!(Some(warning.entity), outcome.bad, "{warning:?}");
     assert!(
         outcome.motion == undisturbed().motion,
         "the rest of the scene noticed"
@@ -199,9 +207,8 @@ fn bodies_without_entities_and_requests_without_bodies_harm_nobody() {
     let slot = bodies
         .insert(BodyDesc::dynamic(cube, Vec3::ZERO))
         .expect("usable");
-    let body = bodies.id(slot);
     let plane = Plane::through(Vec3::ZERO, Vec3::X);
-    let request = CutRequest { body, slot, plane };
+    let request = CutRequest::in_world(&bodies, slot, plane).expect("a body");
     let lost = CutRequest {
         slot: 99,
         ..request
@@ -211,6 +218,125 @@ fn bodies_without_entities_and_requests_without_bodies_harm_nobody() {
     assert_eq!(app.world().resource::<Bodies>().len(), 2, "two halves");
     let refused = &app.world().resource::<Fractures>().refused;
     assert!(matches!(refused[..], [(_, CutError::NoBody)]));
+}
+
+#[test]
+fn fracturable_without_a_number_is_refused() {
+    for fracturable in [
+        Fracturable::with_strength(f32::NAN),
+        Fracturable {
+            least_volume: -1.0,
+            ..Default::default()
+        },
+    ] {
+        check_warned(&run(spawn_with(fracturable), |_, _| ()), |p| {
+            matches!(p, BodyProblem::Body(BodyError::Fracturable(_)))
+        });
+    }
+}
+
+#[test]
+fn given_mass_cannot_be_divided() {
+    let mass = MassOverride(MassProperties {
+        mass: 5.0,
+        principal: Vec3::ONE,
+        ..Default::default()
+    });
+    let both = (mass, Fracturable::default());
+    check_warned(&run(spawn_with(both), |_, _| ()), |p| {
+        matches!(p, BodyProblem::Body(BodyError::FracturableOverride))
+    });
+    let outcome = run(bystander, |world, bad| {
+        let bad = bad.expect("spawned");
+        world.entity_mut(bad).insert(mass);
+        let plane = Plane::through(Vec3::new(100.0, 0.0, 0.0), Vec3::X);
+        world.commands().slice(bad, plane);
+        world.flush();
+    });
+    check_warned(&outcome, |p| {
+        matches!(p, BodyProblem::Cut(CutError::MassOverride))
+    });
+}
+
+#[test]
+fn component_that_is_taken_away_is_missed_until_it_is_back() {
+    let mut app = app();
+    let cube = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("valid size");
+    let body = app.world_mut().spawn((RigidBody::Dynamic, cube)).id();
+    app.world_mut().entity_mut(body).remove::<Friction>();
+    let incomplete = BodyProblem::Body(BodyError::Incomplete);
+    let mut warned = Vec::new();
+    for _ in 0..3 {
+        app.update();
+        let messages = app.world().resource::<Messages<BodyWarning>>();
+        let problems = messages.iter_current_update_messages();
+        warned.extend(problems.map(|warning| warning.problem.clone()));
+    }
+    assert_eq!(warned, [incomplete], "warned about once");
+    app.world_mut().entity_mut(body).insert(Friction::default());
+    app.update();
+    assert_eq!(app.world().resource::<Bodies>().len(), 1);
+}
+
+#[test]
+fn clones_of_bodies_are_bodies_of_their_own() {
+    let mut app = app();
+    let cube = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("valid size");
+    let body = app.world_mut().spawn((RigidBody::Dynamic, cube)).id();
+    app.update();
+    let clone = app.world_mut().entity_mut(body).clone_and_spawn();
+    app.update();
+    assert_eq!(app.world().resource::<Bodies>().len(), 2);
+    app.world_mut().despawn(clone);
+    app.update();
+    assert_eq!(app.world().resource::<Bodies>().len(), 1);
+    app.world_mut().entity_mut(body).remove::<BodyHandle>();
+    app.update();
+    assert_eq!(app.world().resource::<Bodies>().len(), 0, "nothing leaks");
+}
+
+#[test]
+fn bodies_that_are_taken_from_under_their_entities_harm_nobody() {
+    let mut app = app();
+    for desc in falling_and_breaking() {
+        app.world_mut().spawn_body(desc);
+    }
+    app.update();
+    app.world_mut().resource_mut::<Bodies>().remove(3);
+    app.update();
+    app.world_mut().insert_resource(Bodies::default());
+    app.update();
+    assert!(app.world().resource::<Bodies>().is_empty());
+}
+
+#[test]
+fn kind_can_be_switched_and_a_static_body_forgets_its_velocity() {
+    let mut app = app();
+    let cube = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("valid size");
+    let body = app.world_mut().spawn((RigidBody::Dynamic, cube)).id();
+    for _ in 0..30 {
+        app.update();
+    }
+    let velocity = |app: &App| {
+        app.world()
+            .entity(body)
+            .get::<LinearVelocity>()
+            .expect("there")
+            .0
+    };
+    assert!(velocity(&app).y < -4.0);
+    app.world_mut().entity_mut(body).insert(RigidBody::Static);
+    app.update();
+    app.update();
+    assert_eq!(velocity(&app), Vec3::ZERO);
+    app.world_mut().entity_mut(body).insert(RigidBody::Dynamic);
+    app.update();
+    let after = velocity(&app).y;
+    assert!(
+        after < 0.0 && after > -0.5,
+        "falls from rest, at {after} m/s"
+    );
+    assert_eq!(app.world().resource::<Bodies>().len(), 1);
 }
 
 #[test]
@@ -358,7 +484,7 @@ fn bodies_despawned_while_they_touch_harm_nobody() {
     let scene = falling_and_breaking();
     let spawned: Vec<_> = scene
         .iter()
-        .map(|desc| spawn(app.world_mut(), desc))
+        .map(|desc| app.world_mut().spawn_body(desc.clone()))
         .collect();
     for step in 0..120 {
         app.update();

@@ -2,8 +2,8 @@
 
 use bevy_cleave::contact::cache::MAX_AGE;
 use bevy_cleave::contact::{
-    BodyId, CacheEntry, CacheStats, ContactCache, ContactPoint, Manifold, ManifoldBody,
-    NarrowScratch, collide_half_space, collide_hulls,
+    BodyId, CacheStats, ContactCache, ContactPoint, Manifold, ManifoldBody, NarrowScratch,
+    collide_half_space, collide_hulls,
 };
 use bevy_cleave::geometry::{ConvexHull, KdBox, KdCode};
 use bevy_cleave::math::{Aabb, Plane, Pose};
@@ -319,14 +319,6 @@ fn removed_bodies_are_forgotten_and_others_kept() {
     assert_eq!(cache.len(), 3);
     cache.remove_body(BodyId(2));
     assert_eq!(cache.pairs().collect::<Vec<_>>(), [(BodyId(1), BodyId(5))]);
-    // A piece inherits an entry under its own name.
-    let inherited: Vec<CacheEntry> = cache.entries_of(BodyId(1), BodyId(5)).copied().collect();
-    cache.set_entries(BodyId(1), BodyId(9), inherited.clone());
-    cache.set_entries(BodyId(0), BodyId(9), inherited);
-    let names = |c: &ContactCache| c.pairs().map(|(a, b)| (a.0, b.0)).collect::<Vec<_>>();
-    assert_eq!(names(&cache), [(0, 9), (1, 5), (1, 9)]);
-    cache.set_entries(BodyId(1), BodyId(5), []);
-    assert_eq!(names(&cache), [(0, 9), (1, 9)]);
     cache.clear();
     assert!(cache.is_empty());
 }

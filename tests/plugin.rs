@@ -3,7 +3,7 @@
 mod app;
 mod scenes;
 
-use app::{app, bits, spawn, step_length};
+use app::{app, bits, step_length};
 use bevy_cleave::prelude::*;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
@@ -46,7 +46,7 @@ fn plugin_and_plain_step_agree_bit_for_bit_over_a_scene_that_fractures() {
     let mut app = app();
     for desc in &scene {
         simulation.bodies.insert(desc.clone()).expect("usable");
-        spawn(app.world_mut(), desc);
+        app.world_mut().spawn_body(desc.clone());
     }
     let mut fractures = 0;
     for step in 0..300 {
@@ -109,6 +109,8 @@ fn pieces_carry_the_components_of_their_parent() {
         .next()
         .expect("one message");
     assert_eq!((message.parent, message.pieces.len()), (parent, 2));
+    assert!(message.ledger.mass_error() < 1e-6 && message.ledger.momentum_error() < 1e-5);
+    assert!((message.ledger.before.mass - 700.0).abs() < 1e-3);
 }
 
 #[test]

@@ -284,6 +284,33 @@ fn sliding_stops_where_coulomb_says_in_every_direction() {
 }
 
 #[test]
+fn friction_that_is_taken_away_lets_go_at_once() {
+    let mut simulation = Simulation::default();
+    let tilt = Quat::from_rotation_z(0.3);
+    let mut slope = BodyDesc::floor(HalfSpace { normal: Vec3::Y });
+    slope.pose.rotation = tilt;
+    add(&mut simulation, slope);
+    let mut desc = BodyDesc::dynamic(cube(1.0), tilt * Vec3::new(0.0, 0.5, 0.0));
+    desc.pose.rotation = tilt;
+    let body = add(&mut simulation, desc.clone());
+    for _ in 0..60 {
+        simulation.step(H);
+    }
+    assert!(simulation.bodies.velocity(body).0.length() < 1e-3, "holds");
+    desc.friction = Friction::new(0.0).with_combine(CombineRule::Min);
+    simulation.bodies.redescribe(body, desc).expect("usable");
+    for _ in 0..60 {
+        simulation.step(H);
+    }
+    let speed = simulation.bodies.velocity(body).0.length();
+    let free = G * 0.295_52;
+    assert!(
+        (speed - free).abs() < 0.02 * free,
+        "{speed} m/s, not {free}"
+    );
+}
+
+#[test]
 fn box_friction_is_stronger_along_the_diagonal_of_its_tangents() {
     let normal_tangents = bevy_cleave::math::tangents(Vec3::Y);
     let diagonal = (normal_tangents[0] + normal_tangents[1]).normalize();

@@ -18,6 +18,7 @@ pub mod picture;
 pub mod plot;
 pub mod raster;
 pub mod render;
+pub mod scene;
 pub mod stats;
 
 /// The error of everything here: a sentence for the person who runs the example.

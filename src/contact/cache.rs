@@ -194,41 +194,6 @@ impl ContactCache {
         self.current.pairs.iter().map(|pair| pair.bodies)
     }
 
-    /// Replaces the entries of a pair, `a < b`; for pieces that inherit their parent's contacts at a cut.
-    ///
-    /// Entries are stored in the order given; an empty list removes the pair.
-    pub fn set_entries(
-        &mut self,
-        a: BodyId,
-        b: BodyId,
-        entries: impl IntoIterator<Item = CacheEntry>,
-    ) {
-        debug_assert!(a < b, "a pair is named by the smaller id first");
-        let mut new = Some(entries);
-        let Self { current, next, .. } = self;
-        next.clear();
-        let mut write_new = |next: &mut Table| {
-            if let Some(entries) = new.take() {
-                let first = next.entries.len();
-                next.entries.extend(entries);
-                next.close_pair((a, b), first);
-            }
-        };
-        for pair in &current.pairs {
-            if pair.bodies >= (a, b) {
-                write_new(next);
-            }
-            if pair.bodies != (a, b) {
-                let first = next.entries.len();
-                next.entries
-                    .extend_from_slice(&current.entries[pair.range()]);
-                next.close_pair(pair.bodies, first);
-            }
-        }
-        write_new(next);
-        std::mem::swap(current, next);
-    }
-
     /// Forgets all contacts of a body that is gone.
     pub fn remove_body(&mut self, body: BodyId) {
         self.remove_bodies(|id| id == body);

@@ -25,8 +25,9 @@ pub struct AngularVelocity(pub Vec3);
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct MassOverride(pub MassProperties);
 
-/// Where the simulation keeps the body of this entity. Written by the plugin.
+/// Where the simulation keeps the body of this entity. Written by the plugin; a clone of the entity gets its own.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Component)]
+#[component(clone_behavior = Ignore)]
 pub struct BodyHandle(pub(crate) Option<(u32, BodyId)>);
 
 impl BodyHandle {

@@ -13,7 +13,7 @@ use bevy_transform::components::Transform;
 
 /// Cutting on request.
 pub trait SliceCommands {
-    /// Cuts the body of `entity` by `plane` (world frame) in the next step.
+    /// Cuts the body of `entity` by `plane` (world frame) in the next step, as the body lies before that step.
     ///
     /// The pieces are new entities with the parent's other components; [`Fractured`] names them. Several cuts of one
     /// body in one step are made one after the other, each through all pieces that are there by then. A cut that
@@ -35,17 +35,21 @@ impl SliceCommands for Commands<'_, '_> {
 #[derive(Debug, Default, Resource)]
 pub(crate) struct SliceRequests(Vec<(Entity, Plane)>);
 
-/// System: finds the bodies that are to be cut.
+/// System: finds the bodies that are to be cut, before they move on from where the planes were chosen.
 pub(crate) fn gather_requests(
     mut requests: ResMut<SliceRequests>,
+    bodies: Res<Bodies>,
     mut fractures: ResMut<Fractures>,
     mut warnings: ResMut<Messages<BodyWarning>>,
     handles: Query<&BodyHandle>,
 ) {
     for (entity, plane) in requests.0.drain(..) {
-        match handles.get(entity).ok().and_then(|handle| handle.0) {
-            Some((slot, body)) => fractures.requests.push(CutRequest { body, slot, plane }),
-            None => warn(&mut warnings, entity, CutError::NoBody),
+        let handle = handles.get(entity).ok().and_then(|handle| handle.0);
+        let body = handle.filter(|&(slot, id)| bodies.is(slot, id));
+        let request = body.map(|(slot, _)| CutRequest::in_world(&bodies, slot, plane));
+        match request.unwrap_or(Err(CutError::NoBody)) {
+            Ok(request) => fractures.requests.push(request),
+            Err(error) => warn(&mut warnings, entity, error),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Components into flat arrays: new bodies, removed bodies, and what the user changed since the last step.
 
 use super::components::*;
+use crate::contact::cache::ContactCache;
 use crate::contact::material::{Density, Friction, Restitution};
 use crate::contact::{BodyId, CollisionLayers};
 use crate::geometry::{ConvexMesh, HalfSpace};
@@ -8,21 +9,21 @@ use crate::mass::MassProperties;
 use crate::math::Pose;
 use crate::slice::fracturable::Fracturable;
 use crate::solver::bodies::{Bodies, BodyDesc, BodyError, RigidBody, Shape};
-use crate::solver::body;
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
-use bevy_ecs::system::SystemParam;
 use bevy_math::Vec3;
 use bevy_transform::components::Transform;
 
-/// Entities whose `RigidBody` came or went since the last step, in the order in which that happened.
+/// What happened to bodies' entities since the last step, in the order in which it happened.
 ///
 /// The order of commands decides body ids, not tables or entity numbers: results do not depend on how entities are
-/// stored.
+/// stored. Observers fill the queue, because what systems are told of removals is forgotten when frames outrun steps.
 #[derive(Debug, Default, Resource)]
 pub(crate) struct BodyQueue {
     arrived: Vec<Entity>,
     left: Vec<(u32, BodyId)>,
+    /// Entities that lost a component of their body.
+    reduced: Vec<Entity>,
     /// Entities that could not become bodies, with the reason; tried again each step, warned about once.
     refused: Vec<(Entity, BodyError)>,
 }
@@ -50,14 +51,16 @@ pub(crate) fn on_body_inserted(
     handles: Query<&BodyHandle>,
     mut queue: ResMut<BodyQueue>,
 ) {
-    if handles.get(insert.entity).is_ok_and(|h| h.0.is_none()) {
-        queue.arrived.push(insert.entity);
+    let entity = insert.entity;
+    let is_new = handles.get(entity).is_ok_and(|handle| handle.0.is_none());
+    if is_new {
+        queue.arrived.push(entity);
     }
 }
 
 /// Observer: a `RigidBody` is replaced, removed, or despawned with its entity.
 pub(crate) fn on_body_discarded(
-    discard: On<Discard<RigidBody>>,
+    discard: On<Discard<(RigidBody, BodyHandle)>>,
     mut handles: Query<&mut BodyHandle>,
     mut queue: ResMut<BodyQueue>,
 ) {
@@ -66,18 +69,37 @@ pub(crate) fn on_body_discarded(
     }
 }
 
+/// Components that a body's description is made from and that may go while the body stays.
+type Removable = (
+    (ConvexMesh, HalfSpace, MassOverride, Fracturable),
+    (Transform, LinearVelocity, AngularVelocity),
+    (Density, Friction, Restitution, CollisionLayers),
+);
+
+/// Observer: a body loses a component, or is despawned.
+pub(crate) fn on_part_removed(
+    remove: On<Remove<Removable>>,
+    handles: Query<&BodyHandle>,
+    mut queue: ResMut<BodyQueue>,
+) {
+    let entity = remove.entity;
+    let is_body = handles.get(entity).is_ok_and(|handle| handle.0.is_some());
+    if is_body && queue.reduced.last() != Some(&entity) {
+        queue.reduced.push(entity);
+    }
+}
+
 /// System: frees the slots of bodies that left, gives slots to those that arrived.
 pub(crate) fn register_bodies(
     mut queue: ResMut<BodyQueue>,
     mut bodies: ResMut<Bodies>,
     mut entities: ResMut<BodyEntities>,
-    mut cache: ResMut<crate::contact::cache::ContactCache>,
+    mut cache: ResMut<ContactCache>,
     mut warnings: ResMut<Messages<BodyWarning>>,
-    parts: Query<BodyParts>,
-    mut handles: Query<&mut BodyHandle>,
+    mut parts: Query<(&mut BodyHandle, Option<BodyParts>), With<RigidBody>>,
 ) {
     for (slot, id) in queue.left.drain(..) {
-        if bodies.contains(slot) && bodies.id(slot) == id {
+        if bodies.is(slot, id) {
             bodies.remove(slot);
             cache.remove_body(id);
         }
@@ -87,22 +109,22 @@ pub(crate) fn register_bodies(
     }
     let earlier = std::mem::take(&mut queue.refused);
     let arrived = std::mem::take(&mut queue.arrived);
-    let candidates = earlier
-        .into_iter()
-        .map(|(e, why)| (e, Some(why)))
-        .chain(arrived.into_iter().map(|e| (e, None)));
-    for (entity, known_problem) in candidates {
-        let (Ok(item), Ok(mut handle)) = (parts.get(entity), handles.get_mut(entity)) else {
+    let arrived = arrived.into_iter().map(|entity| (entity, None));
+    let earlier = earlier.into_iter().map(|(entity, why)| (entity, Some(why)));
+    for (entity, known_problem) in earlier.chain(arrived) {
+        let Ok((mut handle, item)) = parts.get_mut(entity) else {
             continue;
         };
         if handle.0.is_some() {
             continue;
         }
-        match pose_of(item.transform).and_then(|pose| bodies.insert(describe(&item, pose)?)) {
-            Ok(slot) => {
-                handle.0 = Some((slot, bodies.id(slot)));
-                entities.set(slot, bodies.id(slot), entity, *item.transform);
+        match insert(&mut bodies, item.as_ref()) {
+            Ok((slot, seen)) => {
+                let id = bodies.id(slot);
+                handle.0 = Some((slot, id));
+                entities.set(slot, id, entity, seen);
             }
+            Err(_) if queue.refused.iter().any(|(known, _)| *known == entity) => {}
             Err(error) => {
                 // As texts, because a NaN in the reason is not equal to itself.
                 if known_problem.map(|p| p.to_string()) != Some(error.to_string()) {
@@ -112,6 +134,17 @@ pub(crate) fn register_bodies(
             }
         }
     }
+}
+
+/// Adds the body that `parts` describe; its slot, and the `Transform` it was made from.
+fn insert(
+    bodies: &mut Bodies,
+    parts: Option<&BodyPartsItem>,
+) -> Result<(u32, Transform), BodyError> {
+    let parts = parts.ok_or(BodyError::Incomplete)?;
+    let pose = pose_of(parts.transform)?;
+    let slot = bodies.insert(describe(parts, pose)?)?;
+    Ok((slot, *parts.transform))
 }
 
 fn describe(parts: &BodyPartsItem, pose: Pose) -> Result<BodyDesc, BodyError> {
@@ -157,7 +190,9 @@ pub(crate) fn gather_motion(
     )>,
 ) {
     for (entity, handle, transform, linear, angular) in &motion {
-        let Some((slot, _)) = handle.0 else { continue };
+        let Some((slot, _)) = handle.0.filter(|&(slot, id)| bodies.is(slot, id)) else {
+            continue;
+        };
         match read_motion(
             &mut bodies,
             &mut entities.seen[slot as usize],
@@ -185,16 +220,10 @@ fn read_motion(
     linear: Vec3,
     angular: Vec3,
 ) -> Result<(), BodyError> {
-    body::check_velocity(linear, angular)?;
+    bodies.set_velocity(slot, linear, angular)?;
     if transform != seen {
-        let pose = pose_of(transform)?;
-        body::check_pose(&pose)?;
-        bodies.set_pose(slot, pose);
-        bodies.refresh_world(slot);
+        bodies.set_pose(slot, pose_of(transform)?)?;
         *seen = *transform;
-    }
-    if bodies.kind(slot) != RigidBody::Static {
-        bodies.set_velocity(slot, linear, angular);
     }
     Ok(())
 }
@@ -211,38 +240,24 @@ type Changes = Or<(
     Changed<Fracturable>,
 )>;
 
-/// What of a body's description was taken away.
-#[derive(SystemParam)]
-pub(crate) struct Removals<'w, 's> {
-    convex: RemovedComponents<'w, 's, ConvexMesh>,
-    half_space: RemovedComponents<'w, 's, HalfSpace>,
-    mass: RemovedComponents<'w, 's, MassOverride>,
-    fracturable: RemovedComponents<'w, 's, Fracturable>,
-}
-
-impl Removals<'_, '_> {
-    fn read(&mut self) -> impl Iterator<Item = Entity> + '_ {
-        let shapes = self.convex.read().chain(self.half_space.read());
-        shapes
-            .chain(self.mass.read())
-            .chain(self.fracturable.read())
-    }
-}
-
 /// System: shapes, densities, materials and layers that the user changed. What is not usable is not taken over.
 pub(crate) fn gather_changes(
+    mut queue: ResMut<BodyQueue>,
     mut bodies: ResMut<Bodies>,
     mut warnings: ResMut<Messages<BodyWarning>>,
     changed: Query<Entity, (Changes, With<BodyHandle>)>,
-    mut removals: Removals,
-    described: Query<(&BodyHandle, BodyParts)>,
+    described: Query<(&BodyHandle, Option<BodyParts>)>,
 ) {
-    for entity in changed.iter().chain(removals.read()) {
-        let Ok((&BodyHandle(Some((slot, _))), parts)) = described.get(entity) else {
+    for entity in changed.iter().chain(queue.reduced.drain(..)) {
+        let Ok((handle, parts)) = described.get(entity) else {
+            continue;
+        };
+        let Some((slot, _)) = handle.0.filter(|&(slot, id)| bodies.is(slot, id)) else {
             continue;
         };
         // Pose and velocity are gather_motion's business: broken ones must not hide a new shape.
-        let desc = describe(&parts, Pose::IDENTITY);
+        let parts = parts.as_ref().ok_or(BodyError::Incomplete);
+        let desc = parts.and_then(|parts| describe(parts, Pose::IDENTITY));
         if let Err(error) = desc.and_then(|desc| bodies.redescribe(slot, desc)) {
             warn(&mut warnings, entity, error);
         }
@@ -251,11 +266,11 @@ pub(crate) fn gather_changes(
 
 /// System: writes computed mass properties to their entities.
 pub(crate) fn publish_mass(
-    mut bodies: ResMut<Bodies>,
+    bodies: Res<Bodies>,
     entities: Res<BodyEntities>,
     mut masses: Query<&mut MassProperties>,
 ) {
-    for slot in std::mem::take(&mut bodies.fresh_mass) {
+    for &slot in &bodies.fresh_mass {
         let entity = entities.of(slot, bodies.id(slot));
         if let Some(mut mass) = entity.and_then(|e| masses.get_mut(e).ok()) {
             mass.set_if_neq(*bodies.mass(slot));

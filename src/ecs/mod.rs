@@ -10,3 +10,4 @@ pub mod gather;
 #[cfg(feature = "reflect")]
 pub(crate) mod reflect;
 pub mod scatter;
+pub mod spawn;

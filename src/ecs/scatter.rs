@@ -1,6 +1,7 @@
 //! Flat arrays into components: poses and velocities of bodies that moved, and problems of the step.
 
 use super::components::*;
+use crate::contact::BodyId;
 use crate::solver::bodies::{Bodies, RigidBody};
 use crate::step::StepReport;
 use bevy_ecs::prelude::*;
@@ -19,21 +20,22 @@ pub(crate) fn scatter(
     )>,
 ) {
     for (handle, mut transform, mut linear, mut angular) in &mut motion {
-        let Some((slot, _)) = handle.0.filter(|&(slot, _)| bodies.is_active(slot)) else {
+        let is_alive = |&(slot, id): &(u32, BodyId)| bodies.is(slot, id) && bodies.is_active(slot);
+        let Some((slot, _)) = handle.0.filter(is_alive) else {
             continue;
         };
+        let (v, omega) = bodies.velocity(slot);
+        linear.set_if_neq(LinearVelocity(v));
+        angular.set_if_neq(AngularVelocity(omega));
         if bodies.kind(slot) == RigidBody::Static {
             continue;
         }
         let pose = bodies.pose(slot);
-        let (v, omega) = bodies.velocity(slot);
         transform.set_if_neq(Transform {
             translation: pose.position,
             rotation: pose.rotation,
             scale: transform.scale,
         });
-        linear.set_if_neq(LinearVelocity(v));
-        angular.set_if_neq(AngularVelocity(omega));
         entities.seen[slot as usize] = *transform;
     }
 }

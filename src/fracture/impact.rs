@@ -11,12 +11,13 @@ use glam::Vec3;
 pub(super) struct ImpulseSum {
     /// Sum of the normal impulses over all contact points, N s.
     total: f32,
-    /// The largest of them, N s.
-    strongest: f32,
-    /// Where that one acts, from the centre of mass, world axes, m.
-    point: Vec3,
-    /// Its direction on the body, world axes.
-    direction: Vec3,
+    /// Sum of the impulses times where they act, from the centre of mass, world axes, N s m.
+    ///
+    /// Divided by the total, the centre of the blow. A single point would do for corners only: a box that lands flat
+    /// touches with four, and a plane through one of them is the plane of a face.
+    moment: Vec3,
+    /// Sum of the impulses with their directions on the body, world axes, N s.
+    impulse: Vec3,
 }
 
 /// Fills `sums`, by slot.
@@ -32,10 +33,8 @@ pub(super) fn sum_impulses(sums: &mut Vec<ImpulseSum>, slots: usize, manifolds: 
             for (slot, anchor, direction) in sides {
                 let sum = &mut sums[slot as usize];
                 sum.total += point.normal_impulse;
-                if point.normal_impulse > sum.strongest {
-                    sum.strongest = point.normal_impulse;
-                    (sum.point, sum.direction) = (anchor, direction);
-                }
+                sum.moment += anchor * point.normal_impulse;
+                sum.impulse += direction * point.normal_impulse;
             }
         }
     }
@@ -53,9 +52,11 @@ pub(super) fn planes_of_impact(bodies: &Bodies, slot: u32, sum: &ImpulseSum) -> 
         return Planes::new();
     };
     let to_body = bodies.pose(slot).rotation.inverse();
+    // Squeezed from opposite sides, the impulses cancel; any direction across the body is as good as another then.
+    let direction = rotate(to_body, sum.impulse).normalize_or(Vec3::Y);
     let impact = Impact {
-        point: rotate(to_body, sum.point) + bodies.mass(slot).centre,
-        normal: rotate(to_body, sum.direction),
+        point: rotate(to_body, sum.moment / sum.total) + bodies.mass(slot).centre,
+        normal: direction,
         impulse: sum.total,
     };
     let seed = fracturable.seed;

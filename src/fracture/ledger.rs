@@ -1,7 +1,8 @@
 //! What a fracture did to mass, momentum, angular momentum and energy.
 
-use crate::solver::bodies::Bodies;
-use glam::{DMat3, DVec3};
+use crate::mass::VolumeIntegrals;
+use crate::solver::bodies::{Bodies, BodyDesc};
+use glam::{DMat3, DVec3, Quat, Vec3};
 
 /// Sums over one or several bodies.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -24,20 +25,40 @@ pub struct Totals {
 impl Totals {
     /// Adds the body in `slot`; `about` is the point that angular momentum is taken about, world, m.
     pub(super) fn add_body(&mut self, bodies: &Bodies, slot: u32, about: DVec3) {
-        let (v, omega) = bodies.velocity(slot);
-        let (v, omega) = (v.as_dvec3(), omega.as_dvec3());
         let properties = bodies.mass(slot);
-        let mass = f64::from(properties.mass);
-        let frame = (bodies.pose(slot).rotation * properties.principal_frame).as_dquat();
-        let rotation = DMat3::from_quat(frame.normalize());
-        let spin = rotation * (properties.principal.as_dvec3() * (rotation.transpose() * omega));
-        let orbit = (bodies.centre_of_mass(slot).as_dvec3() - about).cross(mass * v);
-        self.mass += mass;
-        self.momentum += mass * v;
-        self.angular_momentum += orbit + spin;
-        self.kinetic_energy += 0.5 * (mass * v.length_squared() + omega.dot(spin));
-        self.momentum_scale += mass * v.length();
-        self.angular_scale += orbit.length() + spin.length();
+        let frame = bodies.pose(slot).rotation * properties.principal_frame;
+        let inertia = turned(DMat3::from_diagonal(properties.principal.as_dvec3()), frame);
+        let centre = bodies.centre_of_mass(slot).as_dvec3() - about;
+        let velocity = bodies.velocity(slot);
+        self.add(&Self::of_rigid(
+            properties.mass.into(),
+            centre,
+            inertia,
+            velocity,
+        ));
+    }
+
+    /// Sums of a piece that does not become a body; `integrals` are those of its hull, about whose centroid its frame is.
+    pub(super) fn of_piece(desc: &BodyDesc, integrals: &VolumeIntegrals, about: DVec3) -> Self {
+        let density = f64::from(desc.density);
+        let inertia = turned(integrals.inertia * density, desc.pose.rotation);
+        let centre = desc.pose.position.as_dvec3() - about;
+        let velocity = (desc.linear_velocity, desc.angular_velocity);
+        Self::of_rigid(integrals.volume * density, centre, inertia, velocity)
+    }
+
+    /// Sums of a rigid body: `centre` from the point of reference (m), `inertia` about the centre, both along world axes.
+    fn of_rigid(mass: f64, centre: DVec3, inertia: DMat3, (v, omega): (Vec3, Vec3)) -> Self {
+        let (v, omega) = (v.as_dvec3(), omega.as_dvec3());
+        let (orbit, spin) = (centre.cross(mass * v), inertia * omega);
+        Self {
+            mass,
+            momentum: mass * v,
+            angular_momentum: orbit + spin,
+            kinetic_energy: 0.5 * (mass * v.length_squared() + omega.dot(spin)),
+            momentum_scale: mass * v.length(),
+            angular_scale: orbit.length() + spin.length(),
+        }
     }
 
     /// Adds other sums about the same point.
@@ -103,6 +124,12 @@ impl Ledger {
         let gained = self.accounted().kinetic_energy - self.before.kinetic_energy;
         relative(gained, self.before.kinetic_energy)
     }
+}
+
+/// `inertia` along the axes of the outer frame of `rotation`.
+fn turned(inertia: DMat3, rotation: Quat) -> DMat3 {
+    let turn = DMat3::from_quat(rotation.as_dquat().normalize());
+    turn * inertia * turn.transpose()
 }
 
 fn relative(error: f64, scale: f64) -> f64 {

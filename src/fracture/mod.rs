@@ -16,7 +16,7 @@ use crate::contact::manifold::Manifold;
 use crate::geometry::ConvexMesh;
 use crate::geometry::predicates::check_plane;
 use crate::mass::VolumeIntegrals;
-use crate::math::{Plane, rotate};
+use crate::math::{Plane, Pose, rotate};
 use crate::slice::fracturable::Fracturable;
 use crate::slice::{Piece, SliceError, SliceOptions, cut_by_planes};
 use crate::solver::bodies::{Bodies, BodyDesc, BodyError, RigidBody, Shape};
@@ -37,6 +37,9 @@ pub enum CutError {
     /// The body is out of the simulation because its state is not finite.
     #[error("the body is left out of the simulation")]
     Frozen,
+    /// The body's mass was given, not computed: nobody knows which piece would get which share.
+    #[error("a body with a MassOverride cannot be cut: give it a Density instead")]
+    MassOverride,
     /// The plane does not go through the body.
     #[error("the plane misses the body")]
     Missed,
@@ -58,8 +61,26 @@ pub struct CutRequest {
     pub body: BodyId,
     /// Its slot.
     pub slot: u32,
-    /// Where to cut; world frame.
+    /// Where to cut, in the body's frame: it moves with the body until the cut is made.
     pub plane: Plane,
+}
+
+impl CutRequest {
+    /// A cut of the body in `slot` by a plane in the world, as the body lies now.
+    ///
+    /// # Errors
+    /// [`CutError::NoBody`] if the slot is free.
+    pub fn in_world(bodies: &Bodies, slot: u32, plane: Plane) -> Result<Self, CutError> {
+        if !bodies.contains(slot) {
+            return Err(CutError::NoBody);
+        }
+        let plane = plane.in_frame_of(&bodies.pose(slot));
+        Ok(Self {
+            body: bodies.id(slot),
+            slot,
+            plane,
+        })
+    }
 }
 
 /// One body that became several.
@@ -114,34 +135,33 @@ pub fn fracture_bodies(
     breaking.sort_by_key(|b| bodies.id(b.slot));
     for entry in breaking.drain(..) {
         match break_body(bodies, &entry) {
-            Ok(fracture) => {
-                cache.remove_body(fracture.parent);
-                fractures.done.push(fracture);
-            }
+            Ok(fracture) => fractures.done.push(fracture),
             Err(error) => fractures
                 .refused
                 .extend(entry.requests.iter().map(|&r| (r, error.clone()))),
         }
     }
     fractures.breaking = breaking;
+    if !fractures.done.is_empty() {
+        cache.remove_bodies(|id| fractures.done.iter().any(|f| f.parent == id));
+    }
 }
 
-/// Turns requests into planes in the bodies' frames; several on one body become one list.
+/// Sorts out requests that cannot be met; several on one body become one list of planes.
 fn collect_requests(fractures: &mut Fractures, bodies: &Bodies) {
     for request in fractures.requests.drain(..) {
         if let Err(error) = check_request(&request, bodies) {
             fractures.refused.push((request, error));
             continue;
         }
-        let plane = request.plane.in_frame_of(&bodies.pose(request.slot));
         let entry = breaking_of(&mut fractures.breaking, request.slot);
-        entry.planes.push(plane);
+        entry.planes.push(request.plane);
         entry.requests.push(request);
     }
 }
 
 fn check_request(request: &CutRequest, bodies: &Bodies) -> Result<(), CutError> {
-    if !bodies.contains(request.slot) || bodies.id(request.slot) != request.body {
+    if !bodies.is(request.slot, request.body) {
         return Err(CutError::NoBody);
     }
     if bodies.kind(request.slot) != RigidBody::Dynamic {
@@ -149,6 +169,9 @@ fn check_request(request: &CutRequest, bodies: &Bodies) -> Result<(), CutError> 
     }
     if !bodies.is_active(request.slot) {
         return Err(CutError::Frozen);
+    }
+    if bodies.has_mass_override(request.slot) {
+        return Err(CutError::MassOverride);
     }
     check_plane(&request.plane).map_err(SliceError::from)?;
     Ok(())
@@ -198,17 +221,37 @@ fn break_body(bodies: &mut Bodies, breaking: &Breaking) -> Result<Fracture, CutE
     }
     let least_volume = f64::from(fracturable.map_or(0.0, |f| f.least_volume));
     let large_enough = |piece: &Piece| piece.volume > least_volume;
-    if pieces.iter().filter(|p| large_enough(p)).count() < 2 {
-        return Err(CutError::TooSmall);
-    }
     let world_from_body = bodies.pose(slot);
     let about = bodies.centre_of_mass(slot).as_dvec3();
     let mut ledger = Ledger::default();
     ledger.before.add_body(bodies, slot, about);
-    let mut fracture = Fracture {
+    let mut kept = SmallVec::new();
+    for piece in pieces {
+        let integrals = VolumeIntegrals::of_hull(&piece.hull);
+        let keep = large_enough(&piece);
+        let inherited = fracturable.and_then(|f| f.for_piece(kept.len()));
+        let desc = piece_desc(bodies, slot, piece, &integrals, inherited);
+        let dropped = Totals::of_piece(&desc, &integrals, about);
+        // A piece whose mass or inertia no f32 can hold is as good as too small.
+        match keep.then(|| bodies.insert_with_mass(desc)) {
+            Some(Ok(piece_slot)) => {
+                ledger.after.add_body(bodies, piece_slot, about);
+                kept.push(piece_slot);
+            }
+            Some(Err(_)) | None => {
+                ledger.dropped.add(&dropped);
+                ledger.dropped_pieces += 1;
+            }
+        }
+    }
+    if kept.len() < 2 {
+        kept.iter().for_each(|&s| bodies.remove(s));
+        return Err(CutError::TooSmall);
+    }
+    let fracture = Fracture {
         parent: bodies.id(slot),
         parent_slot: slot,
-        pieces: SmallVec::new(),
+        pieces: kept,
         planes: breaking
             .planes
             .iter()
@@ -216,68 +259,35 @@ fn break_body(bodies: &mut Bodies, breaking: &Breaking) -> Result<Fracture, CutE
             .collect(),
         ledger,
     };
-    for piece in pieces {
-        let keep = large_enough(&piece);
-        let desc = piece_desc(
-            bodies,
-            slot,
-            piece,
-            fracturable.and_then(|f| f.for_piece(fracture.pieces.len())),
-        );
-        let piece_slot = match bodies.insert_with_mass(desc) {
-            Ok(piece_slot) => piece_slot,
-            Err(error) => {
-                fracture.pieces.iter().for_each(|&s| bodies.remove(s));
-                return Err(error.into());
-            }
-        };
-        if keep {
-            fracture.ledger.after.add_body(bodies, piece_slot, about);
-            fracture.pieces.push(piece_slot);
-        } else {
-            fracture.ledger.dropped.add_body(bodies, piece_slot, about);
-            fracture.ledger.dropped_pieces += 1;
-            bodies.remove(piece_slot);
-        }
-    }
     bodies.remove(slot);
     Ok(fracture)
 }
 
 /// The body that a piece becomes: in a frame about its own centroid, moving as that part of the parent did.
+///
+/// `integrals` are those of the piece's hull in the parent's frame.
 fn piece_desc(
     bodies: &Bodies,
     parent: u32,
     piece: Piece,
+    integrals: &VolumeIntegrals,
     fracturable: Option<Fracturable>,
 ) -> BodyDesc {
     let info = bodies.info(parent);
-    let world_from_parent = bodies.pose(parent);
-    let centroid = VolumeIntegrals::of_hull(&piece.hull).centroid.as_vec3();
+    let rotation = bodies.pose(parent).rotation;
+    let centroid = integrals.centroid.as_vec3();
     let (v, omega) = bodies.velocity(parent);
-    let density = match (info.mass_override, bodies.convex(parent)) {
-        (Some(given), Some(mesh)) => (f64::from(given.mass) / mesh.hull().volume()) as f32,
-        _ => info.density,
-    };
-    let lever = rotate(
-        world_from_parent.rotation,
-        centroid - bodies.mass(parent).centre,
-    );
-    let shift = crate::math::Pose::new(-centroid, Quat::IDENTITY);
+    let lever = rotate(rotation, centroid - bodies.mass(parent).centre);
+    let shift = Pose::new(-centroid, Quat::IDENTITY);
     let visual = piece.visual.map(|mesh| mesh.transformed(&shift));
+    let shape = ConvexMesh::from_parts(piece.hull.translated(-centroid), visual);
     BodyDesc {
         kind: RigidBody::Dynamic,
-        shape: Shape::Convex(ConvexMesh::from_parts(
-            piece.hull.translated(-centroid),
-            visual,
-        )),
-        pose: crate::math::Pose::new(
-            bodies.centre_of_mass(parent) + lever,
-            world_from_parent.rotation,
-        ),
+        shape: Shape::Convex(shape),
+        pose: Pose::new(bodies.centre_of_mass(parent) + lever, rotation),
         linear_velocity: v + omega.cross(lever),
         angular_velocity: omega,
-        density,
+        density: info.density,
         mass: None,
         friction: info.friction,
         restitution: info.restitution,

@@ -36,7 +36,33 @@ impl Default for Fracturable {
     }
 }
 
+/// Why a [`Fracturable`] is refused.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FracturableError {
+    /// The strength is negative or NaN.
+    #[error("the strength must not be negative, got {0} N s")]
+    Strength(f32),
+    /// The least volume is negative, infinite or NaN.
+    #[error("the least volume must be finite and not negative, got {0} m3")]
+    LeastVolume(f32),
+}
+
 impl Fracturable {
+    /// Whether the values can be used. An infinite strength means that only cuts on request are made.
+    ///
+    /// # Errors
+    /// [`FracturableError`] says which value is not.
+    pub fn validate(&self) -> Result<(), FracturableError> {
+        if self.strength.is_nan() || self.strength < 0.0 {
+            return Err(FracturableError::Strength(self.strength));
+        }
+        if !(self.least_volume.is_finite() && self.least_volume >= 0.0) {
+            return Err(FracturableError::LeastVolume(self.least_volume));
+        }
+        Ok(())
+    }
+
     /// Breaks at `strength` (N s); everything else as by default.
     pub fn with_strength(strength: f32) -> Self {
         Self {

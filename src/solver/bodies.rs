@@ -101,7 +101,7 @@ impl Bodies {
         check_velocity(desc.linear_velocity, desc.angular_velocity)?;
         let (pose, linear, angular) = (desc.pose, desc.linear_velocity, desc.angular_velocity);
         let info = BodyInfo::of(desc);
-        info.check_surface()?;
+        info.check_material()?;
         info.check_mass()?;
         let slot = self.free.pop().unwrap_or_else(|| self.grow());
         let i = slot as usize;
@@ -222,18 +222,51 @@ impl Bodies {
         self.info.get(slot as usize)?.as_ref()?.fracturable.as_ref()
     }
 
+    /// Whether `slot` holds the body with this id, and not a later one.
+    pub fn is(&self, slot: u32, id: BodyId) -> bool {
+        self.contains(slot) && self.id(slot) == id
+    }
+
     /// Puts the body's frame somewhere else.
-    pub fn set_pose(&mut self, slot: u32, pose: Pose) {
+    ///
+    /// # Errors
+    /// [`BodyError`] if the pose is not finite or not a rotation; the body stays where it was then.
+    pub fn set_pose(&mut self, slot: u32, pose: Pose) -> Result<(), BodyError> {
+        check_pose(&pose)?;
+        self.place(slot, pose);
+        self.refresh_world(slot);
+        Ok(())
+    }
+
+    /// Sets velocity of the centre of mass (m/s) and angular velocity (rad/s), world axes. Static bodies stay at rest.
+    ///
+    /// # Errors
+    /// [`BodyError::NotFinite`]; the velocity stays as it was then.
+    pub fn set_velocity(
+        &mut self,
+        slot: u32,
+        linear: Vec3,
+        angular: Vec3,
+    ) -> Result<(), BodyError> {
+        check_velocity(linear, angular)?;
+        if self.kind(slot) != RigidBody::Static {
+            let v = &mut self.velocity[slot as usize];
+            (v.linear, v.angular) = (linear, angular);
+        }
+        Ok(())
+    }
+
+    /// Sets centre of mass and rotation from the pose of the body's frame.
+    fn place(&mut self, slot: u32, pose: Pose) {
         let i = slot as usize;
         self.rotation[i] = pose.rotation;
         self.centre[i] = pose.position + rotate(pose.rotation, self.mass[i].centre);
     }
 
-    /// Sets velocity of the centre of mass (m/s) and angular velocity (rad/s), world axes.
-    pub fn set_velocity(&mut self, slot: u32, linear: Vec3, angular: Vec3) {
+    /// Stops the body.
+    pub(crate) fn halt(&mut self, slot: u32) {
         let v = &mut self.velocity[slot as usize];
-        v.linear = linear;
-        v.angular = angular;
+        (v.linear, v.angular) = (Vec3::ZERO, Vec3::ZERO);
     }
 
     /// Kinetic energy of a dynamic body, J.
@@ -246,6 +279,11 @@ impl Bodies {
         );
         0.5 * (f64::from(m.mass) * f64::from(v.length_squared())
             + f64::from((m.principal * spin).dot(spin)))
+    }
+
+    /// Whether the body's mass was given instead of computed.
+    pub fn has_mass_override(&self, slot: u32) -> bool {
+        self.info(slot).mass_override.is_some()
     }
 
     /// Whether any body can break.
@@ -262,7 +300,7 @@ impl Bodies {
             kind: self.kind(slot),
             ..BodyInfo::of(desc)
         };
-        info.check_surface()?;
+        info.check_material()?;
         let same_mass = info.has_mass_of(self.info(slot));
         if !same_mass {
             info.check_mass()?;
@@ -302,6 +340,7 @@ impl Bodies {
 
     /// Takes a body out of the simulation, or lets it in again.
     pub(crate) fn set_frozen(&mut self, slot: u32, frozen: bool) {
+        debug_assert!(self.contains(slot), "no body to freeze");
         self.status[slot as usize] = if frozen {
             Status::Frozen
         } else {
@@ -327,10 +366,10 @@ impl Bodies {
             0.0
         };
         if kind == RigidBody::Static {
-            self.set_velocity(slot, Vec3::ZERO, Vec3::ZERO);
+            self.halt(slot);
         }
         self.radius[i] = self.radius_about(slot, self.mass[i].centre);
-        self.set_pose(slot, pose);
+        self.place(slot, pose);
         self.refresh_world(slot);
         self.fresh_mass.push(slot);
         Ok(())

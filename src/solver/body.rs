@@ -6,7 +6,7 @@ use crate::geometry::predicates::check_plane;
 use crate::geometry::{ConvexMesh, HalfSpace, PlaneError};
 use crate::mass::{MassError, MassProperties};
 use crate::math::{Plane, Pose};
-use crate::slice::fracturable::Fracturable;
+use crate::slice::fracturable::{Fracturable, FracturableError};
 use bevy_ecs::component::Component;
 use glam::{Quat, Vec3};
 
@@ -127,6 +127,15 @@ pub enum BodyError {
     /// A half-space cannot be dynamic.
     #[error("a half-space has no mass and cannot be dynamic")]
     DynamicHalfSpace,
+    /// Strength or least volume is out of range.
+    #[error(transparent)]
+    Fracturable(#[from] FracturableError),
+    /// Nobody knows which piece would get which share of a given mass.
+    #[error("a body with a MassOverride cannot be Fracturable: give it a Density instead")]
+    FracturableOverride,
+    /// A component that every body has was removed.
+    #[error("a component that RigidBody requires (Transform, velocities, materials) was removed")]
+    Incomplete,
     /// Neither `ConvexMesh` nor `HalfSpace` is there.
     #[error("a RigidBody needs a ConvexMesh or a HalfSpace")]
     NoShape,
@@ -159,10 +168,15 @@ impl BodyInfo {
         }
     }
 
-    /// Whether friction and restitution are usable.
-    pub(crate) fn check_surface(&self) -> Result<(), BodyError> {
+    /// Whether friction, restitution and strength are usable.
+    pub(crate) fn check_material(&self) -> Result<(), BodyError> {
         self.friction.validate()?;
-        Ok(self.restitution.validate()?)
+        self.restitution.validate()?;
+        match self.fracturable {
+            Some(_) if self.mass_override.is_some() => Err(BodyError::FracturableOverride),
+            Some(fracturable) => Ok(fracturable.validate()?),
+            None => Ok(()),
+        }
     }
 
     /// Whether shape and density make a body.

@@ -62,7 +62,7 @@ pub fn integrate_positions(bodies: &mut Bodies, problems: &mut Vec<(u32, BodyErr
         let centre = bodies.centre[i] + body.linear * h;
         let rotation = rotate_by(bodies.rotation[i], body.angular, h);
         if !(centre.is_finite() && rotation.is_finite()) {
-            bodies.set_velocity(slot, Vec3::ZERO, Vec3::ZERO);
+            bodies.halt(slot);
             problems.push((slot, BodyError::Overflow));
             continue;
         }

@@ -59,6 +59,19 @@ pub struct SolverConfig {
     pub measure_error: bool,
 }
 
+impl SolverConfig {
+    /// Whether all numbers are finite and not negative.
+    pub fn is_usable(&self) -> bool {
+        let numbers = [
+            self.baumgarte,
+            self.slop,
+            self.push_out_speed,
+            self.restitution_threshold,
+        ];
+        numbers.iter().all(|n| n.is_finite() && *n >= 0.0)
+    }
+}
+
 impl Default for SolverConfig {
     fn default() -> Self {
         Self {

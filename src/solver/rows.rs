@@ -140,8 +140,11 @@ pub fn build_rows(
             );
             normal.impulse = point.normal_impulse;
             let mut friction = [Row::new(t1, point, a, b), Row::new(t2, point, a, b)];
-            friction[0].impulse = point.friction_impulse.dot(t1);
-            friction[1].impulse = point.friction_impulse.dot(t2);
+            // Without friction the rows are not solved, so nothing must be left in them from when there was some.
+            if manifold.friction > 0.0 {
+                friction[0].impulse = point.friction_impulse.dot(t1);
+                friction[1].impulse = point.friction_impulse.dot(t2);
+            }
             rows.push(PointRows {
                 bodies: [manifold.a, manifold.b],
                 normal,

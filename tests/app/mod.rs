@@ -36,33 +36,6 @@ pub(crate) fn app() -> App {
     app
 }
 
-/// Spawns the entity that `desc` describes.
-pub(crate) fn spawn(world: &mut World, desc: &BodyDesc) -> Entity {
-    let transform = Transform {
-        translation: desc.pose.position,
-        rotation: desc.pose.rotation,
-        ..Default::default()
-    };
-    let mut entity = world.spawn((
-        desc.kind,
-        transform,
-        LinearVelocity(desc.linear_velocity),
-        AngularVelocity(desc.angular_velocity),
-        Density(desc.density),
-        desc.friction,
-        desc.restitution,
-        desc.layers,
-    ));
-    match &desc.shape {
-        Shape::Convex(mesh) => entity.insert(mesh.clone()),
-        Shape::HalfSpace(half_space) => entity.insert(*half_space),
-    };
-    if let Some(fracturable) = desc.fracturable {
-        entity.insert(fracturable);
-    }
-    entity.id()
-}
-
 /// Position, rotation and velocities as bits.
 pub(crate) fn bits(pose: &Pose, linear: glam::Vec3, angular: glam::Vec3) -> Vec<u32> {
     let parts = [
