@@ -10,48 +10,9 @@ use bevy_cleave::math::{Aabb, Plane, Pose};
 use glam::{DVec3, Mat3, Quat, Vec3};
 
 mod common;
+mod dice;
 
-/// A small generator (xorshift64*), so that every run sees the same scenes.
-struct Random(u64);
-
-impl Random {
-    fn new(seed: u64) -> Self {
-        Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1)
-    }
-
-    fn bits(&mut self) -> u64 {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        self.0.wrapping_mul(0x2545_f491_4f6c_dd1d)
-    }
-
-    fn below(&mut self, n: u64) -> u64 {
-        (self.bits() >> 32) % n
-    }
-
-    fn in_range(&mut self, from: f32, to: f32) -> f32 {
-        from + (to - from) * ((self.bits() >> 40) as f32 / (1u64 << 24) as f32)
-    }
-
-    fn vector(&mut self, from: f32, to: f32) -> Vec3 {
-        Vec3::new(
-            self.in_range(from, to),
-            self.in_range(from, to),
-            self.in_range(from, to),
-        )
-    }
-
-    fn rotation(&mut self) -> Quat {
-        loop {
-            let v = self.vector(-1.0, 1.0);
-            let q = Quat::from_xyzw(v.x, v.y, v.z, self.in_range(-1.0, 1.0));
-            if (0.1..1.0).contains(&q.length_squared()) {
-                return q.normalize();
-            }
-        }
-    }
-}
+use dice::Dice;
 
 /// A rotation by roughly `angle` rad (exactly: 2 atan(angle / 2)) about `axis`.
 fn turn(axis: Vec3, angle: f32) -> Quat {
@@ -104,12 +65,12 @@ fn prism(n: u32, shape: Mat3) -> ConvexHull {
 }
 
 /// A random linear map that keeps orientation and does not flatten.
-fn random_shape(random: &mut Random) -> Mat3 {
+fn random_shape(random: &mut Dice) -> Mat3 {
     let stretch = Mat3::from_diagonal(random.vector(0.2, 1.0));
     Mat3::from_quat(random.rotation()) * stretch * Mat3::from_quat(random.rotation())
 }
 
-fn random_hull(random: &mut Random) -> ConvexHull {
+fn random_hull(random: &mut Dice) -> ConvexHull {
     match random.below(6) {
         4 => icosphere(random.in_range(0.2, 1.0), random.below(2) as u32).expect("a ball is valid"),
         5 => {
@@ -212,7 +173,7 @@ fn brute_force_axis(a: &Solid, b: &Solid) -> (f64, DVec3) {
 }
 
 /// Random pairs; three of four are built to be hard.
-fn random_pair(random: &mut Random) -> (ConvexHull, ConvexHull, Pose) {
+fn random_pair(random: &mut Dice) -> (ConvexHull, ConvexHull, Pose) {
     let mut a = random_hull(random);
     let mut b = random_hull(random);
     let mut pose = Pose::new(random.vector(-1.5, 1.5), random.rotation());
@@ -232,7 +193,7 @@ fn random_pair(random: &mut Random) -> (ConvexHull, ConvexHull, Pose) {
                 cuboid(random.vector(0.1, 1.0)),
                 cuboid(random.vector(0.1, 1.0)),
             );
-            let angle = [3e-2, 1e-3, 1e-4, 1e-6][random.below(4) as usize];
+            let angle = [3e-2, 1e-3, 1e-4, 1e-6][random.below(4)];
             pose.rotation = turn(random.vector(-1.0, 1.0), angle);
         }
         // The same hull against itself.
@@ -287,7 +248,7 @@ fn size_of(a: &ConvexHull, b: &ConvexHull) -> f32 {
 
 #[test]
 fn separating_axis_agrees_with_brute_force() {
-    let mut random = Random::new(7);
+    let mut random = Dice::new(7);
     let mut scratch = NarrowScratch::new();
     let mut touching = 0;
     for case in 0..6000 {
@@ -350,10 +311,10 @@ fn real_hulls() -> Vec<ConvexHull> {
 fn separating_axis_agrees_with_brute_force_on_real_hulls() {
     let hulls = real_hulls();
     assert_eq!(hulls.len(), 207);
-    let mut random = Random::new(13);
+    let mut random = Dice::new(13);
     let mut scratch = NarrowScratch::new();
     for (case, a) in hulls.iter().enumerate() {
-        let b = &hulls[random.below(hulls.len() as u64) as usize];
+        let b = &hulls[random.below(hulls.len())];
         let mut pose = Pose::new(random.vector(-0.3, 0.3), random.rotation());
         let solid_a = Solid::new(a, &Pose::IDENTITY);
         let (gap, axis) = brute_force_axis(&solid_a, &Solid::new(b, &pose));
@@ -376,7 +337,7 @@ fn separating_axis_agrees_with_brute_force_on_real_hulls() {
 
 #[test]
 fn deepest_point_of_an_overlap_is_as_deep_as_the_axis_says() {
-    let mut random = Random::new(21);
+    let mut random = Dice::new(21);
     let mut scratch = NarrowScratch::new();
     let mut worst = 0.0_f64;
     for case in 0..4000 {
@@ -402,7 +363,7 @@ fn deepest_point_of_an_overlap_is_as_deep_as_the_axis_says() {
 
 #[test]
 fn patch_points_lie_on_both_surfaces() {
-    let mut random = Random::new(3);
+    let mut random = Dice::new(3);
     let mut scratch = NarrowScratch::new();
     for case in 0..2000 {
         let (a, b, pose) = random_pair(&mut random);
@@ -463,7 +424,7 @@ fn crossed_edges_meet_in_one_point() {
 
 #[test]
 fn swapped_order_gives_the_mirrored_patch() {
-    let mut random = Random::new(11);
+    let mut random = Dice::new(11);
     let mut scratch = NarrowScratch::new();
     let mut compared = 0;
     for case in 0..2000 {
@@ -509,7 +470,7 @@ fn swapped_order_gives_the_mirrored_patch() {
 
 #[test]
 fn contacts_scale_with_the_bodies() {
-    let mut random = Random::new(5);
+    let mut random = Dice::new(5);
     let mut scratch = NarrowScratch::new();
     for _ in 0..500 {
         let (a, b, pose) = random_pair(&mut random);
@@ -613,7 +574,7 @@ fn bad_numbers_give_no_contact() {
 
 #[test]
 fn anchors_of_a_manifold_meet_in_the_world() {
-    let mut random = Random::new(9);
+    let mut random = Dice::new(9);
     let mut scratch = NarrowScratch::new();
     for _ in 0..300 {
         let (a, b, pose) = random_pair(&mut random);
@@ -703,7 +664,7 @@ fn named_pairs(broadphase: &Broadphase, proxies: &[Option<Proxy>]) -> Vec<(BodyI
         .collect()
 }
 
-fn random_proxy(random: &mut Random, id: u32) -> Proxy {
+fn random_proxy(random: &mut Dice, id: u32) -> Proxy {
     let centre = random.vector(-10.0, 10.0);
     let half = random.vector(0.05, 0.8);
     let shape = if random.below(40) == 0 {
@@ -734,7 +695,7 @@ fn random_proxy(random: &mut Random, id: u32) -> Proxy {
 }
 
 /// One step of a scene: bodies move, a few appear in free slots, vanish, change layer, go bad or jump.
-fn disturb(random: &mut Random, proxies: &mut Vec<Option<Proxy>>, next_id: &mut u32) {
+fn disturb(random: &mut Dice, proxies: &mut Vec<Option<Proxy>>, next_id: &mut u32) {
     for slot in proxies.iter_mut() {
         let Some(proxy) = slot else {
             if random.below(4) == 0 {
@@ -764,7 +725,7 @@ fn disturb(random: &mut Random, proxies: &mut Vec<Option<Proxy>>, next_id: &mut 
 
 #[test]
 fn pairs_agree_with_brute_force_over_many_steps() {
-    let mut random = Random::new(1);
+    let mut random = Dice::new(1);
     let mut broadphase = Broadphase::new();
     let mut next_id = 200;
     let mut proxies: Vec<_> = (0..200)
@@ -801,7 +762,7 @@ fn pairs_agree_with_brute_force_over_many_steps() {
 
 #[test]
 fn pairs_do_not_depend_on_where_bodies_are_stored() {
-    let mut random = Random::new(2);
+    let mut random = Dice::new(2);
     let (mut here, mut there) = (Broadphase::new(), Broadphase::new());
     let mut next_id = 100;
     let mut proxies: Vec<_> = (0..100)
@@ -844,7 +805,7 @@ fn tight_boxes_meet(proxies: &[Option<Proxy>], pair: (BodyId, BodyId)) -> bool {
 
 #[test]
 fn absent_and_non_finite_proxies_leave_the_others_alone() {
-    let mut random = Random::new(4);
+    let mut random = Dice::new(4);
     let mut proxies: Vec<_> = (0..50)
         .map(|i| Some(random_proxy(&mut random, i)))
         .collect();

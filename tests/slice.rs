@@ -2,6 +2,7 @@
 
 #[path = "common/mod.rs"]
 mod common;
+mod dice;
 mod slice_common;
 
 use bevy_cleave::geometry::predicates::length_scale;
@@ -12,11 +13,10 @@ use bevy_cleave::slice::{
     slice_mesh,
 };
 use common::{MODELS, assert_edge_is_bad, closed_models, model_mesh};
+use dice::Dice;
 use glam::{Vec2, Vec3, Vec4};
 use proptest::prelude::*;
-use slice_common::{
-    Dice, Worst, check_hull_cut, check_mesh_cut, defect, last_face_area, model_hull,
-};
+use slice_common::{Worst, check_hull_cut, check_mesh_cut, defect, last_face_area, model_hull};
 
 const PLANES: usize = 1000;
 

@@ -1,7 +1,11 @@
 //! Scenes that tests and benches share.
 #![allow(dead_code, reason = "each test uses some of them")]
 
+#[path = "../dice/mod.rs"]
+mod dice;
+
 use bevy_cleave::prelude::*;
+use dice::Dice;
 use glam::{Quat, Vec3};
 
 /// A floor and a heap of different bodies that fall on it; some break on impact.
@@ -43,15 +47,9 @@ pub(crate) fn falling_and_breaking() -> Vec<BodyDesc> {
 }
 
 /// Seeded random points in the cube from -1 to 1.
-pub(crate) fn random_points(count: usize, seed: u32) -> Vec<Vec3> {
-    let mut state = seed;
-    let mut random = move || {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (state >> 8) as f32 / (1 << 23) as f32 - 1.0
-    };
-    (0..count)
-        .map(|_| Vec3::new(random(), random(), random()))
-        .collect()
+pub(crate) fn random_points(count: usize, seed: u64) -> Vec<Vec3> {
+    let mut dice = Dice::new(seed);
+    (0..count).map(|_| dice.vector(-1.0, 1.0)).collect()
 }
 
 /// Edge of the smallest cube of cells that holds `count`.

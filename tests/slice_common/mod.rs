@@ -1,4 +1,4 @@
-//! Seeded planes and the checks that every cut must pass.
+//! The checks that every cut must pass.
 
 use crate::common::model_mesh;
 use bevy_cleave::geometry::predicates::{length_scale, plane_tolerance, signed_distance};
@@ -6,42 +6,6 @@ use bevy_cleave::geometry::{ConvexHull, TriMesh};
 use bevy_cleave::math::{Aabb, Plane};
 use bevy_cleave::slice::{HullSlice, Slice, SliceOptions, slice_hull, slice_mesh};
 use glam::{DVec3, Vec3};
-use rand_core::{Rng, SeedableRng};
-use rand_pcg::Pcg32;
-
-/// A seeded source of numbers, points and planes.
-pub(crate) struct Dice(Pcg32);
-
-impl Dice {
-    pub(crate) fn new(seed: u64) -> Self {
-        Self(Pcg32::seed_from_u64(seed))
-    }
-
-    pub(crate) fn below(&mut self, count: usize) -> usize {
-        self.0.next_u32() as usize % count
-    }
-
-    /// From [0, 1).
-    pub(crate) fn unit(&mut self) -> f32 {
-        (self.0.next_u32() >> 8) as f32 / 16_777_216.0
-    }
-
-    pub(crate) fn direction(&mut self) -> Vec3 {
-        loop {
-            let v = 2.0 * Vec3::new(self.unit(), self.unit(), self.unit()) - Vec3::ONE;
-            if (0.01..=1.0).contains(&v.length_squared()) {
-                return v.normalize();
-            }
-        }
-    }
-
-    /// A plane of random direction through a random point between two of the points.
-    pub(crate) fn plane_through(&mut self, points: &[Vec3]) -> Plane {
-        let a = points[self.below(points.len())];
-        let b = points[self.below(points.len())];
-        Plane::through(a.lerp(b, self.unit()), self.direction())
-    }
-}
 
 /// The hull of a model, as every body made from it has.
 pub(crate) fn model_hull(name: &str) -> ConvexHull {
