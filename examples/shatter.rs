@@ -80,6 +80,7 @@ struct Run {
     step_ms: Vec<f64>,
     residual: Vec<f64>,
     energy: Vec<f64>,
+    kinetic_energy: Vec<f64>,
     penetration: f64,
     dropped_mass: f64,
     ledgers: Vec<Ledger>,
@@ -94,6 +95,7 @@ impl Run {
             step_ms: Vec::new(),
             residual: Vec::new(),
             energy: Vec::new(),
+            kinetic_energy: Vec::new(),
             penetration: 0.0,
             dropped_mass: 0.0,
             ledgers: Vec::new(),
@@ -110,6 +112,7 @@ impl Run {
         self.residual.push(f64::from(error.residual.relative));
         self.energy
             .push(error.kinetic_energy + error.potential_energy);
+        self.kinetic_energy.push(error.kinetic_energy);
         self.penetration = self.penetration.max(f64::from(error.penetration));
         for fracture in &self.simulation.fractures.done {
             let origin = self.origin[fracture.parent_slot as usize];
@@ -170,7 +173,7 @@ impl Run {
         };
         let panels = [
             panel("step time", "ms", true, &self.step_ms),
-            panel("residual", "1", true, &self.residual),
+            panel("residual", "", true, &self.residual),
             panel("energy", "J", false, &self.energy),
         ];
         time_series(Path::new(FOLDER).join("plot.png"), "shatter", &panels)
@@ -212,6 +215,11 @@ impl Run {
             worst(Ledger::angular_momentum_error)
         );
         println!("energy_gain_rel: {:.2e}", self.energy_gain());
+        let (moving, most) = (
+            self.kinetic_energy[STEPS - 1],
+            stats::max(&self.kinetic_energy),
+        );
+        println!("kinetic_energy_final_rel: {:.2e}", moving / most);
         println!("dropped_mass_kg: {:.3}", self.dropped_mass);
         println!("pictures: {FOLDER}/");
     }

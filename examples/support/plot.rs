@@ -22,13 +22,22 @@ const LINE_COLOURS: [RGBColor; 4] = [
 /// One quantity over time.
 #[derive(Clone, Debug)]
 pub struct Panel {
-    /// What is shown, and its unit.
+    /// What is shown, and its unit (empty for a pure number).
     pub label: String,
     pub unit: String,
     /// Whether the vertical axis is logarithmic; values that are not positive are then left out.
     pub log: bool,
     /// Time in seconds and value; points that are not finite are left out.
     pub series: Vec<(f64, f64)>,
+}
+
+impl Panel {
+    fn y_label(&self) -> String {
+        match self.unit.as_str() {
+            "" => self.label.clone(),
+            unit => format!("{} in {unit}", self.label),
+        }
+    }
 }
 
 /// Draws the panels one below the other over a common time axis.
@@ -89,7 +98,7 @@ fn draw_panel(
             chart
                 .configure_mesh()
                 .x_desc("time in s")
-                .y_desc(format!("{} in {}", panel.label, panel.unit))
+                .y_desc(panel.y_label())
                 .label_style((FONT, 19))
                 .axis_desc_style((FONT, 21))
                 .bold_line_style(BLACK.mix(0.16))
