@@ -473,15 +473,14 @@ fn contacts_conserve_momentum_and_lose_energy_in_a_zero_g_cloud() {
         simulation.report.bodies == 64 && e < 0.9 * e0,
         "they collide: {e0} J, then {e} J"
     );
-    // Measured: 2e-8 and 8e-5 of the sums of magnitudes at the start. The latter comes from a few pairs of edges that are
-    // closest at an end: their two points are up to a centimetre apart across the normal, and friction acts at both.
+    // Measured: 2e-8 and 4e-7 of the sums of magnitudes at the start; rounding of f32 over 300 steps.
     assert!(
         (p - p0).length() < 1e-6 * scale,
         "momentum {}",
         (p - p0).length() / scale
     );
     assert!(
-        (l - l0).length() < 1e-4 * angular_scale,
+        (l - l0).length() < 2e-6 * angular_scale,
         "angular momentum {}",
         (l - l0).length() / angular_scale
     );

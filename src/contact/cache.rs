@@ -20,7 +20,7 @@
 //!
 //! | motion | own codes only | with nearest cell |
 //! |---|---|---|
-//! | rest, 10 um of jitter | 0.995 | 1 |
+//! | rest, 10 um of jitter | 0.998 | 1 |
 //! | slide at 0.05 m/s | 0.82 | 1 |
 //! | slide at 0.5 or 2 m/s | 0 | 1 |
 //! | spin at 5 rad/s | 0 | 1 |

@@ -343,6 +343,11 @@ fn edge_patch(
         .vertices
         .map(|v| scratch.vertices[v as usize]);
     let (on_a, on_b) = closest_points(edge_a, edge_b);
+    // At an end of an edge the shortest way is not along the normal. The contact is where it is half way, with the gap
+    // along the normal only: both bodies must see the impulse at one point, or it would change angular momentum.
+    let separation = axis.normal.dot(on_b - on_a);
+    let (middle, half_gap) = (0.5 * (on_a + on_b), 0.5 * separation * axis.normal);
+    let (on_a, on_b) = (middle - half_gap, middle + half_gap);
     let mut patch = Patch {
         normal: axis.normal,
         ..Patch::default()
@@ -350,7 +355,7 @@ fn edge_patch(
     patch.push(PatchPoint {
         on_a,
         on_b: b_in_a.inverse_transform_point(on_b),
-        separation: axis.normal.dot(on_b - on_a),
+        separation,
     });
     patch
 }
