@@ -8,78 +8,115 @@
 
 #![allow(clippy::print_stdout, reason = "an example prints its result")]
 
+#[path = "support/mod.rs"]
+mod support;
+
 use bevy_cleave::geometry::ConvexHull;
 use bevy_cleave::mass::{VolumeIntegrals, approximate, principal_axes};
-use bevy_cleave::math::Plane;
+use bevy_cleave::math::{Aabb, Plane};
 use bevy_cleave::slice::{HullHalves, slice_hull};
 use glam::{DMat3, Vec3};
-use std::error::Error;
 use std::path::{Path, PathBuf};
+use support::{Error, model, stats};
 
 /// Pieces in the statistics.
 const PIECES: usize = 1000;
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> Result<(), Error> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/meshes");
-    let mut models: Vec<PathBuf> = std::fs::read_dir(folder)?
-        .map(|e| Ok(e?.path()))
-        .collect::<Result<_, std::io::Error>>()?;
-    models.retain(|path| path.extension().is_some_and(|extension| extension == "obj"));
-    models.sort();
-
-    println!(
-        "Exact integrals of the models' hulls (volume m3, centre m, principal moments at unit density m5),"
-    );
+    println!("Exact integrals (volume m3, centre m, principal moments at unit density m5),");
     println!("and the errors of the approximations in percent:\n");
     println!(
-        "{:<16} {:>10} {:^26} {:^32} {:>7} {:>9} {:>8}",
-        "hull of", "volume", "centre", "principal moments", "centre", "particles", "diagonal"
+        "{:<22} {:>10} {:^26} {:^32} {:>7} {:>9} {:>8}",
+        "", "volume", "centre", "principal moments", "centre", "particles", "diagonal"
     );
     let mut hulls = Vec::new();
-    for path in models {
-        let hull = ConvexHull::from_points(&positions(&path)?)?;
+    for path in models(&folder)? {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let mesh = model::load(&path)?.into_mesh()?;
+        let hull = ConvexHull::from_points(mesh.positions())?;
         let exact = VolumeIntegrals::of_hull(&hull);
-        let [x, y, z] = exact.centroid.to_array();
-        let [p, q, r] = principal_axes(exact.inertia).0.to_array();
-        let [centre, particles, diagonal] = errors(&hull, &exact).map(|error| 100.0 * error);
-        println!(
-            "{:<16} {:>10.5} {x:>8.3} {y:>8.3} {z:>8.3} {p:>10.3e} {q:>10.3e} {r:>10.3e} {centre:>7.2} {particles:>9.1} {diagonal:>8.2}",
-            path.file_name().unwrap_or_default().to_string_lossy(),
-            exact.volume,
-        );
+        print_row(&format!("{name} hull"), hull.vertices(), &exact);
+        if mesh.is_closed() {
+            let exact = VolumeIntegrals::of_mesh(&mesh);
+            print_row(&format!("{name} mesh"), mesh.positions(), &exact);
+        }
         hulls.push(hull);
     }
+    let clouds = game_hulls(&folder)?;
+    let found: Vec<_> = clouds.iter().map(errors_of_hull).collect();
+    print_summary(&format!("{} hulls of a game", found.len()), &found);
 
     let mut random = Random(1);
     let mut found = Vec::with_capacity(PIECES);
     while found.len() < PIECES {
         let whole = &hulls[found.len() % hulls.len()];
-        if let Some(piece) = random_piece(whole, &mut random) {
-            found.push(errors(&piece, &VolumeIntegrals::of_hull(&piece)));
-        }
+        found.extend(
+            random_piece(whole, &mut random)
+                .as_ref()
+                .map(errors_of_hull),
+        );
     }
-    println!(
-        "\n{PIECES} random pieces of these hulls, each left over after one to three cuts; percent:\n"
-    );
-    println!("{:<10} {:>8} {:>8} {:>8}", "", "median", "95 %", "max");
-    for (column, name) in ["centre", "particles", "diagonal"].into_iter().enumerate() {
-        let mut values: Vec<f64> = found.iter().map(|row| 100.0 * row[column]).collect();
-        values.sort_by(f64::total_cmp);
-        let [median, p95, max] =
-            [PIECES / 2, PIECES * 95 / 100, PIECES - 1].map(|rank| values[rank]);
-        println!("{name:<10} {median:>8.2} {p95:>8.2} {max:>8.2}");
-    }
+    let title = "random pieces of the models' hulls, left over after one to three cuts";
+    print_summary(&format!("{PIECES} {title}"), &found);
     Ok(())
 }
 
+/// The OBJ files in `folder`, sorted.
+fn models(folder: &Path) -> Result<Vec<PathBuf>, Error> {
+    let entries = std::fs::read_dir(folder)?.map(|entry| Ok(entry?.path()));
+    let mut models = entries.collect::<Result<Vec<_>, std::io::Error>>()?;
+    models.retain(|path| path.extension().is_some_and(|extension| extension == "obj"));
+    models.sort();
+    Ok(models)
+}
+
+/// The convex hulls of the clouds in the JSON file, without the two flat ones.
+fn game_hulls(folder: &Path) -> Result<Vec<ConvexHull>, Error> {
+    let text = std::fs::read_to_string(folder.join("horizon_hull_points.json"))?;
+    let file: serde_json::Value = serde_json::from_str(&text)?;
+    let clouds: Vec<Vec<[f32; 3]>> = serde_json::from_value(file["hulls"].clone())?;
+    let hulls = clouds.iter().map(|cloud| {
+        let points: Vec<Vec3> = cloud.iter().copied().map(Vec3::from_array).collect();
+        ConvexHull::from_points(&points)
+    });
+    Ok(hulls.filter_map(Result::ok).collect())
+}
+
+fn print_row(name: &str, vertices: &[Vec3], exact: &VolumeIntegrals) {
+    let [x, y, z] = exact.centroid.to_array();
+    let [p, q, r] = principal_axes(exact.inertia).0.to_array();
+    let [centre, particles, diagonal] = errors(vertices, exact).map(|error| 100.0 * error);
+    println!(
+        "{name:<22} {:>10.5} {x:>8.3} {y:>8.3} {z:>8.3} {p:>10.3e} {q:>10.3e} {r:>10.3e} {centre:>7.2} {particles:>9.1} {diagonal:>8.2}",
+        exact.volume,
+    );
+}
+
+fn print_summary(title: &str, found: &[[f64; 3]]) {
+    println!("\n{title}; percent:\n");
+    println!("{:<10} {:>8} {:>8} {:>8}", "", "median", "95 %", "max");
+    for (column, name) in ["centre", "particles", "diagonal"].into_iter().enumerate() {
+        let values: Vec<f64> = found.iter().map(|row| 100.0 * row[column]).collect();
+        let (median, p95) = (stats::median(&values), stats::percentile(&values, 0.95));
+        println!(
+            "{name:<10} {median:>8.2} {p95:>8.2} {:>8.2}",
+            stats::max(&values)
+        );
+    }
+}
+
+fn errors_of_hull(hull: &ConvexHull) -> [f64; 3] {
+    errors(hull.vertices(), &VolumeIntegrals::of_hull(hull))
+}
+
 /// Relative errors of the three approximations.
-fn errors(hull: &ConvexHull, exact: &VolumeIntegrals) -> [f64; 3] {
-    let size = f64::from(hull.aabb().diagonal());
+fn errors(vertices: &[Vec3], exact: &VolumeIntegrals) -> [f64; 3] {
+    let size = f64::from(Aabb::of_points(vertices.iter().copied()).diagonal());
     let norm = |m: DMat3| m.to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt();
     let relative = |approximate: DMat3| norm(approximate - exact.inertia) / norm(exact.inertia);
-    let mean = approximate::mean_of_vertices(hull.vertices());
-    let particles =
-        approximate::vertices_as_particles(hull.vertices(), exact.volume, exact.centroid);
+    let mean = approximate::mean_of_vertices(vertices);
+    let particles = approximate::vertices_as_particles(vertices, exact.volume, exact.centroid);
     [
         mean.distance(exact.centroid) / size,
         relative(particles),
@@ -99,14 +136,6 @@ fn random_piece(whole: &ConvexHull, random: &mut Random) -> Option<ConvexHull> {
         piece = if random.signed() < 0.0 { below } else { above };
     }
     Some(piece)
-}
-
-fn positions(path: &Path) -> Result<Vec<Vec3>, Box<dyn Error>> {
-    let (models, _) = tobj::load_obj(path, &tobj::LoadOptions::default())?;
-    let coordinates = models
-        .iter()
-        .flat_map(|model| model.mesh.positions.chunks_exact(3));
-    Ok(coordinates.map(Vec3::from_slice).collect())
 }
 
 /// SplitMix64 (Steele, Lea, Flood 2014): the pieces are the same on every run.
