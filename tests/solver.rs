@@ -575,3 +575,43 @@ fn stable_motion_far_from_the_origin_is_the_same_as_near_it() {
         "at rest: {far}, {v}"
     );
 }
+
+#[test]
+fn kinematic_body_pushes_and_is_not_pushed() {
+    let mut simulation = with_floor();
+    let mut pusher = dynamic(&cube(1.0), -2.0, 0.55, 0.0);
+    pusher.kind = RigidBody::Kinematic;
+    pusher.linear_velocity = Vec3::new(1.0, 0.0, 0.0);
+    let pusher = add(&mut simulation, pusher);
+    let pushed = add(&mut simulation, dynamic(&cube(1.0), 0.0, 0.5, 0.0));
+    for _ in 0..180 {
+        simulation.step(H);
+    }
+    let [a, b] = [pusher, pushed].map(|slot| simulation.bodies.centre_of_mass(slot));
+    assert!((a - Vec3::new(1.0, 0.55, 0.0)).length() < 1e-4, "{a}");
+    assert!((b.x - 2.0).abs() < 0.01 && b.z.abs() < 0.01, "{b}");
+}
+
+#[test]
+fn bodies_of_layers_that_do_not_meet_pass_through_each_other() {
+    let mut simulation = with_floor();
+    let layers = CollisionLayers {
+        memberships: 0b10,
+        filters: 0b01,
+    };
+    let mut fallen = [0.5, 2.0].map(|y| dynamic(&cube(1.0), 0.0, y, 0.0));
+    for desc in &mut fallen {
+        desc.layers = layers;
+    }
+    let fallen = fallen.map(|desc| add(&mut simulation, desc));
+    for _ in 0..120 {
+        simulation.step(H);
+    }
+    for slot in fallen {
+        let y = simulation.bodies.centre_of_mass(slot).y;
+        assert!(
+            (y - 0.5).abs() < 0.01,
+            "rests on the floor, inside the other: {y}"
+        );
+    }
+}
