@@ -112,6 +112,13 @@ impl Aabb {
     }
 }
 
+impl Default for Aabb {
+    /// The box that holds nothing.
+    fn default() -> Self {
+        Self::EMPTY
+    }
+}
+
 /// The plane of points `p` with `normal . p = offset`; the positive side is where the normal points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {

@@ -295,7 +295,7 @@ fn removed_bodies_are_forgotten_and_others_kept() {
     let mut cache = ContactCache::new();
     cache.store_and_age(&[pair(0, 1), pair(0, 2), pair(1, 2)], &ids, &rotations, H);
     assert_eq!(cache.len(), 3);
-    cache.remove_body(BodyId(2));
+    cache.remove_bodies(|id| id == BodyId(2));
     assert_eq!(cache.pairs().collect::<Vec<_>>(), [(BodyId(1), BodyId(5))]);
     cache.clear();
     assert!(cache.is_empty());

@@ -194,11 +194,6 @@ impl ContactCache {
         self.current.pairs.iter().map(|pair| pair.bodies)
     }
 
-    /// Forgets all contacts of a body that is gone.
-    pub fn remove_body(&mut self, body: BodyId) {
-        self.remove_bodies(|id| id == body);
-    }
-
     /// Forgets all contacts of the bodies for which `is_gone` says so, in one pass.
     pub fn remove_bodies(&mut self, is_gone: impl Fn(BodyId) -> bool) {
         let Self { current, next, .. } = self;

@@ -37,8 +37,9 @@ const REACH: f32 = 0.1;
 /// Buffers of the narrow phase, one per thread; they grow to the largest hulls seen and are then reused.
 #[derive(Clone, Debug, Default)]
 pub struct NarrowScratch {
-    /// B's vertices in A's frame.
+    /// B's vertices in A's frame, and the box around them.
     vertices: Vec<Vec3>,
+    aabb: Aabb,
     /// B's face planes in A's frame.
     planes: Vec<Plane>,
     /// Polygon being clipped, and the result of the last cut.
@@ -73,6 +74,7 @@ impl NarrowScratch {
         let moved = b.vertices().iter().map(|&v| turn * v + b_in_a.position);
         self.vertices.clear();
         self.vertices.extend(moved);
+        self.aabb = Aabb::of_points(self.vertices.iter().copied());
         self.planes.clear();
         self.planes.extend(b.faces().iter().map(|face| {
             let normal = turn * face.plane.normal;
@@ -82,44 +84,41 @@ impl NarrowScratch {
             }
         }));
     }
-}
 
-impl NarrowScratch {
     /// Collects the edges that come within `reach` (m) of the other hull's box.
     ///
     /// Where an edge pair is the best axis, the closest points of the two edges are as far apart as the hulls: by the
     /// gap, or by the depth of the overlap, which the best face bounds. Farther edges cannot be the best axis.
     fn load_near_edges(&mut self, a: &ConvexHull, b: &ConvexHull, reach: f32) {
-        let box_a = a.aabb();
-        let box_b = Aabb::of_points(self.vertices.iter().copied());
+        let (box_a, box_b) = (a.aabb(), self.aabb);
         // Rounding of the boxes and of the reach itself is far below a thousandth.
         let reach = reach + 1e-3 * (reach + box_a.diagonal().min(box_b.diagonal()));
         let (box_a, box_b) = (box_a.fattened(reach), box_b.fattened(reach));
-        self.near_a.clear();
-        self.near_b.clear();
-        for (index, edge) in a.edges().iter().enumerate() {
-            let [from, to] = edge.vertices.map(|v| a.vertices()[v as usize]);
-            if box_b.overlaps(&Aabb::of_points([from, to])) {
-                let normals = edge.faces.map(|f| a.faces()[f as usize].plane.normal);
-                self.near_a.push(NearEdge {
-                    index,
-                    from,
-                    along: to - from,
-                    normals,
-                });
-            }
-        }
-        for (index, edge) in b.edges().iter().enumerate() {
-            let [from, to] = edge.vertices.map(|v| self.vertices[v as usize]);
-            if box_a.overlaps(&Aabb::of_points([from, to])) {
-                let normals = edge.faces.map(|f| self.planes[f as usize].normal);
-                self.near_b.push(NearEdge {
-                    index,
-                    from,
-                    along: to - from,
-                    normals,
-                });
-            }
+        let normal_of_a = |face: u32| a.faces()[face as usize].plane.normal;
+        let normal_of_b = |face: u32| self.planes[face as usize].normal;
+        collect_near(&mut self.near_a, a, a.vertices(), normal_of_a, &box_b);
+        collect_near(&mut self.near_b, b, &self.vertices, normal_of_b, &box_a);
+    }
+}
+
+/// Fills `near` with the edges of `hull` that meet the box `other`; corners, normals and box along the same axes.
+fn collect_near(
+    near: &mut Vec<NearEdge>,
+    hull: &ConvexHull,
+    corners: &[Vec3],
+    normal_of: impl Fn(u32) -> Vec3,
+    other: &Aabb,
+) {
+    near.clear();
+    for (index, edge) in hull.edges().iter().enumerate() {
+        let [from, to] = edge.vertices.map(|v| corners[v as usize]);
+        if other.overlaps(&Aabb::of_points([from, to])) {
+            near.push(NearEdge {
+                index,
+                from,
+                along: to - from,
+                normals: edge.faces.map(&normal_of),
+            });
         }
     }
 }
@@ -203,8 +202,7 @@ pub fn collide_hulls(
 /// Whether the line through the middles of the two boxes separates the hulls by more than `margin`: true for most pairs
 /// that do not touch, and much cheaper to find out than by the faces.
 fn centres_separate(a: &ConvexHull, scratch: &NarrowScratch, margin: f32) -> bool {
-    let middle = Aabb::of_points(scratch.vertices.iter().copied()).centre();
-    let Some(axis) = (middle - a.aabb().centre()).try_normalize() else {
+    let Some(axis) = (scratch.aabb.centre() - a.aabb().centre()).try_normalize() else {
         return false;
     };
     lowest(&scratch.vertices, axis).1 + lowest(a.vertices(), -axis).1 > margin

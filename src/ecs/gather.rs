@@ -98,12 +98,7 @@ pub(crate) fn register_bodies(
     mut warnings: ResMut<Messages<BodyWarning>>,
     mut parts: Query<(&mut BodyHandle, Option<BodyParts>), With<RigidBody>>,
 ) {
-    for (slot, id) in queue.left.drain(..) {
-        if bodies.is(slot, id) {
-            bodies.remove(slot);
-            cache.remove_body(id);
-        }
-    }
+    remove_bodies(&mut queue.left, &mut bodies, &mut cache);
     if queue.arrived.is_empty() && queue.refused.is_empty() {
         return;
     }
@@ -133,6 +128,19 @@ pub(crate) fn register_bodies(
                 queue.refused.push((entity, error));
             }
         }
+    }
+}
+
+/// Removes the bodies that `left`, in that order, and then their cache entries in one pass.
+fn remove_bodies(left: &mut Vec<(u32, BodyId)>, bodies: &mut Bodies, cache: &mut ContactCache) {
+    left.retain(|&(slot, id)| bodies.is(slot, id));
+    for &(slot, _) in left.iter() {
+        bodies.remove(slot);
+    }
+    if !left.is_empty() {
+        left.sort_unstable_by_key(|&(_, id)| id);
+        cache.remove_bodies(|id| left.binary_search_by_key(&id, |&(_, id)| id).is_ok());
+        left.clear();
     }
 }
 

@@ -143,7 +143,8 @@ pub fn fracture_bodies(
     }
     fractures.breaking = breaking;
     if !fractures.done.is_empty() {
-        cache.remove_bodies(|id| fractures.done.iter().any(|f| f.parent == id));
+        let done = &fractures.done;
+        cache.remove_bodies(|id| done.binary_search_by_key(&id, |f| f.parent).is_ok());
     }
 }
 
