@@ -52,7 +52,7 @@ pub mod prelude {
     pub use crate::slice::fracturable::Fracturable;
     pub use crate::slice::pattern::FracturePattern;
     pub use crate::solver::bodies::{Bodies, BodyDesc, BodyError, RigidBody, Shape};
-    pub use crate::solver::{FrictionModel, Gravity, SolverConfig};
+    pub use crate::solver::{FrictionModel, Gravity, Method, SolverConfig};
     pub use crate::step::{Contacts, Simulation, StepError, StepReport, StepSettings};
 }
 

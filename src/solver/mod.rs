@@ -37,13 +37,36 @@ pub enum FrictionModel {
     Box,
 }
 
-/// How the step solves contacts. The defaults are the paper's method with warm starting.
+/// How the rows of a sub-step are solved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub enum Method {
+    /// Soft contacts, a sweep with position feedback before the bodies move and one without after it.
+    #[default]
+    SoftStep,
+    /// Projected Gauss-Seidel with a Baumgarte term: the paper's method.
+    Pgs,
+    /// To rounding in double precision, whatever it takes: the judge of the others, and for small scenes that must be right.
+    Exact,
+}
+
+/// How the step solves contacts.
 #[derive(Clone, Copy, Debug, PartialEq, Resource)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct SolverConfig {
-    /// Sweeps of projected Gauss-Seidel over all rows, each step.
+    /// What solves the rows of a sub-step.
+    pub method: Method,
+    /// Parts that each step is solved and integrated in; contact geometry is found once per step.
+    pub substeps: u32,
+    /// Sweeps over all rows in each sub-step, before the bodies move; the exact method needs none.
     pub sweeps: u32,
-    /// Share of the overlap that one step removes: `beta` in the stabilisation term `zeta = -beta C / h`.
+    /// Sweeps without position feedback in each sub-step, after the bodies have moved ([`Method::SoftStep`] only).
+    pub relax_sweeps: u32,
+    /// Natural frequency of soft contacts as a share of the sub-step rate ([`Method::SoftStep`] only).
+    pub contact_frequency: f32,
+    /// Damping ratio of soft contacts ([`Method::SoftStep`] only).
+    pub damping_ratio: f32,
+    /// Share of the overlap that one sub-step removes: `beta` in the stabilisation term `zeta = -beta C / h`.
     pub baumgarte: f32,
     /// Overlap that is left alone, as a share of the smaller body's least extent, so that resting contacts stay touching.
     pub slop: f32,
@@ -60,6 +83,27 @@ pub struct SolverConfig {
 }
 
 impl SolverConfig {
+    /// The paper's method: one step, 16 sweeps of projected Gauss-Seidel, Baumgarte term, warm start.
+    pub fn paper() -> Self {
+        Self {
+            method: Method::Pgs,
+            substeps: 1,
+            sweeps: 16,
+            relax_sweeps: 0,
+            ..Self::default()
+        }
+    }
+
+    /// The exact method in one step.
+    pub fn exact() -> Self {
+        Self {
+            method: Method::Exact,
+            substeps: 1,
+            relax_sweeps: 0,
+            ..Self::default()
+        }
+    }
+
     /// Whether all numbers are finite and not negative.
     pub fn is_usable(&self) -> bool {
         let numbers = [
@@ -67,15 +111,22 @@ impl SolverConfig {
             self.slop,
             self.push_out_speed,
             self.restitution_threshold,
+            self.contact_frequency,
+            self.damping_ratio,
         ];
-        numbers.iter().all(|n| n.is_finite() && *n >= 0.0)
+        self.substeps > 0 && numbers.iter().all(|n| n.is_finite() && *n >= 0.0)
     }
 }
 
 impl Default for SolverConfig {
     fn default() -> Self {
         Self {
-            sweeps: 16,
+            method: Method::SoftStep,
+            substeps: 8,
+            sweeps: 1,
+            relax_sweeps: 1,
+            contact_frequency: 0.25,
+            damping_ratio: 10.0,
             baumgarte: 0.2,
             slop: 0.002,
             push_out_speed: 3.0,

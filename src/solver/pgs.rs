@@ -25,7 +25,7 @@ pub fn solve(rows: &mut [PointRows], bodies: &mut [SolverBody], config: &SolverC
             row.apply(row.impulse, a, b);
         }
     }
-    for _ in 0..config.sweeps {
+    for _ in 0..config.sweeps * config.substeps * (1 + config.relax_sweeps) {
         match config.friction_model {
             FrictionModel::Disc => rows
                 .iter_mut()
