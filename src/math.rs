@@ -196,9 +196,10 @@ pub fn rotate(rotation: Quat, v: Vec3) -> Vec3 {
 
 /// `rotation` after turning for `h` seconds with the world-frame angular velocity `omega` (rad/s).
 ///
-/// The increment is the Cayley map `q = (1, h omega / 2)`, normalised: an exact rotation about `omega` by
-/// `2 atan(h |omega| / 2)`, which differs from `h |omega|` by `(h |omega|)^3 / 12` and needs no transcendental function.
+/// The increment is `q = (1, tan(phi / 2))` about `omega`, normalised, with two terms of the series of the tangent: exact
+/// to `phi^5 / 120` for an angle `phi = h |omega|`, and without any transcendental function.
 pub fn rotate_by(rotation: Quat, omega: Vec3, h: f32) -> Quat {
-    let half = 0.5 * h * omega;
+    let turn = h * omega;
+    let half = 0.5 * (1.0 + turn.length_squared() / 12.0) * turn;
     (Quat::from_xyzw(half.x, half.y, half.z, 1.0) * rotation).normalize()
 }

@@ -222,8 +222,8 @@ fn solve(
     step::solve(&mut bodies, &mut contacts, &settings.get(), &mut report);
 }
 
-fn integrate(mut bodies: ResMut<Bodies>, settings: Settings, mut report: ResMut<StepReport>) {
-    step::integrate(&mut bodies, &settings.get(), &mut report);
+fn integrate(mut bodies: ResMut<Bodies>, mut report: ResMut<StepReport>) {
+    step::integrate(&mut bodies, &mut report);
 }
 
 fn age_cache(

@@ -20,8 +20,10 @@ use crate::fracture::{CutError, CutRequest, Fractures, fracture_bodies};
 use crate::math::Plane;
 use crate::solver::bodies::{Bodies, BodyError, RigidBody};
 use crate::solver::mlcp::Residual;
-use crate::solver::rows::PointRows;
-use crate::solver::{Gravity, SolverConfig, integrate, pgs, rows};
+use crate::solver::contact_solver::ContactSolver;
+use crate::solver::residual::ResidualSum;
+use crate::solver::substeps::SubstepSettings;
+use crate::solver::{Gravity, SolverConfig, integrate};
 use bevy_ecs::resource::Resource;
 
 /// Everything between the bodies and the solver that lives from step to step.
@@ -30,7 +32,7 @@ pub struct Contacts {
     pub(crate) broadphase: Broadphase,
     pub(crate) narrow: collide::NarrowPhase,
     pub(crate) manifolds: Vec<Manifold>,
-    pub(crate) rows: Vec<PointRows>,
+    pub(crate) solver: ContactSolver,
 }
 
 impl Contacts {
@@ -39,9 +41,9 @@ impl Contacts {
         &self.manifolds
     }
 
-    /// Rows of the last step.
-    pub fn rows(&self) -> &[PointRows] {
-        &self.rows
+    /// Islands and rows of the last step.
+    pub fn solver(&self) -> &ContactSolver {
+        &self.solver
     }
 }
 
@@ -155,7 +157,7 @@ impl Simulation {
         broadphase(bodies, contacts, settings, report);
         generate_contacts(bodies, contacts, cache, settings, report);
         solve(bodies, contacts, settings, report);
-        integrate(bodies, settings, report);
+        integrate(bodies, report);
         age_cache(bodies, contacts, cache, settings);
         fracture(bodies, contacts, cache, fractures);
     }
@@ -233,20 +235,20 @@ pub fn solve(
     settings: &StepSettings,
     report: &mut StepReport,
 ) {
-    let StepSettings { gravity, config, h } = settings;
-    // Rebound is from the speed before gravity of this step acts, or a body would bounce off its own weight.
-    rows::build_rows(&mut contacts.rows, &contacts.manifolds, bodies, config, *h);
-    integrate::apply_forces(bodies, gravity.0, *h);
-    pgs::solve(&mut contacts.rows, &mut bodies.velocity, config);
-    rows::store_impulses(&contacts.rows, &mut contacts.manifolds);
+    let StepSettings { gravity, config, h } = *settings;
+    let substeps = SubstepSettings::new(config, gravity.0, h);
+    let Contacts {
+        solver, manifolds, ..
+    } = contacts;
+    solver.solve(manifolds, bodies, &substeps);
     report.error = config
         .measure_error
         .then(|| measure_error(bodies, contacts, settings));
 }
 
 /// Phase 5: poses from velocities. A body that would stop being finite is stopped where it is, and reported.
-pub fn integrate(bodies: &mut Bodies, settings: &StepSettings, report: &mut StepReport) {
-    integrate::integrate_positions(bodies, &mut report.problems, settings.h);
+pub fn integrate(bodies: &mut Bodies, report: &mut StepReport) {
+    integrate::integrate_positions(bodies, &mut report.problems);
 }
 
 /// Phase 6: the cache takes the new impulses and ages the rest.
@@ -285,8 +287,14 @@ fn measure_error(bodies: &Bodies, contacts: &Contacts, settings: &StepSettings) 
         .flat_map(|m| m.points())
         .map(|p| -p.separation)
         .fold(0.0, f32::max);
+    let solver = &contacts.solver;
+    let mut sum = ResidualSum::default();
+    for island in solver.islands() {
+        let (rows, bodies) = solver.island(island);
+        sum.add(&ResidualSum::of(rows, bodies, &settings.config));
+    }
     let mut error = StepError {
-        residual: pgs::residual(&contacts.rows, &bodies.velocity, &settings.config),
+        residual: sum.residual(),
         penetration: deepest,
         ..Default::default()
     };

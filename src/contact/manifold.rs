@@ -20,10 +20,13 @@ pub struct ContactPoint {
     pub code_a: KdCode,
     /// Cell of the point in B's box.
     pub code_b: KdCode,
-    /// Normal impulse: the warm start before the solve, the result after it, N s.
+    /// Normal impulse that a whole step would have at the rate of its last sub-step, N s: where the solve started before
+    /// it, and where the next one will start after it.
     pub normal_impulse: f32,
-    /// Friction impulse on B, world axes, perpendicular to the normal, N s.
+    /// Friction impulse on B at the same rate, world axes, perpendicular to the normal, N s.
     pub friction_impulse: Vec3,
+    /// Normal impulse of the whole step, blows included, N s.
+    pub total_impulse: f32,
 }
 
 /// All points where two bodies touch.

@@ -32,9 +32,9 @@ pub(super) fn sum_impulses(sums: &mut Vec<ImpulseSum>, slots: usize, manifolds: 
             ];
             for (slot, anchor, direction) in sides {
                 let sum = &mut sums[slot as usize];
-                sum.total += point.normal_impulse;
-                sum.moment += anchor * point.normal_impulse;
-                sum.impulse += direction * point.normal_impulse;
+                sum.total += point.total_impulse;
+                sum.moment += anchor * point.total_impulse;
+                sum.impulse += direction * point.total_impulse;
             }
         }
     }

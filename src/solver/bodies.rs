@@ -6,6 +6,7 @@
 pub use super::body::{BodyDesc, BodyError, RigidBody, Shape};
 
 use super::body::{BodyInfo, check_pose, check_velocity};
+use super::spin::Spin;
 use crate::contact::BodyId;
 use crate::geometry::{ConvexMesh, KdBox};
 use crate::mass::{MassError, MassProperties};
@@ -29,6 +30,15 @@ pub struct SolverBody {
 }
 
 const _: () = assert!(size_of::<SolverBody>() == 32);
+
+/// Where a step takes a body.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Motion {
+    /// Displacement of the centre of mass, m.
+    pub(crate) shift: Vec3,
+    /// `world_from_body` rotation after it.
+    pub(crate) rotation: Quat,
+}
 
 /// Whether a slot takes part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,6 +65,8 @@ pub struct Bodies {
     /// `world_from_body` rotation.
     pub(crate) rotation: Vec<Quat>,
     pub(crate) velocity: Vec<SolverBody>,
+    /// Where the solver has moved the bodies that take part and are not static.
+    pub(crate) motion: Vec<Motion>,
     pub(crate) mass: Vec<MassProperties>,
     /// Inverse inertia tensor about the centre of mass, world axes, 1/(kg m2).
     pub(crate) inverse_inertia: Vec<Mat3>,
@@ -162,6 +174,27 @@ impl Bodies {
     /// Whether the body takes part, that is, its state is finite.
     pub fn is_active(&self, slot: u32) -> bool {
         self.status.get(slot as usize) == Some(&Status::Active)
+    }
+
+    /// Whether the body takes part and is not static.
+    pub(crate) fn is_moving(&self, slot: u32) -> bool {
+        self.is_active(slot) && self.kind(slot) != RigidBody::Static
+    }
+
+    /// The rotation of a dynamic body that must be followed within a step of `step` seconds.
+    pub(crate) fn spin(&self, slot: u32, step: f32) -> Option<Spin> {
+        let (i, m) = (slot as usize, self.mass(slot));
+        let body = &self.velocity[i];
+        if body.inverse_mass == 0.0 {
+            return None;
+        }
+        Spin::of(
+            self.rotation[i],
+            m.principal_frame,
+            m.principal,
+            body.angular,
+            step,
+        )
     }
 
     /// Id of the body in `slot`.
@@ -413,6 +446,7 @@ impl Bodies {
         self.centre.push(Vec3::ZERO);
         self.rotation.push(Quat::IDENTITY);
         self.velocity.push(SolverBody::default());
+        self.motion.push(Motion::default());
         self.mass.push(MassProperties::default());
         self.inverse_inertia.push(Mat3::ZERO);
         self.aabb.push(Aabb::EMPTY);

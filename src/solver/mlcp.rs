@@ -74,6 +74,9 @@ pub struct Residual {
     pub relative: f32,
     /// Fastest remaining approach at a contact, beyond what its gap allows, m/s.
     pub approach_speed: f32,
+    /// Bound on the root mean square error of the bodies' velocities (weighted by mass), m/s, from the duality gap; needs no
+    /// reference. Holds for the friction bounds that the solved normal impulses give.
+    pub velocity_error: f32,
 }
 
 /// A small problem as dense matrices, in double precision: what the tests compare the solvers with.

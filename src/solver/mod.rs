@@ -1,14 +1,22 @@
 //! One mixed linear complementarity problem, and the methods that solve it.
 //!
-//! [`bodies`] holds the flat arrays of state and [`body`] what goes into them, [`rows`] turns contacts into rows of the problem that [`mlcp`] states,
-//! [`pgs`] solves it, [`integrate`] moves the bodies. Nothing here knows the ECS.
+//! [`bodies`] holds the flat arrays of state and [`body`] what goes into them. A step starts in [`contact_solver`]: it finds
+//! [`islands`], turns their contacts into [`rows`] of the problem that [`mlcp`] states, and runs the [`substeps`] of each,
+//! with [`soft_step`] or [`pgs`] as method; [`spin`] is the free rotation in between. [`residual`] judges the result, and
+//! [`integrate`] puts the bodies where they got. Nothing here knows the ECS.
 
 pub mod bodies;
 pub mod body;
+pub mod contact_solver;
 pub mod integrate;
+pub mod islands;
 pub mod mlcp;
 pub mod pgs;
+pub mod residual;
 pub mod rows;
+pub mod soft_step;
+pub mod spin;
+pub mod substeps;
 
 use bevy_ecs::resource::Resource;
 use glam::Vec3;
@@ -90,6 +98,7 @@ impl SolverConfig {
             substeps: 1,
             sweeps: 16,
             relax_sweeps: 0,
+            slop: 0.002,
             ..Self::default()
         }
     }
@@ -128,7 +137,7 @@ impl Default for SolverConfig {
             contact_frequency: 0.25,
             damping_ratio: 10.0,
             baumgarte: 0.2,
-            slop: 0.002,
+            slop: 0.0,
             push_out_speed: 3.0,
             restitution_threshold: 0.5,
             friction_model: FrictionModel::Disc,

@@ -19,8 +19,7 @@
 //! # References
 //! Catto, "Iterative Dynamics with Temporal Coherence", 2005, sections 3 to 5.
 
-use super::SolverConfig;
-use super::bodies::{Bodies, SolverBody};
+use super::bodies::SolverBody;
 use crate::contact::manifold::{ContactPoint, Manifold};
 use crate::math::tangents;
 use glam::{Mat3, Vec3};
@@ -49,11 +48,10 @@ pub struct Row {
 }
 
 impl Row {
-    fn new(direction: Vec3, point: &ContactPoint, a: Side, b: Side) -> Self {
-        let (angular_a, angular_b) = (
-            point.anchor_a.cross(direction),
-            point.anchor_b.cross(direction),
-        );
+    /// The row along `direction` at the ends of two anchors (from each centre of mass, world axes, m).
+    pub fn new(direction: Vec3, anchors: [Vec3; 2], sides: [Side; 2]) -> Self {
+        let [a, b] = sides;
+        let [angular_a, angular_b] = anchors.map(|anchor| anchor.cross(direction));
         let (turn_a, turn_b) = (a.inverse_inertia * angular_a, b.inverse_inertia * angular_b);
         let diagonal =
             a.inverse_mass + b.inverse_mass + angular_a.dot(turn_a) + angular_b.dot(turn_b);
@@ -71,7 +69,7 @@ impl Row {
         }
     }
 
-    /// `J v`: velocity of B against A along the row, m/s.
+    /// `J v`: velocity of B against A along the row, m/s. Of displacements, how far B moved against A, m.
     #[inline]
     pub fn velocity(&self, a: &SolverBody, b: &SolverBody) -> f32 {
         self.direction.dot(b.linear - a.linear) + self.angular_b.dot(b.angular)
@@ -88,16 +86,19 @@ impl Row {
     }
 }
 
-#[derive(Clone, Copy)]
-struct Side {
-    inverse_mass: f32,
-    inverse_inertia: Mat3,
+/// What a row needs to know of a body.
+#[derive(Clone, Copy, Debug)]
+pub struct Side {
+    /// 1 / mass, 1/kg.
+    pub inverse_mass: f32,
+    /// About the centre of mass, world axes, 1/(kg m2).
+    pub inverse_inertia: Mat3,
 }
 
 /// The three rows of one contact point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointRows {
-    /// Slots of the two bodies.
+    /// Numbers of the two bodies within the island.
     pub bodies: [u32; 2],
     /// Along the normal; its impulse is not negative.
     pub normal: Row,
@@ -105,93 +106,77 @@ pub struct PointRows {
     pub tangents: [Row; 2],
     /// Coefficient of friction.
     pub friction: f32,
+    /// Coefficient of restitution.
+    pub restitution: f32,
+    /// Gap along the normal less what displacements of the bodies add to it, m.
+    pub separation: f32,
+    /// Overlap that is left alone, m.
+    pub slop: f32,
+    /// Whether the normal row gives way (see [`soft_step`](super::soft_step)) in this sub-step.
+    pub is_soft: bool,
+    /// Normal velocity that the point should have after the bodies have moved; 0 if it does not rebound, m/s.
+    pub rebound: f32,
+    /// Sum of the normal impulses of the sub-steps that are over, N s.
+    pub total: f32,
 }
 
-/// Fills `rows` with three rows for every contact point, in the order of `manifolds`.
-///
-/// `h`: step length, s. Reuses the buffer.
-pub fn build_rows(
-    rows: &mut Vec<PointRows>,
-    manifolds: &[Manifold],
-    bodies: &Bodies,
-    config: &SolverConfig,
-    h: f32,
-) {
-    rows.clear();
-    for manifold in manifolds {
-        let (i, j) = (manifold.a as usize, manifold.b as usize);
-        let side = |k: usize| Side {
-            inverse_mass: bodies.velocity[k].inverse_mass,
-            inverse_inertia: bodies.inverse_inertia[k],
+impl PointRows {
+    /// The rows of a point: impulses from where the last step left off, as shares of `1 / substeps` of it.
+    pub fn new(
+        manifold: &Manifold,
+        point: &ContactPoint,
+        bodies: [u32; 2],
+        sides: [Side; 2],
+        slop: f32,
+        substeps: u32,
+    ) -> Self {
+        let mut rows = Self {
+            bodies,
+            normal: Row::default(),
+            tangents: [Row::default(); 2],
+            friction: manifold.friction,
+            restitution: manifold.restitution,
+            separation: point.separation,
+            slop,
+            is_soft: false,
+            rebound: 0.0,
+            total: 0.0,
         };
-        let (a, b) = (side(i), side(j));
-        let [t1, t2] = tangents(manifold.normal);
-        let slop = config.slop * bodies.least_extent[i].min(bodies.least_extent[j]);
-        for point in manifold.points() {
-            let mut normal = Row::new(manifold.normal, point, a, b);
-            let approach = -normal.velocity(&bodies.velocity[i], &bodies.velocity[j]);
-            normal.wanted = wanted_normal_velocity(
-                point.separation,
-                approach,
-                manifold.restitution,
-                slop,
-                config,
-                h,
-            );
-            normal.impulse = point.normal_impulse;
-            let mut friction = [Row::new(t1, point, a, b), Row::new(t2, point, a, b)];
-            // Without friction the rows are not solved, so nothing must be left in them from when there was some.
-            if manifold.friction > 0.0 {
-                friction[0].impulse = point.friction_impulse.dot(t1);
-                friction[1].impulse = point.friction_impulse.dot(t2);
+        rows.set_geometry(manifold.normal, [point.anchor_a, point.anchor_b], sides);
+        let share = 1.0 / substeps as f32;
+        rows.normal.impulse = share * point.normal_impulse;
+        // Without friction the rows are not solved, so nothing must be left in them from when there was some.
+        if manifold.friction > 0.0 {
+            for row in &mut rows.tangents {
+                row.impulse = share * point.friction_impulse.dot(row.direction);
             }
-            rows.push(PointRows {
-                bodies: [manifold.a, manifold.b],
-                normal,
-                tangents: friction,
-                friction: manifold.friction,
-            });
+        }
+        rows
+    }
+
+    /// Points the rows along the normal and its tangents at the ends of the anchors; impulses stay.
+    pub fn set_geometry(&mut self, normal: Vec3, anchors: [Vec3; 2], sides: [Side; 2]) {
+        let [t1, t2] = tangents(normal);
+        let [first, second] = &mut self.tangents;
+        for (row, direction) in [(&mut self.normal, normal), (first, t1), (second, t2)] {
+            *row = Row {
+                impulse: row.impulse,
+                ..Row::new(direction, anchors, sides)
+            };
         }
     }
-}
 
-/// The normal velocity that a contact point should have after the step, m/s.
-///
-/// - Rebound: `e` times the approach speed, if the surfaces meet within the step and fast enough.
-/// - A gap `s > 0` may close, but not more: `-s / h` (speculative contact).
-/// - An overlap `s < 0` beyond the slop is pushed out at `zeta = -beta C / h`, no faster than the cap.
-fn wanted_normal_velocity(
-    separation: f32,
-    approach: f32,
-    restitution: f32,
-    slop: f32,
-    config: &SolverConfig,
-    h: f32,
-) -> f32 {
-    let rebounds =
-        restitution > 0.0 && approach > config.restitution_threshold && approach * h > separation;
-    let rebound = if rebounds {
-        restitution * approach
-    } else {
-        f32::NEG_INFINITY
-    };
-    let stabilised = if separation > 0.0 {
-        -separation / h
-    } else {
-        (config.baumgarte * (-separation - slop).max(0.0) / h).min(config.push_out_speed)
-    };
-    rebound.max(stabilised)
-}
+    /// All three rows.
+    pub fn rows(&self) -> [&Row; 3] {
+        [&self.normal, &self.tangents[0], &self.tangents[1]]
+    }
 
-/// Writes the impulses of the rows back into the contact points they came from.
-pub fn store_impulses(rows: &[PointRows], manifolds: &mut [Manifold]) {
-    let mut rows = rows.iter();
-    for manifold in manifolds {
-        for point in manifold.points_mut() {
-            let solved = rows.next().expect("three rows for every point");
-            let [t1, t2] = &solved.tangents;
-            point.normal_impulse = solved.normal.impulse;
-            point.friction_impulse = t1.direction * t1.impulse + t2.direction * t2.impulse;
-        }
+    /// Writes what the last sub-step found back into the contact point: as impulses of a whole step.
+    pub fn store(&self, point: &mut ContactPoint, substeps: u32) {
+        let n = substeps as f32;
+        let [t1, t2] = &self.tangents;
+        point.normal_impulse = n * self.normal.impulse;
+        point.friction_impulse = n * (t1.direction * t1.impulse + t2.direction * t2.impulse);
+        point.total_impulse = self.total + self.normal.impulse;
     }
 }

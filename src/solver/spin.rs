@@ -1,0 +1,79 @@
+//! Free rotation of a body: keeps the length of its angular momentum to rounding, and its energy to second order.
+//!
+//! In the principal frame the angular momentum `L = I w` of a free body turns against the body: `L' = C^-1 L` with the
+//! rotation `C` that the body makes against the frame, here by the angular velocity in the middle of the step, implicit
+//! midpoint `w_mid = (w + w') / 2` after two iterations. A rotation keeps lengths, so `|L|` cannot drift; explicit
+//! integration of Euler's equations gains energy without bound, and implicit Euler loses it until the body spins about
+//! its largest moment only. Double precision, because the moments of a splinter differ by a million.
+//!
+//! # References
+//! Simo and Wong, "Unconditionally Stable Algorithms for Rigid Body Dynamics that Exactly Preserve Energy and Momentum",
+//! 1991, for the midpoint form.
+
+use crate::math::{rotate, rotate_by};
+use glam::{DVec3, Quat, Vec3};
+
+/// Turns per step (rad) below which a body's rotation is taken as steady and its pose is updated once per step.
+const SLOW: f32 = 1e-4;
+
+/// A body that turns so fast that its axes must be followed within a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spin {
+    /// `world_from_body` now.
+    pub rotation: Quat,
+    /// `body_from_principal`.
+    frame: Quat,
+    /// Principal moments over the largest one.
+    moments: DVec3,
+}
+
+impl Spin {
+    /// The state of a body, if it turns by more than a hair in the step of `step` seconds.
+    ///
+    /// - `rotation`: `world_from_body`
+    /// - `frame`, `principal`: `body_from_principal` and principal moments, kg m2
+    /// - `omega`: angular velocity, world axes, rad/s
+    pub fn of(
+        rotation: Quat,
+        frame: Quat,
+        principal: Vec3,
+        omega: Vec3,
+        step: f32,
+    ) -> Option<Self> {
+        let is_sphere = principal.x == principal.y && principal.y == principal.z;
+        if is_sphere || omega.length() * step < SLOW {
+            return None;
+        }
+        Some(Self {
+            rotation,
+            frame,
+            moments: (principal / principal.max_element()).as_dvec3(),
+        })
+    }
+
+    /// Turns the body for `h` seconds; returns the free angular velocity after it, from `omega` before (world, rad/s).
+    pub fn advance(&mut self, omega: Vec3, h: f32) -> Vec3 {
+        let world_from_principal = self.rotation * self.frame;
+        let w = rotate(world_from_principal.inverse(), omega).as_dvec3();
+        let momentum = self.moments * w;
+        let mut middle = w - 0.5 * f64::from(h) * w.cross(momentum) / self.moments;
+        for _ in 0..2 {
+            let after = turned_back(momentum, middle, f64::from(h)) / self.moments;
+            middle = 0.5 * (w + after);
+        }
+        let after = turned_back(momentum, middle, f64::from(h)) / self.moments;
+        let middle = rotate(world_from_principal, middle.as_vec3());
+        self.rotation = rotate_by(self.rotation, middle, h);
+        rotate(self.rotation * self.frame, after.as_vec3())
+    }
+}
+
+/// `v` seen from a frame that has turned for `h` seconds with `omega`; the rotation of [`rotate_by`].
+fn turned_back(v: DVec3, omega: DVec3, h: f64) -> DVec3 {
+    let turn = h * omega;
+    let half = 0.5 * (1.0 + turn.length_squared() / 12.0) * turn;
+    // The unit quaternion (half, 1) / n, reversed: v - 2 w (u x v) + 2 u x (u x v).
+    let scale = 2.0 / (1.0 + half.length_squared());
+    let t = half.cross(v);
+    v + scale * (half.cross(t) - t)
+}

@@ -1,0 +1,273 @@
+//! One step of one island: forces, rows, motion, as many times as there are sub-steps.
+//!
+//! Contact geometry is found once per step. Within it, a point's gap follows the motion of the two bodies along the
+//! frozen normal, `s = s_0 + J q` with the displacements `q`; where bodies move fast against each other, or turn, the rows
+//! are pointed anew at each sub-step.
+//!
+//! ```text
+//! for each sub-step of h seconds:
+//!   v += h g
+//!   s -> wanted velocities, compliance, rebounds
+//!   solve                      impulses, warm started from the sub-step before
+//!   q += h v
+//!   relax                      takes the velocity that pushed overlap out from the bodies again; impacts rebound
+//! ```
+
+use super::bodies::SolverBody;
+use super::rows::{PointRows, Side};
+use super::soft_step::{self, Softness};
+use super::spin::Spin;
+use super::{Method, SolverConfig, pgs};
+use crate::contact::manifold::Manifold;
+use crate::math::rotate_by;
+use glam::{Mat3, Quat, Vec3};
+
+/// Most sweeps for the rebounds of one sub-step.
+const REBOUND_SWEEPS: u32 = 64;
+
+/// Rebounds are solved until no row changes by more than this share of the fastest one.
+const REBOUND_TOLERANCE: f32 = 1e-5;
+
+/// A body that turns, and its number within the island.
+#[derive(Clone, Copy, Debug)]
+pub struct TurningBody {
+    /// Number within the island.
+    pub body: u32,
+    /// `world_from_body` at the start of the step.
+    pub start: Quat,
+    /// Its rotation.
+    pub spin: Spin,
+    /// Inverse inertia tensor, body's axes, 1/(kg m2).
+    pub inverse_inertia: Mat3,
+}
+
+/// A manifold whose rows must follow the motion of its bodies.
+#[derive(Clone, Copy, Debug)]
+pub struct MovingManifold {
+    /// Index of the manifold.
+    pub manifold: u32,
+    /// Index of its first point within the island's rows.
+    pub first: u32,
+    /// Places of its two bodies among those of the island that turn, if they do.
+    pub turning: [Option<u32>; 2],
+}
+
+/// All that the sub-steps of an island read and write.
+#[derive(Debug)]
+pub struct IslandProblem<'a> {
+    /// Rows of its points.
+    pub rows: &'a mut [PointRows],
+    /// Velocities of its bodies.
+    pub bodies: &'a mut [SolverBody],
+    /// Displacements of its bodies since the start of the step: centre (m) and rotation vector (rad).
+    pub displacements: &'a mut [SolverBody],
+    /// Inverse inertia tensors of its bodies, world axes, 1/(kg m2).
+    pub inverse_inertia: &'a mut [Mat3],
+    /// Those of its bodies that turn.
+    pub turning: &'a mut [TurningBody],
+    /// Those of its manifolds whose rows follow the motion.
+    pub moving: &'a [MovingManifold],
+    /// All manifolds of the step.
+    pub manifolds: &'a [Manifold],
+    /// Whether any of its points rebounds.
+    pub has_restitution: bool,
+}
+
+/// What the sub-steps are told.
+#[derive(Clone, Copy, Debug)]
+pub struct SubstepSettings {
+    /// How to solve.
+    pub config: SolverConfig,
+    /// Acceleration of dynamic bodies, m/s2.
+    pub gravity: Vec3,
+    /// Length of a sub-step, s.
+    pub h: f32,
+}
+
+impl SubstepSettings {
+    /// The sub-steps of a step of `step` seconds.
+    pub fn new(config: SolverConfig, gravity: Vec3, step: f32) -> Self {
+        Self {
+            config,
+            gravity,
+            h: step / config.substeps as f32,
+        }
+    }
+
+    /// Length of the step, s.
+    pub fn step(&self) -> f32 {
+        self.h * self.config.substeps as f32
+    }
+}
+
+impl IslandProblem<'_> {
+    /// Advances the island by a step.
+    pub fn solve(&mut self, settings: &SubstepSettings) {
+        let SubstepSettings { config, h, .. } = settings;
+        for substep in 0..config.substeps {
+            if substep > 0 {
+                self.follow_motion();
+                self.rows.iter_mut().for_each(|p| p.total += p.normal.impulse);
+            }
+            self.apply_gravity(settings);
+            let fastest = self.set_targets(settings);
+            self.solve_rows(settings);
+            self.move_bodies(*h);
+            self.relax(config, fastest);
+            self.turn_bodies(*h);
+        }
+    }
+
+    fn apply_gravity(&mut self, settings: &SubstepSettings) {
+        let change = settings.gravity * settings.h;
+        for body in self.bodies.iter_mut().filter(|b| b.inverse_mass > 0.0) {
+            body.linear += change;
+        }
+    }
+
+    /// Fills the wanted velocities; returns the fastest rebound, m/s.
+    fn set_targets(&mut self, settings: &SubstepSettings) -> f32 {
+        let SubstepSettings { config, h, .. } = settings;
+        let softness = Softness::new(config, *h);
+        let (rate, is_soft) = match config.method {
+            Method::SoftStep => (softness.rate, true),
+            Method::Pgs | Method::Exact => (config.baumgarte / h, false),
+        };
+        for point in self.rows.iter_mut() {
+            let [i, j] = point.bodies.map(|b| b as usize);
+            let q = [&self.displacements[i], &self.displacements[j]];
+            let gap = point.separation + point.normal.velocity(q[0], q[1]);
+            let overlap = -gap - point.slop;
+            point.is_soft = is_soft && gap <= 0.0;
+            point.normal.wanted = if gap > 0.0 {
+                -gap / h
+            } else {
+                (rate * overlap.max(0.0)).min(config.push_out_speed)
+            };
+        }
+        if self.has_restitution {
+            self.set_rebounds(settings)
+        } else {
+            0.0
+        }
+    }
+
+    /// Finds the points that hit in this sub-step, and how fast they leave; returns the fastest, m/s.
+    ///
+    /// A point hits if the free motion closes its gap `s` within the sub-step. The speed at that moment follows from
+    /// energy: `v^2 = v_0^2 + 2 a s` with the acceleration `a` of the gap. It leaves with `e v` from where the gap is closed.
+    fn set_rebounds(&mut self, settings: &SubstepSettings) -> f32 {
+        let SubstepSettings { config, gravity, h } = settings;
+        let mut fastest = 0.0_f32;
+        for point in self.rows.iter_mut() {
+            let [a, b] = point.bodies.map(|b| &self.bodies[b as usize]);
+            let falls = |body: &SolverBody| f32::from(u8::from(body.inverse_mass > 0.0));
+            let acceleration = -point.normal.direction.dot(*gravity) * (falls(b) - falls(a));
+            let speed = -point.normal.velocity(a, b);
+            let gap = (-point.normal.wanted * h).max(0.0);
+            point.rebound = 0.0;
+            let hits = speed > config.restitution_threshold && speed * h > gap;
+            if point.restitution > 0.0 && hits {
+                let before = speed - acceleration * h;
+                let squared = before * before + 2.0 * acceleration * gap;
+                point.rebound = point.restitution * squared.max(0.0).sqrt();
+                fastest = fastest.max(point.rebound);
+            }
+            if config.relax_sweeps == 0 {
+                point.normal.wanted = point.normal.wanted.max(point.rebound);
+            }
+        }
+        fastest
+    }
+
+    fn solve_rows(&mut self, settings: &SubstepSettings) {
+        let config = &settings.config;
+        match config.method {
+            Method::SoftStep => {
+                let softness = Softness::new(config, settings.h);
+                pgs::apply_impulses(self.rows, self.bodies);
+                for _ in 0..config.sweeps {
+                    soft_step::sweep(self.rows, self.bodies, &softness, config);
+                }
+            }
+            Method::Pgs | Method::Exact => pgs::solve(self.rows, self.bodies, config),
+        }
+    }
+
+    fn move_bodies(&mut self, h: f32) {
+        for (q, v) in self.displacements.iter_mut().zip(self.bodies.iter()) {
+            q.linear += h * v.linear;
+            q.angular += h * v.angular;
+        }
+    }
+
+    /// `fastest`: the fastest rebound, m/s.
+    fn relax(&mut self, config: &SolverConfig, fastest: f32) {
+        if config.relax_sweeps == 0 {
+            return;
+        }
+        for _ in 0..config.relax_sweeps {
+            soft_step::relax(self.rows, self.bodies, config);
+        }
+        if fastest > 0.0 {
+            for _ in 0..REBOUND_SWEEPS {
+                let change = soft_step::relax(self.rows, self.bodies, config);
+                if change <= REBOUND_TOLERANCE * fastest {
+                    break;
+                }
+            }
+        }
+    }
+
+    /// Turns the bodies that spin, and their inertia with them.
+    fn turn_bodies(&mut self, h: f32) {
+        for turning in self.turning.iter_mut() {
+            let i = turning.body as usize;
+            let omega = &mut self.bodies[i].angular;
+            *omega = turning.spin.advance(*omega, h);
+            let r = Mat3::from_quat(turning.spin.rotation);
+            self.inverse_inertia[i] = r * turning.inverse_inertia * r.transpose();
+        }
+    }
+
+    /// Points the rows of moving manifolds at where their contact points are now.
+    ///
+    /// The anchors turn with their bodies. What lies between their two ends is the gap; both bodies must see the impulse at
+    /// one point, half way, or it would change the total angular momentum.
+    fn follow_motion(&mut self) {
+        for moving in self.moving {
+            let manifold = &self.manifolds[moving.manifold as usize];
+            let first = moving.first as usize;
+            let pair = self.rows[first].bodies;
+            let turns = [0, 1].map(|side| self.turn_of(pair[side], moving.turning[side]));
+            let [i, j] = pair.map(|b| b as usize);
+            let sides = [i, j].map(|k| Side {
+                inverse_mass: self.bodies[k].inverse_mass,
+                inverse_inertia: self.inverse_inertia[k],
+            });
+            let q = [&self.displacements[i], &self.displacements[j]];
+            let rows = &mut self.rows[first..first + manifold.count as usize];
+            for (row, point) in rows.iter_mut().zip(manifold.points()) {
+                let anchors = [turns[0] * point.anchor_a, turns[1] * point.anchor_b];
+                let between = (q[1].linear - q[0].linear) + (anchors[1] - point.anchor_b)
+                    - (anchors[0] - point.anchor_a);
+                let middle = [anchors[0] + 0.5 * between, anchors[1] - 0.5 * between];
+                row.set_geometry(manifold.normal, middle, sides);
+                let gap = point.separation + manifold.normal.dot(between);
+                row.separation = gap - row.normal.velocity(q[0], q[1]);
+            }
+        }
+    }
+
+    /// Rotation of a body since the start of the step; `turning` is its place among those that turn.
+    fn turn_of(&self, body: u32, turning: Option<u32>) -> Mat3 {
+        let turn = match turning.map(|place| &self.turning[place as usize]) {
+            Some(t) => t.spin.rotation * t.start.inverse(),
+            None => {
+                let vector = self.displacements[body as usize].angular;
+                rotate_by(Quat::IDENTITY, vector, 1.0)
+            }
+        };
+        Mat3::from_quat(turn)
+    }
+}
