@@ -9,7 +9,9 @@ use bevy_cleave::contact::sat::{NarrowScratch, collide_half_space, collide_hulls
 use bevy_cleave::geometry::KdBox;
 use bevy_cleave::prelude::*;
 use bevy_cleave::slice::{SliceOptions, cut_by_planes, slice_hull, slice_mesh};
-use bevy_cleave::solver::{integrate, pgs, rows};
+use bevy_cleave::solver::contact_solver::ContactSolver;
+use bevy_cleave::solver::substeps::SubstepSettings;
+use bevy_cleave::solver::{integrate, pgs};
 use bevy_time::Time;
 use criterion::{BatchSize, BenchmarkId, Criterion, criterion_group, criterion_main};
 use glam::{Quat, Vec3};
@@ -182,8 +184,9 @@ fn build_rows(c: &mut Criterion) {
             config,
             ..
         } = settled.get();
-        let mut built = Vec::new();
-        b.iter(|| rows::build_rows(&mut built, contacts.manifolds(), bodies, config, H));
+        let settings = SubstepSettings::new(*config, Vec3::ZERO, H);
+        let mut solver = ContactSolver::default();
+        b.iter(|| solver.prepare(contacts.manifolds(), bodies, &settings));
     });
 }
 
@@ -193,11 +196,11 @@ fn solve(c: &mut Criterion) {
         let mut settled = Lazy::new(count);
         group.bench_function(BenchmarkId::from_parameter(count), |b| {
             let simulation = settled.get();
-            let bodies = simulation.bodies.solver_bodies();
-            let rows = simulation.contacts.rows();
+            let islands = simulation.contacts.solver().islands();
+            let island = islands.max_by_key(|i| i.rows.len()).expect("a heap");
             b.iter_batched_ref(
-                || (rows.to_vec(), bodies.to_vec()),
-                |(rows, bodies)| pgs::solve(rows, bodies, &simulation.config),
+                || (island.rows.to_vec(), island.bodies.to_vec()),
+                |(rows, bodies)| pgs::solve(rows, bodies, &SolverConfig::paper()),
                 BatchSize::LargeInput,
             );
         });
@@ -209,7 +212,7 @@ fn integrate_positions(c: &mut Criterion) {
     c.bench_function("integrate/1000", |b| {
         let bodies = &mut settled.get().bodies;
         let mut problems = Vec::new();
-        b.iter(|| integrate::integrate_positions(bodies, &mut problems, 1e-9));
+        b.iter(|| integrate::integrate_positions(bodies, &mut problems));
     });
 }
 

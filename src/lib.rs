@@ -53,7 +53,9 @@ pub mod prelude {
     pub use crate::slice::pattern::FracturePattern;
     pub use crate::solver::bodies::{Bodies, BodyDesc, BodyError, RigidBody, Shape};
     pub use crate::solver::{FrictionModel, Gravity, Method, SolverConfig};
-    pub use crate::step::{Contacts, Simulation, StepError, StepReport, StepSettings};
+    pub use crate::step::{
+        Contacts, IslandReport, Simulation, StepError, StepReport, StepSettings,
+    };
 }
 
 #[cfg(doctest)]

@@ -18,9 +18,9 @@ use crate::contact::cache::{CacheStats, ContactCache};
 use crate::contact::manifold::Manifold;
 use crate::fracture::{CutError, CutRequest, Fractures, fracture_bodies};
 use crate::math::Plane;
-use crate::solver::bodies::{Bodies, BodyError, RigidBody};
-use crate::solver::mlcp::Residual;
+use crate::solver::bodies::{Bodies, BodyError};
 use crate::solver::contact_solver::ContactSolver;
+use crate::solver::mlcp::Residual;
 use crate::solver::residual::ResidualSum;
 use crate::solver::substeps::SubstepSettings;
 use crate::solver::{Gravity, SolverConfig, integrate};
@@ -63,6 +63,9 @@ pub struct StepReport {
     pub cache: CacheStats,
     /// Errors of the solution; only with [`SolverConfig::measure_error`].
     pub error: Option<StepError>,
+    /// The islands, with [`SolverConfig::measure_islands`] or [`SolverConfig::tolerance`]; empty otherwise.
+    #[cfg_attr(feature = "reflect", reflect(ignore))]
+    pub islands: Vec<IslandReport>,
     /// Bodies that were left out since the last step, with the reason, by slot.
     #[cfg_attr(feature = "reflect", reflect(ignore))]
     pub problems: Vec<(u32, BodyError)>,
@@ -72,14 +75,33 @@ pub struct StepReport {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct StepError {
-    /// Residual of the contact problem.
+    /// Residual of the contact problem of the last sub-step.
     pub residual: Residual,
-    /// Deepest overlap of two bodies, m.
+    /// Deepest overlap of two bodies at the start of the step, m.
     pub penetration: f32,
-    /// Kinetic energy of all dynamic bodies after the solve, J.
+    /// Kinetic energy of all dynamic bodies after the step, J.
     pub kinetic_energy: f64,
-    /// Potential energy of all dynamic bodies in the gravity field, zero at the origin, J.
+    /// Potential energy of all dynamic bodies in the gravity field after the step, zero at the origin, J.
     pub potential_energy: f64,
+    /// What both together gained in the step, J; friction and impacts make it negative.
+    pub energy_change: f64,
+}
+
+/// How one island was solved.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct IslandReport {
+    /// Slot of one of its dynamic bodies, to find it by.
+    pub slot: u32,
+    /// Bodies, with those that contacts do not move.
+    pub bodies: usize,
+    /// Contact points.
+    pub contacts: usize,
+    /// Sweeps of all sub-steps together.
+    pub sweeps: u32,
+    /// Whether a sub-step ended above the tolerance, because [`SolverConfig::max_sweeps`] were done.
+    pub hit_cap: bool,
+    /// Its own residual, with [`SolverConfig::measure_error`].
+    pub residual: Option<Residual>,
 }
 
 /// A simulation on plain data: what the plugin does, without an app.
@@ -240,10 +262,12 @@ pub fn solve(
     let Contacts {
         solver, manifolds, ..
     } = contacts;
-    solver.solve(manifolds, bodies, &substeps);
-    report.error = config
+    let energy_before = config
         .measure_error
-        .then(|| measure_error(bodies, contacts, settings));
+        .then(|| bodies.energy(gravity.0, false).iter().sum::<f64>());
+    solver.solve(manifolds, bodies, &substeps);
+    report_islands(contacts, &config, report);
+    report.error = energy_before.map(|before| measure_error(bodies, contacts, settings, before));
 }
 
 /// Phase 5: poses from velocities. A body that would stop being finite is stopped where it is, and reported.
@@ -280,31 +304,48 @@ pub fn fracture(
     fracture_bodies(fractures, bodies, &contacts.manifolds, cache);
 }
 
-fn measure_error(bodies: &Bodies, contacts: &Contacts, settings: &StepSettings) -> StepError {
-    let deepest = contacts
-        .manifolds
-        .iter()
-        .flat_map(|m| m.points())
-        .map(|p| -p.separation)
-        .fold(0.0, f32::max);
-    let solver = &contacts.solver;
+fn report_islands(contacts: &Contacts, config: &SolverConfig, report: &mut StepReport) {
+    report.islands.clear();
+    if !config.measure_islands && config.tolerance.is_none() {
+        return;
+    }
+    report
+        .islands
+        .extend(contacts.solver.islands().map(|island| {
+            let movable = island.bodies.iter().position(|b| b.inverse_mass > 0.0);
+            let residual = || ResidualSum::of(island.rows, island.bodies, config).residual();
+            IslandReport {
+                slot: island.slots[movable.unwrap_or(0)],
+                bodies: island.bodies.len(),
+                contacts: island.rows.len(),
+                sweeps: island.effort.sweeps,
+                hit_cap: island.effort.hit_cap,
+                residual: config.measure_error.then(residual),
+            }
+        }));
+}
+
+fn measure_error(
+    bodies: &Bodies,
+    contacts: &Contacts,
+    settings: &StepSettings,
+    energy_before: f64,
+) -> StepError {
+    let points = contacts.manifolds.iter().flat_map(|m| m.points());
     let mut sum = ResidualSum::default();
-    for island in solver.islands() {
-        let (rows, bodies) = solver.island(island);
-        sum.add(&ResidualSum::of(rows, bodies, &settings.config));
+    for island in contacts.solver.islands() {
+        sum.add(&ResidualSum::of(
+            island.rows,
+            island.bodies,
+            &settings.config,
+        ));
     }
-    let mut error = StepError {
+    let [kinetic_energy, potential_energy] = bodies.energy(settings.gravity.0, true);
+    StepError {
         residual: sum.residual(),
-        penetration: deepest,
-        ..Default::default()
-    };
-    for slot in bodies
-        .iter()
-        .filter(|&s| bodies.is_active(s) && bodies.kind(s) == RigidBody::Dynamic)
-    {
-        let weight = f64::from(bodies.mass(slot).mass) * settings.gravity.0.as_dvec3();
-        error.kinetic_energy += bodies.kinetic_energy(slot);
-        error.potential_energy -= weight.dot(bodies.centre_of_mass(slot).as_dvec3());
+        penetration: points.map(|p| -p.separation).fold(0.0, f32::max),
+        kinetic_energy,
+        potential_energy,
+        energy_change: kinetic_energy + potential_energy - energy_before,
     }
-    error
 }

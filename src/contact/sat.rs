@@ -29,11 +29,6 @@ const PARALLEL: f32 = 1e-3;
 /// Points nearer than this share of the smaller hull's diagonal are one contact point.
 const MERGE: f32 = 1e-4;
 
-/// A point of a half-space contact may lie higher than the deepest by at most this share of the hull's diagonal.
-///
-/// Without the bound a margin larger than the hull would spread the four points over all of it.
-const REACH: f32 = 0.1;
-
 /// Buffers of the narrow phase, one per thread; they grow to the largest hulls seen and are then reused.
 #[derive(Clone, Debug, Default)]
 pub struct NarrowScratch {
@@ -563,19 +558,19 @@ pub fn collide_half_space(
     if !b_in_a.is_finite() || !margin.is_finite() {
         return None;
     }
-    let (_, deepest) = lowest(hull.vertices(), plane.normal);
+    let (support, deepest) = lowest(hull.vertices(), plane.normal);
     let deepest = deepest - plane.offset;
     if !deepest.is_finite() || deepest > margin {
         return None;
     }
     let size = hull.aabb().diagonal();
-    let highest = margin.min(deepest.max(0.0) + REACH * size);
     scratch.candidates.clear();
     scratch.candidates.extend(
-        hull.vertices()
+        lowest_face(hull, support, plane.normal)
             .iter()
-            .map(|&vertex| (vertex, plane.distance(vertex)))
-            .filter(|&(_, separation)| separation <= highest),
+            .map(|&v| hull.vertices()[v as usize])
+            .map(|vertex| (vertex, plane.distance(vertex)))
+            .filter(|&(_, separation)| separation <= margin),
     );
     reduce(&mut scratch.candidates, plane.normal, MERGE * size);
     let mut patch = Patch {
@@ -590,4 +585,18 @@ pub fn collide_half_space(
         });
     }
     (patch.count > 0).then_some(patch)
+}
+
+/// Outline of the face that looks down most, of those at the lowest vertex: the one that a falling hull lands on. Vertices
+/// off it do not count, however large the margin, or four points would be spread over the whole height of a flat hull.
+fn lowest_face(hull: &ConvexHull, support: usize, up: Vec3) -> &[u32] {
+    let mut best: (f32, &[u32]) = (f32::INFINITY, &[]);
+    for face in hull.faces() {
+        let height = up.dot(face.plane.normal);
+        let outline = hull.face_loop(face);
+        if height < best.0 && outline.contains(&(support as u32)) {
+            best = (height, outline);
+        }
+    }
+    best.1
 }

@@ -304,14 +304,38 @@ impl Bodies {
 
     /// Kinetic energy of a dynamic body, J.
     pub fn kinetic_energy(&self, slot: u32) -> f64 {
+        self.kinetic_energy_at(slot, self.rotation[slot as usize])
+    }
+
+    /// Kinetic energy of a dynamic body if its rotation were `rotation`, J.
+    fn kinetic_energy_at(&self, slot: u32, rotation: Quat) -> f64 {
         let (v, omega) = self.velocity(slot);
         let m = self.mass(slot);
-        let spin = rotate(
-            (self.rotation[slot as usize] * m.principal_frame).inverse(),
-            omega,
-        );
+        let spin = rotate((rotation * m.principal_frame).inverse(), omega);
         0.5 * (f64::from(m.mass) * f64::from(v.length_squared())
             + f64::from((m.principal * spin).dot(spin)))
+    }
+
+    /// Kinetic and potential energy (zero at the origin) of all dynamic bodies under `gravity` (m/s2), J: where they are, or
+    /// where the solver has moved them.
+    pub(crate) fn energy(&self, gravity: Vec3, after_motion: bool) -> [f64; 2] {
+        let dynamic = |&slot: &u32| self.is_active(slot) && self.kind(slot) == RigidBody::Dynamic;
+        let mut energy = [0.0; 2];
+        for slot in self.iter().filter(dynamic) {
+            let i = slot as usize;
+            let (centre, rotation) = if after_motion {
+                (
+                    self.centre[i] + self.motion[i].shift,
+                    self.motion[i].rotation,
+                )
+            } else {
+                (self.centre[i], self.rotation[i])
+            };
+            let weight = f64::from(self.mass(slot).mass) * gravity.as_dvec3();
+            energy[0] += self.kinetic_energy_at(slot, rotation);
+            energy[1] -= weight.dot(centre.as_dvec3());
+        }
+        energy
     }
 
     /// Whether the body's mass was given instead of computed.

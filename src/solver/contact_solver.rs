@@ -3,7 +3,7 @@
 use super::bodies::{Bodies, Motion, SolverBody};
 use super::islands::{Island, Islands};
 use super::rows::{PointRows, Side};
-use super::substeps::{IslandProblem, MovingManifold, SubstepSettings, TurningBody};
+use super::substeps::{Effort, IslandProblem, MovingManifold, SubstepSettings, TurningBody};
 use crate::contact::manifold::Manifold;
 use crate::math::rotate_by;
 use glam::{Mat3, Vec3};
@@ -41,25 +41,32 @@ struct Part {
     turning: Range<usize>,
     moving: Range<usize>,
     has_restitution: bool,
+    effort: Effort,
+}
+
+/// An island after the solve.
+#[derive(Clone, Copy, Debug)]
+pub struct SolvedIsland<'a> {
+    /// Rows of its points.
+    pub rows: &'a [PointRows],
+    /// Velocities of its bodies.
+    pub bodies: &'a [SolverBody],
+    /// Slots of its bodies.
+    pub slots: &'a [u32],
+    /// What it took.
+    pub effort: Effort,
 }
 
 impl ContactSolver {
     /// The islands of the last step.
-    pub fn islands(&self) -> &[Island] {
-        &self.islands.list
-    }
-
-    /// Rows of all points, island by island.
-    pub fn rows(&self) -> &[PointRows] {
-        &self.rows
-    }
-
-    /// Rows of an island, and velocities of its bodies.
-    pub fn island(&self, island: &Island) -> (&[PointRows], &[SolverBody]) {
-        (
-            &self.rows[island.points.clone()],
-            &self.bodies[island.bodies.clone()],
-        )
+    pub fn islands(&self) -> impl Iterator<Item = SolvedIsland<'_>> {
+        let parts = self.islands.list.iter().zip(&self.parts);
+        parts.map(|(island, part)| SolvedIsland {
+            rows: &self.rows[island.points.clone()],
+            bodies: &self.bodies[island.bodies.clone()],
+            slots: &self.islands.slots[island.bodies.clone()],
+            effort: part.effort,
+        })
     }
 
     /// Solves the contacts of `manifolds` and leaves in `bodies` the new velocities and how to move, in `manifolds` the
@@ -71,7 +78,7 @@ impl ContactSolver {
         settings: &SubstepSettings,
     ) {
         self.prepare(manifolds, bodies, settings);
-        for (island, part) in self.islands.list.iter().zip(&self.parts) {
+        for (island, part) in self.islands.list.iter().zip(&mut self.parts) {
             let mut problem = IslandProblem {
                 rows: &mut self.rows[island.points.clone()],
                 bodies: &mut self.bodies[island.bodies.clone()],
@@ -82,7 +89,7 @@ impl ContactSolver {
                 manifolds,
                 has_restitution: part.has_restitution,
             };
-            problem.solve(settings);
+            part.effort = problem.solve(settings);
         }
         self.write_back(bodies);
         self.move_free_bodies(bodies, settings);
@@ -90,12 +97,7 @@ impl ContactSolver {
     }
 
     /// Finds the islands, copies their bodies and builds their rows.
-    pub fn prepare(
-        &mut self,
-        manifolds: &[Manifold],
-        bodies: &Bodies,
-        settings: &SubstepSettings,
-    ) {
+    pub fn prepare(&mut self, manifolds: &[Manifold], bodies: &Bodies, settings: &SubstepSettings) {
         self.islands.find(manifolds, bodies);
         self.load_bodies(bodies);
         self.rows.clear();
@@ -112,6 +114,7 @@ impl ContactSolver {
                 turning,
                 moving: moving..self.moving.len(),
                 has_restitution: rows.iter().any(|p| p.restitution > 0.0),
+                effort: Effort::default(),
             });
         }
     }
@@ -175,18 +178,22 @@ impl ContactSolver {
                 .map(|i| bodies.least_extent[i])
                 .into_iter()
                 .fold(f32::INFINITY, f32::min);
-            if config.substeps > 1 && moves(slots.map(|i| &bodies.velocity[i]), extent, settings.step())
+            if config.substeps > 1
+                && moves(slots.map(|i| &bodies.velocity[i]), extent, settings.step())
             {
                 self.moving.push(MovingManifold {
                     manifold: index,
                     first: (self.rows.len() - first) as u32,
                     turning: pair.map(|body| self.place[body as usize]),
+                    carrier: carrier(slots, bodies),
                 });
             }
             let slop = config.slop * extent;
-            self.rows.extend(manifold.points().iter().map(|point| {
-                PointRows::new(manifold, point, pair, sides, slop, config.substeps)
-            }));
+            self.rows.extend(
+                manifold.points().iter().map(|point| {
+                    PointRows::new(manifold, point, pair, sides, slop, config.substeps)
+                }),
+            );
         }
     }
 
@@ -253,6 +260,19 @@ impl ContactSolver {
             }
         }
     }
+}
+
+/// Which of two bodies carries their contact points: the smaller one, whose corners they mostly are, if it can move.
+fn carrier(slots: [usize; 2], bodies: &Bodies) -> usize {
+    let size = slots.map(|i| {
+        let is_movable = bodies.velocity[i].inverse_mass > 0.0;
+        if is_movable {
+            bodies.radius(i as u32)
+        } else {
+            f32::INFINITY
+        }
+    });
+    usize::from(size[1] <= size[0])
 }
 
 /// Whether two bodies move so much against each other in a step of `h` seconds that the rows between them must follow.

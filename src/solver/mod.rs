@@ -86,8 +86,15 @@ pub struct SolverConfig {
     pub friction_model: FrictionModel,
     /// Start each solve from the multipliers in the [`ContactCache`](crate::contact::cache::ContactCache).
     pub warm_start: bool,
+    /// Largest velocity change, m/s, that a sweep may still make when the sweeps of a sub-step end. With it, each island goes
+    /// on until it is met or [`max_sweeps`](Self::max_sweeps) are done, and the report lists the islands.
+    pub tolerance: Option<f32>,
+    /// Most sweeps of a sub-step, before and after the bodies move each, with a [`tolerance`](Self::tolerance).
+    pub max_sweeps: u32,
     /// Measure residual, penetration and energy each step; costs one more pass over the rows. Off by default.
     pub measure_error: bool,
+    /// List the islands in the report; with `measure_error`, each with its own residual. Off by default.
+    pub measure_islands: bool,
 }
 
 impl SolverConfig {
@@ -123,7 +130,8 @@ impl SolverConfig {
             self.contact_frequency,
             self.damping_ratio,
         ];
-        self.substeps > 0 && numbers.iter().all(|n| n.is_finite() && *n >= 0.0)
+        let tolerance = self.tolerance.is_none_or(|t| t.is_finite() && t > 0.0);
+        self.substeps > 0 && tolerance && numbers.iter().all(|n| n.is_finite() && *n >= 0.0)
     }
 }
 
@@ -131,10 +139,10 @@ impl Default for SolverConfig {
     fn default() -> Self {
         Self {
             method: Method::SoftStep,
-            substeps: 8,
+            substeps: 12,
             sweeps: 1,
             relax_sweeps: 1,
-            contact_frequency: 0.25,
+            contact_frequency: 0.2,
             damping_ratio: 10.0,
             baumgarte: 0.2,
             slop: 0.0,
@@ -142,7 +150,10 @@ impl Default for SolverConfig {
             restitution_threshold: 0.5,
             friction_model: FrictionModel::Disc,
             warm_start: true,
+            tolerance: None,
+            max_sweeps: 64,
             measure_error: false,
+            measure_islands: false,
         }
     }
 }

@@ -91,14 +91,18 @@ impl ResidualSum {
             self.scale += impulse * impulse * f64::from(row.diagonal);
         }
         if point.friction > 0.0 {
-            let slip = point.tangents.each_ref().map(|row| f64::from(row.velocity(a, b)));
+            let slip = point
+                .tangents
+                .each_ref()
+                .map(|row| f64::from(row.velocity(a, b)));
             self.add_friction(point, slip, config.friction_model);
         }
     }
 
     /// `w`: the velocities of the point's two friction rows, m/s.
     fn add_friction(&mut self, point: &PointRows, w: [f64; 2], model: FrictionModel) {
-        let of = |value: fn(&Row) -> f32| point.tangents.each_ref().map(|row| f64::from(value(row)));
+        let of =
+            |value: fn(&Row) -> f32| point.tangents.each_ref().map(|row| f64::from(value(row)));
         let (impulse, diagonal) = (of(|row| row.impulse), of(|row| row.diagonal));
         let bound = f64::from(point.friction * point.normal.impulse);
         match model {

@@ -116,6 +116,8 @@ pub struct PointRows {
     pub is_soft: bool,
     /// Normal velocity that the point should have after the bodies have moved; 0 if it does not rebound, m/s.
     pub rebound: f32,
+    /// Impulses of the three rows before an impact, N s.
+    pub before: [f32; 3],
     /// Sum of the normal impulses of the sub-steps that are over, N s.
     pub total: f32,
 }
@@ -140,6 +142,7 @@ impl PointRows {
             slop,
             is_soft: false,
             rebound: 0.0,
+            before: [0.0; 3],
             total: 0.0,
         };
         rows.set_geometry(manifold.normal, [point.anchor_a, point.anchor_b], sides);
@@ -154,12 +157,13 @@ impl PointRows {
         rows
     }
 
-    /// Points the rows along the normal and its tangents at the ends of the anchors; impulses stay.
+    /// Points the rows along the normal and its tangents at the ends of the anchors; wanted velocity and impulses stay.
     pub fn set_geometry(&mut self, normal: Vec3, anchors: [Vec3; 2], sides: [Side; 2]) {
         let [t1, t2] = tangents(normal);
         let [first, second] = &mut self.tangents;
         for (row, direction) in [(&mut self.normal, normal), (first, t1), (second, t2)] {
             *row = Row {
+                wanted: row.wanted,
                 impulse: row.impulse,
                 ..Row::new(direction, anchors, sides)
             };
@@ -169,6 +173,19 @@ impl PointRows {
     /// All three rows.
     pub fn rows(&self) -> [&Row; 3] {
         [&self.normal, &self.tangents[0], &self.tangents[1]]
+    }
+
+    /// Remembers the impulses as they are.
+    pub fn save_impulses(&mut self) {
+        self.before = self.rows().map(|row| row.impulse);
+    }
+
+    /// Takes the impulses back to the remembered ones, without losing what the others add to the total.
+    pub fn restore_impulses(&mut self) {
+        let [normal, t1, t2] = self.before;
+        self.total += self.normal.impulse - normal;
+        self.normal.impulse = normal;
+        (self.tangents[0].impulse, self.tangents[1].impulse) = (t1, t2);
     }
 
     /// Writes what the last sub-step found back into the contact point: as impulses of a whole step.

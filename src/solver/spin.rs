@@ -1,8 +1,8 @@
-//! Free rotation of a body: keeps the length of its angular momentum to rounding, and its energy to second order.
+//! Free rotation of a body: keeps the length of its angular momentum and its energy to rounding.
 //!
 //! In the principal frame the angular momentum `L = I w` of a free body turns against the body: `L' = C^-1 L` with the
 //! rotation `C` that the body makes against the frame, here by the angular velocity in the middle of the step, implicit
-//! midpoint `w_mid = (w + w') / 2` after two iterations. A rotation keeps lengths, so `|L|` cannot drift; explicit
+//! midpoint `w_mid = (w + w') / 2`, which keeps the energy too. A rotation keeps lengths, so `|L|` cannot drift; explicit
 //! integration of Euler's equations gains energy without bound, and implicit Euler loses it until the body spins about
 //! its largest moment only. Double precision, because the moments of a splinter differ by a million.
 //!
@@ -10,11 +10,14 @@
 //! Simo and Wong, "Unconditionally Stable Algorithms for Rigid Body Dynamics that Exactly Preserve Energy and Momentum",
 //! 1991, for the midpoint form.
 
-use crate::math::{rotate, rotate_by};
+use crate::math::rotate_by;
 use glam::{DVec3, Quat, Vec3};
 
 /// Turns per step (rad) below which a body's rotation is taken as steady and its pose is updated once per step.
 const SLOW: f32 = 1e-4;
+
+/// Iterations for the angular velocity in the middle; each gains a factor of about `h |w|`, less than a tenth.
+const ITERATIONS: u32 = 4;
 
 /// A body that turns so fast that its axes must be followed within a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,19 +56,28 @@ impl Spin {
 
     /// Turns the body for `h` seconds; returns the free angular velocity after it, from `omega` before (world, rad/s).
     pub fn advance(&mut self, omega: Vec3, h: f32) -> Vec3 {
-        let world_from_principal = self.rotation * self.frame;
-        let w = rotate(world_from_principal.inverse(), omega).as_dvec3();
+        let step = f64::from(h);
+        let w = rotate_exactly((self.rotation * self.frame).inverse(), omega.as_dvec3());
         let momentum = self.moments * w;
-        let mut middle = w - 0.5 * f64::from(h) * w.cross(momentum) / self.moments;
-        for _ in 0..2 {
-            let after = turned_back(momentum, middle, f64::from(h)) / self.moments;
+        let mut middle = w - 0.5 * step * w.cross(momentum) / self.moments;
+        for _ in 0..ITERATIONS {
+            let after = turned_back(momentum, middle, step) / self.moments;
             middle = 0.5 * (w + after);
         }
-        let after = turned_back(momentum, middle, f64::from(h)) / self.moments;
-        let middle = rotate(world_from_principal, middle.as_vec3());
-        self.rotation = rotate_by(self.rotation, middle, h);
-        rotate(self.rotation * self.frame, after.as_vec3())
+        let after = turned_back(momentum, middle, step) / self.moments;
+        let middle = rotate_exactly(self.rotation * self.frame, middle);
+        self.rotation = rotate_by(self.rotation, middle.as_vec3(), h);
+        rotate_exactly(self.rotation * self.frame, after).as_vec3()
     }
+}
+
+/// `v` turned by `rotation`, without the change of length that the rounding of the quaternion's own length makes: it has a
+/// direction, and thousands of sub-steps would add it up.
+fn rotate_exactly(rotation: Quat, v: DVec3) -> DVec3 {
+    let q = rotation.as_dquat();
+    let u = DVec3::new(q.x, q.y, q.z);
+    let t = u.cross(v);
+    v + 2.0 / (u.length_squared() + q.w * q.w) * (q.w * t + u.cross(t))
 }
 
 /// `v` seen from a frame that has turned for `h` seconds with `omega`; the rotation of [`rotate_by`].

@@ -22,9 +22,6 @@ use crate::contact::manifold::Manifold;
 use crate::math::rotate_by;
 use glam::{Mat3, Quat, Vec3};
 
-/// Most sweeps for the rebounds of one sub-step.
-const REBOUND_SWEEPS: u32 = 64;
-
 /// Rebounds are solved until no row changes by more than this share of the fastest one.
 const REBOUND_TOLERANCE: f32 = 1e-5;
 
@@ -50,6 +47,8 @@ pub struct MovingManifold {
     pub first: u32,
     /// Places of its two bodies among those of the island that turn, if they do.
     pub turning: [Option<u32>; 2],
+    /// Which of the two bodies the contact points move with: 0 for A, 1 for B.
+    pub carrier: usize,
 }
 
 /// All that the sub-steps of an island read and write.
@@ -71,6 +70,36 @@ pub struct IslandProblem<'a> {
     pub manifolds: &'a [Manifold],
     /// Whether any of its points rebounds.
     pub has_restitution: bool,
+}
+
+/// What an island took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Effort {
+    /// Sweeps of all sub-steps together.
+    pub sweeps: u32,
+    /// Whether a sub-step ended above the tolerance.
+    pub hit_cap: bool,
+}
+
+impl Effort {
+    /// Sweeps at least `least` times, then until `sweep` changes no velocity by more than `tolerance`, but not more often than
+    /// `most`.
+    fn sweep(
+        &mut self,
+        least: u32,
+        most: u32,
+        tolerance: Option<f32>,
+        mut sweep: impl FnMut() -> f32,
+    ) {
+        let mut change = 0.0;
+        let mut done = 0;
+        while done < least || tolerance.is_some_and(|t| change > t) && done < most {
+            change = sweep();
+            done += 1;
+        }
+        self.sweeps += done;
+        self.hit_cap |= tolerance.is_some_and(|t| change > t);
+    }
 }
 
 /// What the sub-steps are told.
@@ -102,19 +131,39 @@ impl SubstepSettings {
 
 impl IslandProblem<'_> {
     /// Advances the island by a step.
-    pub fn solve(&mut self, settings: &SubstepSettings) {
-        let SubstepSettings { config, h, .. } = settings;
-        for substep in 0..config.substeps {
+    pub fn solve(&mut self, settings: &SubstepSettings) -> Effort {
+        let mut effort = Effort::default();
+        for substep in 0..settings.config.substeps {
             if substep > 0 {
                 self.follow_motion();
-                self.rows.iter_mut().for_each(|p| p.total += p.normal.impulse);
+                self.add_impulses();
             }
             self.apply_gravity(settings);
             let fastest = self.set_targets(settings);
-            self.solve_rows(settings);
-            self.move_bodies(*h);
-            self.relax(config, fastest);
-            self.turn_bodies(*h);
+            let is_hit = fastest > 0.0 || self.is_hit(settings);
+            if is_hit {
+                self.rows.iter_mut().for_each(PointRows::save_impulses);
+            }
+            self.solve_rows(settings, &mut effort);
+            self.move_bodies(settings.h);
+            if is_hit {
+                // What follows acts where the bodies are now: blows are large enough to matter for the angular momentum.
+                self.follow_motion();
+            }
+            self.relax(&settings.config, fastest, &mut effort);
+            if is_hit {
+                // A blow says nothing about the next sub-step, what was before it does.
+                self.rows.iter_mut().for_each(PointRows::restore_impulses);
+            }
+            self.turn_bodies(settings.h);
+        }
+        effort
+    }
+
+    /// Adds the impulses of the sub-step that is over to the step's.
+    fn add_impulses(&mut self) {
+        for point in self.rows.iter_mut() {
+            point.total += point.normal.impulse;
         }
     }
 
@@ -159,39 +208,71 @@ impl IslandProblem<'_> {
     fn set_rebounds(&mut self, settings: &SubstepSettings) -> f32 {
         let SubstepSettings { config, gravity, h } = settings;
         let mut fastest = 0.0_f32;
-        for point in self.rows.iter_mut() {
-            let [a, b] = point.bodies.map(|b| &self.bodies[b as usize]);
+        for manifold in self.rows.chunk_by_mut(|p, q| p.bodies == q.bodies) {
+            let [a, b] = manifold[0].bodies.map(|b| &self.bodies[b as usize]);
             let falls = |body: &SolverBody| f32::from(u8::from(body.inverse_mass > 0.0));
-            let acceleration = -point.normal.direction.dot(*gravity) * (falls(b) - falls(a));
-            let speed = -point.normal.velocity(a, b);
-            let gap = (-point.normal.wanted * h).max(0.0);
-            point.rebound = 0.0;
-            let hits = speed > config.restitution_threshold && speed * h > gap;
-            if point.restitution > 0.0 && hits {
-                let before = speed - acceleration * h;
-                let squared = before * before + 2.0 * acceleration * gap;
-                point.rebound = point.restitution * squared.max(0.0).sqrt();
-                fastest = fastest.max(point.rebound);
-            }
-            if config.relax_sweeps == 0 {
-                point.normal.wanted = point.normal.wanted.max(point.rebound);
+            let direction = manifold[0].normal.direction;
+            let acceleration = -direction.dot(*gravity) * (falls(b) - falls(a));
+            let gap = |point: &PointRows| (-point.normal.wanted * h).max(0.0);
+            let speed = |point: &PointRows| -point.normal.velocity(a, b);
+            let hits = |point: &PointRows, h: f32| {
+                let speed = speed(point);
+                point.restitution > 0.0
+                    && speed > config.restitution_threshold
+                    && speed * h > gap(point)
+            };
+            // Corners of a face that all but lie at one height hit together, or the face would start to rock.
+            let reach = if manifold.iter().any(|point| hits(point, *h)) {
+                2.0 * h
+            } else {
+                0.0
+            };
+            for point in manifold {
+                point.rebound = 0.0;
+                if hits(point, reach) {
+                    let before = speed(point) - acceleration * h;
+                    let squared = before * before + 2.0 * acceleration * gap(point);
+                    point.rebound = point.restitution * squared.max(0.0).sqrt();
+                    fastest = fastest.max(point.rebound);
+                }
+                if config.relax_sweeps == 0 {
+                    point.normal.wanted = point.normal.wanted.max(point.rebound);
+                }
             }
         }
         fastest
     }
 
-    fn solve_rows(&mut self, settings: &SubstepSettings) {
-        let config = &settings.config;
-        match config.method {
-            Method::SoftStep => {
-                let softness = Softness::new(config, settings.h);
-                pgs::apply_impulses(self.rows, self.bodies);
-                for _ in 0..config.sweeps {
-                    soft_step::sweep(self.rows, self.bodies, &softness, config);
+    /// Whether bodies hit each other in this sub-step, so fast that their impulses are those of a blow.
+    fn is_hit(&self, settings: &SubstepSettings) -> bool {
+        let threshold = settings.config.restitution_threshold;
+        self.moving.iter().any(|moving| {
+            let count = self.manifolds[moving.manifold as usize].count as usize;
+            let rows = &self.rows[moving.first as usize..][..count];
+            rows.iter().any(|point| {
+                let [a, b] = point.bodies.map(|b| &self.bodies[b as usize]);
+                let speed = -point.normal.velocity(a, b);
+                speed > threshold.max(-point.normal.wanted)
+            })
+        })
+    }
+
+    fn solve_rows(&mut self, settings: &SubstepSettings, effort: &mut Effort) {
+        let SubstepSettings { config, h, .. } = settings;
+        let Self { rows, bodies, .. } = self;
+        let softness = Softness::new(config, *h);
+        pgs::apply_impulses(rows, bodies);
+        effort.sweep(
+            config.sweeps,
+            config.max_sweeps,
+            config.tolerance,
+            || match config.method {
+                Method::SoftStep => soft_step::sweep(rows, bodies, &softness, config),
+                Method::Pgs | Method::Exact => {
+                    pgs::sweep(rows, bodies, &pgs::Hard, config.friction_model)
                 }
-            }
-            Method::Pgs | Method::Exact => pgs::solve(self.rows, self.bodies, config),
-        }
+            },
+        );
     }
 
     fn move_bodies(&mut self, h: f32) {
@@ -202,21 +283,19 @@ impl IslandProblem<'_> {
     }
 
     /// `fastest`: the fastest rebound, m/s.
-    fn relax(&mut self, config: &SolverConfig, fastest: f32) {
+    fn relax(&mut self, config: &SolverConfig, fastest: f32, effort: &mut Effort) {
         if config.relax_sweeps == 0 {
             return;
         }
-        for _ in 0..config.relax_sweeps {
-            soft_step::relax(self.rows, self.bodies, config);
-        }
-        if fastest > 0.0 {
-            for _ in 0..REBOUND_SWEEPS {
-                let change = soft_step::relax(self.rows, self.bodies, config);
-                if change <= REBOUND_TOLERANCE * fastest {
-                    break;
-                }
-            }
-        }
+        let rebound = (fastest > 0.0).then_some(REBOUND_TOLERANCE * fastest);
+        let tolerance = match (config.tolerance, rebound) {
+            (Some(a), Some(b)) => Some(a.min(b)),
+            (a, b) => a.or(b),
+        };
+        let Self { rows, bodies, .. } = self;
+        effort.sweep(config.relax_sweeps, config.max_sweeps, tolerance, || {
+            soft_step::relax(rows, bodies, config)
+        });
     }
 
     /// Turns the bodies that spin, and their inertia with them.
@@ -232,8 +311,8 @@ impl IslandProblem<'_> {
 
     /// Points the rows of moving manifolds at where their contact points are now.
     ///
-    /// The anchors turn with their bodies. What lies between their two ends is the gap; both bodies must see the impulse at
-    /// one point, half way, or it would change the total angular momentum.
+    /// A contact point stays at its place on the carrier, and both bodies see the impulse there, or it would change the total
+    /// angular momentum. The gap is what lies between the two anchors, each turned with its own body.
     fn follow_motion(&mut self) {
         for moving in self.moving {
             let manifold = &self.manifolds[moving.manifold as usize];
@@ -248,11 +327,15 @@ impl IslandProblem<'_> {
             let q = [&self.displacements[i], &self.displacements[j]];
             let rows = &mut self.rows[first..first + manifold.count as usize];
             for (row, point) in rows.iter_mut().zip(manifold.points()) {
-                let anchors = [turns[0] * point.anchor_a, turns[1] * point.anchor_b];
+                let mut anchors = [turns[0] * point.anchor_a, turns[1] * point.anchor_b];
                 let between = (q[1].linear - q[0].linear) + (anchors[1] - point.anchor_b)
                     - (anchors[0] - point.anchor_a);
-                let middle = [anchors[0] + 0.5 * between, anchors[1] - 0.5 * between];
-                row.set_geometry(manifold.normal, middle, sides);
+                if moving.carrier == 0 {
+                    anchors[1] -= between;
+                } else {
+                    anchors[0] += between;
+                }
+                row.set_geometry(manifold.normal, anchors, sides);
                 let gap = point.separation + manifold.normal.dot(between);
                 row.separation = gap - row.normal.velocity(q[0], q[1]);
             }
