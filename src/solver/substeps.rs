@@ -144,13 +144,14 @@ impl IslandProblem<'_> {
             if is_hit {
                 self.rows.iter_mut().for_each(PointRows::save_impulses);
             }
-            self.solve_rows(settings, &mut effort);
+            let tolerance = tolerance(&settings.config, fastest);
+            self.solve_rows(settings, tolerance, &mut effort);
             self.move_bodies(settings.h);
             if is_hit {
                 // What follows acts where the bodies are now: blows are large enough to matter for the angular momentum.
                 self.follow_motion();
             }
-            self.relax(&settings.config, fastest, &mut effort);
+            self.relax(&settings.config, tolerance, &mut effort);
             if is_hit {
                 // A blow says nothing about the next sub-step, what was before it does.
                 self.rows.iter_mut().for_each(PointRows::restore_impulses);
@@ -257,7 +258,12 @@ impl IslandProblem<'_> {
         })
     }
 
-    fn solve_rows(&mut self, settings: &SubstepSettings, effort: &mut Effort) {
+    fn solve_rows(
+        &mut self,
+        settings: &SubstepSettings,
+        tolerance: Option<f32>,
+        effort: &mut Effort,
+    ) {
         let SubstepSettings { config, h, .. } = settings;
         let Self { rows, bodies, .. } = self;
         let softness = Softness::new(config, *h);
@@ -265,7 +271,7 @@ impl IslandProblem<'_> {
         effort.sweep(
             config.sweeps,
             config.max_sweeps,
-            config.tolerance,
+            tolerance,
             || match config.method {
                 Method::SoftStep => soft_step::sweep(rows, bodies, &softness, config),
                 Method::Pgs | Method::Exact => {
@@ -282,16 +288,10 @@ impl IslandProblem<'_> {
         }
     }
 
-    /// `fastest`: the fastest rebound, m/s.
-    fn relax(&mut self, config: &SolverConfig, fastest: f32, effort: &mut Effort) {
+    fn relax(&mut self, config: &SolverConfig, tolerance: Option<f32>, effort: &mut Effort) {
         if config.relax_sweeps == 0 {
             return;
         }
-        let rebound = (fastest > 0.0).then_some(REBOUND_TOLERANCE * fastest);
-        let tolerance = match (config.tolerance, rebound) {
-            (Some(a), Some(b)) => Some(a.min(b)),
-            (a, b) => a.or(b),
-        };
         let Self { rows, bodies, .. } = self;
         effort.sweep(config.relax_sweeps, config.max_sweeps, tolerance, || {
             soft_step::relax(rows, bodies, config)
@@ -352,5 +352,14 @@ impl IslandProblem<'_> {
             }
         };
         Mat3::from_quat(turn)
+    }
+}
+
+/// The tolerance of a sub-step, m/s: the user's, and that of its rebounds, the fastest of which has the speed `fastest`.
+fn tolerance(config: &SolverConfig, fastest: f32) -> Option<f32> {
+    let of_rebounds = (fastest > 0.0).then_some(REBOUND_TOLERANCE * fastest);
+    match (config.tolerance, of_rebounds) {
+        (Some(a), Some(b)) => Some(a.min(b)),
+        (a, b) => a.or(b),
     }
 }
