@@ -5,6 +5,7 @@
 
 pub mod bodies;
 pub mod body;
+pub mod exact;
 pub mod integrate;
 pub mod mlcp;
 pub mod pgs;
