@@ -3,7 +3,9 @@
 use super::bodies::{Bodies, Motion, SolverBody};
 use super::islands::{Island, Islands};
 use super::rows::{PointRows, Side};
-use super::substeps::{Effort, IslandProblem, MovingManifold, SubstepSettings, TurningBody};
+use super::substeps::{
+    Effort, ExactBuffers, IslandProblem, MovingManifold, SubstepSettings, TurningBody,
+};
 use crate::contact::manifold::Manifold;
 use crate::math::rotate_by;
 use glam::{Mat3, Vec3};
@@ -33,6 +35,7 @@ pub struct ContactSolver {
     place: Vec<Option<u32>>,
     /// By slot: whether an island moves the body.
     is_solved: Vec<bool>,
+    exact: ExactBuffers,
 }
 
 /// What an island has besides its bodies and rows.
@@ -88,6 +91,7 @@ impl ContactSolver {
                 moving: &self.moving[part.moving.clone()],
                 manifolds,
                 has_restitution: part.has_restitution,
+                exact: &mut self.exact,
             };
             part.effort = problem.solve(settings);
         }

@@ -8,6 +8,7 @@
 pub mod bodies;
 pub mod body;
 pub mod contact_solver;
+pub mod exact;
 pub mod integrate;
 pub mod islands;
 pub mod mlcp;
@@ -115,7 +116,6 @@ impl SolverConfig {
         Self {
             method: Method::Exact,
             substeps: 1,
-            relax_sweeps: 0,
             ..Self::default()
         }
     }

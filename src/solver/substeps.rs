@@ -14,6 +14,7 @@
 //! ```
 
 use super::bodies::SolverBody;
+use super::exact::{self, ExactScratch};
 use super::rows::{PointRows, Side};
 use super::soft_step::{self, Softness};
 use super::spin::Spin;
@@ -24,6 +25,9 @@ use glam::{Mat3, Quat, Vec3};
 
 /// Rebounds are solved until no row changes by more than this share of the fastest one.
 const REBOUND_TOLERANCE: f32 = 1e-5;
+
+/// Velocity of position feedback, m/s, that is not worth taking out again.
+const NEGLIGIBLE_SPEED: f32 = 1e-4;
 
 /// A body that turns, and its number within the island.
 #[derive(Clone, Copy, Debug)]
@@ -70,6 +74,16 @@ pub struct IslandProblem<'a> {
     pub manifolds: &'a [Manifold],
     /// Whether any of its points rebounds.
     pub has_restitution: bool,
+    /// Buffers of the exact method.
+    pub exact: &'a mut ExactBuffers,
+}
+
+/// What the exact method needs besides rows and bodies.
+#[derive(Debug, Default)]
+pub struct ExactBuffers {
+    scratch: ExactScratch,
+    /// Velocities without contact impulses.
+    free: Vec<SolverBody>,
 }
 
 /// What an island took.
@@ -265,20 +279,48 @@ impl IslandProblem<'_> {
         effort: &mut Effort,
     ) {
         let SubstepSettings { config, h, .. } = settings;
+        if config.method == Method::Exact {
+            self.exact.free.clear();
+            self.exact.free.extend_from_slice(self.bodies);
+            return self.solve_exactly(config, effort);
+        }
         let Self { rows, bodies, .. } = self;
         let softness = Softness::new(config, *h);
         pgs::apply_impulses(rows, bodies);
-        effort.sweep(
-            config.sweeps,
-            config.max_sweeps,
-            tolerance,
-            || match config.method {
-                Method::SoftStep => soft_step::sweep(rows, bodies, &softness, config),
-                Method::Pgs | Method::Exact => {
-                    pgs::sweep(rows, bodies, &pgs::Hard, config.friction_model)
-                }
-            },
-        );
+        effort.sweep(config.sweeps, config.max_sweeps, tolerance, || {
+            if config.method == Method::SoftStep {
+                soft_step::sweep(rows, bodies, &softness, config)
+            } else {
+                pgs::sweep(rows, bodies, &pgs::Hard, config.friction_model)
+            }
+        });
+    }
+
+    fn solve_exactly(&mut self, config: &SolverConfig, effort: &mut Effort) {
+        let Self {
+            rows,
+            bodies,
+            inverse_inertia,
+            exact,
+            ..
+        } = self;
+        let certificate = exact::solve(rows, bodies, inverse_inertia, config, &mut exact.scratch);
+        effort.sweeps += certificate.iterations;
+        effort.hit_cap |= !certificate.converged;
+    }
+
+    /// Solves the rows once more from the free velocities, with what they should have after the motion.
+    fn relax_exactly(&mut self, config: &SolverConfig, effort: &mut Effort) {
+        let mut difference = 0.0_f32;
+        for point in self.rows.iter_mut() {
+            let relaxed = soft_step::relaxed_velocity(point);
+            difference = difference.max((point.normal.wanted - relaxed).abs());
+            point.normal.wanted = relaxed;
+        }
+        if difference > NEGLIGIBLE_SPEED {
+            self.bodies.copy_from_slice(&self.exact.free);
+            self.solve_exactly(config, effort);
+        }
     }
 
     fn move_bodies(&mut self, h: f32) {
@@ -291,6 +333,9 @@ impl IslandProblem<'_> {
     fn relax(&mut self, config: &SolverConfig, tolerance: Option<f32>, effort: &mut Effort) {
         if config.relax_sweeps == 0 {
             return;
+        }
+        if config.method == Method::Exact {
+            return self.relax_exactly(config, effort);
         }
         let Self { rows, bodies, .. } = self;
         effort.sweep(config.relax_sweeps, config.max_sweeps, tolerance, || {
