@@ -8,6 +8,7 @@
 pub mod bodies;
 pub mod body;
 pub mod contact_solver;
+pub mod exact;
 pub mod integrate;
 pub mod islands;
 pub mod mlcp;

@@ -1,0 +1,146 @@
+//! The order of methods: multipliers as they come, interior point, polish; friction bounds in an outer loop.
+
+use super::interior::Interior;
+use super::newton::Polish;
+use super::rows::{Law, Rows};
+use super::velocity::VelocitySpace;
+use super::{CERTIFIED, Certificate};
+
+/// Residual at which nothing is left to gain.
+const GOAL: f64 = 1e-14;
+/// Complementarity gap relative to the energy at which the interior point method hands over.
+const FIRST_GAP: f64 = 1e-8;
+/// How much smaller the gap must be for the next attempt.
+const NEXT_GAP: f64 = 1e-2;
+/// The gap below which more steps only add rounding.
+const LAST_GAP: f64 = 1e-16;
+/// Steps of the interior point method.
+const INTERIOR_STEPS: u32 = 50;
+/// Residual of the coupled problem at which the bounds are no longer updated.
+const COUPLED_GOAL: f64 = 1e-12;
+/// Share of the residual before a polish that it must leave less of; else the interior point method takes over.
+const NEAR: f64 = 0.1;
+/// Times that friction bounds are taken from the normal multipliers.
+const BOUND_UPDATES: u32 = 60;
+/// Factorisations after which bounds are not updated again.
+const MOST_FACTORS: u32 = 600;
+/// Residual above which the multipliers are worth nothing: no solution exists, or none was found.
+const LOST: f64 = 1e-2;
+
+/// What the methods keep between calls.
+#[derive(Debug, Default)]
+pub(super) struct Driver {
+    interior: Interior,
+    polish: Polish,
+    centre: Vec<f64>,
+    best: Vec<f64>,
+}
+
+impl Driver {
+    /// Improves `lambda`, which is also the start, until it solves the problem.
+    pub(super) fn solve(
+        &mut self,
+        space: &mut impl VelocitySpace,
+        rows: &mut Rows,
+        lambda: &mut [f64],
+    ) -> Certificate {
+        rows.follow(lambda);
+        rows.project(lambda);
+        self.polish.begin(space, rows, lambda);
+        if self.polish.residual > GOAL {
+            if rows.law == Law::Frozen {
+                self.solve_frozen(space, rows, lambda);
+            } else {
+                self.solve_coupled(space, rows, lambda);
+            }
+        }
+        let mut residual = self.polish.residual;
+        if !(residual <= LOST) {
+            residual = self.fall_back(space, rows, lambda);
+        }
+        Certificate {
+            residual,
+            iterations: self.polish.factors,
+            converged: residual <= CERTIFIED,
+        }
+    }
+
+    /// Solves the problem with the bounds as they are.
+    fn solve_frozen(
+        &mut self,
+        space: &mut impl VelocitySpace,
+        rows: &mut Rows,
+        lambda: &mut [f64],
+    ) {
+        self.centre.clear();
+        self.centre.extend_from_slice(lambda);
+        self.interior
+            .begin(rows, &mut self.centre, space.dimension());
+        let mut handover = FIRST_GAP;
+        for _ in 0..INTERIOR_STEPS {
+            let gap = self.interior.advance(space, rows, &mut self.centre);
+            self.polish.factors += 1;
+            self.polish.forget_factor();
+            if gap > handover {
+                continue;
+            }
+            lambda.copy_from_slice(&self.centre);
+            rows.project(lambda);
+            self.polish.run(space, rows, lambda, GOAL);
+            // Not a number ends it too.
+            if self.polish.residual <= CERTIFIED || !(gap > LAST_GAP) {
+                break;
+            }
+            handover = NEXT_GAP * gap;
+        }
+        lambda.copy_from_slice(&self.polish.best);
+    }
+
+    /// Solves with friction bounds from the normal multipliers of the solution before, until they agree.
+    fn solve_coupled(
+        &mut self,
+        space: &mut impl VelocitySpace,
+        rows: &mut Rows,
+        lambda: &mut [f64],
+    ) {
+        let mut best = f64::INFINITY;
+        for _ in 0..BOUND_UPDATES {
+            rows.follow(lambda);
+            rows.project(lambda);
+            self.polish.restart(space, rows, lambda);
+            let residual = self.polish.residual;
+            if residual < best {
+                best = residual;
+                self.best.clear();
+                self.best.extend_from_slice(lambda);
+            }
+            if residual <= COUPLED_GOAL || self.polish.factors > MOST_FACTORS {
+                break;
+            }
+            self.polish.run(space, rows, lambda, GOAL);
+            lambda.copy_from_slice(&self.polish.best);
+            if self.polish.residual > NEAR * residual {
+                self.solve_frozen(space, rows, lambda);
+            }
+        }
+        lambda.copy_from_slice(&self.best);
+        rows.follow(lambda);
+        self.polish.residual = best;
+    }
+
+    /// A bounded answer that does not depend on the start, for problems without solution. Returns its residual.
+    fn fall_back(
+        &mut self,
+        space: &mut impl VelocitySpace,
+        rows: &mut Rows,
+        lambda: &mut [f64],
+    ) -> f64 {
+        // Without friction first; then with bounds from the normal multipliers of the round before.
+        lambda.fill(0.0);
+        for _ in 0..4 {
+            rows.follow(lambda);
+            self.polish.stiff_springs(space, rows, lambda);
+        }
+        self.polish.evaluate(space, rows, lambda)
+    }
+}

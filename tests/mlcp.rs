@@ -1,0 +1,204 @@
+//! Contact problems from files: the exact method solves them all, and says so itself.
+
+mod mlcp_files;
+
+use bevy_cleave::solver::FrictionModel;
+use bevy_cleave::solver::exact::problem::Bounds;
+use bevy_cleave::solver::exact::{CERTIFIED, Certificate, ExactScratch};
+use mlcp_files::{File, Problem, load_all};
+use std::time::Instant;
+
+/// Largest difference of two lists.
+fn distance(x: &[f64], y: &[f64]) -> f64 {
+    let pairs = x.iter().zip(y);
+    pairs.map(|(x, y)| (x - y).abs()).fold(0.0, f64::max)
+}
+
+/// A problem's own velocity scale: the fastest constraint velocity with or without the contacts, in the file's unit.
+fn velocity_scale(file: &File, w: &[f64]) -> f64 {
+    file.b
+        .iter()
+        .chain(w)
+        .fold(0.0, |m, v| f64::max(m, v.abs()))
+}
+
+/// Largest error of `w` relative to the velocity scale, beyond the rounding of the sums that `w` comes from.
+///
+/// Rounding matters in one file, `scale_mix`, where cubes of 1 g carry impulses half a million times their own momentum:
+/// even the stored multipliers give velocities that differ from the stored ones by 7e-10 of the scale.
+fn error_of_w(file: &File, problem: &Problem, lambda: &[f64]) -> f64 {
+    let reference = file.reference.as_ref().expect("solvable");
+    let scale = velocity_scale(file, &reference.w);
+    let (w, magnitude) = (problem.w(lambda), problem.magnitude(lambda));
+    let rows = w.iter().zip(&reference.w).zip(&magnitude);
+    let beyond = |w: f64, wanted: f64, m: f64| (w - wanted).abs() - f64::EPSILON * m;
+    rows.map(|((&w, &wanted), &m)| beyond(w, wanted, m) / scale)
+        .fold(0.0, f64::max)
+}
+
+/// Solves from `start`; returns the certificate, the error of `w`, and microseconds.
+fn judge(file: &File, start: &[f64], scratch: &mut ExactScratch) -> (Certificate, f64, f64) {
+    let mut lambda = start.to_vec();
+    let clock = Instant::now();
+    let certificate = file.problem.solve(&mut lambda, scratch);
+    let micros = clock.elapsed().as_secs_f64() * 1e6;
+    (
+        certificate,
+        error_of_w(file, &file.problem, &lambda),
+        micros,
+    )
+}
+
+/// Solvable files with the frozen bounds of their reference.
+fn frozen_files() -> Vec<File> {
+    let mut files = load_all();
+    files.retain(|file| file.reference.is_some());
+    for file in &mut files {
+        let reference = file.reference.as_ref().expect("retained");
+        file.problem.set_bounds(reference.bounds.clone());
+    }
+    files
+}
+
+#[test]
+fn the_set_is_complete() {
+    let files = load_all();
+    assert_eq!(files.len(), 42);
+    let unsolvable: Vec<_> = files.iter().filter(|f| f.reference.is_none()).collect();
+    assert_eq!(unsolvable.len(), 1);
+    assert_eq!(unsolvable[0].name, "squeeze_infeasible");
+}
+
+#[test]
+fn exact_finds_the_velocities_of_all_files_cold_and_certifies_them() {
+    println!("file | rows | factorisations | us | residual | error of w");
+    for file in frozen_files() {
+        let start = vec![0.0; file.b.len()];
+        let (certificate, error, micros) = judge(&file, &start, &mut ExactScratch::default());
+        let (name, rows) = (&file.name, file.b.len());
+        let Certificate {
+            residual,
+            iterations,
+            ..
+        } = certificate;
+        println!("{name} | {rows} | {iterations} | {micros:.0} | {residual:.1e} | {error:.1e}");
+        assert!(certificate.converged, "{name}: {certificate:?}");
+        assert!(residual <= CERTIFIED, "{name}: residual {residual:e}");
+        assert!(error <= 1e-9, "{name}: w differs by {error:e}");
+    }
+}
+
+#[test]
+fn exact_finds_the_same_velocities_from_the_step_before() {
+    let mut scratch = ExactScratch::default();
+    println!("file | factorisations | us | residual | error of w");
+    let mut starts = 0;
+    for file in frozen_files() {
+        let Some(warm) = file.reference.as_ref().and_then(|r| r.warm.clone()) else {
+            continue;
+        };
+        starts += 1;
+        let (certificate, error, micros) = judge(&file, &warm, &mut scratch);
+        let (name, residual) = (&file.name, certificate.residual);
+        let iterations = certificate.iterations;
+        println!("{name} | {iterations} | {micros:.0} | {residual:.1e} | {error:.1e}");
+        assert!(certificate.converged, "{name}: {certificate:?}");
+        assert!(error <= 1e-9, "{name}: w differs by {error:e}");
+    }
+    assert_eq!(starts, 20);
+}
+
+#[test]
+fn reference_solutions_are_certified_as_they_are() {
+    for file in frozen_files() {
+        let lambda = file.reference.as_ref().expect("solvable").lambda.clone();
+        let (certificate, error, _) = judge(&file, &lambda, &mut ExactScratch::default());
+        assert!(certificate.converged, "{}: {certificate:?}", file.name);
+        assert!(error <= 1e-9, "{}: w differs by {error:e}", file.name);
+    }
+}
+
+#[test]
+fn bodies_and_matrix_give_the_same_velocities() {
+    let mut compared = 0;
+    for file in frozen_files() {
+        let Problem::Bodies(problem) = &file.problem else {
+            continue;
+        };
+        if file.b.len() > 120 {
+            continue;
+        }
+        compared += 1;
+        let dense = Problem::Dense(problem.to_dense());
+        let mut lambda = vec![0.0; file.b.len()];
+        let certificate = dense.solve(&mut lambda, &mut ExactScratch::default());
+        let error = error_of_w(&file, &dense, &lambda);
+        assert!(certificate.converged, "{}: {certificate:?}", file.name);
+        assert!(error <= 1e-9, "{}: w differs by {error:e}", file.name);
+    }
+    assert!(compared >= 15, "only {compared} problems");
+}
+
+/// With friction bounds that follow the normal multipliers no solution is promised to be found; these are not.
+const NOT_COUPLED: [(FrictionModel, &[&str]); 2] = [
+    (
+        FrictionModel::Box,
+        &["Capsules-i101-404", "OneObject-i100000-316"],
+    ),
+    (
+        FrictionModel::Disc,
+        &[
+            "Box_Stacks-i0122-82-5",
+            "Capsules-i101-404",
+            "OneObject-i1028-138",
+        ],
+    ),
+];
+
+#[test]
+fn exact_finds_a_solution_with_bounds_that_follow_the_normal_multipliers() {
+    let mut scratch = ExactScratch::default();
+    for (model, left_out) in NOT_COUPLED {
+        println!("{model:?}: file | factorisations | us | residual");
+        for mut file in frozen_files() {
+            if left_out.contains(&file.name.as_str()) {
+                continue;
+            }
+            file.problem.set_bounds(Bounds::Coupled(model));
+            let start = vec![0.0; file.b.len()];
+            let (certificate, _, micros) = judge(&file, &start, &mut scratch);
+            let (name, residual) = (&file.name, certificate.residual);
+            let iterations = certificate.iterations;
+            println!("{name} | {iterations} | {micros:.0} | {residual:.1e}");
+            assert!(certificate.converged, "{name} {model:?}: {certificate:?}");
+        }
+    }
+}
+
+#[test]
+fn a_problem_without_solution_gets_bounded_multipliers_whatever_the_start() {
+    let files = load_all();
+    let file = files
+        .iter()
+        .find(|f| f.reference.is_none())
+        .expect("in the set");
+    let mut scratch = ExactScratch::default();
+    let mut lambda = vec![0.0; file.b.len()];
+    let first = file.problem.solve(&mut lambda, &mut scratch);
+    assert!(!first.converged && first.residual.is_finite(), "{first:?}");
+    let once = lambda.clone();
+    // A step of 1 / 60 s under gravity takes 0.16 m/s; the walls push at up to 0.05 m/s.
+    let fastest = file
+        .problem
+        .w(&lambda)
+        .iter()
+        .fold(0.0, |m, w| f64::max(m, w.abs()));
+    assert!(fastest <= 1.0, "constraint velocity {fastest} m/s");
+    for _ in 0..20 {
+        file.problem.solve(&mut lambda, &mut scratch);
+    }
+    let drift = distance(&lambda, &once);
+    let size = once.iter().fold(0.0, |m: f64, l| m.max(l.abs()));
+    assert!(size < 1e6, "multipliers up to {size} N s");
+    assert!(drift <= 1e-6 * size, "drift {drift:e} N s of {size:e}");
+}
