@@ -2,9 +2,13 @@
 
 mod mlcp_files;
 
+use bevy_cleave::prelude::*;
 use bevy_cleave::solver::FrictionModel;
 use bevy_cleave::solver::exact::problem::Bounds;
-use bevy_cleave::solver::exact::{CERTIFIED, Certificate, ExactScratch};
+use bevy_cleave::solver::exact::{self, CERTIFIED, Certificate, ExactScratch};
+use bevy_cleave::solver::rows::PointRows;
+use bevy_cleave::solver::{bodies::SolverBody, pgs};
+use glam::{Mat3, Vec3};
 use mlcp_files::{File, Problem, load_all};
 use std::time::Instant;
 
@@ -201,4 +205,103 @@ fn a_problem_without_solution_gets_bounded_multipliers_whatever_the_start() {
     let size = once.iter().fold(0.0, |m: f64, l| m.max(l.abs()));
     assert!(size < 1e6, "multipliers up to {size} N s");
     assert!(drift <= 1e-6 * size, "drift {drift:e} N s of {size:e}");
+}
+
+const H: f32 = 1.0 / 60.0;
+
+/// Rows without impulses, velocities `v*` and inverse inertias of two columns of three cubes that touch a floor.
+fn two_columns() -> (Vec<PointRows>, Vec<SolverBody>, Vec<Mat3>) {
+    let mut simulation = Simulation::default();
+    let floor = BodyDesc::floor(HalfSpace { normal: Vec3::Y });
+    simulation.bodies.insert(floor).expect("usable");
+    let cube = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("valid size");
+    for i in 0..6_u8 {
+        let (level, column) = (f32::from(i / 2), f32::from(i % 2));
+        let place = Vec3::new(10.0 * column + 0.1 * level, 0.5 + level, 0.0);
+        let desc = BodyDesc::dynamic(cube.clone(), place);
+        simulation.bodies.insert(desc).expect("usable");
+    }
+    simulation.step(H);
+    let mut rows = simulation.contacts.rows().to_vec();
+    for point in &mut rows {
+        let [t1, t2] = &mut point.tangents;
+        for row in [&mut point.normal, t1, t2] {
+            (row.impulse, row.wanted) = (0.0, 0.0);
+        }
+        point.friction = 0.5;
+    }
+    let mut bodies = simulation.bodies.solver_bodies().to_vec();
+    for body in &mut bodies {
+        body.angular = Vec3::ZERO;
+        body.linear = if body.inverse_mass > 0.0 {
+            Vec3::new(0.02, -9.81 * H, 0.01)
+        } else {
+            Vec3::ZERO
+        };
+    }
+    // A cube is the same about all axes.
+    let inertia = (0..bodies.len() as u32).map(|slot| simulation.bodies.mass(slot).principal.x);
+    let inverse =
+        inertia.map(|i| Mat3::from_diagonal(Vec3::splat(if i > 0.0 { 1.0 / i } else { 0.0 })));
+    let inverse = inverse.collect();
+    (rows, bodies, inverse)
+}
+
+#[test]
+fn rows_of_a_step_are_solved_to_single_precision_and_again_from_their_own_impulses() {
+    let (mut rows, start, inertia) = two_columns();
+    assert_eq!(rows.len(), 24, "four points per contact");
+    let mut scratch = ExactScratch::default();
+    for model in [FrictionModel::Disc, FrictionModel::Box] {
+        let config = SolverConfig {
+            friction_model: model,
+            ..SolverConfig::exact()
+        };
+        let mut bodies = start.clone();
+        let cold = exact::solve(&mut rows, &mut bodies, &inertia, &config, &mut scratch);
+        assert!(cold.converged, "{model:?} cold: {cold:?}");
+        let residual = pgs::residual(&rows, &bodies, &config);
+        assert!(residual.relative < 1e-5, "{model:?}: {residual:?}");
+        let mut again = start.clone();
+        let warm = exact::solve(&mut rows, &mut again, &inertia, &config, &mut scratch);
+        assert!(warm.converged, "{model:?} warm: {warm:?}");
+        for (x, y) in bodies.iter().zip(&again) {
+            let apart = x.linear.distance(y.linear) + x.angular.distance(y.angular);
+            assert!(apart < 1e-6, "{model:?}: {apart} m/s apart");
+        }
+        println!("{model:?}: cold {cold:?}, warm {warm:?}");
+    }
+}
+
+#[test]
+fn a_part_of_the_rows_moves_only_its_own_bodies_and_as_if_solved_with_the_rest() {
+    let (rows, start, inertia) = two_columns();
+    let config = SolverConfig::exact();
+    let mut scratch = ExactScratch::default();
+    let mut all = (rows.clone(), start.clone());
+    exact::solve(&mut all.0, &mut all.1, &inertia, &config, &mut scratch);
+    let x = |point: &PointRows, bodies: &[SolverBody]| {
+        point
+            .bodies
+            .map(|slot| (slot, bodies[slot as usize].inverse_mass > 0.0))
+    };
+    // Columns alternate in the order of insertion: slots 1, 3, 5 and 2, 4, 6.
+    let in_first = |point: &PointRows| {
+        x(point, &start)
+            .iter()
+            .any(|(s, moves)| *moves && s % 2 == 1)
+    };
+    let mut first: Vec<PointRows> = rows.into_iter().filter(in_first).collect();
+    assert_eq!(first.len(), 12);
+    let mut bodies = start.clone();
+    let certificate = exact::solve(&mut first, &mut bodies, &inertia, &config, &mut scratch);
+    assert!(certificate.converged, "{certificate:?}");
+    for slot in 0..bodies.len() {
+        if slot % 2 == 1 {
+            let apart = bodies[slot].linear.distance(all.1[slot].linear);
+            assert!(apart < 1e-6, "body {slot}: {apart} m/s apart");
+        } else {
+            assert_eq!(bodies[slot], start[slot], "body {slot} was touched");
+        }
+    }
 }

@@ -20,10 +20,12 @@ const INTERIOR_STEPS: u32 = 50;
 const COUPLED_GOAL: f64 = 1e-12;
 /// Share of the residual before a polish that it must leave less of; else the interior point method takes over.
 const NEAR: f64 = 0.1;
-/// Times that friction bounds are taken from the normal multipliers.
-const BOUND_UPDATES: u32 = 60;
-/// Factorisations after which bounds are not updated again.
-const MOST_FACTORS: u32 = 600;
+/// Steps of the interior point method with bounds that follow.
+const APPROACH_STEPS: u32 = 25;
+/// Updates of the bounds that do not improve the residual after which another start is tried.
+const IDLE_UPDATES: u32 = 15;
+/// Factorisations from one start.
+const MOST_FACTORS: u32 = 500;
 /// Residual above which the multipliers are worth nothing: no solution exists, or none was found.
 const LOST: f64 = 1e-2;
 
@@ -33,7 +35,9 @@ pub(super) struct Driver {
     interior: Interior,
     polish: Polish,
     centre: Vec<f64>,
-    best: Vec<f64>,
+    /// The best multipliers with bounds that agree, and their residual.
+    coupled: Vec<f64>,
+    coupled_residual: f64,
 }
 
 impl Driver {
@@ -55,7 +59,7 @@ impl Driver {
             }
         }
         let mut residual = self.polish.residual;
-        if !(residual <= LOST) {
+        if residual > LOST || residual.is_nan() {
             residual = self.fall_back(space, rows, lambda);
         }
         Certificate {
@@ -81,14 +85,16 @@ impl Driver {
             let gap = self.interior.advance(space, rows, &mut self.centre);
             self.polish.factors += 1;
             self.polish.forget_factor();
+            if gap.is_nan() {
+                break;
+            }
             if gap > handover {
                 continue;
             }
             lambda.copy_from_slice(&self.centre);
             rows.project(lambda);
             self.polish.run(space, rows, lambda, GOAL);
-            // Not a number ends it too.
-            if self.polish.residual <= CERTIFIED || !(gap > LAST_GAP) {
+            if self.polish.residual <= CERTIFIED || gap <= LAST_GAP {
                 break;
             }
             handover = NEXT_GAP * gap;
@@ -96,36 +102,80 @@ impl Driver {
         lambda.copy_from_slice(&self.polish.best);
     }
 
-    /// Solves with friction bounds from the normal multipliers of the solution before, until they agree.
+    /// Solves with friction bounds that agree with the normal multipliers, from `lambda` and, if that fails, from zero.
     fn solve_coupled(
         &mut self,
         space: &mut impl VelocitySpace,
         rows: &mut Rows,
         lambda: &mut [f64],
     ) {
-        let mut best = f64::INFINITY;
-        for _ in 0..BOUND_UPDATES {
+        self.coupled.clear();
+        self.coupled.extend_from_slice(lambda);
+        self.coupled_residual = f64::INFINITY;
+        self.approach_coupled(space, rows, lambda);
+        self.update_bounds(space, rows, lambda);
+        if self.coupled_residual > CERTIFIED {
+            lambda.fill(0.0);
+            self.update_bounds(space, rows, lambda);
+        }
+        lambda.copy_from_slice(&self.coupled);
+        rows.follow(lambda);
+        self.polish.residual = self.coupled_residual;
+    }
+
+    /// Solves with bounds from the normal multipliers of the solution before, until they agree or it is no use.
+    fn update_bounds(
+        &mut self,
+        space: &mut impl VelocitySpace,
+        rows: &mut Rows,
+        lambda: &mut [f64],
+    ) {
+        let (mut best, mut idle) = (f64::INFINITY, 0);
+        let most = self.polish.factors + MOST_FACTORS;
+        while idle < IDLE_UPDATES && self.polish.factors < most {
             rows.follow(lambda);
             rows.project(lambda);
             self.polish.restart(space, rows, lambda);
             let residual = self.polish.residual;
-            if residual < best {
-                best = residual;
-                self.best.clear();
-                self.best.extend_from_slice(lambda);
+            if residual < self.coupled_residual {
+                self.coupled_residual = residual;
+                self.coupled.copy_from_slice(lambda);
             }
-            if residual <= COUPLED_GOAL || self.polish.factors > MOST_FACTORS {
-                break;
+            if residual <= COUPLED_GOAL {
+                return;
             }
-            self.polish.run(space, rows, lambda, GOAL);
+            idle = if residual < 0.99 * best { 0 } else { idle + 1 };
+            best = best.min(residual);
+            let goal = GOAL.max(NEAR * NEAR * residual);
+            self.polish.run(space, rows, lambda, goal);
             lambda.copy_from_slice(&self.polish.best);
             if self.polish.residual > NEAR * residual {
                 self.solve_frozen(space, rows, lambda);
             }
         }
-        lambda.copy_from_slice(&self.best);
-        rows.follow(lambda);
-        self.polish.residual = best;
+    }
+
+    /// Interior point steps with friction bounds that follow the normal multipliers. Keeps `lambda` if that fails.
+    fn approach_coupled(
+        &mut self,
+        space: &mut impl VelocitySpace,
+        rows: &mut Rows,
+        lambda: &mut [f64],
+    ) {
+        self.centre.clear();
+        self.centre.extend_from_slice(lambda);
+        self.interior
+            .begin(rows, &mut self.centre, space.dimension());
+        for _ in 0..APPROACH_STEPS {
+            let gap = self.interior.advance(space, rows, &mut self.centre);
+            self.interior.follow(rows, &mut self.centre);
+            self.polish.factors += 1;
+            self.polish.forget_factor();
+            if gap <= FIRST_GAP {
+                lambda.copy_from_slice(&self.centre);
+                return;
+            }
+        }
     }
 
     /// A bounded answer that does not depend on the start, for problems without solution. Returns its residual.

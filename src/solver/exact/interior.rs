@@ -300,6 +300,26 @@ impl Interior {
         add(&mut self.s, length, &self.step_s);
         add(&mut self.u, length, &self.step_u);
     }
+
+    /// Takes the friction bounds from the normal multipliers, and scales the friction multipliers with them, so that they
+    /// stay as far inside as they were. For coupled rows, after each step.
+    pub(super) fn follow(&mut self, rows: &mut Rows, lambda: &mut [f64]) {
+        let d = rows.per_contact;
+        for (c, mu) in rows.friction.iter().enumerate() {
+            let (first, tangents) = (c * d, c * d + 1..(c + 1) * d);
+            let bound = mu * lambda[first];
+            let share = over(bound, rows.hi[first + 1]);
+            // The slack of a disc is an area.
+            let of_slack = if rows.law == Law::Disc { share } else { 1.0 };
+            for i in tangents {
+                rows.lo[i] = -bound;
+                rows.hi[i] = bound;
+                lambda[i] *= share;
+                self.p[i] *= share * of_slack;
+                self.q[i] *= share;
+            }
+        }
+    }
 }
 
 /// `h = (r^2 - |lambda|^2) / 2`.

@@ -138,8 +138,8 @@ impl Polish {
                 self.best.copy_from_slice(lambda);
             }
             let idle = rho >= RHO_MAX && residual > PAYS * last;
-            // Written so that a residual that is not a number ends it too.
-            if residual <= goal || idle || !(residual <= HOPELESS * last) {
+            let hopeless = residual > HOPELESS * last || residual.is_nan();
+            if residual <= goal || idle || hopeless {
                 return;
             }
             last = residual;

@@ -162,8 +162,8 @@ impl Rows {
                 wish[1..].iter_mut().for_each(|x| *x *= factor);
                 continue;
             }
-            for k in 1..self.per_contact {
-                wish[k] = wish[k].max(self.lo[first + k]).min(self.hi[first + k]);
+            for (k, wish) in wish.iter_mut().enumerate().skip(1) {
+                *wish = wish.max(self.lo[first + k]).min(self.hi[first + k]);
             }
         }
     }
