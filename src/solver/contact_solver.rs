@@ -1,5 +1,6 @@
 //! From manifolds and bodies to new velocities, motions and impulses, island by island.
 
+use super::SolverConfig;
 use super::bodies::{Bodies, Motion, SolverBody};
 use super::islands::{Island, Islands};
 use super::rows::{PointRows, Side};
@@ -17,6 +18,9 @@ const TURN: f32 = 0.01;
 /// Travel of two bodies against each other within a step, as a share of the smaller one's least extent, from which the
 /// rows of their contact follow it.
 const TRAVEL: f32 = 0.02;
+
+/// Steps until a direct solution is tried again where it has failed.
+const PATIENCE: u8 = 60;
 
 /// The rows of a step and the working copies of the bodies they join; buffers are reused.
 ///
@@ -44,6 +48,7 @@ struct Part {
     turning: Range<usize>,
     moving: Range<usize>,
     has_restitution: bool,
+    may_be_direct: bool,
     effort: Effort,
 }
 
@@ -91,6 +96,7 @@ impl ContactSolver {
                 moving: &self.moving[part.moving.clone()],
                 manifolds,
                 has_restitution: part.has_restitution,
+                may_be_direct: part.may_be_direct,
                 exact: &mut self.exact,
             };
             part.effort = problem.solve(settings);
@@ -113,11 +119,12 @@ impl ContactSolver {
             let turning = self.load_turning(&island, bodies, settings);
             let moving = self.moving.len();
             self.build_rows(&island, manifolds, bodies, settings);
-            let rows = &self.rows[island.points];
+            let rows = &self.rows[island.points.clone()];
             self.parts.push(Part {
                 turning,
                 moving: moving..self.moving.len(),
                 has_restitution: rows.iter().any(|p| p.restitution > 0.0),
+                may_be_direct: self.patience(&island, bodies) == 0,
                 effort: Effort::default(),
             });
         }
@@ -201,6 +208,15 @@ impl ContactSolver {
         }
     }
 
+    /// Steps for which no direct solution is tried on an island, because one of its bodies was in one where it failed.
+    fn patience(&self, island: &Island, bodies: &Bodies) -> u8 {
+        let slots = self.islands.slots[island.bodies.clone()].iter();
+        slots
+            .map(|&s| bodies.patience[s as usize])
+            .max()
+            .unwrap_or(0)
+    }
+
     /// Takes velocities and motions of the bodies that contacts move back to their slots.
     fn write_back(&mut self, bodies: &mut Bodies) {
         self.is_solved.clear();
@@ -209,6 +225,12 @@ impl ContactSolver {
             for number in island.bodies.clone() {
                 let (i, body) = (self.islands.slots[number] as usize, &self.bodies[number]);
                 if body.inverse_mass > 0.0 {
+                    let patience = &mut bodies.patience[i];
+                    *patience = if part.effort.direct_failed {
+                        PATIENCE
+                    } else {
+                        patience.saturating_sub(1)
+                    };
                     let moved = &self.displacements[number];
                     self.is_solved[i] = true;
                     bodies.velocity[i] = *body;

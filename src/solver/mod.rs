@@ -65,6 +65,9 @@ pub enum Method {
 pub struct SolverConfig {
     /// What solves the rows of a sub-step.
     pub method: Method,
+    /// Islands of up to this many movable bodies that rest under a heavy load are solved directly, by Newton's method in double
+    /// precision: there sweeps would take hundreds. 0 for none ([`Method::SoftStep`] only).
+    pub direct_bodies: u32,
     /// Parts that each step is solved and integrated in; contact geometry is found once per step.
     pub substeps: u32,
     /// Sweeps over all rows in each sub-step, before the bodies move; the exact method needs none.
@@ -139,6 +142,7 @@ impl Default for SolverConfig {
     fn default() -> Self {
         Self {
             method: Method::SoftStep,
+            direct_bodies: 64,
             substeps: 12,
             sweeps: 1,
             relax_sweeps: 1,

@@ -116,9 +116,11 @@ fn friction_in_disc(
     a: &mut SolverBody,
     b: &mut SolverBody,
 ) -> f32 {
+    // One mass for both, or the projection would leave friction askew to the velocity where the two differ.
+    let mass = rows[0].effective_mass.min(rows[1].effective_mass);
     let wish = rows
         .each_ref()
-        .map(|row| row.impulse - row.velocity(a, b) * row.effective_mass);
+        .map(|row| row.impulse - row.velocity(a, b) * mass);
     let target = mlcp::project_to_disc(Vec2::from_array(wish), bound);
     let change = move_to(&mut rows[0], target.x, a, b);
     change.max(move_to(&mut rows[1], target.y, a, b))

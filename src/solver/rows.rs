@@ -188,6 +188,21 @@ impl PointRows {
         (self.tangents[0].impulse, self.tangents[1].impulse) = (t1, t2);
     }
 
+    /// Multiplies the impulses.
+    pub fn scale_impulses(&mut self, factor: f32) {
+        let [t1, t2] = &mut self.tangents;
+        for row in [&mut self.normal, t1, t2] {
+            row.impulse *= factor;
+        }
+    }
+
+    /// Turns the impulses of a step that was taken as one into those of the last of `substeps` equal parts.
+    pub fn end_direct(&mut self, substeps: f32) {
+        self.total = self.normal.impulse;
+        self.scale_impulses(1.0 / substeps);
+        self.total -= self.normal.impulse;
+    }
+
     /// Writes what the last sub-step found back into the contact point: as impulses of a whole step.
     pub fn store(&self, point: &mut ContactPoint, substeps: u32) {
         let n = substeps as f32;

@@ -14,7 +14,7 @@
 //! ```
 
 use super::bodies::SolverBody;
-use super::exact::{self, ExactScratch};
+use super::exact::{self, ExactScratch, Precision};
 use super::rows::{PointRows, Side};
 use super::soft_step::{self, Softness};
 use super::spin::Spin;
@@ -25,6 +25,10 @@ use glam::{Mat3, Quat, Vec3};
 
 /// Rebounds are solved until no row changes by more than this share of the fastest one.
 const REBOUND_TOLERANCE: f32 = 1e-5;
+
+/// Load of a contact, in weights of its effective mass, from which a resting island is solved directly: a soft contact gives
+/// way by `load g h^2 / (h omega)^2`, a quarter of a millimetre here with the default sub-steps.
+const HEAVY: f32 = 24.0;
 
 /// Velocity of position feedback, m/s, that is not worth taking out again.
 const NEGLIGIBLE_SPEED: f32 = 1e-4;
@@ -74,6 +78,8 @@ pub struct IslandProblem<'a> {
     pub manifolds: &'a [Manifold],
     /// Whether any of its points rebounds.
     pub has_restitution: bool,
+    /// Whether a direct solution may be tried.
+    pub may_be_direct: bool,
     /// Buffers of the exact method.
     pub exact: &'a mut ExactBuffers,
 }
@@ -84,6 +90,8 @@ pub struct ExactBuffers {
     scratch: ExactScratch,
     /// Velocities without contact impulses.
     free: Vec<SolverBody>,
+    /// Velocities at the start of the step.
+    start: Vec<SolverBody>,
 }
 
 /// What an island took.
@@ -93,6 +101,10 @@ pub struct Effort {
     pub sweeps: u32,
     /// Whether a sub-step ended above the tolerance.
     pub hit_cap: bool,
+    /// Whether the island was solved directly.
+    pub was_direct: bool,
+    /// Whether that was tried and did not lead to the solution.
+    pub direct_failed: bool,
 }
 
 impl Effort {
@@ -121,6 +133,8 @@ impl Effort {
 pub struct SubstepSettings {
     /// How to solve.
     pub config: SolverConfig,
+    /// How far the exact method goes.
+    precision: Precision,
     /// Acceleration of dynamic bodies, m/s2.
     pub gravity: Vec3,
     /// Length of a sub-step, s.
@@ -132,8 +146,22 @@ impl SubstepSettings {
     pub fn new(config: SolverConfig, gravity: Vec3, step: f32) -> Self {
         Self {
             config,
+            precision: Precision::Full,
             gravity,
             h: step / config.substeps as f32,
+        }
+    }
+
+    /// The same step as one, solved directly.
+    fn direct(&self) -> Self {
+        let config = SolverConfig {
+            method: Method::Exact,
+            substeps: 1,
+            ..self.config
+        };
+        Self {
+            precision: Precision::Step,
+            ..Self::new(config, self.gravity, self.step())
         }
     }
 
@@ -147,32 +175,90 @@ impl IslandProblem<'_> {
     /// Advances the island by a step.
     pub fn solve(&mut self, settings: &SubstepSettings) -> Effort {
         let mut effort = Effort::default();
+        if self.may_be_direct && self.is_heavy(settings) {
+            effort.was_direct = self.solve_directly(settings, &mut effort);
+            effort.direct_failed = !effort.was_direct;
+        }
+        if effort.was_direct {
+            return effort;
+        }
         for substep in 0..settings.config.substeps {
             if substep > 0 {
                 self.follow_motion();
                 self.add_impulses();
             }
             self.apply_gravity(settings);
-            let fastest = self.set_targets(settings);
-            let is_hit = fastest > 0.0 || self.is_hit(settings);
-            if is_hit {
-                self.rows.iter_mut().for_each(PointRows::save_impulses);
-            }
-            let tolerance = tolerance(&settings.config, fastest);
-            self.solve_rows(settings, tolerance, &mut effort);
-            self.move_bodies(settings.h);
-            if is_hit {
-                // What follows acts where the bodies are now: blows are large enough to matter for the angular momentum.
-                self.follow_motion();
-            }
-            self.relax(&settings.config, tolerance, &mut effort);
-            if is_hit {
-                // A blow says nothing about the next sub-step, what was before it does.
-                self.rows.iter_mut().for_each(PointRows::restore_impulses);
-            }
-            self.turn_bodies(settings.h);
+            self.solve_substep(settings, &mut effort);
         }
         effort
+    }
+
+    /// From targets to the end of a sub-step.
+    fn solve_substep(&mut self, settings: &SubstepSettings, effort: &mut Effort) {
+        let fastest = self.set_targets(settings);
+        let is_hit = fastest > 0.0 || self.is_hit(settings);
+        if is_hit {
+            self.rows.iter_mut().for_each(PointRows::save_impulses);
+        }
+        let tolerance = tolerance(&settings.config, fastest);
+        self.solve_rows(settings, tolerance, effort);
+        self.move_bodies(settings.h);
+        if is_hit {
+            // What follows acts where the bodies are now: blows are large enough to matter for the angular momentum.
+            self.follow_motion();
+        }
+        self.relax(settings, tolerance, effort);
+        if is_hit {
+            // A blow says nothing about the next sub-step, what was before it does.
+            self.rows.iter_mut().for_each(PointRows::restore_impulses);
+        }
+        self.turn_bodies(settings.h);
+    }
+
+    /// Whether the island is small, at rest and under a load that sweeps converge too slowly for.
+    fn is_heavy(&self, settings: &SubstepSettings) -> bool {
+        let SubstepSettings {
+            config, gravity, h, ..
+        } = settings;
+        let movable = || self.bodies.iter().filter(|b| b.inverse_mass > 0.0).count();
+        if config.method != Method::SoftStep
+            || config.direct_bodies == 0
+            || !self.moving.is_empty()
+            || movable() > config.direct_bodies as usize
+        {
+            return false;
+        }
+        let weight = HEAVY * gravity.length() * h;
+        let is_heavy = |point: &PointRows| point.normal.impulse * point.normal.diagonal > weight;
+        self.rows.iter().any(is_heavy)
+    }
+
+    /// Takes the step as one, with Newton's method from the impulses of the last one. If that does not lead to the solution,
+    /// everything is as before, and the answer `false`.
+    fn solve_directly(&mut self, settings: &SubstepSettings, effort: &mut Effort) -> bool {
+        let direct = settings.direct();
+        let substeps = settings.config.substeps as f32;
+        self.exact.start.clear();
+        self.exact.start.extend_from_slice(self.bodies);
+        self.rows.iter_mut().for_each(PointRows::save_impulses);
+        self.rows
+            .iter_mut()
+            .for_each(|p| p.scale_impulses(substeps));
+        self.apply_gravity(&direct);
+        self.set_targets(&direct);
+        self.keep_free_velocities();
+        let is_solved = self.solve_exactly(&direct, effort);
+        if is_solved {
+            self.move_bodies(direct.h);
+            self.relax_exactly(&direct, effort);
+            self.turn_bodies(direct.h);
+            self.rows.iter_mut().for_each(|p| p.end_direct(substeps));
+        } else {
+            self.bodies.copy_from_slice(&self.exact.start);
+            self.rows.iter_mut().for_each(PointRows::restore_impulses);
+            self.rows.iter_mut().for_each(|p| p.total = 0.0);
+        }
+        is_solved
     }
 
     /// Adds the impulses of the sub-step that is over to the step's.
@@ -221,7 +307,9 @@ impl IslandProblem<'_> {
     /// A point hits if the free motion closes its gap `s` within the sub-step. The speed at that moment follows from
     /// energy: `v^2 = v_0^2 + 2 a s` with the acceleration `a` of the gap. It leaves with `e v` from where the gap is closed.
     fn set_rebounds(&mut self, settings: &SubstepSettings) -> f32 {
-        let SubstepSettings { config, gravity, h } = settings;
+        let SubstepSettings {
+            config, gravity, h, ..
+        } = settings;
         let mut fastest = 0.0_f32;
         for manifold in self.rows.chunk_by_mut(|p, q| p.bodies == q.bodies) {
             let [a, b] = manifold[0].bodies.map(|b| &self.bodies[b as usize]);
@@ -280,9 +368,9 @@ impl IslandProblem<'_> {
     ) {
         let SubstepSettings { config, h, .. } = settings;
         if config.method == Method::Exact {
-            self.exact.free.clear();
-            self.exact.free.extend_from_slice(self.bodies);
-            return self.solve_exactly(config, effort);
+            self.keep_free_velocities();
+            effort.hit_cap |= !self.solve_exactly(settings, effort);
+            return;
         }
         let Self { rows, bodies, .. } = self;
         let softness = Softness::new(config, *h);
@@ -296,21 +384,27 @@ impl IslandProblem<'_> {
         });
     }
 
-    fn solve_exactly(&mut self, config: &SolverConfig, effort: &mut Effort) {
-        let Self {
-            rows,
-            bodies,
-            inverse_inertia,
-            exact,
-            ..
-        } = self;
-        let certificate = exact::solve(rows, bodies, inverse_inertia, config, &mut exact.scratch);
+    fn keep_free_velocities(&mut self) {
+        self.exact.free.clear();
+        self.exact.free.extend_from_slice(self.bodies);
+    }
+
+    /// Returns whether the answer is as precise as asked for.
+    fn solve_exactly(&mut self, settings: &SubstepSettings, effort: &mut Effort) -> bool {
+        let certificate = exact::solve(
+            self.rows,
+            self.bodies,
+            self.inverse_inertia,
+            settings.config.friction_model,
+            settings.precision,
+            &mut self.exact.scratch,
+        );
         effort.sweeps += certificate.iterations;
-        effort.hit_cap |= !certificate.converged;
+        certificate.converged
     }
 
     /// Solves the rows once more from the free velocities, with what they should have after the motion.
-    fn relax_exactly(&mut self, config: &SolverConfig, effort: &mut Effort) {
+    fn relax_exactly(&mut self, settings: &SubstepSettings, effort: &mut Effort) {
         let mut difference = 0.0_f32;
         for point in self.rows.iter_mut() {
             let relaxed = soft_step::relaxed_velocity(point);
@@ -319,7 +413,7 @@ impl IslandProblem<'_> {
         }
         if difference > NEGLIGIBLE_SPEED {
             self.bodies.copy_from_slice(&self.exact.free);
-            self.solve_exactly(config, effort);
+            effort.hit_cap |= !self.solve_exactly(settings, effort);
         }
     }
 
@@ -330,12 +424,13 @@ impl IslandProblem<'_> {
         }
     }
 
-    fn relax(&mut self, config: &SolverConfig, tolerance: Option<f32>, effort: &mut Effort) {
+    fn relax(&mut self, settings: &SubstepSettings, tolerance: Option<f32>, effort: &mut Effort) {
+        let config = &settings.config;
         if config.relax_sweeps == 0 {
             return;
         }
         if config.method == Method::Exact {
-            return self.relax_exactly(config, effort);
+            return self.relax_exactly(settings, effort);
         }
         let Self { rows, bodies, .. } = self;
         effort.sweep(config.relax_sweeps, config.max_sweeps, tolerance, || {

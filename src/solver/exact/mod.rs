@@ -25,12 +25,13 @@ pub mod problem;
 mod rows;
 mod velocity;
 
+use super::FrictionModel;
 use super::bodies::SolverBody;
 use super::rows::{PointRows, Row};
-use super::{FrictionModel, SolverConfig};
 use blocks::{BodySpace, FIXED, MassRoot};
 use dense::DenseSpace;
 use driver::Driver;
+pub use driver::Precision;
 use glam::{Mat3, Vec3};
 use problem::{BodyProblem, Bounds, DenseProblem};
 use rows::{Law, Rows};
@@ -47,7 +48,7 @@ pub struct Certificate {
     pub residual: f64,
     /// Matrices that were factored: what the time goes into.
     pub iterations: u32,
-    /// Whether the residual is at most [`CERTIFIED`].
+    /// Whether the residual is at most what was asked for; with full precision, [`CERTIFIED`].
     pub converged: bool,
 }
 
@@ -76,11 +77,12 @@ pub fn solve(
     rows: &mut [PointRows],
     bodies: &mut [SolverBody],
     inverse_inertia: &[Mat3],
-    config: &SolverConfig,
+    model: FrictionModel,
+    precision: Precision,
     scratch: &mut ExactScratch,
 ) -> Certificate {
     scratch.take_bodies(rows, bodies, inverse_inertia);
-    scratch.take_rows(rows, bodies, config.friction_model);
+    scratch.take_rows(rows, bodies, model);
     let ExactScratch {
         space,
         rows: bounds,
@@ -88,7 +90,7 @@ pub fn solve(
         lambda,
         ..
     } = scratch;
-    let certificate = driver.solve(space, bounds, lambda);
+    let certificate = driver.solve(space, bounds, lambda, precision);
     for (point, lambda) in rows.iter_mut().zip(scratch.lambda.chunks_exact(3)) {
         let [t1, t2] = &mut point.tangents;
         for (row, lambda) in [&mut point.normal, t1, t2].into_iter().zip(lambda) {
@@ -130,9 +132,12 @@ pub fn solve_bodies(
         scratch.rows.friction.push(contact.friction);
     }
     scratch.rows.finish();
-    scratch
-        .driver
-        .solve(&mut scratch.space, &mut scratch.rows, lambda)
+    scratch.driver.solve(
+        &mut scratch.space,
+        &mut scratch.rows,
+        lambda,
+        Precision::Full,
+    )
 }
 
 /// Solves a problem given as a matrix; `lambda` (N s) is the start and the answer.
@@ -150,7 +155,9 @@ pub fn solve_dense(
     }
     rows.friction.extend_from_slice(&problem.friction);
     rows.finish();
-    scratch.driver.solve(&mut space, rows, lambda)
+    scratch
+        .driver
+        .solve(&mut space, rows, lambda, Precision::Full)
 }
 
 fn begin(rows: &mut Rows, per_contact: usize, bounds: &Bounds) {
