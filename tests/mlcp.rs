@@ -2,12 +2,14 @@
 
 mod mlcp_files;
 
+use bevy_cleave::contact::manifold::ContactPoint;
 use bevy_cleave::prelude::*;
 use bevy_cleave::solver::FrictionModel;
+use bevy_cleave::solver::bodies::SolverBody;
 use bevy_cleave::solver::exact::problem::Bounds;
 use bevy_cleave::solver::exact::{self, CERTIFIED, Certificate, ExactScratch};
-use bevy_cleave::solver::rows::PointRows;
-use bevy_cleave::solver::{bodies::SolverBody, pgs};
+use bevy_cleave::solver::residual::ResidualSum;
+use bevy_cleave::solver::rows::{PointRows, Side};
 use glam::{Mat3, Vec3};
 use mlcp_files::{File, Problem, load_all};
 use std::time::Instant;
@@ -209,7 +211,8 @@ fn a_problem_without_solution_gets_bounded_multipliers_whatever_the_start() {
 
 const H: f32 = 1.0 / 60.0;
 
-/// Rows without impulses, velocities `v*` and inverse inertias of two columns of three cubes that touch a floor.
+/// Rows without impulses, velocities `v*` and inverse inertias of two columns of three cubes that touch a floor; bodies
+/// by slot.
 fn two_columns() -> (Vec<PointRows>, Vec<SolverBody>, Vec<Mat3>) {
     let mut simulation = Simulation::default();
     let floor = BodyDesc::floor(HalfSpace { normal: Vec3::Y });
@@ -222,29 +225,35 @@ fn two_columns() -> (Vec<PointRows>, Vec<SolverBody>, Vec<Mat3>) {
         simulation.bodies.insert(desc).expect("usable");
     }
     simulation.step(H);
-    let mut rows = simulation.contacts.rows().to_vec();
-    for point in &mut rows {
-        let [t1, t2] = &mut point.tangents;
-        for row in [&mut point.normal, t1, t2] {
-            (row.impulse, row.wanted) = (0.0, 0.0);
-        }
-        point.friction = 0.5;
-    }
-    let mut bodies = simulation.bodies.solver_bodies().to_vec();
-    for body in &mut bodies {
+    let (mut bodies, mut inertia) = (simulation.bodies.solver_bodies().to_vec(), Vec::new());
+    for (slot, body) in bodies.iter_mut().enumerate() {
         body.angular = Vec3::ZERO;
-        body.linear = if body.inverse_mass > 0.0 {
-            Vec3::new(0.02, -9.81 * H, 0.01)
-        } else {
-            Vec3::ZERO
-        };
+        body.linear = Vec3::ZERO;
+        let mut inverse = 0.0;
+        if body.inverse_mass > 0.0 {
+            body.linear = Vec3::new(0.02, -9.81 * H, 0.01);
+            // A cube is the same about all axes.
+            inverse = 1.0 / simulation.bodies.mass(slot as u32).principal.x;
+        }
+        inertia.push(Mat3::from_diagonal(Vec3::splat(inverse)));
     }
-    // A cube is the same about all axes.
-    let inertia = (0..bodies.len() as u32).map(|slot| simulation.bodies.mass(slot).principal.x);
-    let inverse =
-        inertia.map(|i| Mat3::from_diagonal(Vec3::splat(if i > 0.0 { 1.0 / i } else { 0.0 })));
-    let inverse = inverse.collect();
-    (rows, bodies, inverse)
+    let mut rows = Vec::new();
+    for manifold in simulation.contacts.manifolds() {
+        let sides = [manifold.a, manifold.b].map(|slot| Side {
+            inverse_mass: bodies[slot as usize].inverse_mass,
+            inverse_inertia: inertia[slot as usize],
+        });
+        for point in manifold.points() {
+            let cold = ContactPoint {
+                normal_impulse: 0.0,
+                friction_impulse: Vec3::ZERO,
+                ..*point
+            };
+            let pair = [manifold.a, manifold.b];
+            rows.push(PointRows::new(manifold, &cold, pair, sides, 0.0, 1));
+        }
+    }
+    (rows, bodies, inertia)
 }
 
 #[test]
@@ -260,7 +269,7 @@ fn rows_of_a_step_are_solved_to_single_precision_and_again_from_their_own_impuls
         let mut bodies = start.clone();
         let cold = exact::solve(&mut rows, &mut bodies, &inertia, &config, &mut scratch);
         assert!(cold.converged, "{model:?} cold: {cold:?}");
-        let residual = pgs::residual(&rows, &bodies, &config);
+        let residual = ResidualSum::of(&rows, &bodies, &config).residual();
         assert!(residual.relative < 1e-5, "{model:?}: {residual:?}");
         let mut again = start.clone();
         let warm = exact::solve(&mut rows, &mut again, &inertia, &config, &mut scratch);
@@ -304,4 +313,9 @@ fn a_part_of_the_rows_moves_only_its_own_bodies_and_as_if_solved_with_the_rest()
             assert_eq!(bodies[slot], start[slot], "body {slot} was touched");
         }
     }
+}
+
+#[test]
+fn explore_sweeps() {
+    mlcp_files::sweeps::explore(&frozen_files());
 }
