@@ -25,9 +25,9 @@ pub mod problem;
 mod rows;
 mod velocity;
 
-use super::bodies::SolverBody;
-use super::rows::{PointRows, Row};
-use super::{FrictionModel, SolverConfig};
+use crate::solver::bodies::SolverBody;
+use crate::solver::rows::{PointRows, Row};
+use crate::solver::{FrictionModel, SolverConfig};
 use blocks::{BodySpace, FIXED, MassRoot};
 use dense::DenseSpace;
 use driver::Driver;
