@@ -61,78 +61,188 @@ pub fn sweep(
     model: FrictionModel,
 ) -> f32 {
     match model {
-        FrictionModel::Disc => relax_all(rows, bodies, rule, friction_in_disc),
-        FrictionModel::Box => relax_all(rows, bodies, rule, friction_in_box),
+        FrictionModel::Disc => relax_all(rows, bodies, rule, |contact| friction_in_disc(contact)),
+        FrictionModel::Box => relax_all(rows, bodies, rule, |contact| friction_in_box(contact)),
     }
 }
 
 /// A type of its own for each friction rule, so that its code is part of the loop.
-fn relax_all(
+fn relax_all<R: NormalRule>(
     rows: &mut [PointRows],
     bodies: &mut [SolverBody],
-    rule: &impl NormalRule,
-    friction: impl Fn(&mut [Row; 2], f32, &mut SolverBody, &mut SolverBody) -> f32,
+    rule: &R,
+    friction: impl Fn(&mut PointOnBodies<R>) -> f32,
 ) -> f32 {
     let mut change = 0.0_f32;
     for point in rows {
-        change = change.max(relax(point, bodies, rule, &friction));
+        let [a, b] = pair(bodies, point.bodies);
+        let mut contact = PointOnBodies { point, a, b, rule };
+        change = change.max(relax(&mut contact, &friction));
     }
     change
 }
 
-#[inline]
-fn relax(
-    point: &mut PointRows,
-    bodies: &mut [SolverBody],
-    rule: &impl NormalRule,
-    friction: impl Fn(&mut [Row; 2], f32, &mut SolverBody, &mut SolverBody) -> f32,
-) -> f32 {
-    let [a, b] = pair(bodies, point.bodies);
-    let mut change = 0.0;
-    if point.friction > 0.0 {
-        let bound = point.friction * point.normal.impulse;
-        change = friction(&mut point.tangents, bound, a, b);
-    }
-    let wish = rule.wish(point, point.normal.velocity(a, b));
-    move_to(&mut point.normal, wish.max(0.0), a, b).max(change)
+/// The rows of one contact and whatever they act on: row 0 is the normal, the others are tangents.
+///
+/// The same sweep runs in single precision on the bodies of a step and in double precision on problems from files.
+pub trait ContactRows {
+    /// The numbers it calculates with.
+    type Real: Real;
+    /// Number of tangents.
+    const TANGENTS: usize;
+    /// Whether the tangents take part.
+    fn has_friction(&self) -> bool;
+    /// Impulse of a row, N s.
+    fn impulse(&self, row: usize) -> Self::Real;
+    /// Velocity along a row at present, m/s.
+    fn velocity(&self, row: usize) -> Self::Real;
+    /// `1 / A_ii`, kg.
+    fn effective_mass(&self, row: usize) -> Self::Real;
+    /// Where the normal impulse should be if it had no bound, N s.
+    fn normal_wish(&self) -> Self::Real;
+    /// Bounds of a tangent's impulse, N s.
+    fn bounds(&self, row: usize) -> [Self::Real; 2];
+    /// Changes a row's impulse; returns by how much that changes the row's velocity, m/s.
+    fn move_to(&mut self, row: usize, impulse: Self::Real) -> Self::Real;
 }
 
-/// Each tangent within `-bound..=bound`, one after the other: the paper's box.
+/// A type of floating-point numbers.
+pub trait Real: Copy + std::ops::Sub<Output = Self> + std::ops::Mul<Output = Self> {
+    /// Zero.
+    const ZERO: Self;
+    /// The larger one.
+    fn max(self, other: Self) -> Self;
+    /// The smaller one.
+    fn min(self, other: Self) -> Self;
+}
+
+impl Real for f32 {
+    const ZERO: Self = 0.0;
+    #[inline]
+    fn max(self, other: Self) -> Self {
+        self.max(other)
+    }
+    #[inline]
+    fn min(self, other: Self) -> Self {
+        self.min(other)
+    }
+}
+
+impl Real for f64 {
+    const ZERO: Self = 0.0;
+    #[inline]
+    fn max(self, other: Self) -> Self {
+        self.max(other)
+    }
+    #[inline]
+    fn min(self, other: Self) -> Self {
+        self.min(other)
+    }
+}
+
+/// Solves the rows of one contact one after the other; returns the largest velocity change of a row, m/s.
 #[inline]
-fn friction_in_box(rows: &mut [Row; 2], bound: f32, a: &mut SolverBody, b: &mut SolverBody) -> f32 {
-    let mut change: f32 = 0.0;
-    for row in rows {
-        let wish = row.impulse - row.velocity(a, b) * row.effective_mass;
-        change = change.max(move_to(row, wish.max(-bound).min(bound), a, b));
+pub fn relax<C: ContactRows>(contact: &mut C, friction: impl Fn(&mut C) -> C::Real) -> C::Real {
+    let mut change = C::Real::ZERO;
+    if contact.has_friction() {
+        change = friction(contact);
+    }
+    let wish = contact.normal_wish();
+    contact.move_to(0, wish.max(C::Real::ZERO)).max(change)
+}
+
+/// The impulse with which the velocity along a row is zero, all others being as they are.
+#[inline]
+fn wish<C: ContactRows>(contact: &C, row: usize) -> C::Real {
+    contact.impulse(row) - contact.velocity(row) * contact.effective_mass(row)
+}
+
+/// Each tangent within its bounds, one after the other: the paper's box.
+#[inline]
+pub fn friction_in_box<C: ContactRows>(contact: &mut C) -> C::Real {
+    let mut change = C::Real::ZERO;
+    for row in 1..=C::TANGENTS {
+        let [lo, hi] = contact.bounds(row);
+        let target = wish(contact, row).max(lo).min(hi);
+        change = change.max(contact.move_to(row, target));
     }
     change
 }
 
-/// Both tangents together within the disc of radius `bound`.
+/// Both tangents together within the disc of the radius that is the bound of either.
 #[inline]
-fn friction_in_disc(
-    rows: &mut [Row; 2],
-    bound: f32,
-    a: &mut SolverBody,
-    b: &mut SolverBody,
-) -> f32 {
-    // One mass for both, or the projection would leave friction askew to the velocity where the two differ.
-    let mass = rows[0].effective_mass.min(rows[1].effective_mass);
-    let wish = rows
-        .each_ref()
-        .map(|row| row.impulse - row.velocity(a, b) * mass);
-    let target = mlcp::project_to_disc(Vec2::from_array(wish), bound);
-    let change = move_to(&mut rows[0], target.x, a, b);
-    change.max(move_to(&mut rows[1], target.y, a, b))
+fn friction_in_disc<C: ContactRows<Real = f32>>(contact: &mut C) -> f32 {
+    let [_, radius] = contact.bounds(1);
+    let both = Vec2::new(wish(contact, 1), wish(contact, 2));
+    let target = mlcp::project_to_disc(both, radius);
+    let change = contact.move_to(1, target.x);
+    change.max(contact.move_to(2, target.y))
 }
 
-/// Changes a row's impulse; returns by how much that changes the row's velocity, m/s.
-#[inline]
-fn move_to(row: &mut Row, impulse: f32, a: &mut SolverBody, b: &mut SolverBody) -> f32 {
-    let change = impulse - row.impulse;
-    row.impulse = impulse;
-    row.apply(change, a, b);
-    (change * row.diagonal).abs()
+/// A contact point of a step with its two bodies.
+struct PointOnBodies<'a, R> {
+    point: &'a mut PointRows,
+    a: &'a mut SolverBody,
+    b: &'a mut SolverBody,
+    rule: &'a R,
+}
+
+impl<R> PointOnBodies<'_, R> {
+    #[inline]
+    fn row(&self, row: usize) -> &Row {
+        match row {
+            0 => &self.point.normal,
+            row => &self.point.tangents[row - 1],
+        }
+    }
+}
+
+impl<R: NormalRule> ContactRows for PointOnBodies<'_, R> {
+    type Real = f32;
+    const TANGENTS: usize = 2;
+
+    #[inline]
+    fn has_friction(&self) -> bool {
+        self.point.friction > 0.0
+    }
+
+    #[inline]
+    fn impulse(&self, row: usize) -> f32 {
+        self.row(row).impulse
+    }
+
+    #[inline]
+    fn velocity(&self, row: usize) -> f32 {
+        self.row(row).velocity(self.a, self.b)
+    }
+
+    #[inline]
+    fn effective_mass(&self, row: usize) -> f32 {
+        self.row(row).effective_mass
+    }
+
+    #[inline]
+    fn normal_wish(&self) -> f32 {
+        self.rule.wish(self.point, self.velocity(0))
+    }
+
+    #[inline]
+    fn bounds(&self, _: usize) -> [f32; 2] {
+        let bound = self.point.friction * self.point.normal.impulse;
+        [-bound, bound]
+    }
+
+    #[inline]
+    fn move_to(&mut self, row: usize, impulse: f32) -> f32 {
+        let row = match row {
+            0 => &mut self.point.normal,
+            row => &mut self.point.tangents[row - 1],
+        };
+        let change = impulse - row.impulse;
+        row.impulse = impulse;
+        row.apply(change, self.a, self.b);
+        (change * row.diagonal).abs()
+    }
 }
 
 /// The two bodies of a row. A manifold never joins a body with itself.

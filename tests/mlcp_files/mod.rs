@@ -4,6 +4,8 @@
     reason = "each program that includes this uses a part of it"
 )]
 
+pub(crate) mod sweeps;
+
 use bevy_cleave::solver::exact::problem::{Body, BodyProblem, Bounds, Contact, DenseProblem};
 use bevy_cleave::solver::exact::{self, Certificate, ExactScratch};
 use serde_json::Value;
@@ -45,6 +47,14 @@ impl Problem {
         match self {
             Self::Bodies(p) => p.w(lambda),
             Self::Dense(p) => p.w(lambda),
+        }
+    }
+
+    /// `A` row by row.
+    pub(crate) fn matrix(&self) -> Vec<f64> {
+        match self {
+            Self::Bodies(p) => p.to_dense().a,
+            Self::Dense(p) => p.a.clone(),
         }
     }
 

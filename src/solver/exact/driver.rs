@@ -8,6 +8,8 @@ use super::{CERTIFIED, Certificate};
 
 /// Residual at which nothing is left to gain.
 const GOAL: f64 = 1e-14;
+/// Residual from which a polish alone is tried first: resting contacts with the impulses of the step before.
+const GOOD_START: f64 = 1e-3;
 /// Complementarity gap relative to the energy at which the interior point method hands over.
 const FIRST_GAP: f64 = 1e-8;
 /// How much smaller the gap must be for the next attempt.
@@ -129,10 +131,13 @@ impl Driver {
         lambda: &mut [f64],
         precision: Precision,
     ) {
-        let (accepted, updates) = match precision {
-            Precision::Full => (CERTIFIED, POLISH_UPDATES),
-            Precision::Step => (STEP_GOAL, STEP_POLISH),
-        };
+        if self.polish.residual <= GOOD_START {
+            self.polish.run(space, rows, lambda, GOAL);
+            lambda.copy_from_slice(&self.polish.best);
+            if self.polish.residual <= CERTIFIED {
+                return;
+            }
+        }
         self.centre.clear();
         self.centre.extend_from_slice(lambda);
         self.interior
@@ -169,7 +174,9 @@ impl Driver {
         self.coupled.clear();
         self.coupled.extend_from_slice(lambda);
         self.coupled_residual = f64::INFINITY;
-        self.approach_coupled(space, rows, lambda);
+        if self.polish.residual > GOOD_START {
+            self.approach_coupled(space, rows, lambda);
+        }
         self.update_bounds(space, rows, lambda);
         if self.coupled_residual > CERTIFIED {
             lambda.fill(0.0);

@@ -6,11 +6,11 @@
 //! problem may have several solutions, and need not have one; it is solved as a sequence of problems with bounds from
 //! the normal impulses of the solution before, until they agree.
 //!
-//! How: an [interior point method](interior) comes near to the solution in about ten factorisations, whatever the mass
-//! ratios and however many contacts are redundant. A [multiplier iteration with Newton's method](newton) finds the last
+//! How: an interior point method (`interior`) comes near to the solution in about ten factorisations, whatever the mass
+//! ratios and however many contacts are redundant. A multiplier iteration with Newton's method (`newton`) finds the last
 //! digits in one or two more, and does all of the work where the start is good already. Both need only systems with
-//! `I + K^T D K` on the velocities, a [block-sparse](cholesky) matrix with one block row per body. The [driver] puts
-//! them in order and certifies the answer by the residual.
+//! `I + K^T D K` on the velocities, a block-sparse matrix (`cholesky`) with one block row per body. The
+//! `driver` puts them in order and certifies the answer by the residual.
 //!
 //! A problem without solution (a body pushed out of two walls at once) gets the impulses of very stiff springs, which
 //! are finite and do not depend on the start.
@@ -25,9 +25,9 @@ pub mod problem;
 mod rows;
 mod velocity;
 
-use super::FrictionModel;
-use super::bodies::SolverBody;
-use super::rows::{PointRows, Row};
+use crate::solver::bodies::SolverBody;
+use crate::solver::rows::{PointRows, Row};
+use crate::solver::{FrictionModel, SolverConfig};
 use blocks::{BodySpace, FIXED, MassRoot};
 use dense::DenseSpace;
 use driver::Driver;
@@ -63,7 +63,7 @@ pub struct ExactScratch {
     /// Of each body that contacts move: its slot, and the root of its inverse mass.
     slots: Vec<u32>,
     roots: Vec<MassRoot>,
-    /// Index into `slots` by slot; [`FIXED`] outside a solve.
+    /// Index into `slots` by slot; `FIXED` outside a solve.
     local: Vec<u32>,
 }
 
