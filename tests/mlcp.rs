@@ -269,7 +269,7 @@ fn rows_of_a_step_are_solved_to_single_precision_and_again_from_their_own_impuls
     for model in [FrictionModel::Disc, FrictionModel::Box] {
         let config = SolverConfig {
             friction_model: model,
-            ..SolverConfig::paper()
+            ..SolverConfig::exact()
         };
         let (mut rows, mut bodies) = (without_impulses.clone(), start.clone());
         let cold = exact::solve(&mut rows, &mut bodies, &inertia, &config, &mut scratch);
@@ -277,14 +277,7 @@ fn rows_of_a_step_are_solved_to_single_precision_and_again_from_their_own_impuls
         let residual = ResidualSum::of(&rows, &bodies, &config).residual();
         assert!(residual.relative < 1e-5, "{model:?}: {residual:?}");
         let mut again = start.clone();
-        let warm = exact::solve(
-            &mut rows,
-            &mut again,
-            &inertia,
-            model,
-            Precision::Full,
-            &mut scratch,
-        );
+        let warm = exact::solve(&mut rows, &mut again, &inertia, &config, &mut scratch);
         assert!(warm.converged, "{model:?} warm: {warm:?}");
         for (x, y) in bodies.iter().zip(&again) {
             let apart = x.linear.distance(y.linear) + x.angular.distance(y.angular);
@@ -297,17 +290,10 @@ fn rows_of_a_step_are_solved_to_single_precision_and_again_from_their_own_impuls
 #[test]
 fn a_part_of_the_rows_moves_only_its_own_bodies_and_as_if_solved_with_the_rest() {
     let (rows, start, inertia) = two_columns();
-    let model = FrictionModel::Disc;
+    let config = SolverConfig::exact();
     let mut scratch = ExactScratch::default();
     let mut all = (rows.clone(), start.clone());
-    exact::solve(
-        &mut all.0,
-        &mut all.1,
-        &inertia,
-        model,
-        Precision::Full,
-        &mut scratch,
-    );
+    exact::solve(&mut all.0, &mut all.1, &inertia, &config, &mut scratch);
     let x = |point: &PointRows, bodies: &[SolverBody]| {
         point
             .bodies
@@ -322,14 +308,7 @@ fn a_part_of_the_rows_moves_only_its_own_bodies_and_as_if_solved_with_the_rest()
     let mut first: Vec<PointRows> = rows.into_iter().filter(in_first).collect();
     assert_eq!(first.len(), 12);
     let mut bodies = start.clone();
-    let certificate = exact::solve(
-        &mut first,
-        &mut bodies,
-        &inertia,
-        model,
-        Precision::Full,
-        &mut scratch,
-    );
+    let certificate = exact::solve(&mut first, &mut bodies, &inertia, &config, &mut scratch);
     assert!(certificate.converged, "{certificate:?}");
     for slot in 0..bodies.len() {
         if slot % 2 == 1 {

@@ -67,8 +67,6 @@ pub struct Bodies {
     pub(crate) velocity: Vec<SolverBody>,
     /// Where the solver has moved the bodies that take part and are not static.
     pub(crate) motion: Vec<Motion>,
-    /// Steps for which no direct solution is tried on the body's island.
-    pub(crate) patience: Vec<u8>,
     pub(crate) mass: Vec<MassProperties>,
     /// Inverse inertia tensor about the centre of mass, world axes, 1/(kg m2).
     pub(crate) inverse_inertia: Vec<Mat3>,
@@ -130,7 +128,6 @@ impl Bodies {
             angular,
             ..Default::default()
         };
-        self.patience[i] = 0;
         self.mass[i] = MassProperties::default();
         self.inverse_inertia[i] = Mat3::ZERO;
         self.info[i] = Some(info);
@@ -474,7 +471,6 @@ impl Bodies {
         self.rotation.push(Quat::IDENTITY);
         self.velocity.push(SolverBody::default());
         self.motion.push(Motion::default());
-        self.patience.push(0);
         self.mass.push(MassProperties::default());
         self.inverse_inertia.push(Mat3::ZERO);
         self.aabb.push(Aabb::EMPTY);

@@ -1,11 +1,10 @@
 //! From manifolds and bodies to new velocities, motions and impulses, island by island.
 
-use super::SolverConfig;
 use super::bodies::{Bodies, Motion, SolverBody};
 use super::islands::{Island, Islands};
 use super::rows::{PointRows, Side};
 use super::substeps::{
-    Effort, ExactBuffers, IslandProblem, MovingManifold, SubstepSettings, TurningBody,
+    Demand, Effort, IslandProblem, IslandScratch, MovingManifold, SubstepSettings, TurningBody,
 };
 use crate::contact::manifold::Manifold;
 use crate::math::rotate_by;
@@ -19,8 +18,8 @@ const TURN: f32 = 0.01;
 /// rows of their contact follow it.
 const TRAVEL: f32 = 0.02;
 
-/// Steps until a direct solution is tried again where it has failed.
-const PATIENCE: u8 = 60;
+/// Travel, as a share of the least extent, from which two bodies may pass through each other within a step.
+const FAST_TRAVEL: f32 = 1.0;
 
 /// The rows of a step and the working copies of the bodies they join; buffers are reused.
 ///
@@ -39,7 +38,7 @@ pub struct ContactSolver {
     place: Vec<Option<u32>>,
     /// By slot: whether an island moves the body.
     is_solved: Vec<bool>,
-    exact: ExactBuffers,
+    scratch: IslandScratch,
 }
 
 /// What an island has besides its bodies and rows.
@@ -48,7 +47,7 @@ struct Part {
     turning: Range<usize>,
     moving: Range<usize>,
     has_restitution: bool,
-    may_be_direct: bool,
+    settings: SubstepSettings,
     effort: Effort,
 }
 
@@ -96,14 +95,13 @@ impl ContactSolver {
                 moving: &self.moving[part.moving.clone()],
                 manifolds,
                 has_restitution: part.has_restitution,
-                may_be_direct: part.may_be_direct,
-                exact: &mut self.exact,
+                scratch: &mut self.scratch,
             };
-            part.effort = problem.solve(settings);
+            part.effort = problem.solve(&part.settings);
         }
         self.write_back(bodies);
         self.move_free_bodies(bodies, settings);
-        self.store_impulses(manifolds, settings.config.substeps);
+        self.store_impulses(manifolds);
     }
 
     /// Finds the islands, copies their bodies and builds their rows.
@@ -118,13 +116,16 @@ impl ContactSolver {
             let island = self.islands.list[index].clone();
             let turning = self.load_turning(&island, bodies, settings);
             let moving = self.moving.len();
-            self.build_rows(&island, manifolds, bodies, settings);
-            let rows = &self.rows[island.points.clone()];
+            let demand = self.build_rows(&island, manifolds, bodies, settings);
+            let settings = settings.for_demand(demand);
+            let rows = &mut self.rows[island.points];
+            let share = 1.0 / settings.config.substeps as f32;
+            rows.iter_mut().for_each(|p| p.scale_impulses(share));
             self.parts.push(Part {
                 turning,
                 moving: moving..self.moving.len(),
                 has_restitution: rows.iter().any(|p| p.restitution > 0.0),
-                may_be_direct: self.patience(&island, bodies) == 0,
+                settings,
                 effort: Effort::default(),
             });
         }
@@ -167,31 +168,28 @@ impl ContactSolver {
         first..self.turning.len()
     }
 
-    /// Builds the rows of an island and lists its manifolds that move.
+    /// Builds the rows of an island, with the impulses of the last step, and lists its manifolds that move.
     fn build_rows(
         &mut self,
         island: &Island,
         manifolds: &[Manifold],
         bodies: &Bodies,
         settings: &SubstepSettings,
-    ) {
+    ) -> Demand {
         let first = self.rows.len();
-        let config = &settings.config;
+        let mut demand = Demand::default();
         for at in island.manifolds.clone() {
             let (index, pair) = (self.islands.manifolds[at], self.islands.pairs[at]);
             let manifold = &manifolds[index as usize];
             let slots = [manifold.a as usize, manifold.b as usize];
-            let sides = slots.map(|i| Side {
+            let [a, b] = slots.map(|i| Side {
                 inverse_mass: bodies.velocity[i].inverse_mass,
                 inverse_inertia: bodies.inverse_inertia[i],
             });
-            let extent = slots
-                .map(|i| bodies.least_extent[i])
-                .into_iter()
-                .fold(f32::INFINITY, f32::min);
-            if config.substeps > 1
-                && moves(slots.map(|i| &bodies.velocity[i]), extent, settings.step())
-            {
+            let extent = bodies.least_extent[slots[0]].min(bodies.least_extent[slots[1]]);
+            let motion = Travel::of(slots.map(|i| &bodies.velocity[i]), extent, settings.step());
+            demand.is_fast |= motion.is_fast;
+            if motion.is_noticeable {
                 self.moving.push(MovingManifold {
                     manifold: index,
                     first: (self.rows.len() - first) as u32,
@@ -199,22 +197,15 @@ impl ContactSolver {
                     carrier: carrier(slots, bodies),
                 });
             }
-            let slop = config.slop * extent;
-            self.rows.extend(
-                manifold.points().iter().map(|point| {
-                    PointRows::new(manifold, point, pair, sides, slop, config.substeps)
-                }),
-            );
+            let slop = settings.config.slop * extent;
+            for point in manifold.points() {
+                let rows = PointRows::new(manifold, point, pair, [a, b], slop);
+                let load = rows.normal.impulse * rows.normal.diagonal;
+                demand.load = demand.load.max(load / extent);
+                self.rows.push(rows);
+            }
         }
-    }
-
-    /// Steps for which no direct solution is tried on an island, because one of its bodies was in one where it failed.
-    fn patience(&self, island: &Island, bodies: &Bodies) -> u8 {
-        let slots = self.islands.slots[island.bodies.clone()].iter();
-        slots
-            .map(|&s| bodies.patience[s as usize])
-            .max()
-            .unwrap_or(0)
+        demand
     }
 
     /// Takes velocities and motions of the bodies that contacts move back to their slots.
@@ -225,12 +216,6 @@ impl ContactSolver {
             for number in island.bodies.clone() {
                 let (i, body) = (self.islands.slots[number] as usize, &self.bodies[number]);
                 if body.inverse_mass > 0.0 {
-                    let patience = &mut bodies.patience[i];
-                    *patience = if part.effort.direct_failed {
-                        PATIENCE
-                    } else {
-                        patience.saturating_sub(1)
-                    };
                     let moved = &self.displacements[number];
                     self.is_solved[i] = true;
                     bodies.velocity[i] = *body;
@@ -277,12 +262,14 @@ impl ContactSolver {
         }
     }
 
-    fn store_impulses(&self, manifolds: &mut [Manifold], substeps: u32) {
-        let mut rows = self.rows.iter();
-        for &index in &self.islands.manifolds {
-            let points = manifolds[index as usize].points_mut();
-            for (point, rows) in points.iter_mut().zip(&mut rows) {
-                rows.store(point, substeps);
+    fn store_impulses(&self, manifolds: &mut [Manifold]) {
+        for (island, part) in self.islands.list.iter().zip(&self.parts) {
+            let mut rows = self.rows[island.points.clone()].iter();
+            for &index in &self.islands.manifolds[island.manifolds.clone()] {
+                let points = manifolds[index as usize].points_mut();
+                for (point, rows) in points.iter_mut().zip(&mut rows) {
+                    rows.store(point, part.settings.config.substeps);
+                }
             }
         }
     }
@@ -301,9 +288,23 @@ fn carrier(slots: [usize; 2], bodies: &Bodies) -> usize {
     usize::from(size[1] <= size[0])
 }
 
-/// Whether two bodies move so much against each other in a step of `h` seconds that the rows between them must follow.
-fn moves([a, b]: [&SolverBody; 2], extent: f32, h: f32) -> bool {
-    let turn = a.angular.length_squared().max(b.angular.length_squared());
-    let travel = (b.linear - a.linear).length_squared();
-    turn * h * h > TURN * TURN || travel * h * h > TRAVEL * TRAVEL * extent * extent
+/// How two bodies move against each other in a step.
+#[derive(Clone, Copy, Debug)]
+struct Travel {
+    /// So far that the rows between them must follow.
+    is_noticeable: bool,
+    /// So far that their contact points are good for one impact only.
+    is_fast: bool,
+}
+
+impl Travel {
+    /// `extent`: the smaller body's least extent, m; `step`, s.
+    fn of([a, b]: [&SolverBody; 2], extent: f32, step: f32) -> Self {
+        let turn = step * a.angular.length().max(b.angular.length());
+        let way = step * (b.linear - a.linear).length();
+        Self {
+            is_noticeable: turn > TURN || way > TRAVEL * extent,
+            is_fast: way > FAST_TRAVEL * extent,
+        }
+    }
 }

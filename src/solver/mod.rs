@@ -65,11 +65,13 @@ pub enum Method {
 pub struct SolverConfig {
     /// What solves the rows of a sub-step.
     pub method: Method,
-    /// Islands of up to this many movable bodies that rest under a heavy load are solved directly, by Newton's method in double
-    /// precision: there sweeps would take hundreds. 0 for none ([`Method::SoftStep`] only).
-    pub direct_bodies: u32,
-    /// Parts that each step is solved and integrated in; contact geometry is found once per step.
+    /// Least number of parts that each step is solved and integrated in; contact geometry is found once per step.
     pub substeps: u32,
+    /// Most parts. An island takes as many as keep the sag of its soft contacts below [`sag`](Self::sag) under the load that
+    /// they bore in the last step ([`Method::SoftStep`] only).
+    pub max_substeps: u32,
+    /// How far a soft contact may give way under a resting load, as a share of the smaller body's least extent.
+    pub sag: f32,
     /// Sweeps over all rows in each sub-step, before the bodies move; the exact method needs none.
     pub sweeps: u32,
     /// Sweeps without position feedback in each sub-step, after the bodies have moved ([`Method::SoftStep`] only).
@@ -110,6 +112,7 @@ impl SolverConfig {
             sweeps: 16,
             relax_sweeps: 0,
             slop: 0.002,
+            tolerance: None,
             ..Self::default()
         }
     }
@@ -131,6 +134,7 @@ impl SolverConfig {
             self.push_out_speed,
             self.restitution_threshold,
             self.contact_frequency,
+            self.sag,
             self.damping_ratio,
         ];
         let tolerance = self.tolerance.is_none_or(|t| t.is_finite() && t > 0.0);
@@ -142,8 +146,9 @@ impl Default for SolverConfig {
     fn default() -> Self {
         Self {
             method: Method::SoftStep,
-            direct_bodies: 64,
-            substeps: 12,
+            substeps: 8,
+            max_substeps: 32,
+            sag: 2e-4,
             sweeps: 1,
             relax_sweeps: 1,
             contact_frequency: 0.2,
@@ -154,8 +159,8 @@ impl Default for SolverConfig {
             restitution_threshold: 0.5,
             friction_model: FrictionModel::Disc,
             warm_start: true,
-            tolerance: None,
-            max_sweeps: 64,
+            tolerance: Some(1e-3),
+            max_sweeps: 32,
             measure_error: false,
             measure_islands: false,
         }

@@ -173,7 +173,10 @@ pub fn friction_in_box<C: ContactRows>(contact: &mut C) -> C::Real {
 #[inline]
 fn friction_in_disc<C: ContactRows<Real = f32>>(contact: &mut C) -> f32 {
     let [_, radius] = contact.bounds(1);
-    let both = Vec2::new(wish(contact, 1), wish(contact, 2));
+    // One mass for both, or the projection would leave friction askew to the velocity where the two differ.
+    let mass = contact.effective_mass(1).min(contact.effective_mass(2));
+    let wish = |row| contact.impulse(row) - contact.velocity(row) * mass;
+    let both = Vec2::new(wish(1), wish(2));
     let target = mlcp::project_to_disc(both, radius);
     let change = contact.move_to(1, target.x);
     change.max(contact.move_to(2, target.y))

@@ -123,14 +123,13 @@ pub struct PointRows {
 }
 
 impl PointRows {
-    /// The rows of a point: impulses from where the last step left off, as shares of `1 / substeps` of it.
+    /// The rows of a point, with the impulses of a whole step from where the last one left off.
     pub fn new(
         manifold: &Manifold,
         point: &ContactPoint,
         bodies: [u32; 2],
         sides: [Side; 2],
         slop: f32,
-        substeps: u32,
     ) -> Self {
         let mut rows = Self {
             bodies,
@@ -146,12 +145,11 @@ impl PointRows {
             total: 0.0,
         };
         rows.set_geometry(manifold.normal, [point.anchor_a, point.anchor_b], sides);
-        let share = 1.0 / substeps as f32;
-        rows.normal.impulse = share * point.normal_impulse;
+        rows.normal.impulse = point.normal_impulse;
         // Without friction the rows are not solved, so nothing must be left in them from when there was some.
         if manifold.friction > 0.0 {
             for row in &mut rows.tangents {
-                row.impulse = share * point.friction_impulse.dot(row.direction);
+                row.impulse = point.friction_impulse.dot(row.direction);
             }
         }
         rows
@@ -175,17 +173,26 @@ impl PointRows {
         [&self.normal, &self.tangents[0], &self.tangents[1]]
     }
 
+    /// Impulses of the three rows, N s.
+    pub fn impulses(&self) -> [f32; 3] {
+        self.rows().map(|row| row.impulse)
+    }
+
+    /// Sets the impulses of the three rows, N s.
+    pub fn set_impulses(&mut self, [normal, t1, t2]: [f32; 3]) {
+        self.normal.impulse = normal;
+        (self.tangents[0].impulse, self.tangents[1].impulse) = (t1, t2);
+    }
+
     /// Remembers the impulses as they are.
     pub fn save_impulses(&mut self) {
-        self.before = self.rows().map(|row| row.impulse);
+        self.before = self.impulses();
     }
 
     /// Takes the impulses back to the remembered ones, without losing what the others add to the total.
     pub fn restore_impulses(&mut self) {
-        let [normal, t1, t2] = self.before;
-        self.total += self.normal.impulse - normal;
-        self.normal.impulse = normal;
-        (self.tangents[0].impulse, self.tangents[1].impulse) = (t1, t2);
+        self.total += self.normal.impulse - self.before[0];
+        self.set_impulses(self.before);
     }
 
     /// Multiplies the impulses.
@@ -194,13 +201,6 @@ impl PointRows {
         for row in [&mut self.normal, t1, t2] {
             row.impulse *= factor;
         }
-    }
-
-    /// Turns the impulses of a step that was taken as one into those of the last of `substeps` equal parts.
-    pub fn end_direct(&mut self, substeps: f32) {
-        self.total = self.normal.impulse;
-        self.scale_impulses(1.0 / substeps);
-        self.total -= self.normal.impulse;
     }
 
     /// Writes what the last sub-step found back into the contact point: as impulses of a whole step.

@@ -14,7 +14,7 @@
 //! ```
 
 use super::bodies::SolverBody;
-use super::exact::{self, ExactScratch, Precision};
+use super::exact::{self, ExactScratch};
 use super::rows::{PointRows, Side};
 use super::soft_step::{self, Softness};
 use super::spin::Spin;
@@ -26,9 +26,8 @@ use glam::{Mat3, Quat, Vec3};
 /// Rebounds are solved until no row changes by more than this share of the fastest one.
 const REBOUND_TOLERANCE: f32 = 1e-5;
 
-/// Load of a contact, in weights of its effective mass, from which a resting island is solved directly: a soft contact gives
-/// way by `load g h^2 / (h omega)^2`, a quarter of a millimetre here with the default sub-steps.
-const HEAVY: f32 = 24.0;
+/// Sweeps where the exact method has no answer.
+const UNCERTIFIED_SWEEPS: u32 = 200;
 
 /// Velocity of position feedback, m/s, that is not worth taking out again.
 const NEGLIGIBLE_SPEED: f32 = 1e-4;
@@ -78,20 +77,20 @@ pub struct IslandProblem<'a> {
     pub manifolds: &'a [Manifold],
     /// Whether any of its points rebounds.
     pub has_restitution: bool,
-    /// Whether a direct solution may be tried.
-    pub may_be_direct: bool,
-    /// Buffers of the exact method.
-    pub exact: &'a mut ExactBuffers,
+    /// Buffers.
+    pub scratch: &'a mut IslandScratch,
 }
 
-/// What the exact method needs besides rows and bodies.
+/// Buffers of the sub-steps, shared by all islands.
 #[derive(Debug, Default)]
-pub struct ExactBuffers {
-    scratch: ExactScratch,
+pub struct IslandScratch {
+    exact: ExactScratch,
+    /// By body: whether a contact pushes it.
+    is_pushed: Vec<bool>,
+    /// Impulses that the exact method starts from, by point.
+    start: Vec<[f32; 3]>,
     /// Velocities without contact impulses.
     free: Vec<SolverBody>,
-    /// Velocities at the start of the step.
-    start: Vec<SolverBody>,
 }
 
 /// What an island took.
@@ -101,10 +100,6 @@ pub struct Effort {
     pub sweeps: u32,
     /// Whether a sub-step ended above the tolerance.
     pub hit_cap: bool,
-    /// Whether the island was solved directly.
-    pub was_direct: bool,
-    /// Whether that was tried and did not lead to the solution.
-    pub direct_failed: bool,
 }
 
 impl Effort {
@@ -128,13 +123,20 @@ impl Effort {
     }
 }
 
+/// What an island asks of its sub-steps.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Demand {
+    /// Largest velocity that a contact gave its effective mass in the last step, over the smaller body's least extent, 1/s.
+    pub load: f32,
+    /// Whether two bodies are so fast that they may pass through each other in the step.
+    pub is_fast: bool,
+}
+
 /// What the sub-steps are told.
 #[derive(Clone, Copy, Debug)]
 pub struct SubstepSettings {
     /// How to solve.
     pub config: SolverConfig,
-    /// How far the exact method goes.
-    precision: Precision,
     /// Acceleration of dynamic bodies, m/s2.
     pub gravity: Vec3,
     /// Length of a sub-step, s.
@@ -146,23 +148,36 @@ impl SubstepSettings {
     pub fn new(config: SolverConfig, gravity: Vec3, step: f32) -> Self {
         Self {
             config,
-            precision: Precision::Full,
             gravity,
             h: step / config.substeps as f32,
         }
     }
 
-    /// The same step as one, solved directly.
-    fn direct(&self) -> Self {
-        let config = SolverConfig {
-            method: Method::Exact,
-            substeps: 1,
-            ..self.config
-        };
-        Self {
-            precision: Precision::Step,
-            ..Self::new(config, self.gravity, self.step())
+    /// The same step in as many parts as an island asks for.
+    ///
+    /// A soft contact under a load that gives its effective mass the acceleration `a` gives way by `s = a h^2 / (h omega)^2`,
+    /// which is to stay below the share [`SolverConfig::sag`] of an extent. Bodies that are fast enough to pass through each
+    /// other get the step as one: the contact points found at its start are good for one impact, after which the bodies may turn
+    /// about another.
+    pub fn for_demand(&self, demand: Demand) -> Self {
+        let config = &self.config;
+        if config.method != Method::SoftStep {
+            return *self;
         }
+        let step = self.step();
+        let per_radian = step / (std::f32::consts::TAU * config.contact_frequency);
+        let parts = per_radian * (demand.load / (step * config.sag)).sqrt();
+        let substeps = if demand.is_fast {
+            1
+        } else {
+            // A number that is not finite becomes one end of the range.
+            (parts.ceil() as u32).clamp(config.substeps, config.max_substeps.max(config.substeps))
+        };
+        let config = SolverConfig {
+            substeps,
+            ..*config
+        };
+        Self::new(config, self.gravity, step)
     }
 
     /// Length of the step, s.
@@ -175,13 +190,6 @@ impl IslandProblem<'_> {
     /// Advances the island by a step.
     pub fn solve(&mut self, settings: &SubstepSettings) -> Effort {
         let mut effort = Effort::default();
-        if self.may_be_direct && self.is_heavy(settings) {
-            effort.was_direct = self.solve_directly(settings, &mut effort);
-            effort.direct_failed = !effort.was_direct;
-        }
-        if effort.was_direct {
-            return effort;
-        }
         for substep in 0..settings.config.substeps {
             if substep > 0 {
                 self.follow_motion();
@@ -202,7 +210,7 @@ impl IslandProblem<'_> {
         }
         let tolerance = tolerance(&settings.config, fastest);
         self.solve_rows(settings, tolerance, effort);
-        self.move_bodies(settings.h);
+        self.move_bodies(settings);
         if is_hit {
             // What follows acts where the bodies are now: blows are large enough to matter for the angular momentum.
             self.follow_motion();
@@ -213,52 +221,6 @@ impl IslandProblem<'_> {
             self.rows.iter_mut().for_each(PointRows::restore_impulses);
         }
         self.turn_bodies(settings.h);
-    }
-
-    /// Whether the island is small, at rest and under a load that sweeps converge too slowly for.
-    fn is_heavy(&self, settings: &SubstepSettings) -> bool {
-        let SubstepSettings {
-            config, gravity, h, ..
-        } = settings;
-        let movable = || self.bodies.iter().filter(|b| b.inverse_mass > 0.0).count();
-        if config.method != Method::SoftStep
-            || config.direct_bodies == 0
-            || !self.moving.is_empty()
-            || movable() > config.direct_bodies as usize
-        {
-            return false;
-        }
-        let weight = HEAVY * gravity.length() * h;
-        let is_heavy = |point: &PointRows| point.normal.impulse * point.normal.diagonal > weight;
-        self.rows.iter().any(is_heavy)
-    }
-
-    /// Takes the step as one, with Newton's method from the impulses of the last one. If that does not lead to the solution,
-    /// everything is as before, and the answer `false`.
-    fn solve_directly(&mut self, settings: &SubstepSettings, effort: &mut Effort) -> bool {
-        let direct = settings.direct();
-        let substeps = settings.config.substeps as f32;
-        self.exact.start.clear();
-        self.exact.start.extend_from_slice(self.bodies);
-        self.rows.iter_mut().for_each(PointRows::save_impulses);
-        self.rows
-            .iter_mut()
-            .for_each(|p| p.scale_impulses(substeps));
-        self.apply_gravity(&direct);
-        self.set_targets(&direct);
-        self.keep_free_velocities();
-        let is_solved = self.solve_exactly(&direct, effort);
-        if is_solved {
-            self.move_bodies(direct.h);
-            self.relax_exactly(&direct, effort);
-            self.turn_bodies(direct.h);
-            self.rows.iter_mut().for_each(|p| p.end_direct(substeps));
-        } else {
-            self.bodies.copy_from_slice(&self.exact.start);
-            self.rows.iter_mut().for_each(PointRows::restore_impulses);
-            self.rows.iter_mut().for_each(|p| p.total = 0.0);
-        }
-        is_solved
     }
 
     /// Adds the impulses of the sub-step that is over to the step's.
@@ -369,8 +331,7 @@ impl IslandProblem<'_> {
         let SubstepSettings { config, h, .. } = settings;
         if config.method == Method::Exact {
             self.keep_free_velocities();
-            effort.hit_cap |= !self.solve_exactly(settings, effort);
-            return;
+            return self.solve_exactly(config, effort);
         }
         let Self { rows, bodies, .. } = self;
         let softness = Softness::new(config, *h);
@@ -385,22 +346,35 @@ impl IslandProblem<'_> {
     }
 
     fn keep_free_velocities(&mut self) {
-        self.exact.free.clear();
-        self.exact.free.extend_from_slice(self.bodies);
+        self.scratch.free.clear();
+        self.scratch.free.extend_from_slice(self.bodies);
     }
 
-    /// Returns whether the answer is as precise as asked for.
-    fn solve_exactly(&mut self, settings: &SubstepSettings, effort: &mut Effort) -> bool {
+    /// Solves to rounding from the free velocities. What cannot be certified (there may be no solution with friction) is not
+    /// used: sweeps, which never gain energy, have the word then.
+    fn solve_exactly(&mut self, config: &SolverConfig, effort: &mut Effort) {
+        let start = &mut self.scratch.start;
+        start.clear();
+        start.extend(self.rows.iter().map(PointRows::impulses));
         let certificate = exact::solve(
             self.rows,
             self.bodies,
             self.inverse_inertia,
-            settings.config.friction_model,
-            settings.precision,
-            &mut self.exact.scratch,
+            config,
+            &mut self.scratch.exact,
         );
         effort.sweeps += certificate.iterations;
-        certificate.converged
+        if !certificate.converged {
+            self.bodies.copy_from_slice(&self.scratch.free);
+            for (point, start) in self.rows.iter_mut().zip(&self.scratch.start) {
+                point.set_impulses(*start);
+            }
+            pgs::apply_impulses(self.rows, self.bodies);
+            effort.sweep(UNCERTIFIED_SWEEPS, 0, None, || {
+                pgs::sweep(self.rows, self.bodies, &pgs::Hard, config.friction_model)
+            });
+            effort.hit_cap = true;
+        }
     }
 
     /// Solves the rows once more from the free velocities, with what they should have after the motion.
@@ -412,15 +386,39 @@ impl IslandProblem<'_> {
             point.normal.wanted = relaxed;
         }
         if difference > NEGLIGIBLE_SPEED {
-            self.bodies.copy_from_slice(&self.exact.free);
-            effort.hit_cap |= !self.solve_exactly(settings, effort);
+            self.bodies.copy_from_slice(&self.scratch.free);
+            self.solve_exactly(&settings.config, effort);
         }
     }
 
-    fn move_bodies(&mut self, h: f32) {
+    fn move_bodies(&mut self, settings: &SubstepSettings) {
+        let h = settings.h;
         for (q, v) in self.displacements.iter_mut().zip(self.bodies.iter()) {
             q.linear += h * v.linear;
             q.angular += h * v.angular;
+        }
+        if self.has_restitution {
+            self.correct_flight(settings);
+        }
+    }
+
+    /// Bodies that nothing pushes fly: `x += h v - h^2 g / 2` with the velocity after the sub-step is the parabola. A body that
+    /// rebounds low would lose height otherwise while it is near the ground.
+    fn correct_flight(&mut self, settings: &SubstepSettings) {
+        let is_pushed = &mut self.scratch.is_pushed;
+        is_pushed.clear();
+        is_pushed.resize(self.bodies.len(), false);
+        for point in self.rows.iter().filter(|p| p.normal.impulse > 0.0) {
+            for body in point.bodies {
+                is_pushed[body as usize] = true;
+            }
+        }
+        let fall = 0.5 * settings.h * settings.h * settings.gravity;
+        let bodies = self.bodies.iter().zip(is_pushed.iter());
+        for (q, (body, is_pushed)) in self.displacements.iter_mut().zip(bodies) {
+            if body.inverse_mass > 0.0 && !is_pushed {
+                q.linear -= fall;
+            }
         }
     }
 

@@ -28,27 +28,8 @@ const APPROACH_STEPS: u32 = 25;
 const IDLE_UPDATES: u32 = 15;
 /// Factorisations from one start.
 const MOST_FACTORS: u32 = 500;
-/// Updates of the multipliers by a polish to full precision.
-const POLISH_UPDATES: u32 = 40;
 /// Residual above which the multipliers are worth nothing: no solution exists, or none was found.
 const LOST: f64 = 1e-2;
-
-/// How far the solver goes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Precision {
-    /// To rounding in double precision, friction bounds and all, whatever it takes.
-    Full,
-    /// As far as a step of a simulation needs: a few rounds of friction bounds, short polishes. Cheap where the problem hardly
-    /// differs from the one solved before.
-    Step,
-}
-
-/// Updates of the multipliers by a polish that must be quick; the first ones bring all that a good start can give.
-const STEP_POLISH: u32 = 4;
-/// Times that friction bounds are taken from the normal multipliers then.
-const STEP_BOUNDS: u32 = 3;
-/// Residual that counts as solved then: it is the next problem's start.
-const STEP_GOAL: f64 = 1e-3;
 
 /// What the methods keep between calls.
 #[derive(Debug, Default)]
@@ -68,17 +49,13 @@ impl Driver {
         space: &mut impl VelocitySpace,
         rows: &mut Rows,
         lambda: &mut [f64],
-        precision: Precision,
     ) -> Certificate {
         rows.follow(lambda);
         rows.project(lambda);
         self.polish.begin(space, rows, lambda);
-        if precision == Precision::Step {
-            return self.solve_step(space, rows, lambda);
-        }
         if self.polish.residual > GOAL {
             if rows.law == Law::Frozen {
-                self.solve_frozen(space, rows, lambda, Precision::Full);
+                self.solve_frozen(space, rows, lambda);
             } else {
                 self.solve_coupled(space, rows, lambda);
             }
@@ -94,42 +71,12 @@ impl Driver {
         }
     }
 
-    /// Solves a problem from `lambda`, which is the solution of the step before.
-    fn solve_step(
-        &mut self,
-        space: &mut impl VelocitySpace,
-        rows: &mut Rows,
-        lambda: &mut [f64],
-    ) -> Certificate {
-        let mut residual = self.polish.residual;
-        for _ in 0..STEP_BOUNDS {
-            self.polish.run(space, rows, lambda, GOAL, STEP_POLISH);
-            lambda.copy_from_slice(&self.polish.best);
-            if self.polish.residual > STEP_GOAL {
-                self.solve_frozen(space, rows, lambda, Precision::Step);
-            }
-            rows.follow(lambda);
-            residual = self.polish.evaluate(space, rows, lambda);
-            if residual <= STEP_GOAL {
-                break;
-            }
-            rows.project(lambda);
-            self.polish.restart(space, rows, lambda);
-        }
-        Certificate {
-            residual,
-            iterations: self.polish.factors,
-            converged: residual <= STEP_GOAL,
-        }
-    }
-
     /// Solves the problem with the bounds as they are.
     fn solve_frozen(
         &mut self,
         space: &mut impl VelocitySpace,
         rows: &mut Rows,
         lambda: &mut [f64],
-        precision: Precision,
     ) {
         if self.polish.residual <= GOOD_START {
             self.polish.run(space, rows, lambda, GOAL);
@@ -155,8 +102,8 @@ impl Driver {
             }
             lambda.copy_from_slice(&self.centre);
             rows.project(lambda);
-            self.polish.run(space, rows, lambda, GOAL, updates);
-            if self.polish.residual <= accepted || gap <= LAST_GAP {
+            self.polish.run(space, rows, lambda, GOAL);
+            if self.polish.residual <= CERTIFIED || gap <= LAST_GAP {
                 break;
             }
             handover = NEXT_GAP * gap;
@@ -211,10 +158,10 @@ impl Driver {
             idle = if residual < 0.99 * best { 0 } else { idle + 1 };
             best = best.min(residual);
             let goal = GOAL.max(NEAR * NEAR * residual);
-            self.polish.run(space, rows, lambda, goal, POLISH_UPDATES);
+            self.polish.run(space, rows, lambda, goal);
             lambda.copy_from_slice(&self.polish.best);
             if self.polish.residual > NEAR * residual {
-                self.solve_frozen(space, rows, lambda, Precision::Full);
+                self.solve_frozen(space, rows, lambda);
             }
         }
     }

@@ -31,7 +31,6 @@ use crate::solver::{FrictionModel, SolverConfig};
 use blocks::{BodySpace, FIXED, MassRoot};
 use dense::DenseSpace;
 use driver::Driver;
-pub use driver::Precision;
 use glam::{Mat3, Vec3};
 use problem::{BodyProblem, Bounds, DenseProblem};
 use rows::{Law, Rows};
@@ -48,7 +47,7 @@ pub struct Certificate {
     pub residual: f64,
     /// Matrices that were factored: what the time goes into.
     pub iterations: u32,
-    /// Whether the residual is at most what was asked for; with full precision, [`CERTIFIED`].
+    /// Whether the residual is at most [`CERTIFIED`].
     pub converged: bool,
 }
 
@@ -77,12 +76,11 @@ pub fn solve(
     rows: &mut [PointRows],
     bodies: &mut [SolverBody],
     inverse_inertia: &[Mat3],
-    model: FrictionModel,
-    precision: Precision,
+    config: &SolverConfig,
     scratch: &mut ExactScratch,
 ) -> Certificate {
     scratch.take_bodies(rows, bodies, inverse_inertia);
-    scratch.take_rows(rows, bodies, model);
+    scratch.take_rows(rows, bodies, config.friction_model);
     let ExactScratch {
         space,
         rows: bounds,
@@ -90,7 +88,7 @@ pub fn solve(
         lambda,
         ..
     } = scratch;
-    let certificate = driver.solve(space, bounds, lambda, precision);
+    let certificate = driver.solve(space, bounds, lambda);
     for (point, lambda) in rows.iter_mut().zip(scratch.lambda.chunks_exact(3)) {
         let [t1, t2] = &mut point.tangents;
         for (row, lambda) in [&mut point.normal, t1, t2].into_iter().zip(lambda) {
@@ -132,12 +130,9 @@ pub fn solve_bodies(
         scratch.rows.friction.push(contact.friction);
     }
     scratch.rows.finish();
-    scratch.driver.solve(
-        &mut scratch.space,
-        &mut scratch.rows,
-        lambda,
-        Precision::Full,
-    )
+    scratch
+        .driver
+        .solve(&mut scratch.space, &mut scratch.rows, lambda)
 }
 
 /// Solves a problem given as a matrix; `lambda` (N s) is the start and the answer.
@@ -155,9 +150,7 @@ pub fn solve_dense(
     }
     rows.friction.extend_from_slice(&problem.friction);
     rows.finish();
-    scratch
-        .driver
-        .solve(&mut space, rows, lambda, Precision::Full)
+    scratch.driver.solve(&mut space, rows, lambda)
 }
 
 fn begin(rows: &mut Rows, per_contact: usize, bounds: &Bounds) {

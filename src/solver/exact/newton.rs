@@ -40,8 +40,8 @@ const RHO_MAX: f64 = 3e10;
 const NEWTON_STEPS: u32 = 5;
 /// Gradient, relative to the velocity change, at which the multipliers are updated.
 const GRADIENT: f64 = 0.1;
-/// Newton steps for springs that start from nothing.
-const SPRING_STEPS: u32 = 40;
+/// Updates of one polish.
+const UPDATES: u32 = 40;
 /// An update must bring the residual below this share of the last one, once `rho` is as large as it gets.
 const PAYS: f64 = 0.95;
 /// A polish that makes the residual this many times worse has started too far from the solution.
@@ -119,18 +119,17 @@ impl Polish {
         rows.residual(lambda, &self.w, dot(&self.impulse, &self.impulse).sqrt())
     }
 
-    /// Updates the multipliers, starting from `lambda`, at most `updates` times and for as long as it pays and the residual is above `goal`.
+    /// Updates the multipliers, starting from `lambda`, for as long as it pays and the residual is above `goal`.
     pub(super) fn run(
         &mut self,
         space: &mut impl VelocitySpace,
         rows: &Rows,
         lambda: &mut [f64],
         goal: f64,
-        updates: u32,
     ) {
         let mut rho = RHO_START;
         let mut last = self.evaluate(space, rows, lambda);
-        for _ in 0..updates {
+        for _ in 0..UPDATES {
             self.minimise(space, rows, lambda, rho, NEWTON_STEPS);
             lambda.copy_from_slice(&self.next);
             let residual = self.evaluate(space, rows, lambda);
@@ -157,7 +156,7 @@ impl Polish {
     ) {
         lambda.fill(0.0);
         self.w.copy_from_slice(&rows.free);
-        self.minimise(space, rows, lambda, RHO_START, SPRING_STEPS);
+        self.minimise(space, rows, lambda, RHO_START, UPDATES);
         lambda.copy_from_slice(&self.next);
     }
 
