@@ -10,6 +10,9 @@
 )]
 #![expect(clippy::print_stdout, reason = "the measured figures are the result")]
 
+#[path = "../dice/mod.rs"]
+mod dice;
+mod scene;
 #[path = "../scenes/structures.rs"]
 mod structures;
 mod support;
@@ -25,3 +28,15 @@ mod rolling;
 mod sliding;
 mod slopes;
 mod towers;
+
+mod bullet;
+mod cloud;
+mod far;
+mod fracture;
+mod overlap;
+mod painleve;
+mod redundant;
+mod sizes;
+mod slivers;
+mod spinning;
+mod warm_start;
