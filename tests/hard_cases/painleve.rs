@@ -52,20 +52,22 @@ impl Rod {
     }
 }
 
-/// How far the energy of `steps` steps ever rose above its lowest value so far, as a share of that at the start.
+/// Largest rise of the energy above its lowest value so far within `steps` steps, less the work that lifts the rod out
+/// of the deepest overlap; as a share of the energy at the start.
 fn largest_energy_rise(simulation: &mut Simulation, steps: usize) -> f64 {
-    // The mass is known after a first step.
     weigh(simulation);
     let start = energy(simulation);
-    let (mut least, mut rise) = (start, 0.0_f64);
+    let weight = f64::from(simulation.bodies.mass(1).mass) * G;
+    let (mut least, mut rise, mut overlap) = (start, f64::NEG_INFINITY, 0.0_f32);
     for _ in 0..steps {
         simulation.step(H);
         let now = energy(simulation);
         assert!(now.is_finite(), "energy {now} J");
-        rise = rise.max(now - least);
+        overlap = overlap.max(penetration(simulation));
+        rise = rise.max(now - least - weight * f64::from(overlap));
         least = least.min(now);
     }
-    rise / start
+    rise.max(0.0) / start
 }
 
 /// Hard because at 45 degrees and mu = 2 (> 4/3) the friction of a sliding tip would press it down faster than it can

@@ -87,7 +87,7 @@ fn slivers_at_rest_and_in_crossed_piles_do_not_spin_up() {
 }
 
 /// Energy of a sliver dropped from 1 m, tilted by 10 degrees and turned: most of it against that at the start.
-fn drop(edges: Vec3) -> f64 {
+fn drop(edges: Vec3) -> [f64; 2] {
     let mut simulation = with_floor(0.5);
     let mut desc = block(&shape_of(edges), Vec3::Y, 0.5);
     let tilt = 10.0_f32.to_radians();
@@ -103,17 +103,22 @@ fn drop(edges: Vec3) -> f64 {
         most = most.max(now / before);
     }
     let height = simulation.bodies.centre_of_mass(slot).y;
-    assert!((0.0..0.1).contains(&height), "lies at {height} m");
-    most
+    [most, f64::from(height)]
 }
 
 /// Hard because the tip meets the floor with a lever of half a metre and nearly no inertia to take it: the explicit
-/// gyroscopic term and a missed impact both blow up. Energy never passes that of the start by 1 %.
+/// gyroscopic term and a missed impact both blow up. Energy never passes that of the start by 1 %,
+/// and the sliver ends lying on the floor.
 #[test]
 fn dropped_slivers_gain_no_energy() {
     for (name, edges) in SLIVERS {
-        let most = drop(edges);
-        println!("21 {name} dropped: energy at most x {most:.5}");
+        let [most, height] = drop(edges);
+        println!("21 {name} dropped: energy at most x {most:.5}, lies at {height:.5} m");
         assert!(most < 1.01, "{name}: energy x {most}");
+        let flat = 0.5 * f64::from(edges.y);
+        assert!(
+            (height - flat).abs() < 0.5 * flat,
+            "{name}: lies at {height} m, not {flat} m"
+        );
     }
 }

@@ -90,19 +90,23 @@ fn up(tilt_rad: f32) -> f32 {
     (Quat::from_rotation_z(tilt_rad) * Vec3::X).y
 }
 
-/// Hard because the point of contact runs round the rim at 7.6 m/s, 2.6 corners of the disc in a step, while the disc
-/// hardly moves; rolling without loss it would keep its tilt (Euler's disc).
+/// Hard because the point of contact runs round the rim at 7.6 m/s while the disc hardly moves (Euler's disc). A round
+/// disc would keep its tilt; one of 64 corners falls on 145 of them in a second and loses 0.2 % of its energy each time:
+/// sin tilt x 0.695 is what steps of 1/15 360 s give, by both methods. In 1/960 s the point passes 0.15 corners; in 1/60 s
+/// it passes 2.6 of them, and only the energy is held to account.
 #[test]
-fn rolling_disc_keeps_its_tilt_for_a_second() {
-    for h in [H / 4.0, H] {
-        let [tilt, most_energy] = roll_disc(h);
-        println!(
-            "18 rolling disc, h {h:.5}: sin tilt x {tilt:.3}, energy at most x {most_energy:.5}"
-        );
-        assert!(most_energy < 1.001, "energy x {most_energy} at h {h}");
-        assert!(
-            (tilt - 1.0).abs() < 0.2,
-            "sin tilt x {tilt} after 1 s at h {h}"
-        );
+fn rolling_disc_loses_what_its_corners_cost() {
+    let [fine, middle, coarse] = [H / 16.0, H / 4.0, H].map(roll_disc);
+    println!(
+        "18 rolling disc: [sin tilt, largest energy] against the start: 1/960 s {fine:.4?}, 1/240 s {middle:.4?}, \
+         1/60 s {coarse:.4?}"
+    );
+    for [_, most_energy] in [fine, middle, coarse] {
+        assert!(most_energy < 1.001, "energy x {most_energy}");
     }
+    assert!(
+        (fine[0] / 0.695 - 1.0).abs() < 0.05,
+        "sin tilt x {} after 1 s",
+        fine[0]
+    );
 }
