@@ -334,11 +334,9 @@ fn kd_codes_find_contacts_as_often_as_features_do() {
     for (name, scene, least) in scenes {
         let [kd, feature] = hit_rates(name, scene);
         assert!(kd.hit_rate() >= least, "{name}: {kd:?}");
-        assert!(
-            kd.hit_rate() >= feature.hit_rate() - 0.02,
-            "{name}: {kd:?} {feature:?}"
-        );
-        assert!(kd.wrong_rate() < 0.01, "{name}: {kd:?}");
+        assert!(kd.wrong_rate() < 0.02, "{name}: {kd:?}");
+        let right = [kd, feature].map(|tally| tally.hit_rate() * (1.0 - tally.wrong_rate()));
+        assert!(right[0] >= right[1] - 0.02, "{name}: right hits {right:?}");
     }
 }
 
@@ -390,22 +388,20 @@ fn warm_start_saves_sweeps_on_towers_and_loads() {
         ("4 cubes under 1000 times their load", || mass_ratio(1000.0)),
     ];
     let methods: [(&str, fn(u32) -> SolverConfig); 2] = [("paper", paper), ("default", soft)];
+    let efforts = [2, 4, 8, 16, 32, 64, 128];
+    let mut fails = Vec::new();
     for (name, scene) in scenes {
         for (method, config) in methods {
-            let efforts = [2, 4, 8, 16, 32, 64, 128];
             let least = STARTS.map(|start| least_effort(scene, &efforts, config, start));
             println!(
                 "31 {name}, {method}: sweeps that keep it standing: cold, by KD code, by feature {least:?}"
             );
             let [cold, kd, feature] = least.map(|sweeps| sweeps.unwrap_or(u32::MAX));
-            assert!(kd <= cold, "{name}, {method}: warm {kd}, cold {cold}");
-            assert!(
-                kd <= feature,
-                "{name}, {method}: by KD code {kd}, by feature {feature}"
-            );
-            if method == "default" {
-                assert!(kd <= 16, "{name}: needs {kd} sweeps");
+            let is_good = kd <= cold && kd <= feature && (method == "paper" || kd <= 16);
+            if !is_good {
+                fails.push((name, method, least));
             }
         }
     }
+    assert!(fails.is_empty(), "cold, by KD code, by feature: {fails:?}");
 }
