@@ -324,7 +324,8 @@ fn hit_rates(name: &str, scene: fn() -> Simulation) -> [Tally; 2] {
 /// is somebody else's multiplier.
 #[test]
 fn kd_codes_find_contacts_as_often_as_features_do() {
-    let scenes: [(&str, fn() -> Simulation, f64); 5] = [
+    type Scene = (&'static str, fn() -> Simulation, f64);
+    let scenes: [Scene; 5] = [
         ("tower of 10 at rest", || simulation(tower(10)), 0.99),
         ("sliding cubes", sliding_cubes, 0.98),
         ("rolling prism", rolling_prism, 0.7),
@@ -381,13 +382,15 @@ fn soft(sweeps: u32) -> SolverConfig {
 /// and the load stand. In two dimensions a column of 10 fell cold at up to 32 sweeps and stood warm at 8.
 #[test]
 fn warm_start_saves_sweeps_on_towers_and_loads() {
-    let scenes: [(&str, fn() -> Vec<BodyDesc>); 4] = [
+    type Scene = (&'static str, fn() -> Vec<BodyDesc>);
+    type Way = (&'static str, fn(u32) -> SolverConfig);
+    let scenes: [Scene; 4] = [
         ("tower of 10", || tower(10)),
         ("tower of 40", || tower(40)),
         ("4 cubes under 100 times their load", || mass_ratio(100.0)),
         ("4 cubes under 1000 times their load", || mass_ratio(1000.0)),
     ];
-    let methods: [(&str, fn(u32) -> SolverConfig); 2] = [("paper", paper), ("default", soft)];
+    let methods: [Way; 2] = [("paper", paper), ("default", soft)];
     let efforts = [2, 4, 8, 16, 32, 64, 128];
     let mut fails = Vec::new();
     for (name, scene) in scenes {
