@@ -76,14 +76,18 @@ fn unrest(simulation: &mut Simulation) -> [f32; 2] {
 /// effective mass. At rest nothing may turn at 0.1 rad/s within 10 s.
 #[test]
 fn slivers_at_rest_and_in_crossed_piles_do_not_spin_up() {
+    let mut fails = Vec::new();
     for (name, edges) in SLIVERS {
         for layers in [1, 4] {
             let [spin, moved] = unrest(&mut crossed_pile(edges, layers));
             println!("21 {name}, {layers} layers: omega <= {spin:.2e} rad/s, moved {moved:.2e} m");
-            assert!(spin < 0.1, "{name}, {layers} layers: {spin} rad/s");
-            assert!(moved < 0.005, "{name}, {layers} layers: moved {moved} m");
+            let is_at_rest = spin < 0.1 && moved < 0.005;
+            if !is_at_rest {
+                fails.push((name, layers, spin, moved));
+            }
         }
     }
+    assert!(fails.is_empty(), "layers, rad/s, m moved: {fails:?}");
 }
 
 /// Energy of a sliver dropped from 1 m, tilted by 10 degrees and turned: most of it against that at the start.
@@ -111,14 +115,18 @@ fn drop(edges: Vec3) -> [f64; 2] {
 /// and the sliver ends lying on the floor.
 #[test]
 fn dropped_slivers_gain_no_energy() {
+    let mut fails = Vec::new();
     for (name, edges) in SLIVERS {
         let [most, height] = drop(edges);
         println!("21 {name} dropped: energy at most x {most:.5}, lies at {height:.5} m");
-        assert!(most < 1.01, "{name}: energy x {most}");
         let flat = 0.5 * f64::from(edges.y);
-        assert!(
-            (height - flat).abs() < 0.5 * flat,
-            "{name}: lies at {height} m, not {flat} m"
-        );
+        let lies = (height - flat).abs() < 0.5 * flat;
+        if !(lies && most < 1.01) {
+            fails.push((name, most, height));
+        }
     }
+    assert!(
+        fails.is_empty(),
+        "energy over that of the start, m of height: {fails:?}"
+    );
 }
