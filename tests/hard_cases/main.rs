@@ -14,4 +14,14 @@
 mod structures;
 mod support;
 
+mod arch;
+mod bounce;
+mod cards;
+mod corbel;
+mod dominoes;
+mod flight;
+mod pyramid;
+mod rolling;
 mod sliding;
+mod slopes;
+mod towers;
