@@ -61,9 +61,10 @@ fn dzhanibekov_box_keeps_momentum_and_energy_and_flips_for_a_minute() {
     );
     assert!(worst_l < 1e-3, "|L| changed by {worst_l}");
     assert!(worst_e < 1e-2, "energy changed by {worst_e}");
-    let flips = crossings.len();
-    assert!((20..=24).contains(&flips), "{flips} flips, not 22");
-    let first = crossings[0];
+    // Rounding decides how near to the middle axis each flip ends, and with that when the next one comes.
+    assert!(crossings.len() >= 22, "{} flips, not 22", crossings.len());
+    let (first, last) = (crossings[0], crossings[crossings.len() - 1]);
+    assert!(last > 56.0, "the last flip came after {last} s");
     assert!(
         (first / 1.59136 - 1.0).abs() < 0.02,
         "first flip after {first} s"

@@ -153,3 +153,20 @@ pub(crate) fn discrete_stop(speed: f64, deceleration: f64, h: f64) -> f64 {
 pub(crate) fn substep(config: &SolverConfig, h: f32) -> f64 {
     f64::from(h) / f64::from(config.substeps)
 }
+
+/// The value between `falls` and `stands` at which a structure begins to stand, to a sixteenth of the way between them; both ends
+/// must do as they are called.
+pub(crate) fn threshold(falls: f64, stands: f64, does_stand: impl Fn(f64) -> bool) -> f64 {
+    assert!(does_stand(stands), "falls at {stands}");
+    assert!(!does_stand(falls), "stands at {falls}");
+    let (mut low, mut high) = (falls, stands);
+    for _ in 0..3 {
+        let middle = 0.5 * (low + high);
+        if does_stand(middle) {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    0.5 * (low + high)
+}

@@ -65,21 +65,32 @@ fn worst_load(simulation: &Simulation) -> f64 {
     errors.fold(0.0, f64::max)
 }
 
-/// Hard because the light cubes must carry what they cannot push back: the rate of every sweep falls with the ratio of
-/// the masses. At rest each contact carries the weight above it, and nothing sinks.
+/// Asserts that four cubes under one of `factor` their mass move by less than `sag` (m) in 10 s, and carry what they must.
+fn assert_carried(factor: f32, sag: f32) {
+    let mut simulation = simulation(mass_ratio(factor));
+    let seen = stand(&mut simulation, 10.0);
+    let load = worst_load(&simulation);
+    println!(
+        "case 7: x{factor}: moved {:.2} mm, penetration {:.2} mm, load {load:.1e} off, kinetic energy {:.1e} J",
+        1e3 * seen.moved,
+        1e3 * seen.penetration,
+        seen.kinetic_energy
+    );
+    assert!(seen.moved < sag, "x{factor}: {seen:?}");
+    assert!(load < 0.01, "x{factor}: a contact carries {load} off");
+}
+
+/// Hard because light cubes must carry what they cannot push back: the rate of every sweep falls with the ratio of the
+/// masses. At rest each contact carries the weight above it, and nothing sinks; the bars are 1 % of the size at 100 times
+/// the mass and 2 % at 1000 times.
 #[test]
-fn light_cubes_carry_a_heavy_one() {
-    for (factor, sag) in [(0.01, 0.002), (100.0, 0.01), (1000.0, 0.02)] {
-        let mut simulation = simulation(mass_ratio(factor));
-        let seen = stand(&mut simulation, 10.0);
-        let load = worst_load(&simulation);
-        println!(
-            "case 7: x{factor}: moved {:.2} mm, penetration {:.2} mm, load {load:.1e} off, kinetic energy {:.1e} J",
-            1e3 * seen.moved,
-            1e3 * seen.penetration,
-            seen.kinetic_energy
-        );
-        assert!(seen.moved < sag, "x{factor}: {seen:?}");
-        assert!(load < 0.01, "x{factor}: a contact carries {load} off");
-    }
+fn light_cubes_carry_a_hundred_times_their_mass() {
+    assert_carried(100.0, 0.01);
+}
+
+/// As with a hundred times the mass, and the trap that a solver tuned to it may lose what is easy: a light cube on top.
+#[test]
+fn light_cubes_carry_a_thousand_times_their_mass_and_a_hundredth() {
+    assert_carried(0.01, 0.002);
+    assert_carried(1000.0, 0.02);
 }

@@ -295,13 +295,13 @@ pub(crate) fn dominoes(count: usize) -> Vec<BodyDesc> {
     std::iter::once(floor(0.6)).chain(row).collect()
 }
 
-/// A regular prism of circumradius 1 m that lies across a slope of `degrees` on a side and turns downhill about the front
+/// A regular prism of circumradius 1 m, 2 m long so that it keeps its course, that lies across a slope of `degrees` on a side and turns downhill about the front
 /// edge of that side with `rate` (rad/s), friction 1.
 pub(crate) fn rolling_prism(sides: u32, degrees: f64, rate: f32) -> Vec<BodyDesc> {
     let half_angle = std::f64::consts::PI / f64::from(sides);
     let down = -std::f64::consts::FRAC_PI_2;
     let corners = (0..sides).map(|k| DVec2::from_angle(down + half_angle * f64::from(2 * k + 1)));
-    let (shape, _) = extruded(&corners.collect::<Vec<_>>(), 0.5);
+    let (shape, _) = extruded(&corners.collect::<Vec<_>>(), 2.0);
     let front = DVec2::from_angle(half_angle);
     let mut bodies = slope(&shape, front.x as f32, 1.0, degrees, 0.0);
     let body = &mut bodies[1];
