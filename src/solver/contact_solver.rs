@@ -18,9 +18,6 @@ const TURN: f32 = 0.01;
 /// rows of their contact follow it.
 const TRAVEL: f32 = 0.02;
 
-/// Travel, as a share of the least extent, from which two bodies may pass through each other within a step.
-const FAST_TRAVEL: f32 = 1.0;
-
 /// The rows of a step and the working copies of the bodies they join; buffers are reused.
 ///
 /// Bodies lie island by island, so that an island's sub-steps run in a few contiguous slices.
@@ -186,8 +183,9 @@ impl ContactSolver {
                 inverse_mass: bodies.velocity[i].inverse_mass,
                 inverse_inertia: bodies.inverse_inertia[i],
             });
-            let extent = bodies.least_extent[slots[0]].min(bodies.least_extent[slots[1]]);
-            let motion = Travel::of(slots.map(|i| &bodies.velocity[i]), extent, settings.step());
+            let extents = slots.map(|i| bodies.least_extent[i]);
+            let extent = extents[0].min(extents[1]);
+            let motion = Travel::of(slots.map(|i| &bodies.velocity[i]), extents, settings.step());
             demand.is_fast |= motion.is_fast;
             if motion.is_noticeable {
                 self.moving.push(MovingManifold {
@@ -293,18 +291,18 @@ fn carrier(slots: [usize; 2], bodies: &Bodies) -> usize {
 struct Travel {
     /// So far that the rows between them must follow.
     is_noticeable: bool,
-    /// So far that their contact points are good for one impact only.
+    /// Farther than both are thick: they may pass through each other.
     is_fast: bool,
 }
 
 impl Travel {
-    /// `extent`: the smaller body's least extent, m; `step`, s.
-    fn of([a, b]: [&SolverBody; 2], extent: f32, step: f32) -> Self {
+    /// `extents`: least extents of the bodies, m; `step`, s.
+    fn of([a, b]: [&SolverBody; 2], extents: [f32; 2], step: f32) -> Self {
         let turn = step * a.angular.length().max(b.angular.length());
         let way = step * (b.linear - a.linear).length();
         Self {
-            is_noticeable: turn > TURN || way > TRAVEL * extent,
-            is_fast: way > FAST_TRAVEL * extent,
+            is_noticeable: turn > TURN || way > TRAVEL * extents[0].min(extents[1]),
+            is_fast: way > extents[0] + extents[1],
         }
     }
 }

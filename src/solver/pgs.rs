@@ -16,6 +16,10 @@ use glam::Vec2;
 
 /// Where a sweep moves the normal impulse of a point to, before it is clipped.
 pub trait NormalRule {
+    /// Whether the normal of a point is solved before its friction, which then ends within its bounds; else
+    /// non-penetration has the last word.
+    const NORMAL_FIRST: bool = false;
+
     /// The impulse that the rule asks for, N s, where the normal velocity is `velocity`, m/s.
     fn wish(&self, point: &PointRows, velocity: f32) -> f32;
 }
@@ -77,7 +81,11 @@ fn relax_all<R: NormalRule>(
     for point in rows {
         let [a, b] = pair(bodies, point.bodies);
         let mut contact = PointOnBodies { point, a, b, rule };
-        change = change.max(relax(&mut contact, &friction));
+        change = change.max(if R::NORMAL_FIRST {
+            relax_normal_first(&mut contact, &friction)
+        } else {
+            relax(&mut contact, &friction)
+        });
     }
     change
 }
@@ -149,6 +157,21 @@ pub fn relax<C: ContactRows>(contact: &mut C, friction: impl Fn(&mut C) -> C::Re
     }
     let wish = contact.normal_wish();
     contact.move_to(0, wish.max(C::Real::ZERO)).max(change)
+}
+
+/// The same with the normal before its friction.
+#[inline]
+fn relax_normal_first<C: ContactRows>(
+    contact: &mut C,
+    friction: impl Fn(&mut C) -> C::Real,
+) -> C::Real {
+    let wish = contact.normal_wish();
+    let change = contact.move_to(0, wish.max(C::Real::ZERO));
+    if contact.has_friction() {
+        change.max(friction(contact))
+    } else {
+        change
+    }
 }
 
 /// The impulse with which the velocity along a row is zero, all others being as they are.

@@ -66,6 +66,9 @@ impl NormalRule for Softness {
 struct Relaxed;
 
 impl NormalRule for Relaxed {
+    // The normal impulse falls by what pushed overlap out; friction must not keep the bound that came with it.
+    const NORMAL_FIRST: bool = true;
+
     #[inline]
     fn wish(&self, point: &PointRows, velocity: f32) -> f32 {
         let row = &point.normal;

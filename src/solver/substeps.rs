@@ -26,8 +26,14 @@ use glam::{Mat3, Quat, Vec3};
 /// Rebounds are solved until no row changes by more than this share of the fastest one.
 const REBOUND_TOLERANCE: f32 = 1e-5;
 
+/// Most sweeps where bodies may pass through each other: no later sub-step makes up for what is left.
+const FAST_SWEEPS: u32 = 256;
+
 /// Sweeps where the exact method has no answer.
 const UNCERTIFIED_SWEEPS: u32 = 200;
+
+/// Turn within a sub-step, rad, up to which rows that have been solved may be pointed anew.
+const MOST_TURN: f32 = 0.05;
 
 /// Velocity of position feedback, m/s, that is not worth taking out again.
 const NEGLIGIBLE_SPEED: f32 = 1e-4;
@@ -173,8 +179,14 @@ impl SubstepSettings {
             // A number that is not finite becomes one end of the range.
             (parts.ceil() as u32).clamp(config.substeps, config.max_substeps.max(config.substeps))
         };
+        let max_sweeps = if demand.is_fast {
+            config.max_sweeps.max(FAST_SWEEPS)
+        } else {
+            config.max_sweeps
+        };
         let config = SolverConfig {
             substeps,
+            max_sweeps,
             ..*config
         };
         Self::new(config, self.gravity, step)
@@ -192,7 +204,7 @@ impl IslandProblem<'_> {
         let mut effort = Effort::default();
         for substep in 0..settings.config.substeps {
             if substep > 0 {
-                self.follow_motion();
+                self.follow_motion(f32::INFINITY);
                 self.add_impulses();
             }
             self.apply_gravity(settings);
@@ -213,7 +225,7 @@ impl IslandProblem<'_> {
         self.move_bodies(settings);
         if is_hit {
             // What follows acts where the bodies are now: blows are large enough to matter for the angular momentum.
-            self.follow_motion();
+            self.follow_motion(MOST_TURN / settings.h);
         }
         self.relax(settings, tolerance, effort);
         if is_hit {
@@ -451,13 +463,19 @@ impl IslandProblem<'_> {
     ///
     /// A contact point stays at its place on the carrier, and both bodies see the impulse there, or it would change the total
     /// angular momentum. The gap is what lies between the two anchors, each turned with its own body.
-    fn follow_motion(&mut self) {
+    ///
+    /// Manifolds of bodies that turn faster than `most` (rad/s) are left as they are: impulses that have acted along the old
+    /// rows could not be taken back along the new ones.
+    fn follow_motion(&mut self, most: f32) {
         for moving in self.moving {
             let manifold = &self.manifolds[moving.manifold as usize];
             let first = moving.first as usize;
             let pair = self.rows[first].bodies;
             let turns = [0, 1].map(|side| self.turn_of(pair[side], moving.turning[side]));
             let [i, j] = pair.map(|b| b as usize);
+            if self.bodies[i].angular.length() > most || self.bodies[j].angular.length() > most {
+                continue;
+            }
             let sides = [i, j].map(|k| Side {
                 inverse_mass: self.bodies[k].inverse_mass,
                 inverse_inertia: self.inverse_inertia[k],
