@@ -63,7 +63,9 @@ pub struct StepReport {
     pub cache: CacheStats,
     /// Errors of the solution; only with [`SolverConfig::measure_error`].
     pub error: Option<StepError>,
-    /// The islands, with [`SolverConfig::measure_islands`] or [`SolverConfig::tolerance`]; empty otherwise.
+    /// One body each of the islands in which a sub-step ended above the tolerance, by slot.
+    pub capped: Vec<u32>,
+    /// The islands; only with [`SolverConfig::measure_islands`].
     #[cfg_attr(feature = "reflect", reflect(ignore))]
     pub islands: Vec<IslandReport>,
     /// Bodies that were left out since the last step, with the reason, by slot.
@@ -306,23 +308,25 @@ pub fn fracture(
 
 fn report_islands(contacts: &Contacts, config: &SolverConfig, report: &mut StepReport) {
     report.islands.clear();
-    if !config.measure_islands && config.tolerance.is_none() {
-        return;
-    }
-    report
-        .islands
-        .extend(contacts.solver.islands().map(|island| {
-            let movable = island.bodies.iter().position(|b| b.inverse_mass > 0.0);
+    report.capped.clear();
+    for island in contacts.solver.islands() {
+        let movable = island.bodies.iter().position(|b| b.inverse_mass > 0.0);
+        let slot = island.slots[movable.unwrap_or(0)];
+        if island.effort.hit_cap {
+            report.capped.push(slot);
+        }
+        if config.measure_islands {
             let residual = || ResidualSum::of(island.rows, island.bodies, config).residual();
-            IslandReport {
-                slot: island.slots[movable.unwrap_or(0)],
+            report.islands.push(IslandReport {
+                slot,
                 bodies: island.bodies.len(),
                 contacts: island.rows.len(),
                 sweeps: island.effort.sweeps,
                 hit_cap: island.effort.hit_cap,
                 residual: config.measure_error.then(residual),
-            }
-        }));
+            });
+        }
+    }
 }
 
 fn measure_error(

@@ -188,20 +188,24 @@ impl ContactSolver {
             let motion = Travel::of(slots.map(|i| &bodies.velocity[i]), extents, settings.step());
             demand.is_fast |= motion.is_fast;
             if motion.is_noticeable {
+                let carrier = carrier(slots, bodies);
                 self.moving.push(MovingManifold {
                     manifold: index,
                     first: (self.rows.len() - first) as u32,
                     turning: pair.map(|body| self.place[body as usize]),
-                    carrier: carrier(slots, bodies),
+                    carrier,
+                    clearance: motion.is_fast.then_some(0.5 * extents[carrier]),
                 });
             }
-            let slop = settings.config.slop * extent;
+            let slop = settings.config.slop;
+            // What has just landed bears at least its own weight.
+            let mut load = settings.gravity.length() * settings.step();
             for point in manifold.points() {
-                let rows = PointRows::new(manifold, point, pair, [a, b], slop);
-                let load = rows.normal.impulse * rows.normal.diagonal;
-                demand.load = demand.load.max(load / extent);
+                let rows = PointRows::new(manifold, point, pair, [a, b], extent, slop);
+                load = load.max(rows.normal.impulse * rows.normal.diagonal);
                 self.rows.push(rows);
             }
+            demand.load = demand.load.max(load / extent);
         }
         demand
     }

@@ -92,8 +92,9 @@ pub struct SolverConfig {
     pub friction_model: FrictionModel,
     /// Start each solve from the multipliers in the [`ContactCache`](crate::contact::cache::ContactCache).
     pub warm_start: bool,
-    /// Largest velocity change, m/s, that a sweep may still make when the sweeps of a sub-step end. With it, each island goes
-    /// on until it is met or [`max_sweeps`](Self::max_sweeps) are done, and the report lists the islands.
+    /// Largest velocity change, m/s, that a sweep may still make to bodies of 1 m when the sweeps of a sub-step end; for other
+    /// sizes it grows with the square root of the least extent, as speeds under gravity do. Each island goes on until it is met
+    /// or [`max_sweeps`](Self::max_sweeps) are done. `None`: no more sweeps than the least numbers.
     pub tolerance: Option<f32>,
     /// Most sweeps of a sub-step, before and after the bodies move each, with a [`tolerance`](Self::tolerance).
     pub max_sweeps: u32,

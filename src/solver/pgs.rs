@@ -57,7 +57,8 @@ pub fn apply_impulses(rows: &[PointRows], bodies: &mut [SolverBody]) {
     }
 }
 
-/// One pass over all rows; returns the largest velocity change that a row made, m/s.
+/// One pass over all rows; returns the largest velocity change that a row made, in units of its
+/// [speed scale](PointRows::speed_scale).
 pub fn sweep(
     rows: &mut [PointRows],
     bodies: &mut [SolverBody],
@@ -81,11 +82,12 @@ fn relax_all<R: NormalRule>(
     for point in rows {
         let [a, b] = pair(bodies, point.bodies);
         let mut contact = PointOnBodies { point, a, b, rule };
-        change = change.max(if R::NORMAL_FIRST {
+        let of_point = if R::NORMAL_FIRST {
             relax_normal_first(&mut contact, &friction)
         } else {
             relax(&mut contact, &friction)
-        });
+        };
+        change = change.max(of_point * contact.point.speed_scale);
     }
     change
 }

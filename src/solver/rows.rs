@@ -112,6 +112,9 @@ pub struct PointRows {
     pub separation: f32,
     /// Overlap that is left alone, m.
     pub slop: f32,
+    /// What a velocity is multiplied with to compare it with those of other sizes, `(extent / 1 m)^(-1/2)`: under gravity all
+    /// speeds grow with the square root of the size.
+    pub speed_scale: f32,
     /// Whether the normal row gives way (see [`soft_step`](super::soft_step)) in this sub-step.
     pub is_soft: bool,
     /// Normal velocity that the point should have after the bodies have moved; 0 if it does not rebound, m/s.
@@ -124,11 +127,16 @@ pub struct PointRows {
 
 impl PointRows {
     /// The rows of a point, with the impulses of a whole step from where the last one left off.
+    ///
+    /// - `bodies`: numbers within the island
+    /// - `extent`: the smaller body's least extent, m
+    /// - `slop`: share of the extent by which bodies may overlap
     pub fn new(
         manifold: &Manifold,
         point: &ContactPoint,
         bodies: [u32; 2],
         sides: [Side; 2],
+        extent: f32,
         slop: f32,
     ) -> Self {
         let mut rows = Self {
@@ -138,7 +146,8 @@ impl PointRows {
             friction: manifold.friction,
             restitution: manifold.restitution,
             separation: point.separation,
-            slop,
+            slop: slop * extent,
+            speed_scale: 1.0 / extent.sqrt(),
             is_soft: false,
             rebound: 0.0,
             before: [0.0; 3],

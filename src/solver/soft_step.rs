@@ -88,7 +88,7 @@ pub fn relaxed_velocity(point: &PointRows) -> f32 {
     }
 }
 
-/// One sweep with soft contacts; returns the largest velocity change of a row, m/s.
+/// One sweep with soft contacts; returns the largest velocity change, as [`pgs::sweep`].
 pub fn sweep(
     rows: &mut [PointRows],
     bodies: &mut [SolverBody],
@@ -98,7 +98,7 @@ pub fn sweep(
     pgs::sweep(rows, bodies, softness, config.friction_model)
 }
 
-/// One sweep after the bodies have moved; returns the largest velocity change of a row, m/s.
+/// One sweep after the bodies have moved; returns the largest velocity change, as [`pgs::sweep`].
 pub fn relax(rows: &mut [PointRows], bodies: &mut [SolverBody], config: &SolverConfig) -> f32 {
     pgs::sweep(rows, bodies, &Relaxed, config.friction_model)
 }

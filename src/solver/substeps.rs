@@ -19,7 +19,7 @@ use super::rows::{PointRows, Side};
 use super::soft_step::{self, Softness};
 use super::spin::Spin;
 use super::{Method, SolverConfig, pgs};
-use crate::contact::manifold::Manifold;
+use crate::contact::manifold::{ContactPoint, Manifold};
 use crate::math::rotate_by;
 use glam::{Mat3, Quat, Vec3};
 
@@ -62,6 +62,8 @@ pub struct MovingManifold {
     pub turning: [Option<u32>; 2],
     /// Which of the two bodies the contact points move with: 0 for A, 1 for B.
     pub carrier: usize,
+    /// If the two may pass through each other in the step: half the least extent of the carrier, m.
+    pub clearance: Option<f32>,
 }
 
 /// All that the sub-steps of an island read and write.
@@ -249,7 +251,7 @@ impl IslandProblem<'_> {
         }
     }
 
-    /// Fills the wanted velocities; returns the fastest rebound, m/s.
+    /// Fills the wanted velocities; returns the fastest rebound, scaled to a size of 1 m, m/s.
     fn set_targets(&mut self, settings: &SubstepSettings) -> f32 {
         let SubstepSettings { config, h, .. } = settings;
         let softness = Softness::new(config, *h);
@@ -276,7 +278,8 @@ impl IslandProblem<'_> {
         }
     }
 
-    /// Finds the points that hit in this sub-step, and how fast they leave; returns the fastest, m/s.
+    /// Finds the points that hit in this sub-step, and how fast they leave; returns the fastest,
+    /// scaled to a size of 1 m, m/s.
     ///
     /// A point hits if the free motion closes its gap `s` within the sub-step. The speed at that moment follows from
     /// energy: `v^2 = v_0^2 + 2 a s` with the acceleration `a` of the gap. It leaves with `e v` from where the gap is closed.
@@ -310,7 +313,7 @@ impl IslandProblem<'_> {
                     let before = speed(point) - acceleration * h;
                     let squared = before * before + 2.0 * acceleration * gap(point);
                     point.rebound = point.restitution * squared.max(0.0).sqrt();
-                    fastest = fastest.max(point.rebound);
+                    fastest = fastest.max(point.rebound * point.speed_scale);
                 }
                 if config.relax_sweeps == 0 {
                     point.normal.wanted = point.normal.wanted.max(point.rebound);
@@ -411,6 +414,35 @@ impl IslandProblem<'_> {
         }
         if self.has_restitution {
             self.correct_flight(settings);
+        }
+        self.keep_in_front();
+    }
+
+    /// Stops the centre of a fast body in front of the face that it was in front of.
+    ///
+    /// The rows hold the points that were nearest at the start of the step. A thin body that hits with one corner turns at
+    /// thousands of radians per second, and no frozen row sees the rest of it come round.
+    fn keep_in_front(&mut self) {
+        for moving in self.moving {
+            let Some(clearance) = moving.clearance else {
+                continue;
+            };
+            let manifold = &self.manifolds[moving.manifold as usize];
+            let pair = self.rows[moving.first as usize].bodies;
+            let [a, b] = pair.map(|body| self.displacements[body as usize].linear);
+            let away = [-manifold.normal, manifold.normal][moving.carrier];
+            let height = |point: &ContactPoint| {
+                let anchor = [point.anchor_a, point.anchor_b][moving.carrier];
+                0.5 * point.separation - away.dot(anchor)
+            };
+            let before = manifold.points().iter().map(height);
+            let before = before.fold(f32::INFINITY, f32::min);
+            let after = before + manifold.normal.dot(b - a);
+            let least = before.min(clearance);
+            if before > 0.0 && after < least {
+                let body = pair[moving.carrier] as usize;
+                self.displacements[body].linear += (least - after) * away;
+            }
         }
     }
 
