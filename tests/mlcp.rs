@@ -255,7 +255,7 @@ fn two_columns() -> (Vec<PointRows>, Vec<SolverBody>, Vec<Mat3>) {
                 ..*point
             };
             let pair = [manifold.a, manifold.b];
-            rows.push(PointRows::new(manifold, &cold, pair, sides, 0.0, 1));
+            rows.push(PointRows::new(manifold, &cold, pair, sides, 1.0, 0.0));
         }
     }
     (rows, bodies, inertia)

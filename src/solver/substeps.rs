@@ -26,6 +26,9 @@ use glam::{Mat3, Quat, Vec3};
 /// Rebounds are solved until no row changes by more than this share of the fastest one.
 const REBOUND_TOLERANCE: f32 = 1e-5;
 
+/// Share of the fastest body's speed that a sub-step need not be more precise than.
+const MOVING_TOLERANCE: f32 = 0.01;
+
 /// Most sweeps where bodies may pass through each other: no later sub-step makes up for what is left.
 const FAST_SWEEPS: u32 = 256;
 
@@ -108,11 +111,28 @@ pub struct Effort {
     pub sweeps: u32,
     /// Whether a sub-step ended above the tolerance.
     pub hit_cap: bool,
+    /// Sweeps beyond the least numbers that are left for this step, and for this sub-step: evenly, for sub-steps that are
+    /// more precise than the next ones shake a stack.
+    spare: u32,
+    share: u32,
 }
 
 impl Effort {
+    /// For an island with the given number of points.
+    fn new(config: &SolverConfig, points: usize) -> Self {
+        Self {
+            spare: config.spare_updates / (points as u32).max(1),
+            ..Self::default()
+        }
+    }
+
+    /// Begins a sub-step, with `to_go` of them left.
+    fn begin(&mut self, to_go: u32) {
+        self.share = self.spare / to_go;
+    }
+
     /// Sweeps at least `least` times, then until `sweep` changes no velocity by more than `tolerance`, but not more often than
-    /// `most`.
+    /// `most`, nor than is left for the step.
     fn sweep(
         &mut self,
         least: u32,
@@ -122,11 +142,14 @@ impl Effort {
     ) {
         let mut change = 0.0;
         let mut done = 0;
+        let most = most.min(least + self.share);
         while done < least || tolerance.is_some_and(|t| change > t) && done < most {
             change = sweep();
             done += 1;
         }
         self.sweeps += done;
+        self.share -= done - least;
+        self.spare -= done - least;
         self.hit_cap |= tolerance.is_some_and(|t| change > t);
     }
 }
@@ -203,12 +226,13 @@ impl SubstepSettings {
 impl IslandProblem<'_> {
     /// Advances the island by a step.
     pub fn solve(&mut self, settings: &SubstepSettings) -> Effort {
-        let mut effort = Effort::default();
+        let mut effort = Effort::new(&settings.config, self.rows.len());
         for substep in 0..settings.config.substeps {
             if substep > 0 {
                 self.follow_motion(f32::INFINITY);
                 self.add_impulses();
             }
+            effort.begin(settings.config.substeps - substep);
             self.apply_gravity(settings);
             self.solve_substep(settings, &mut effort);
         }
@@ -222,7 +246,7 @@ impl IslandProblem<'_> {
         if is_hit {
             self.rows.iter_mut().for_each(PointRows::save_impulses);
         }
-        let tolerance = tolerance(&settings.config, fastest);
+        let tolerance = tolerance(&settings.config, self.rows, self.bodies, fastest);
         self.solve_rows(settings, tolerance, effort);
         self.move_bodies(settings);
         if is_hit {
@@ -385,7 +409,7 @@ impl IslandProblem<'_> {
                 point.set_impulses(*start);
             }
             pgs::apply_impulses(self.rows, self.bodies);
-            effort.sweep(UNCERTIFIED_SWEEPS, 0, None, || {
+            effort.sweep(UNCERTIFIED_SWEEPS, UNCERTIFIED_SWEEPS, None, || {
                 pgs::sweep(self.rows, self.bodies, &pgs::Hard, config.friction_model)
             });
             effort.hit_cap = true;
@@ -543,10 +567,20 @@ impl IslandProblem<'_> {
     }
 }
 
-/// The tolerance of a sub-step, m/s: the user's, and that of its rebounds, the fastest of which has the speed `fastest`.
-fn tolerance(config: &SolverConfig, fastest: f32) -> Option<f32> {
-    let of_rebounds = (fastest > 0.0).then_some(REBOUND_TOLERANCE * fastest);
-    match (config.tolerance, of_rebounds) {
+/// The tolerance of a sub-step, m/s: the user's or, where bodies move, a share of the speed of the fastest; or that of its
+/// rebounds, the fastest of which has the speed `rebound`.
+fn tolerance(
+    config: &SolverConfig,
+    rows: &[PointRows],
+    bodies: &[SolverBody],
+    rebound: f32,
+) -> Option<f32> {
+    let squares = bodies.iter().map(|body| body.linear.length_squared());
+    let scales = rows.iter().map(|point| point.speed_scale);
+    let fastest = squares.fold(0.0, f32::max).sqrt() * scales.fold(f32::INFINITY, f32::min);
+    let asked = config.tolerance.map(|t| t.max(MOVING_TOLERANCE * fastest));
+    let of_rebounds = (rebound > 0.0).then_some(REBOUND_TOLERANCE * rebound);
+    match (asked, of_rebounds) {
         (Some(a), Some(b)) => Some(a.min(b)),
         (a, b) => a.or(b),
     }
