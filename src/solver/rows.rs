@@ -165,15 +165,21 @@ impl PointRows {
     }
 
     /// Points the rows along the normal and its tangents at the ends of the anchors; wanted velocity and impulses stay.
+    /// Without friction the tangents are left empty.
     pub fn set_geometry(&mut self, normal: Vec3, anchors: [Vec3; 2], sides: [Side; 2]) {
-        let [t1, t2] = tangents(normal);
-        let [first, second] = &mut self.tangents;
-        for (row, direction) in [(&mut self.normal, normal), (first, t1), (second, t2)] {
+        let geometry = |row: &mut Row, direction| {
             *row = Row {
                 wanted: row.wanted,
                 impulse: row.impulse,
                 ..Row::new(direction, anchors, sides)
             };
+        };
+        geometry(&mut self.normal, normal);
+        if self.friction > 0.0 {
+            let directions = tangents(normal);
+            for (row, direction) in self.tangents.iter_mut().zip(directions) {
+                geometry(row, direction);
+            }
         }
     }
 

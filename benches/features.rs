@@ -1,0 +1,112 @@
+//! What a scene pays for a feature: one step of the same settled heap with it and without it.
+#![allow(
+    missing_docs,
+    reason = "criterion's macros make undocumented functions"
+)]
+
+#[path = "../tests/scenes/mod.rs"]
+mod scenes;
+
+use bevy_cleave::prelude::*;
+use criterion::{Criterion, criterion_group, criterion_main};
+use glam::Vec3;
+
+/// Length of a step, s.
+const H: f32 = 1.0 / 60.0;
+
+/// Bodies of the heap.
+const BODIES: usize = 200;
+
+/// A heap whose bodies are made by `change`, 10 s after it was let go.
+fn settled(change: impl Fn(&mut BodyDesc), config: SolverConfig) -> Simulation {
+    let mut simulation = Simulation {
+        config,
+        ..Default::default()
+    };
+    for mut desc in scenes::heap(BODIES) {
+        if desc.kind == RigidBody::Dynamic {
+            change(&mut desc);
+        }
+        simulation.bodies.insert(desc).expect("usable");
+    }
+    for _ in 0..600 {
+        simulation.step(H);
+    }
+    simulation
+}
+
+fn bench(c: &mut Criterion, name: &str, mut simulation: Simulation) {
+    c.bench_function(&format!("feature/{name}"), |b| {
+        b.iter(|| simulation.step(H))
+    });
+}
+
+fn features(c: &mut Criterion) {
+    let default = SolverConfig::default();
+    let with = |change: &dyn Fn(&mut SolverConfig)| {
+        let mut config = default;
+        change(&mut config);
+        settled(|_| {}, config)
+    };
+    bench(c, "none", with(&|_| {}));
+    bench(c, "no_friction", {
+        let slippery = Friction::new(0.0).with_combine(CombineRule::Min);
+        settled(|desc| desc.friction = slippery, default)
+    });
+    bench(
+        c,
+        "box_friction",
+        with(&|config| config.friction_model = FrictionModel::Box),
+    );
+    bench(
+        c,
+        "restitution",
+        settled(|desc| desc.restitution = Restitution::new(0.3), default),
+    );
+    bench(c, "fracturable", {
+        let unbroken = Fracturable::with_strength(f32::MAX);
+        settled(|desc| desc.fracturable = Some(unbroken.clone()), default)
+    });
+    bench(
+        c,
+        "no_warm_start",
+        with(&|config| config.warm_start = false),
+    );
+    bench(c, "no_tolerance", with(&|config| config.tolerance = None));
+    bench(
+        c,
+        "measure_error",
+        with(&|config| config.measure_error = true),
+    );
+    bench(
+        c,
+        "measure_islands",
+        with(&|config| {
+            config.measure_error = true;
+            config.measure_islands = true;
+        }),
+    );
+    bench(c, "paper", settled(|_| {}, SolverConfig::paper()));
+}
+
+/// Free bodies that spin: those with one moment about all axes pay nothing for their rotation.
+fn spin(c: &mut Criterion) {
+    for (name, edges) in [("cubes", Vec3::ONE), ("plates", Vec3::new(1.0, 0.5, 0.2))] {
+        let mut simulation = Simulation::default();
+        let shape = ConvexMesh::cuboid(edges.x, edges.y, edges.z).expect("valid size");
+        for i in 0..BODIES {
+            let mut desc = BodyDesc::dynamic(shape.clone(), 3.0 * i as f32 * Vec3::X);
+            desc.angular_velocity = Vec3::new(0.1, 5.0, 0.1);
+            simulation.bodies.insert(desc).expect("usable");
+        }
+        simulation.gravity = Gravity(Vec3::ZERO);
+        bench(c, &format!("spinning_{name}"), simulation);
+    }
+}
+
+criterion_group! {
+    name = benches;
+    config = Criterion::default().sample_size(30);
+    targets = features, spin
+}
+criterion_main!(benches);
