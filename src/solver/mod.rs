@@ -2,7 +2,7 @@
 //!
 //! [`bodies`] holds the flat arrays of state and [`body`] what goes into them. A step starts in [`contact_solver`]: it finds
 //! [`islands`], turns their contacts into [`rows`] of the problem that [`mlcp`] states, and runs the [`substeps`] of each,
-//! with [`soft_step`] or [`pgs`] as method; [`spin`] is the free rotation in between. [`residual`] judges the result, and
+//! with [`soft_step`] or [`pgs`] as method and [`momentum`] where sweeps are many; [`spin`] is the free rotation in between. [`residual`] judges the result, and
 //! [`integrate`] puts the bodies where they got. Nothing here knows the ECS.
 
 pub mod bodies;
@@ -12,6 +12,7 @@ pub mod exact;
 pub mod integrate;
 pub mod islands;
 pub mod mlcp;
+pub mod momentum;
 pub mod pgs;
 pub mod residual;
 pub mod rows;

@@ -275,7 +275,7 @@ impl<R: NormalRule> ContactRows for PointOnBodies<'_, R> {
 
 /// The two bodies of a row. A manifold never joins a body with itself.
 #[inline]
-fn pair(bodies: &mut [SolverBody], slots: [u32; 2]) -> [&mut SolverBody; 2] {
+pub(super) fn pair(bodies: &mut [SolverBody], slots: [u32; 2]) -> [&mut SolverBody; 2] {
     bodies
         .get_disjoint_mut(slots.map(|s| s as usize))
         .expect("a manifold joins two different bodies")

@@ -15,6 +15,7 @@
 
 use super::bodies::SolverBody;
 use super::exact::{self, ExactScratch};
+use super::momentum::{Contacts, Momentum, PointContacts};
 use super::rows::{PointRows, Side};
 use super::soft_step::{self, Softness};
 use super::spin::Spin;
@@ -96,6 +97,7 @@ pub struct IslandProblem<'a> {
 #[derive(Debug, Default)]
 pub struct IslandScratch {
     exact: ExactScratch,
+    momentum: Momentum<f32, SolverBody>,
     /// By body: whether a contact pushes it.
     is_pushed: Vec<bool>,
     /// Impulses that the exact method starts from, by point.
@@ -131,20 +133,25 @@ impl Effort {
         self.share = self.spare / to_go;
     }
 
-    /// Sweeps at least `least` times, then until `sweep` changes no velocity by more than `tolerance`, but not more often than
-    /// `most`, nor than is left for the step.
+    /// Sweeps `least` times, then with [`momentum`](super::momentum) until a sweep changes no velocity by more than `tolerance`,
+    /// but not more than `most` times in all, nor than is left for the step.
     fn sweep(
         &mut self,
-        least: u32,
-        most: u32,
+        [least, most]: [u32; 2],
         tolerance: Option<f32>,
-        mut sweep: impl FnMut() -> f32,
+        contacts: &mut impl Contacts<Real = f32, Velocity = SolverBody>,
+        momentum: &mut Momentum<f32, SolverBody>,
     ) {
         let mut change = 0.0;
         let mut done = 0;
         let most = most.min(least + self.share);
+        momentum.restart();
         while done < least || tolerance.is_some_and(|t| change > t) && done < most {
-            change = sweep();
+            change = if done < least {
+                contacts.sweep()
+            } else {
+                momentum.sweep(contacts)
+            };
             done += 1;
         }
         self.sweeps += done;
@@ -372,16 +379,17 @@ impl IslandProblem<'_> {
             self.keep_free_velocities();
             return self.solve_exactly(config, effort);
         }
-        let Self { rows, bodies, .. } = self;
         let softness = Softness::new(config, *h);
-        pgs::apply_impulses(rows, bodies);
-        effort.sweep(config.sweeps, config.max_sweeps, tolerance, || {
+        pgs::apply_impulses(self.rows, self.bodies);
+        let sweep = |rows: &mut [PointRows], bodies: &mut [SolverBody]| {
             if config.method == Method::SoftStep {
                 soft_step::sweep(rows, bodies, &softness, config)
             } else {
                 pgs::sweep(rows, bodies, &pgs::Hard, config.friction_model)
             }
-        });
+        };
+        let number = [config.sweeps, config.max_sweeps];
+        self.sweep(number, tolerance, config, sweep, effort);
     }
 
     fn keep_free_velocities(&mut self) {
@@ -409,9 +417,10 @@ impl IslandProblem<'_> {
                 point.set_impulses(*start);
             }
             pgs::apply_impulses(self.rows, self.bodies);
-            effort.sweep(UNCERTIFIED_SWEEPS, UNCERTIFIED_SWEEPS, None, || {
-                pgs::sweep(self.rows, self.bodies, &pgs::Hard, config.friction_model)
-            });
+            for _ in 0..UNCERTIFIED_SWEEPS {
+                pgs::sweep(self.rows, self.bodies, &pgs::Hard, config.friction_model);
+            }
+            effort.sweeps += UNCERTIFIED_SWEEPS;
             effort.hit_cap = true;
         }
     }
@@ -498,10 +507,30 @@ impl IslandProblem<'_> {
         if config.method == Method::Exact {
             return self.relax_exactly(settings, effort);
         }
-        let Self { rows, bodies, .. } = self;
-        effort.sweep(config.relax_sweeps, config.max_sweeps, tolerance, || {
+        let sweep = |rows: &mut [PointRows], bodies: &mut [SolverBody]| {
             soft_step::relax(rows, bodies, config)
-        });
+        };
+        let number = [config.relax_sweeps, config.max_sweeps];
+        self.sweep(number, tolerance, config, sweep, effort);
+    }
+
+    /// Solves the rows by sweeps; see [`Effort::sweep`].
+    fn sweep(
+        &mut self,
+        number: [u32; 2],
+        tolerance: Option<f32>,
+        config: &SolverConfig,
+        sweep: impl FnMut(&mut [PointRows], &mut [SolverBody]) -> f32,
+        effort: &mut Effort,
+    ) {
+        let mut contacts = PointContacts {
+            rows: self.rows,
+            bodies: self.bodies,
+            friction_model: config.friction_model,
+            sweep,
+        };
+        let momentum = &mut self.scratch.momentum;
+        effort.sweep(number, tolerance, &mut contacts, momentum);
     }
 
     /// Turns the bodies that spin, and their inertia with them.

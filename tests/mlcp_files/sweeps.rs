@@ -5,6 +5,7 @@
 
 use super::{File, Reference};
 use bevy_cleave::solver::exact::problem::Bounds;
+use bevy_cleave::solver::momentum::{Contacts, Momentum};
 use bevy_cleave::solver::pgs::{self, ContactRows};
 
 /// A method of sweeps. One unit of work is one update of every row.
@@ -12,26 +13,12 @@ use bevy_cleave::solver::pgs::{self, ContactRows};
 pub(crate) enum Method {
     /// Projected Gauss-Seidel.
     Pgs,
-    /// Nonsmooth nonlinear conjugate gradients around it; the iterate with the least residual counts.
-    ///
-    /// Silcowitz-Hansen, Niebe, Erleben, "A Nonsmooth Nonlinear Conjugate Gradient Method for Interactive Contact Force
-    /// Problems", The Visual Computer 26, 2010.
-    Nncg,
-    /// As many sub-steps as there are sweeps. Each adds its share of `b` and starts from the impulses of the one before.
-    Substeps(Clip),
-}
-
-/// What the bounds of a sub-step are for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Clip {
-    /// The impulses of each sub-step, which may have its share of the bounds.
-    EachSubstep,
-    /// The sum of the impulses of all sub-steps so far, which may have the share of the time that has passed.
-    ///
-    /// With `k` of `n` sub-steps over and `mu_k = n / k` times the sum of their impulses, starting from the impulses of the
-    /// sub-step before is `mu_k + (k - 1) / (k + 1) (mu_k - mu_(k-1))`: Gauss-Seidel with the momentum of Nesterov's
-    /// accelerated gradients.
-    RunningTotal,
+    /// What the default method does with the rows of a sub-step until they are within its tolerance: the first sweep plain,
+    /// those that follow with momentum, by the source of the run time.
+    Momentum,
+    /// As many sub-steps as there are sweeps, as the default method takes them where one sweep each is enough: each adds its
+    /// share of `b`, starts from the impulses of the one before and may have its share of the bounds.
+    Substeps,
 }
 
 /// `lambda` and `w = A lambda - b` of a problem.
@@ -125,26 +112,50 @@ impl<'a> State<'a> {
     fn move_to(&mut self, lambda: &[f64]) {
         (0..self.len()).for_each(|i| self.move_row(i, lambda[i]));
     }
+}
 
-    fn sweep(&mut self) {
-        for first in (0..self.len()).step_by(self.per_contact) {
-            let state = &mut *self;
-            if state.per_contact == 3 {
-                pgs::relax(&mut Contact::<2> { state, first }, pgs::friction_in_box);
-            } else {
-                pgs::relax(&mut Contact::<1> { state, first }, pgs::friction_in_box);
-            }
+impl Contacts for State<'_> {
+    type Real = f64;
+    type Velocity = f64;
+
+    fn count(&self) -> usize {
+        self.len() / self.per_contact
+    }
+
+    fn impulses(&self, contact: usize) -> [f64; 3] {
+        let mut impulses = [0.0; 3];
+        let rows = &self.lambda[contact * self.per_contact..][..self.per_contact];
+        impulses[..self.per_contact].copy_from_slice(rows);
+        impulses
+    }
+
+    fn velocities(&mut self) -> &mut [f64] {
+        &mut self.w
+    }
+
+    fn ahead(now: f64, last: f64, weight: f64) -> f64 {
+        now + weight * (now - last)
+    }
+
+    fn place(&mut self, contact: usize, impulses: [f64; 3]) {
+        let first = contact * self.per_contact;
+        for (i, wish) in (first..first + self.per_contact).zip(impulses) {
+            self.lambda[i] = wish;
+            self.move_row(i, wish.max(self.lo[i]).min(self.hi[i]));
         }
     }
 
-    /// Square of the natural map in the mass norm.
-    fn residual(&self) -> f64 {
-        let row = |i: usize| {
-            let (l, a) = (self.lambda[i], self.diagonal(i));
-            let r = l - (l - self.w[i] / a).max(self.lo[i]).min(self.hi[i]);
-            r * r * a
-        };
-        (0..self.len()).map(row).sum()
+    fn sweep(&mut self) -> f64 {
+        let mut change = 0.0_f64;
+        for first in (0..self.len()).step_by(self.per_contact) {
+            let state = &mut *self;
+            change = change.max(if state.per_contact == 3 {
+                pgs::relax(&mut Contact::<2> { state, first }, pgs::friction_in_box)
+            } else {
+                pgs::relax(&mut Contact::<1> { state, first }, pgs::friction_in_box)
+            });
+        }
+        change
     }
 }
 
@@ -170,28 +181,41 @@ pub(crate) fn errors(
     let whole = || State::new(file, reference, a, 1.0);
     let error = |lambda: &[f64]| velocity_error(a, lambda, reference);
     match method {
-        Method::Pgs => pgs_errors(whole(), start, sweeps, error),
-        Method::Nncg => nncg_errors(whole(), start, sweeps, error),
-        Method::Substeps(clip) => {
+        Method::Pgs => errors_of_sweeps(whole(), start, sweeps, error, |state, _| {
+            state.sweep();
+        }),
+        Method::Momentum => {
+            let mut momentum = Momentum::default();
+            errors_of_sweeps(whole(), start, sweeps, error, |state, k| {
+                if k == 1 {
+                    state.sweep();
+                } else {
+                    momentum.sweep(state);
+                }
+            })
+        }
+        Method::Substeps => {
             let run = |&n: &usize| {
                 let state = State::new(file, reference, a, 0.0);
-                error(&sum_of_substeps(state, &file.b, start, n, clip))
+                error(&sum_of_substeps(state, &file.b, start, n))
             };
             sweeps.iter().map(run).collect()
         }
     }
 }
 
-fn pgs_errors(
+/// `sweep` is told the number of the sweep, from 1.
+fn errors_of_sweeps(
     mut state: State,
     start: &[f64],
     sweeps: &[usize],
     error: impl Fn(&[f64]) -> f64,
+    mut sweep: impl FnMut(&mut State, usize),
 ) -> Vec<f64> {
     state.move_to(start);
     let mut errors = Vec::new();
     for k in 1..=*sweeps.last().expect("sorted list") {
-        state.sweep();
+        sweep(&mut state, k);
         if sweeps.contains(&k) {
             errors.push(error(&state.lambda));
         }
@@ -199,79 +223,28 @@ fn pgs_errors(
     errors
 }
 
-fn nncg_errors(
-    mut state: State,
-    start: &[f64],
-    sweeps: &[usize],
-    error: impl Fn(&[f64]) -> f64,
-) -> Vec<f64> {
-    state.move_to(start);
-    let n = state.len();
-    let (mut errors, mut direction) = (Vec::new(), vec![0.0; n]);
-    let (mut best, mut least) = (start.to_vec(), f64::INFINITY);
-    let mut old_square = 0.0;
-    for k in 1..=*sweeps.last().expect("sorted list") {
-        let old = state.lambda.clone();
-        state.sweep();
-        let residual = state.residual();
-        if residual < least {
-            least = residual;
-            best.copy_from_slice(&state.lambda);
-        }
-        if sweeps.contains(&k) {
-            errors.push(error(&best));
-        }
-        // What the sweep changed is the negative gradient; its length is taken in the mass norm.
-        let change: Vec<f64> = (0..n).map(|i| state.lambda[i] - old[i]).collect();
-        let square: f64 = (0..n)
-            .map(|i| change[i] * change[i] * state.diagonal(i))
-            .sum();
-        let beta = square / old_square;
-        old_square = square;
-        if k == 1 {
-            direction = change;
-        } else if beta <= 1.0 {
-            let step = |i: usize| state.lambda[i] + beta * direction[i];
-            let next: Vec<f64> = (0..n).map(step).collect();
-            state.move_to(&next);
-            (0..n).for_each(|i| direction[i] = beta * direction[i] + change[i]);
-        } else {
-            direction.fill(0.0);
-        }
-    }
-    errors
-}
-
 /// `n` sub-steps of one sweep; returns the sum of their impulses.
-fn sum_of_substeps(mut state: State, b: &[f64], start: &[f64], n: usize, clip: Clip) -> Vec<f64> {
+fn sum_of_substeps(mut state: State, b: &[f64], start: &[f64], n: usize) -> Vec<f64> {
     let share = 1.0 / n as f64;
-    let (lo, hi) = (state.lo.clone(), state.hi.clone());
+    let bounds = state.lo.iter_mut().chain(&mut state.hi);
+    bounds.for_each(|bound| *bound *= share);
     let mut total = vec![0.0; b.len()];
     let mut warm: Vec<f64> = start.iter().map(|l| l * share).collect();
-    for k in 1..=n {
-        let passed = match clip {
-            Clip::EachSubstep => 1.0,
-            Clip::RunningTotal => k as f64,
-        };
-        for i in 0..b.len() {
-            state.w[i] -= share * b[i];
-            state.lo[i] = passed * share * lo[i];
-            state.hi[i] = passed * share * hi[i];
-        }
-        // The velocities keep what earlier impulses did; only what the bounds are for differs.
-        match clip {
-            Clip::EachSubstep => state.lambda.fill(0.0),
-            Clip::RunningTotal => state.lambda.copy_from_slice(&total),
-        }
-        let before = state.lambda.clone();
-        let next = (0..b.len()).map(|i| (before[i] + warm[i]).max(state.lo[i]).min(state.hi[i]));
-        let next: Vec<f64> = next.collect();
+    for _ in 0..n {
+        let rows = state.w.iter_mut().zip(b);
+        rows.for_each(|(w, b)| *w -= share * b);
+        // The velocities keep what earlier impulses did.
+        state.lambda.fill(0.0);
+        let bounds = state.lo.iter().zip(&state.hi);
+        let clipped = warm
+            .iter()
+            .zip(bounds)
+            .map(|(l, (lo, hi))| l.max(*lo).min(*hi));
+        let next: Vec<f64> = clipped.collect();
         state.move_to(&next);
         state.sweep();
-        for i in 0..b.len() {
-            warm[i] = state.lambda[i] - before[i];
-            total[i] += warm[i];
-        }
+        warm.copy_from_slice(&state.lambda);
+        total.iter_mut().zip(&warm).for_each(|(sum, l)| *sum += l);
     }
     total
 }
