@@ -256,7 +256,7 @@ fn box_that_lands_flat_breaks_by_every_pattern() {
             let mut desc = BodyDesc::dynamic(shape, Vec3::new(0.0, 3.0, 0.0));
             desc.fracturable = Some(Fracturable {
                 pattern,
-                ..Fracturable::with_strength(20.0)
+                ..Fracturable::with_strength(10.0)
             });
             simulation.bodies.insert(desc).expect("usable");
             for _ in 0..60 {
@@ -305,7 +305,7 @@ fn mesh_that_rides_in_a_body_is_cut_with_it() {
     desc.fracturable = Some(Fracturable {
         cut_colour: Some(pale),
         generations: 2,
-        ..Fracturable::with_strength(20.0)
+        ..Fracturable::with_strength(10.0)
     });
     simulation.bodies.insert(desc).expect("usable");
     for _ in 0..90 {
