@@ -1,15 +1,16 @@
-//! One picture for each scene: error over time.
+//! Pictures: error over time for each scene, share of solved problems over work and over time.
 
+use crate::files::{Files, LEVELS};
 use crate::support::Error;
 use crate::support::chart::{Axis, Chart, Mark, Note, Series, draw};
 use crate::sweep::{Point, Sweep, method_name};
 use bevy_cleave::prelude::*;
 use std::path::Path;
 
-pub(crate) const BLUE: [u8; 3] = [31, 102, 173];
-pub(crate) const ORANGE: [u8; 3] = [206, 92, 20];
-pub(crate) const GREEN: [u8; 3] = [38, 132, 84];
-pub(crate) const PURPLE: [u8; 3] = [126, 72, 160];
+const BLUE: [u8; 3] = [31, 102, 173];
+const ORANGE: [u8; 3] = [206, 92, 20];
+const GREEN: [u8; 3] = [38, 132, 84];
+const PURPLE: [u8; 3] = [126, 72, 160];
 const GREY: [u8; 3] = [150, 150, 150];
 
 fn look(method: Method) -> ([u8; 3], Mark) {
@@ -47,39 +48,40 @@ pub(crate) fn scene(folder: &Path, sweep: &Sweep) -> Result<(), Error> {
     for method in [Method::SoftStep, Method::Pgs, Method::Exact] {
         series.extend(method_series(sweep, method, at));
     }
-    let front = sweep.front();
-    let noted = [sweep.default(), sweep.paper()];
-    let notes = noted.into_iter().chain(front).chain(&sweep.points);
-    let notes = notes.enumerate().map(|(i, point)| Note {
-        at: at(point),
-        text: point.setting.name.clone(),
-        is_ringed: i == 0,
-    });
-    let mut notes: Vec<Note> = notes.collect();
-    let mut seen = Vec::new();
-    notes.retain(|note| {
-        let is_new = !seen.contains(&note.text);
-        seen.push(note.text.clone());
-        is_new
-    });
     let chart = Chart {
         title: scene.title.into(),
         caption: scene.measure.into(),
         x,
         y: y.clone(),
         series,
-        notes,
+        notes: notes(sweep, at),
         level: Some((scene.bar, "good".into())),
     };
     draw(folder.join(format!("{}.png", scene.key)), &chart)
 }
 
+/// Names of the points: the default's with a ring, the paper's, those that none beats, and those of the others that did not
+/// fail.
+fn notes(sweep: &Sweep, at: impl Fn(&Point) -> (f64, f64)) -> Vec<Note> {
+    let others = sweep.points.iter().filter(|p| p.error.is_some());
+    let first = [sweep.default(), sweep.paper()];
+    let points = first.into_iter().chain(sweep.front()).chain(others);
+    let mut notes: Vec<Note> = Vec::new();
+    for point in points {
+        let text = &point.setting.name;
+        if notes.iter().all(|note| note.text != *text) {
+            notes.push(Note {
+                at: at(point),
+                text: text.clone(),
+                is_ringed: notes.is_empty(),
+            });
+        }
+    }
+    notes
+}
+
 /// The points of a method: those with the disc of friction, those with the box, and those that failed.
-fn method_series(
-    sweep: &Sweep,
-    method: Method,
-    at: impl Fn(&Point) -> (f64, f64),
-) -> Vec<Series> {
+fn method_series(sweep: &Sweep, method: Method, at: impl Fn(&Point) -> (f64, f64)) -> Vec<Series> {
     let (colour, mark) = look(method);
     let of = |pick: &dyn Fn(&Point) -> bool| {
         let own = sweep.points.iter();
@@ -89,14 +91,24 @@ fn method_series(
     let is_box = |p: &Point| p.setting.config.friction_model == FrictionModel::Box;
     let name = method_name(method);
     let kinds = [
-        (name.into(), mark, true, of(&|p| p.error.is_some() && !is_box(p))),
+        (
+            name.into(),
+            mark,
+            true,
+            of(&|p| p.error.is_some() && !is_box(p)),
+        ),
         (
             format!("{name}, box friction"),
             mark,
             false,
             of(&|p| p.error.is_some() && is_box(p)),
         ),
-        (format!("{name}: failed"), Mark::Cross, true, of(&|p| p.error.is_none())),
+        (
+            format!("{name}: failed"),
+            Mark::Cross,
+            true,
+            of(&|p| p.error.is_none()),
+        ),
     ];
     let series = kinds.map(|(name, mark, is_filled, points)| Series {
         name,
@@ -106,5 +118,83 @@ fn method_series(
         line: 0,
         points,
     });
-    series.into_iter().filter(|s| !s.points.is_empty()).collect()
+    series
+        .into_iter()
+        .filter(|s| !s.points.is_empty())
+        .collect()
+}
+
+/// Colours of the iterative methods on files.
+const COLOURS: [[u8; 3]; 4] = [ORANGE, GREEN, [90, 160, 215], BLUE];
+
+/// Writes two pictures for each level of error: share of solved problems over sweeps, and over time.
+pub(crate) fn profiles(folder: &Path, files: &Files) -> Result<(), Error> {
+    for (i, level) in LEVELS.into_iter().enumerate() {
+        let curves = files.curves.iter();
+        let work = curves.clone().map(|curve| {
+            let sweeps = curve.cold.sweeps.iter().map(|&k| k as f64);
+            let points = sweeps.zip(curve.cold.shares(level)).collect();
+            (curve.name, points)
+        });
+        let x = |values| Axis::tight("sweeps: updates of each row", values);
+        let name = format!("work_{}.png", i + 1);
+        profile(&folder.join(name), level, x, work.collect())?;
+
+        let grid = grid(files);
+        let on_grid = |share: &dyn Fn(f64) -> f64| grid.iter().map(|&t| (t, share(t))).collect();
+        let mut time: Vec<_> = curves
+            .map(|curve| (curve.name, on_grid(&|t| curve.share(level, t))))
+            .collect();
+        time.push(("exact", on_grid(&|t| files.exact_share(t))));
+        let x = |values| Axis::tight("microseconds for each contact", values);
+        profile(&folder.join(format!("time_{}.png", i + 1)), level, x, time)?;
+    }
+    Ok(())
+}
+
+/// Times for the horizontal axis, microseconds for each contact.
+fn grid(files: &Files) -> Vec<f64> {
+    let least = files.times().fold(f64::INFINITY, f64::min);
+    let most = files.times().fold(0.0, f64::max);
+    let count = 120;
+    let at = |i: i32| least * (most / least).powf(f64::from(i) / f64::from(count));
+    (0..=count).map(at).collect()
+}
+
+type Curve<'a> = (&'a str, Vec<(f64, f64)>);
+
+fn profile(
+    path: &Path,
+    level: f64,
+    x: impl Fn(Vec<f64>) -> Axis,
+    curves: Vec<Curve<'_>>,
+) -> Result<(), Error> {
+    let values = curves.iter().flat_map(|c| &c.1).map(|p| p.0).collect();
+    let colours = COLOURS.into_iter().chain([PURPLE]);
+    let series = curves.into_iter().zip(colours);
+    let chart = Chart {
+        title: format!("Problems from files solved to a velocity error of {level}"),
+        caption: "from no impulses; error in the mass norm, relative to what the contacts do"
+            .into(),
+        x: x(values),
+        y: Axis {
+            label: "solved in %".into(),
+            low: 0.0,
+            high: 100.0,
+            is_log: false,
+        },
+        series: series
+            .map(|((name, points), colour)| Series {
+                name: name.into(),
+                colour,
+                mark: None,
+                is_filled: true,
+                line: 3,
+                points,
+            })
+            .collect(),
+        notes: Vec::new(),
+        level: None,
+    };
+    draw(path, &chart)
 }

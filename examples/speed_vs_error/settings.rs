@@ -85,7 +85,10 @@ pub(crate) fn all(size: Size) -> Vec<Setting> {
         friction_model: FrictionModel::Box,
         ..config
     };
-    list.push(setting("default, box", box_friction(SolverConfig::default())));
+    list.push(setting(
+        "default, box",
+        box_friction(SolverConfig::default()),
+    ));
     list.push(setting("soft 8x(1+1), box", box_friction(fixed(8, 1))));
     list.push(setting("pgs 16, box", box_friction(SolverConfig::paper())));
     list.extend([4, 256].map(|k| setting(format!("pgs {k}"), pgs(1, k))));

@@ -104,7 +104,7 @@ fn measure(scene: &Scene, setting: Setting) -> Point {
 pub(crate) fn method_name(method: Method) -> &'static str {
     match method {
         Method::SoftStep => "soft step",
-        Method::Pgs => "projected Gauss-Seidel",
+        Method::Pgs => "Gauss-Seidel",
         Method::Exact => "exact",
     }
 }

@@ -8,11 +8,11 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use std::path::Path;
 
-const WIDTH: i32 = 1280;
-const HEIGHT: i32 = 760;
+const WIDTH: i32 = 1200;
+const HEIGHT: i32 = 680;
 /// Edges of the plane of the axes, pixels.
 const LEFT: i32 = 120;
-const RIGHT: i32 = WIDTH - 300;
+const RIGHT: i32 = WIDTH - 280;
 const TOP: i32 = 84;
 const BOTTOM: i32 = HEIGHT - 84;
 /// Height of a line of text beside the marks, pixels.
@@ -161,7 +161,8 @@ pub fn draw(path: impl AsRef<Path>, chart: &Chart) -> Result<(), Error> {
 }
 
 fn pixel(chart: &Chart, (x, y): (f64, f64)) -> (i32, i32) {
-    let along = |share: f64, from: i32, to: i32| from + (share * f64::from(to - from)).round() as i32;
+    let along =
+        |share: f64, from: i32, to: i32| from + (share * f64::from(to - from)).round() as i32;
     (
         along(chart.x.place(x), LEFT, RIGHT),
         along(chart.y.place(y), BOTTOM, TOP),
@@ -190,25 +191,49 @@ fn line(
 fn draw_axes(area: &Area<'_>, chart: &Chart) -> Result<(), Error> {
     let middle = (LEFT + RIGHT) / 2;
     text(area, &chart.title, 30, (LEFT, 14), (HPos::Left, VPos::Top))?;
-    text(area, &chart.caption, 19, (LEFT, 50), (HPos::Left, VPos::Top))?;
+    text(
+        area,
+        &chart.caption,
+        19,
+        (LEFT, 50),
+        (HPos::Left, VPos::Top),
+    )?;
     let faint = |is_labelled: bool| BLACK.mix(if is_labelled { 0.22 } else { 0.07 });
     for (value, is_labelled) in chart.x.ticks() {
         let (x, _) = pixel(chart, (value, chart.y.low));
         line(area, vec![(x, TOP), (x, BOTTOM)], faint(is_labelled))?;
         if is_labelled {
-            text(area, &number(value), 19, (x, BOTTOM + 8), (HPos::Center, VPos::Top))?;
+            text(
+                area,
+                &number(value),
+                19,
+                (x, BOTTOM + 8),
+                (HPos::Center, VPos::Top),
+            )?;
         }
     }
     for (value, is_labelled) in chart.y.ticks() {
         let (_, y) = pixel(chart, (chart.x.low, value));
         line(area, vec![(LEFT, y), (RIGHT, y)], faint(is_labelled))?;
         if is_labelled {
-            text(area, &number(value), 19, (LEFT - 10, y), (HPos::Right, VPos::Center))?;
+            text(
+                area,
+                &number(value),
+                19,
+                (LEFT - 10, y),
+                (HPos::Right, VPos::Center),
+            )?;
         }
     }
     let frame = [(LEFT, TOP), (RIGHT, BOTTOM)];
     area.draw(&Rectangle::new(frame, BLACK)).map_err(plain)?;
-    text(area, &chart.x.label, 22, (middle, HEIGHT - 18), (HPos::Center, VPos::Bottom))?;
+    text(
+        area,
+        &chart.x.label,
+        22,
+        (middle, HEIGHT - 18),
+        (HPos::Center, VPos::Bottom),
+    )?;
     let turned = (FONT, 22)
         .into_font()
         .transform(FontTransform::Rotate270)
@@ -226,7 +251,13 @@ fn draw_level(area: &Area<'_>, chart: &Chart) -> Result<(), Error> {
     for x in (LEFT..RIGHT).step_by(14) {
         line(area, vec![(x, y), (x + 7, y)], BLACK.mix(0.6))?;
     }
-    text(area, name, 17, (RIGHT - 8, y - 3), (HPos::Right, VPos::Bottom))
+    text(
+        area,
+        name,
+        17,
+        (RIGHT - 8, y - 3),
+        (HPos::Right, VPos::Bottom),
+    )
 }
 
 fn draw_series(area: &Area<'_>, chart: &Chart, series: &Series) -> Result<(), Error> {
@@ -265,8 +296,16 @@ fn draw_mark(area: &Area<'_>, series: &Series, (x, y): (i32, i32)) -> Result<(),
         Some(Mark::Triangle) => outline(&[(-7, 5), (7, 5), (0, -8)]),
         Some(Mark::Square) => outline(&[(-5, -5), (5, -5), (5, 5), (-5, 5)]),
         Some(Mark::Cross) => {
-            line(area, vec![(x - 5, y - 5), (x + 5, y + 5)], colour.stroke_width(2))?;
-            line(area, vec![(x - 5, y + 5), (x + 5, y - 5)], colour.stroke_width(2))
+            line(
+                area,
+                vec![(x - 5, y - 5), (x + 5, y + 5)],
+                colour.stroke_width(2),
+            )?;
+            line(
+                area,
+                vec![(x - 5, y + 5), (x + 5, y - 5)],
+                colour.stroke_width(2),
+            )
         }
     }
 }
@@ -285,7 +324,8 @@ fn draw_notes(area: &Area<'_>, chart: &Chart) -> Result<(), Error> {
         let (x, y) = pixel(chart, note.at);
         if note.is_ringed {
             let ring = BLACK.stroke_width(2);
-            area.draw(&Circle::new((x, y), 2 * MARK, ring)).map_err(plain)?;
+            area.draw(&Circle::new((x, y), 2 * MARK, ring))
+                .map_err(plain)?;
         }
         let style = (FONT, 18).into_font().color(&BLACK);
         let (width, _) = area.estimate_text_size(&note.text, &style).map_err(plain)?;
@@ -293,7 +333,13 @@ fn draw_notes(area: &Area<'_>, chart: &Chart) -> Result<(), Error> {
             continue;
         };
         taken.push(place);
-        text(area, &note.text, 18, (place[0], place[1]), (HPos::Left, VPos::Top))?;
+        text(
+            area,
+            &note.text,
+            18,
+            (place[0], place[1]),
+            (HPos::Left, VPos::Top),
+        )?;
         // Words that had to go away from their point are tied to it.
         let nearest = (x.clamp(place[0], place[2]), y.clamp(place[1], place[3]));
         let away = (nearest.0 - x).abs().max((nearest.1 - y).abs());
@@ -340,7 +386,13 @@ fn draw_legend(area: &Area<'_>, chart: &Chart) -> Result<(), Error> {
             line(area, vec![(x - 16, y), (x + 16, y)], style)?;
         }
         draw_mark(area, series, (x, y))?;
-        text(area, &series.name, 19, (x + 24, y), (HPos::Left, VPos::Center))?;
+        text(
+            area,
+            &series.name,
+            19,
+            (x + 24, y),
+            (HPos::Left, VPos::Center),
+        )?;
     }
     Ok(())
 }
