@@ -173,9 +173,12 @@ impl Curve {
     }
 }
 
+/// Velocity error of the stored solutions, at most: what is below counts as this.
+pub(crate) const REFERENCE: f64 = 1e-10;
+
 /// Geometric mean and largest of the errors of all files after the `k`th number of sweeps.
 pub(crate) fn mean_and_worst(profile: &Profile, k: usize) -> [f64; 2] {
-    let errors = || profile.errors.iter().map(|e| e[k].max(f64::MIN_POSITIVE));
+    let errors = || profile.errors.iter().map(|e| e[k].max(REFERENCE));
     let mean = errors().map(f64::ln).sum::<f64>() / profile.errors.len() as f64;
     [mean.exp(), errors().fold(0.0, f64::max)]
 }

@@ -118,7 +118,7 @@ const fn structure(
 pub(crate) fn all() -> Vec<Scene> {
     let mut list = moving();
     list.extend([
-        structure("tower_40", "Tower of 40 cubes", Size::Medium, 5e-3, |run| {
+        structure("tower_40", "Tower of 40 cubes", Size::Small, 5e-3, |run| {
             run.rest(tower(40), 10.0)
         }),
         structure(
