@@ -249,7 +249,7 @@ fn draw_level(area: &Area<'_>, chart: &Chart) -> Result<(), Error> {
     };
     let (_, y) = pixel(chart, (chart.x.low, *value));
     for x in (LEFT..RIGHT).step_by(14) {
-        line(area, vec![(x, y), (x + 7, y)], BLACK.mix(0.6))?;
+        line(area, vec![(x, y), ((x + 7).min(RIGHT), y)], BLACK.mix(0.6))?;
     }
     text(
         area,
@@ -329,7 +329,8 @@ fn draw_notes(area: &Area<'_>, chart: &Chart) -> Result<(), Error> {
         }
         let style = (FONT, 18).into_font().color(&BLACK);
         let (width, _) = area.estimate_text_size(&note.text, &style).map_err(plain)?;
-        let Some(place) = free_place((x, y), width as i32, &taken) else {
+        let gap = if note.is_ringed { 3 } else { 2 } * MARK + 2;
+        let Some(place) = free_place((x, y), gap, width as i32, &taken) else {
             continue;
         };
         taken.push(place);
@@ -350,10 +351,9 @@ fn draw_notes(area: &Area<'_>, chart: &Chart) -> Result<(), Error> {
     Ok(())
 }
 
-/// A place for a word of `width` near a point.
-fn free_place((x, y): (i32, i32), width: i32, taken: &[Taken]) -> Option<Taken> {
-    let gap = 2 * MARK + 2;
-    let away = [gap, 2 * gap, 3 * gap, 5 * gap, 7 * gap];
+/// A place for a word of `width`, `gap` or little more from a point.
+fn free_place((x, y): (i32, i32), gap: i32, width: i32, taken: &[Taken]) -> Option<Taken> {
+    let away = [gap, 2 * gap, 3 * gap];
     let places = away.into_iter().flat_map(|gap| {
         let (right, left, middle) = (x + gap, x - gap - width, x - width / 2);
         let (above, below, beside) = (y - gap - LINE, y + gap, y - LINE / 2);
