@@ -320,6 +320,10 @@ fn draw_notes(area: &Area<'_>, chart: &Chart) -> Result<(), Error> {
             [x - MARK, y - MARK, x + MARK, y + MARK]
         })
         .collect();
+    if let Some((value, _)) = chart.level {
+        let (_, y) = pixel(chart, (chart.x.low, value));
+        taken.push([RIGHT - 4 * LINE, y - LINE, RIGHT, y]);
+    }
     for note in &chart.notes {
         let (x, y) = pixel(chart, note.at);
         if note.is_ringed {
