@@ -12,6 +12,7 @@
     reason = "pictures may differ in the last bit between platforms"
 )]
 
+pub mod chart;
 pub mod light;
 pub mod model;
 pub mod picture;

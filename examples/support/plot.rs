@@ -11,7 +11,7 @@ use std::path::Path;
 const WIDTH: usize = 1400;
 const TITLE_HEIGHT: usize = 56;
 const PANEL_HEIGHT: usize = 270;
-const FONT: &str = "sans-serif";
+pub(super) const FONT: &str = "sans-serif";
 const LINE_COLOURS: [RGBColor; 4] = [
     RGBColor(31, 102, 173),
     RGBColor(196, 78, 34),
@@ -42,9 +42,7 @@ impl Panel {
 
 /// Draws the panels one below the other over a common time axis.
 pub fn time_series(path: impl AsRef<Path>, title: &str, panels: &[Panel]) -> Result<(), Error> {
-    // An error here means that another font of that name is there already, which serves as well.
-    let _ =
-        plotters::style::register_font(FONT, FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT);
+    register_font();
     let mut picture = Picture::new(WIDTH, TITLE_HEIGHT + panels.len() * PANEL_HEIGHT, [255; 3]);
     {
         let size = (WIDTH as u32, picture.height as u32);
@@ -71,6 +69,13 @@ pub fn time_series(path: impl AsRef<Path>, title: &str, panels: &[Panel]) -> Res
         root.present().map_err(plain)?;
     }
     picture.save(path)
+}
+
+/// Makes the font of the plots known.
+pub(super) fn register_font() {
+    // An error here means that another font of that name is there already, which serves as well.
+    let _ =
+        plotters::style::register_font(FONT, FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT);
 }
 
 type Area<'a> = DrawingArea<BitMapBackend<'a>, Shift>;
@@ -143,7 +148,7 @@ fn range(values: impl Iterator<Item = f64>) -> Range<f64> {
 }
 
 /// A tick label: short, and never a row of zeros.
-fn number(value: f64) -> String {
+pub(super) fn number(value: f64) -> String {
     if value == 0.0 || (1e-3..1e5).contains(&value.abs()) {
         let text = format!("{value:.4}");
         text.trim_end_matches('0').trim_end_matches('.').to_string()
@@ -153,6 +158,6 @@ fn number(value: f64) -> String {
 }
 
 /// The error of the plot crate borrows the picture, so only its text can leave.
-fn plain(error: impl std::fmt::Display) -> Error {
+pub(super) fn plain(error: impl std::fmt::Display) -> Error {
     error.to_string().into()
 }

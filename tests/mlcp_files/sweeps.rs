@@ -7,6 +7,7 @@ use super::{File, Reference};
 use bevy_cleave::solver::exact::problem::Bounds;
 use bevy_cleave::solver::momentum::{Contacts, Momentum};
 use bevy_cleave::solver::pgs::{self, ContactRows};
+use std::time::Instant;
 
 /// A method of sweeps. One unit of work is one update of every row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,6 +25,8 @@ pub(crate) enum Method {
 /// `lambda` and `w = A lambda - b` of a problem.
 struct State<'a> {
     a: &'a [f64],
+    /// Of each column of `a` the rows and values that are not zero.
+    columns: Vec<Vec<(usize, f64)>>,
     per_contact: usize,
     lambda: Vec<f64>,
     w: Vec<f64>,
@@ -81,8 +84,13 @@ impl<'a> State<'a> {
         let Bounds::Frozen { lo, hi } = reference.bounds.clone() else {
             panic!("references have frozen bounds")
         };
+        let entries = |column: &[f64]| {
+            let entries = column.iter().copied().enumerate();
+            entries.filter(|(_, a)| *a != 0.0).collect()
+        };
         Self {
             a,
+            columns: a.chunks_exact(file.b.len()).map(entries).collect(),
             per_contact: file.rows_per_contact,
             lambda: vec![0.0; file.b.len()],
             w: file.b.iter().map(|b| -share * b).collect(),
@@ -103,9 +111,9 @@ impl<'a> State<'a> {
         let change = impulse - self.lambda[i];
         self.lambda[i] = impulse;
         if change != 0.0 {
-            let column = &self.a[i * self.w.len()..][..self.w.len()];
-            let rows = self.w.iter_mut().zip(column);
-            rows.for_each(|(w, a)| *w += a * change);
+            for &(row, a) in &self.columns[i] {
+                self.w[row] += a * change;
+            }
         }
     }
 
@@ -160,7 +168,7 @@ impl Contacts for State<'_> {
 }
 
 /// Velocity error in the mass norm, relative to the velocity change that the contacts make.
-fn velocity_error(a: &[f64], lambda: &[f64], reference: &Reference) -> f64 {
+pub(crate) fn velocity_error(a: &[f64], lambda: &[f64], reference: &Reference) -> f64 {
     let off = lambda.iter().zip(&reference.lambda);
     let off: Vec<f64> = off.map(|(x, y)| x - y).collect();
     let rows = a.chunks_exact(lambda.len()).zip(&off);
@@ -187,11 +195,7 @@ pub(crate) fn errors(
         Method::Momentum => {
             let mut momentum = Momentum::default();
             errors_of_sweeps(whole(), start, sweeps, error, |state, k| {
-                if k == 1 {
-                    state.sweep();
-                } else {
-                    momentum.sweep(state);
-                }
+                sweep_of_the_default(&mut momentum, state, k);
             })
         }
         Method::Substeps => {
@@ -201,6 +205,39 @@ pub(crate) fn errors(
             };
             sweeps.iter().map(run).collect()
         }
+    }
+}
+
+/// Microseconds of `sweeps` sweeps from `start`, without what prepares them.
+pub(crate) fn micros(method: Method, file: &File, a: &[f64], start: &[f64], sweeps: usize) -> f64 {
+    let reference = file.reference.as_ref().expect("solvable");
+    let is_whole = method != Method::Substeps;
+    let state = State::new(file, reference, a, f64::from(u8::from(is_whole)));
+    let first = |lambda: &[f64]| lambda[0];
+    let clock = Instant::now();
+    let found = match method {
+        Method::Pgs => errors_of_sweeps(state, start, &[sweeps], first, |state, _| {
+            state.sweep();
+        }),
+        Method::Momentum => {
+            let mut momentum = Momentum::default();
+            errors_of_sweeps(state, start, &[sweeps], first, |state, k| {
+                sweep_of_the_default(&mut momentum, state, k);
+            })
+        }
+        Method::Substeps => sum_of_substeps(state, &file.b, start, sweeps),
+    };
+    // So that none of it is left out by the compiler.
+    std::hint::black_box(found);
+    clock.elapsed().as_secs_f64() * 1e6
+}
+
+/// The first sweep plain, the others with momentum.
+fn sweep_of_the_default(momentum: &mut Momentum<f64, f64>, state: &mut State, k: usize) {
+    if k == 1 {
+        state.sweep();
+    } else {
+        momentum.sweep(state);
     }
 }
 
