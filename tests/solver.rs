@@ -387,7 +387,6 @@ fn rebound_has_the_speed_of_the_coefficient() {
         last_speed = v.y;
     }
     // Combined with the floor's 0 by averaging: e = 0.5, so a quarter of the height each time.
-    println!("apexes {apexes:?} m");
     for (apex, expected) in apexes.iter().zip([0.25, 0.0625]) {
         assert!(
             (apex - expected).abs() < 0.01 * expected,
