@@ -10,7 +10,7 @@ use std::time::Instant;
 pub(crate) const LEVELS: [f64; 3] = [1e-1, 1e-2, 1e-3];
 
 /// Iterative methods and their names.
-pub(crate) const METHODS: [(&str, Method); 3] = [
+const METHODS: [(&str, Method); 3] = [
     ("Gauss-Seidel", Method::Pgs),
     ("default (momentum)", Method::Momentum),
     ("sub-steps of one sweep", Method::Substeps),

@@ -125,7 +125,7 @@ fn method_series(sweep: &Sweep, method: Method, at: impl Fn(&Point) -> (f64, f64
 }
 
 /// Colours of the iterative methods on files.
-const COLOURS: [[u8; 3]; 4] = [ORANGE, GREEN, [90, 160, 215], BLUE];
+const COLOURS: [[u8; 3]; 3] = [ORANGE, BLUE, GREEN];
 
 /// Writes two pictures for each level of error: share of solved problems over sweeps, and over time.
 pub(crate) fn profiles(folder: &Path, files: &Files) -> Result<(), Error> {
