@@ -346,7 +346,7 @@ impl IslandProblem<'_> {
                     point.rebound = point.restitution * squared.max(0.0).sqrt();
                     fastest = fastest.max(point.rebound * point.speed_scale);
                 }
-                if config.relax_sweeps == 0 {
+                if config.relax_sweeps == 0 && point.rebound > 0.0 {
                     point.normal.wanted = point.normal.wanted.max(point.rebound);
                 }
             }
