@@ -2,8 +2,8 @@
 //!
 //! [`bodies`] holds the flat arrays of state and [`body`] what goes into them. A step starts in [`contact_solver`]: it finds
 //! [`islands`], turns their contacts into [`rows`] of the problem that [`mlcp`] states, and runs the [`substeps`] of each,
-//! with [`soft_step`] or [`pgs`] as method and [`momentum`] where sweeps are many; [`spin`] is the free rotation in between. [`residual`] judges the result, and
-//! [`integrate`] puts the bodies where they got. Nothing here knows the ECS.
+//! with [`soft_step`], [`pgs`] or [`exact`] as method and [`momentum`] where sweeps are many; [`spin`] is the free rotation in
+//! between. [`residual`] judges the result, and [`integrate`] puts the bodies where they got. Nothing here knows the ECS.
 
 pub mod bodies;
 pub mod body;
@@ -60,7 +60,7 @@ pub enum Method {
     Exact,
 }
 
-/// How the step solves contacts.
+/// How the step solves contacts. The figures that decided the defaults are in `docs/decisions.md` and `docs/report/`.
 #[derive(Clone, Copy, Debug, PartialEq, Resource)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct SolverConfig {
@@ -94,8 +94,10 @@ pub struct SolverConfig {
     /// Start each solve from the multipliers in the [`ContactCache`](crate::contact::cache::ContactCache).
     pub warm_start: bool,
     /// Largest velocity change, m/s, that a sweep may still make to bodies of 1 m when the sweeps of a sub-step end; for other
-    /// sizes it grows with the square root of the least extent, as speeds under gravity do. Each island goes on until it is met
-    /// or [`max_sweeps`](Self::max_sweeps) are done. `None`: no more sweeps than the least numbers.
+    /// sizes it grows with the square root of the least extent, as speeds under gravity do. Where bodies move, a hundredth of the
+    /// fastest one's speed is enough. Each island goes on until it is met, or [`max_sweeps`](Self::max_sweeps) or
+    /// [`spare_updates`](Self::spare_updates) are done; the report names islands that are left above it. `None`: no more sweeps
+    /// than the least numbers.
     pub tolerance: Option<f32>,
     /// Most sweeps of a sub-step, before and after the bodies move each, with a [`tolerance`](Self::tolerance).
     pub max_sweeps: u32,
