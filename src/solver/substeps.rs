@@ -416,10 +416,11 @@ impl IslandProblem<'_> {
             for (point, start) in self.rows.iter_mut().zip(&self.scratch.start) {
                 point.set_impulses(*start);
             }
-            pgs::apply_impulses(self.rows, self.bodies);
-            for _ in 0..UNCERTIFIED_SWEEPS {
-                pgs::sweep(self.rows, self.bodies, &pgs::Hard, config.friction_model);
-            }
+            let config = SolverConfig {
+                sweeps: UNCERTIFIED_SWEEPS,
+                ..*config
+            };
+            pgs::solve(self.rows, self.bodies, &config);
             effort.sweeps += UNCERTIFIED_SWEEPS;
             effort.hit_cap = true;
         }
@@ -556,11 +557,11 @@ impl IslandProblem<'_> {
             let manifold = &self.manifolds[moving.manifold as usize];
             let first = moving.first as usize;
             let pair = self.rows[first].bodies;
-            let turns = [0, 1].map(|side| self.turn_of(pair[side], moving.turning[side]));
             let [i, j] = pair.map(|b| b as usize);
             if self.bodies[i].angular.length() > most || self.bodies[j].angular.length() > most {
                 continue;
             }
+            let turns = [0, 1].map(|side| self.turn_of(pair[side], moving.turning[side]));
             let sides = [i, j].map(|k| Side {
                 inverse_mass: self.bodies[k].inverse_mass,
                 inverse_inertia: self.inverse_inertia[k],
