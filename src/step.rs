@@ -19,7 +19,7 @@ use crate::contact::manifold::Manifold;
 use crate::fracture::{CutError, CutRequest, Fractures, fracture_bodies};
 use crate::math::Plane;
 use crate::solver::bodies::{Bodies, BodyError};
-use crate::solver::contact_solver::ContactSolver;
+use crate::solver::contact_solver::{ContactSolver, SolvedIsland};
 use crate::solver::mlcp::Residual;
 use crate::solver::residual::ResidualSum;
 use crate::solver::substeps::SubstepSettings;
@@ -41,9 +41,9 @@ impl Contacts {
         &self.manifolds
     }
 
-    /// Islands and rows of the last step.
-    pub fn solver(&self) -> &ContactSolver {
-        &self.solver
+    /// Islands of the last step.
+    pub fn islands(&self) -> impl Iterator<Item = SolvedIsland<'_>> {
+        self.solver.islands(&self.manifolds)
     }
 }
 
@@ -309,18 +309,18 @@ pub fn fracture(
 fn report_islands(contacts: &Contacts, config: &SolverConfig, report: &mut StepReport) {
     report.islands.clear();
     report.capped.clear();
-    for island in contacts.solver.islands() {
+    for island in contacts.islands() {
         let movable = island.bodies.iter().position(|b| b.inverse_mass > 0.0);
         let slot = island.slots[movable.unwrap_or(0)];
         if island.effort.hit_cap {
             report.capped.push(slot);
         }
         if config.measure_islands {
-            let residual = || ResidualSum::of(island.rows, island.bodies, config).residual();
+            let residual = || ResidualSum::of(&island.rows(), island.bodies, config).residual();
             report.islands.push(IslandReport {
                 slot,
                 bodies: island.bodies.len(),
-                contacts: island.rows.len(),
+                contacts: island.contacts,
                 sweeps: island.effort.sweeps,
                 hit_cap: island.effort.hit_cap,
                 residual: config.measure_error.then(residual),
@@ -337,9 +337,9 @@ fn measure_error(
 ) -> StepError {
     let points = contacts.manifolds.iter().flat_map(|m| m.points());
     let mut sum = ResidualSum::default();
-    for island in contacts.solver.islands() {
+    for island in contacts.islands() {
         sum.add(&ResidualSum::of(
-            island.rows,
+            &island.rows(),
             island.bodies,
             &settings.config,
         ));

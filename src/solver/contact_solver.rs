@@ -1,10 +1,14 @@
-//! From manifolds and bodies to new velocities, motions and impulses, island by island.
+//! From manifolds and bodies to new velocities, motions and impulses, batch of islands by batch.
 
+use super::Method;
+use super::blocks::{Block, Blow, Place, Point, derive};
 use super::bodies::{Bodies, Motion, SolverBody};
 use super::islands::{Island, Islands};
 use super::rows::{PointRows, Side};
+use super::schedule::Schedule;
 use super::substeps::{
-    Demand, Effort, IslandProblem, IslandScratch, MovingManifold, SubstepSettings, TurningBody,
+    BatchProblem, BatchScratch, Demand, Effort, Member, MovingManifold, SubstepSettings,
+    TurningBody,
 };
 use crate::contact::manifold::Manifold;
 use crate::math::rotate_by;
@@ -18,29 +22,49 @@ const TURN: f32 = 0.01;
 /// rows of their contact follow it.
 const TRAVEL: f32 = 0.02;
 
+/// Calm islands are solved together until they have this many manifolds: enough to fill the lanes of their blocks.
+const BATCH: usize = 64;
+
 /// The rows of a step and the working copies of the bodies they join; buffers are reused.
 ///
-/// Bodies lie island by island, so that an island's sub-steps run in a few contiguous slices.
+/// Bodies, blocks and points lie batch by batch, so that the sub-steps of a batch run in a few contiguous slices.
 #[derive(Debug, Default)]
 pub struct ContactSolver {
     islands: Islands,
-    rows: Vec<PointRows>,
+    /// By island.
+    demands: Vec<Demand>,
+    members: Vec<Member>,
+    parts: Vec<Part>,
+    /// By manifold, in the order of the islands: its index and its place in its batch.
+    places: Vec<(u32, Place)>,
+    blocks: Vec<Block>,
+    points: Vec<Point>,
+    blows: Vec<Blow>,
+    /// Bodies of each batch, and one that nothing happens to for the lanes that are not used.
     bodies: Vec<SolverBody>,
     displacements: Vec<SolverBody>,
     inverse_inertia: Vec<Mat3>,
     turning: Vec<TurningBody>,
     moving: Vec<MovingManifold>,
-    parts: Vec<Part>,
-    /// By number within the island being prepared: place among its bodies that turn.
-    place: Vec<Option<u32>>,
-    /// By slot: whether an island moves the body.
+    schedule: Schedule,
+    /// By block of the batch being prepared: points of its largest manifold.
+    block_points: Vec<u32>,
+    /// By number within the island being prepared: place among the bodies of the batch that turn.
+    turning_place: Vec<Option<u32>>,
+    /// By slot: whether a batch moves the body.
     is_solved: Vec<bool>,
-    scratch: IslandScratch,
+    scratch: BatchScratch,
 }
 
-/// What an island has besides its bodies and rows.
+/// A batch: islands that are solved together.
 #[derive(Clone, Debug)]
 struct Part {
+    islands: Range<usize>,
+    manifolds: Range<usize>,
+    blocks: Range<usize>,
+    points: Range<usize>,
+    blows: Range<usize>,
+    bodies: Range<usize>,
     turning: Range<usize>,
     moving: Range<usize>,
     has_restitution: bool,
@@ -51,25 +75,62 @@ struct Part {
 /// An island after the solve.
 #[derive(Clone, Copy, Debug)]
 pub struct SolvedIsland<'a> {
-    /// Rows of its points.
-    pub rows: &'a [PointRows],
+    places: &'a [(u32, Place)],
+    manifolds: &'a [Manifold],
+    blocks: &'a [Block],
+    points: &'a [Point],
+    blows: &'a [Blow],
+    first_body: u32,
+    /// Number of its points.
+    pub contacts: usize,
     /// Velocities of its bodies.
     pub bodies: &'a [SolverBody],
     /// Slots of its bodies.
     pub slots: &'a [u32],
-    /// What it took.
+    /// What it took, together with the others of its batch.
     pub effort: Effort,
 }
 
+impl SolvedIsland<'_> {
+    /// Rows of its points, in the order of its manifolds.
+    pub fn rows(&self) -> Vec<PointRows> {
+        let of_manifold = |&(manifold, place): &(u32, Place)| {
+            let block = &self.blocks[place.block as usize];
+            let count = self.manifolds[manifold as usize].count as usize;
+            block.points.clone().take(count).map(move |i| {
+                let lane = place.lane as usize;
+                let rebound = self.blows.get(i).map_or(0.0, |blow| blow.rebound.0[lane]);
+                let mut rows = self.points[i].rows(lane, block, rebound);
+                rows.bodies = rows.bodies.map(|body| body - self.first_body);
+                rows
+            })
+        };
+        self.places.iter().flat_map(of_manifold).collect()
+    }
+}
+
 impl ContactSolver {
-    /// The islands of the last step.
-    pub fn islands(&self) -> impl Iterator<Item = SolvedIsland<'_>> {
-        let parts = self.islands.list.iter().zip(&self.parts);
-        parts.map(|(island, part)| SolvedIsland {
-            rows: &self.rows[island.points.clone()],
-            bodies: &self.bodies[island.bodies.clone()],
-            slots: &self.islands.slots[island.bodies.clone()],
-            effort: part.effort,
+    /// The islands of the last step, whose `manifolds` these are.
+    pub fn islands<'a>(
+        &'a self,
+        manifolds: &'a [Manifold],
+    ) -> impl Iterator<Item = SolvedIsland<'a>> {
+        self.parts.iter().flat_map(move |part| {
+            part.islands.clone().map(move |i| {
+                let (island, member) = (&self.islands.list[i], &self.members[i]);
+                SolvedIsland {
+                    places: &self.places[island.manifolds.clone()],
+                    manifolds,
+                    blocks: &self.blocks[part.blocks.clone()],
+                    points: &self.points[part.points.clone()],
+                    blows: &self.blows[part.blows.clone()],
+                    first_body: member.bodies.start as u32,
+                    contacts: island.points.len(),
+                    bodies: &self.bodies[part.bodies.clone()][member.bodies.clone()],
+                    slots: &self.islands.slots[island.bodies.clone()],
+                    effort: part.effort,
+                }
+            })
         })
     }
 
@@ -82,19 +143,23 @@ impl ContactSolver {
         settings: &SubstepSettings,
     ) {
         self.prepare(manifolds, bodies, settings);
-        for (island, part) in self.islands.list.iter().zip(&mut self.parts) {
-            let mut problem = IslandProblem {
-                rows: &mut self.rows[island.points.clone()],
-                bodies: &mut self.bodies[island.bodies.clone()],
-                displacements: &mut self.displacements[island.bodies.clone()],
-                inverse_inertia: &mut self.inverse_inertia[island.bodies.clone()],
+        for part in &mut self.parts {
+            let mut problem = BatchProblem {
+                members: &self.members[part.islands.clone()],
+                places: &self.places[part.manifolds.clone()],
+                blocks: &mut self.blocks[part.blocks.clone()],
+                points: &mut self.points[part.points.clone()],
+                blows: &mut self.blows[part.blows.clone()],
+                bodies: &mut self.bodies[part.bodies.clone()],
+                displacements: &mut self.displacements[part.bodies.clone()],
+                inverse_inertia: &mut self.inverse_inertia[part.bodies.clone()],
                 turning: &mut self.turning[part.turning.clone()],
                 moving: &self.moving[part.moving.clone()],
                 manifolds,
                 has_restitution: part.has_restitution,
                 scratch: &mut self.scratch,
             };
-            part.effort = problem.solve(&part.settings);
+            problem.solve(&part.settings, &mut part.effort);
         }
         self.write_back(bodies);
         self.move_free_bodies(bodies, settings);
@@ -104,119 +169,270 @@ impl ContactSolver {
     /// Finds the islands, copies their bodies and builds their rows.
     pub fn prepare(&mut self, manifolds: &[Manifold], bodies: &Bodies, settings: &SubstepSettings) {
         self.islands.find(manifolds, bodies);
-        self.load_bodies(bodies);
-        self.rows.clear();
-        self.turning.clear();
-        self.moving.clear();
-        self.parts.clear();
-        for index in 0..self.islands.list.len() {
-            let island = self.islands.list[index].clone();
-            let turning = self.load_turning(&island, bodies, settings);
-            let moving = self.moving.len();
-            let demand = self.build_rows(&island, manifolds, bodies, settings);
-            let settings = settings.for_demand(demand);
-            let rows = &mut self.rows[island.points];
-            let share = 1.0 / settings.config.substeps as f32;
-            rows.iter_mut().for_each(|p| p.scale_impulses(share));
-            self.parts.push(Part {
-                turning,
-                moving: moving..self.moving.len(),
-                has_restitution: rows.iter().any(|p| p.restitution > 0.0),
-                settings,
-                effort: Effort::default(),
-            });
+        self.clear();
+        for i in 0..self.islands.list.len() {
+            let demand = self.demand(i, manifolds, bodies, settings);
+            self.demands.push(demand);
+        }
+        let mut first = 0;
+        while first < self.demands.len() {
+            let end = self.end_of_batch(first);
+            self.load_batch(first..end, manifolds, bodies, settings);
+            first = end;
         }
     }
 
-    fn load_bodies(&mut self, bodies: &Bodies) {
-        let slots = || self.islands.slots.iter().map(|&slot| slot as usize);
+    fn clear(&mut self) {
+        self.demands.clear();
+        self.members.clear();
+        self.parts.clear();
+        self.places.clear();
+        self.blocks.clear();
+        self.points.clear();
+        self.blows.clear();
         self.bodies.clear();
-        self.bodies.extend(slots().map(|i| bodies.velocity[i]));
-        self.inverse_inertia.clear();
-        self.inverse_inertia
-            .extend(slots().map(|i| bodies.inverse_inertia[i]));
         self.displacements.clear();
+        self.inverse_inertia.clear();
+        self.turning.clear();
+        self.moving.clear();
+    }
+
+    /// What an island asks for.
+    fn demand(
+        &self,
+        island: usize,
+        manifolds: &[Manifold],
+        bodies: &Bodies,
+        settings: &SubstepSettings,
+    ) -> Demand {
+        let mut demand = Demand::default();
+        let has_load = settings.depends_on_load();
+        for at in self.islands.list[island].manifolds.clone() {
+            let manifold = &manifolds[self.islands.manifolds[at] as usize];
+            let slots = [manifold.a as usize, manifold.b as usize];
+            let extents = slots.map(|i| bodies.least_extent[i]);
+            let extent = extents[0].min(extents[1]);
+            let motion = Travel::of(slots.map(|i| &bodies.velocity[i]), extents, settings.step());
+            demand.is_fast |= motion.is_fast;
+            demand.can_hit |= motion.is_noticeable || manifold.restitution > 0.0;
+            if has_load {
+                // What has just landed bears at least its own weight.
+                let mut load = settings.gravity.length() * settings.step();
+                let sides = slots.map(|i| side(bodies, i));
+                for point in manifold.points() {
+                    let anchors = [point.anchor_a, point.anchor_b];
+                    let row = super::rows::Row::new(manifold.normal, anchors, sides);
+                    load = load.max(point.normal_impulse * row.diagonal);
+                }
+                demand.load = demand.load.max(load / extent);
+            }
+        }
+        demand.substeps = settings.substeps_for(&demand);
+        demand
+    }
+
+    /// The first island that is not solved with the one at `first`: calm ones with the same sub-steps share a batch.
+    fn end_of_batch(&self, first: usize) -> usize {
+        let demand = &self.demands[first];
+        let size = |i: usize| self.islands.list[i].manifolds.len();
+        let (mut end, mut total) = (first + 1, size(first));
+        while !demand.can_hit
+            && end < self.demands.len()
+            && self.demands[end].is_solved_like(demand)
+            && total + size(end) <= BATCH
+        {
+            total += size(end);
+            end += 1;
+        }
+        end
+    }
+
+    fn load_batch(
+        &mut self,
+        islands: Range<usize>,
+        manifolds: &[Manifold],
+        bodies: &Bodies,
+        settings: &SubstepSettings,
+    ) {
+        let settings = settings.for_demand(&self.demands[islands.start]);
+        let can_hit = self.demands[islands.start].can_hit;
+        let list = &self.islands.list;
+        let of_manifolds = list[islands.start].manifolds.start..list[islands.end - 1].manifolds.end;
+        let most_points = list[islands.clone()].iter().map(|i| i.points.len()).max();
+        let (first_body, first_turning) = (self.bodies.len(), self.turning.len());
+        let (first_moving, first_blow) = (self.moving.len(), self.blows.len());
+        self.load_bodies(islands.clone(), first_body, bodies);
+        let [blocks, points] = self.place_manifolds(islands.clone(), manifolds, first_body);
+        for i in islands.clone() {
+            self.fill_lanes(i, [first_turning, blocks.start, points.start], manifolds, bodies, &settings);
+        }
+        derive(&self.blocks[blocks.clone()], &mut self.points[points.clone()], settings.config.lane_width);
+        if can_hit || settings.config.method == Method::Exact {
+            self.blows.resize(first_blow + points.len(), Blow::default());
+        }
+        let has_restitution = self.blocks[blocks.clone()]
+            .iter()
+            .any(|block| block.restitution.0.iter().any(|&e| e > 0.0));
+        self.parts.push(Part {
+            islands,
+            manifolds: of_manifolds,
+            blocks,
+            points,
+            blows: first_blow..self.blows.len(),
+            bodies: first_body..self.bodies.len(),
+            turning: first_turning..self.turning.len(),
+            moving: first_moving..self.moving.len(),
+            has_restitution,
+            settings,
+            effort: Effort::new(&settings.config, most_points.unwrap_or(0)),
+        });
+    }
+
+    /// Copies the bodies of a batch, and adds the idle one.
+    fn load_bodies(&mut self, islands: Range<usize>, first_body: usize, bodies: &Bodies) {
+        for i in islands {
+            let first = self.bodies.len() - first_body;
+            for &slot in &self.islands.slots[self.islands.list[i].bodies.clone()] {
+                self.bodies.push(bodies.velocity[slot as usize]);
+                self.inverse_inertia
+                    .push(bodies.inverse_inertia[slot as usize]);
+            }
+            self.members.push(Member {
+                bodies: first..self.bodies.len() - first_body,
+                speed_scale: f32::INFINITY,
+            });
+        }
+        self.bodies.push(SolverBody::default());
+        self.inverse_inertia.push(Mat3::ZERO);
         self.displacements
             .resize(self.bodies.len(), SolverBody::default());
+    }
+
+    /// Gives each manifold of a batch a lane; returns its blocks and points.
+    fn place_manifolds(
+        &mut self,
+        islands: Range<usize>,
+        manifolds: &[Manifold],
+        first_body: usize,
+    ) -> [Range<usize>; 2] {
+        let idle = self.bodies.len() - first_body - 1;
+        self.schedule.begin(idle);
+        self.block_points.clear();
+        for i in islands {
+            let offset = self.members[i].bodies.start as u32;
+            for at in self.islands.list[i].manifolds.clone() {
+                let movable = self.islands.pairs[at].map(|number| {
+                    let number = number + offset;
+                    let body = &self.bodies[first_body + number as usize];
+                    (body.inverse_mass > 0.0).then_some(number)
+                });
+                let place = self.schedule.place(movable);
+                self.block_points.resize(self.schedule.blocks(), 0);
+                let index = self.islands.manifolds[at];
+                let most = &mut self.block_points[place.block as usize];
+                *most = (*most).max(manifolds[index as usize].count);
+                self.places.push((index, place));
+            }
+        }
+        let (first_block, first_point) = (self.blocks.len(), self.points.len());
+        let mut points = 0;
+        for &count in &self.block_points {
+            let mut block = Block::empty(idle as u32, points);
+            points += count as usize;
+            block.points.end = points;
+            self.blocks.push(block);
+        }
+        self.points.resize(first_point + points, Point::default());
+        [
+            first_block..self.blocks.len(),
+            first_point..self.points.len(),
+        ]
+    }
+
+    /// Fills the lanes of an island's manifolds, with the impulses of the last step, and lists bodies and manifolds that move.
+    fn fill_lanes(
+        &mut self,
+        island: usize,
+        [first_turning, first_block, first_point]: [usize; 3],
+        manifolds: &[Manifold],
+        bodies: &Bodies,
+        settings: &SubstepSettings,
+    ) {
+        let range = self.islands.list[island].clone();
+        let offset = self.members[island].bodies.start as u32;
+        self.load_turning(&range, offset, first_turning, bodies, settings);
+        let share = 1.0 / settings.config.substeps as f32;
+        for at in range.manifolds {
+            let (index, place) = self.places[at];
+            let (manifold, lane) = (&manifolds[index as usize], place.lane as usize);
+            let slots = [manifold.a as usize, manifold.b as usize];
+            let extents = slots.map(|i| bodies.least_extent[i]);
+            let extent = extents[0].min(extents[1]);
+            let pair = self.islands.pairs[at];
+            let block = &mut self.blocks[first_block + place.block as usize];
+            let sides = slots.map(|i| side(bodies, i));
+            block.set_manifold(lane, manifold, &sides, extent, settings.config.slop);
+            block.manifolds[lane] = index;
+            block.used += 1;
+            for (side, number) in block.bodies.iter_mut().zip(pair) {
+                side[lane] = number + offset;
+            }
+            let points = &mut self.points[first_point..][block.points.clone()];
+            for (to, point) in points.iter_mut().zip(manifold.points()) {
+                to.set(lane, block, point, share);
+            }
+            let least = &mut self.members[island].speed_scale;
+            *least = least.min(block.speed_scale.0[lane]);
+            let motion = Travel::of(slots.map(|i| &bodies.velocity[i]), extents, settings.step());
+            if motion.is_noticeable {
+                let carrier = carrier(slots, bodies);
+                self.moving.push(MovingManifold {
+                    manifold: index,
+                    place,
+                    bodies: pair.map(|number| number + offset),
+                    turning: pair.map(|number| self.turning_place[number as usize]),
+                    carrier,
+                    clearance: motion.is_fast.then_some(0.5 * extents[carrier]),
+                });
+            }
+        }
     }
 
     /// Lists the bodies of an island that turn.
     fn load_turning(
         &mut self,
         island: &Island,
+        offset: u32,
+        first_turning: usize,
         bodies: &Bodies,
         settings: &SubstepSettings,
-    ) -> Range<usize> {
-        let first = self.turning.len();
-        self.place.clear();
+    ) {
+        self.turning_place.clear();
         for (number, &slot) in self.islands.slots[island.bodies.clone()].iter().enumerate() {
             let spin = bodies.spin(slot, settings.step());
-            self.place
-                .push(spin.map(|_| (self.turning.len() - first) as u32));
+            self.turning_place
+                .push(spin.map(|_| (self.turning.len() - first_turning) as u32));
             if let Some(spin) = spin {
                 self.turning.push(TurningBody {
-                    body: number as u32,
+                    body: offset + number as u32,
                     start: spin.rotation,
                     spin,
                     inverse_inertia: bodies.mass(slot).inverse_inertia(),
                 });
             }
         }
-        first..self.turning.len()
-    }
-
-    /// Builds the rows of an island, with the impulses of the last step, and lists its manifolds that move.
-    fn build_rows(
-        &mut self,
-        island: &Island,
-        manifolds: &[Manifold],
-        bodies: &Bodies,
-        settings: &SubstepSettings,
-    ) -> Demand {
-        let first = self.rows.len();
-        let mut demand = Demand::default();
-        for at in island.manifolds.clone() {
-            let (index, pair) = (self.islands.manifolds[at], self.islands.pairs[at]);
-            let manifold = &manifolds[index as usize];
-            let slots = [manifold.a as usize, manifold.b as usize];
-            let [a, b] = slots.map(|i| Side {
-                inverse_mass: bodies.velocity[i].inverse_mass,
-                inverse_inertia: bodies.inverse_inertia[i],
-            });
-            let extents = slots.map(|i| bodies.least_extent[i]);
-            let extent = extents[0].min(extents[1]);
-            let motion = Travel::of(slots.map(|i| &bodies.velocity[i]), extents, settings.step());
-            demand.is_fast |= motion.is_fast;
-            if motion.is_noticeable {
-                let carrier = carrier(slots, bodies);
-                self.moving.push(MovingManifold {
-                    manifold: index,
-                    first: (self.rows.len() - first) as u32,
-                    turning: pair.map(|body| self.place[body as usize]),
-                    carrier,
-                    clearance: motion.is_fast.then_some(0.5 * extents[carrier]),
-                });
-            }
-            let slop = settings.config.slop;
-            // What has just landed bears at least its own weight.
-            let mut load = settings.gravity.length() * settings.step();
-            for point in manifold.points() {
-                let rows = PointRows::new(manifold, point, pair, [a, b], extent, slop);
-                load = load.max(rows.normal.impulse * rows.normal.diagonal);
-                self.rows.push(rows);
-            }
-            demand.load = demand.load.max(load / extent);
-        }
-        demand
     }
 
     /// Takes velocities and motions of the bodies that contacts move back to their slots.
     fn write_back(&mut self, bodies: &mut Bodies) {
         self.is_solved.clear();
         self.is_solved.resize(bodies.slots(), false);
-        for (island, part) in self.islands.list.iter().zip(&self.parts) {
-            for number in island.bodies.clone() {
-                let (i, body) = (self.islands.slots[number] as usize, &self.bodies[number]);
+        for part in &self.parts {
+            let first_slot = self.islands.list[part.islands.start].bodies.start;
+            let last_slot = self.islands.list[part.islands.end - 1].bodies.end;
+            let slots = &self.islands.slots[first_slot..last_slot];
+            for (number, &slot) in (part.bodies.start..).zip(slots) {
+                let (i, body) = (slot as usize, &self.bodies[number]);
                 if body.inverse_mass > 0.0 {
                     let moved = &self.displacements[number];
                     self.is_solved[i] = true;
@@ -228,8 +444,8 @@ impl ContactSolver {
                 }
             }
             for turning in &self.turning[part.turning.clone()] {
-                let slot = self.islands.slots[island.bodies.start + turning.body as usize];
-                bodies.motion[slot as usize].rotation = turning.spin.rotation;
+                let slot = slots[turning.body as usize] as usize;
+                bodies.motion[slot].rotation = turning.spin.rotation;
             }
         }
     }
@@ -265,15 +481,24 @@ impl ContactSolver {
     }
 
     fn store_impulses(&self, manifolds: &mut [Manifold]) {
-        for (island, part) in self.islands.list.iter().zip(&self.parts) {
-            let mut rows = self.rows[island.points.clone()].iter();
-            for &index in &self.islands.manifolds[island.manifolds.clone()] {
-                let points = manifolds[index as usize].points_mut();
-                for (point, rows) in points.iter_mut().zip(&mut rows) {
-                    rows.store(point, part.settings.config.substeps);
+        for part in &self.parts {
+            let (blocks, points) = (&self.blocks[part.blocks.clone()], &self.points[part.points.clone()]);
+            for &(index, place) in &self.places[part.manifolds.clone()] {
+                let block = &blocks[place.block as usize];
+                let to = manifolds[index as usize].points_mut();
+                for (to, point) in to.iter_mut().zip(&points[block.points.clone()]) {
+                    point.store(place.lane as usize, block, to, part.settings.config.substeps);
                 }
             }
         }
+    }
+}
+
+/// What rows need to know of the body in a slot.
+fn side(bodies: &Bodies, slot: usize) -> Side {
+    Side {
+        inverse_mass: bodies.velocity[slot].inverse_mass,
+        inverse_inertia: bodies.inverse_inertia[slot],
     }
 }
 
