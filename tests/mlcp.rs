@@ -321,7 +321,7 @@ fn sweeps_needed(with_momentum: bool, scene: &Scene, config: &SolverConfig, leve
         bodies: &mut bodies,
         friction_model: model,
         sweep: |rows: &mut [PointRows], bodies: &mut [SolverBody]| {
-            pgs::sweep(rows, bodies, &pgs::Hard, model)
+            pgs::sweep(rows, bodies, model)
         },
     };
     let mut momentum = Momentum::default();
@@ -375,7 +375,7 @@ fn velocities_stay_those_of_the_impulses_under_momentum() {
         bodies: &mut bodies,
         friction_model: FrictionModel::Disc,
         sweep: |rows: &mut [PointRows], bodies: &mut [SolverBody]| {
-            pgs::sweep(rows, bodies, &pgs::Hard, FrictionModel::Disc)
+            pgs::sweep(rows, bodies, FrictionModel::Disc)
         },
     };
     let mut momentum = Momentum::default();

@@ -28,7 +28,9 @@ pub struct Place {
     /// Its block.
     pub block: u32,
     /// Its lane.
-    pub lane: u32,
+    pub lane: u16,
+    /// Number of its points.
+    pub count: u16,
 }
 
 /// What the points of eight manifolds share.

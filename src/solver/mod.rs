@@ -5,10 +5,12 @@
 //! with [`soft_step`], [`pgs`] or [`exact`] as method and [`momentum`] where sweeps are many; [`spin`] is the free rotation in
 //! between. [`residual`] judges the result, and [`integrate`] puts the bodies where they got. Nothing here knows the ECS.
 
+pub mod batch;
 pub mod blocks;
 pub mod bodies;
 pub mod body;
 pub mod contact_solver;
+pub mod demand;
 pub mod exact;
 pub mod integrate;
 pub mod islands;

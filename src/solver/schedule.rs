@@ -9,7 +9,9 @@ pub struct Schedule {
     /// By body: the first block behind all that hold it.
     free_from: Vec<u32>,
     /// By block: lanes in use.
-    used: Vec<u32>,
+    used: Vec<u16>,
+    /// By block: points of its largest manifold.
+    points: Vec<u32>,
     /// By block: itself if it has a lane left, else a later block, on the way to the first that has.
     next: Vec<u32>,
 }
@@ -20,16 +22,18 @@ impl Schedule {
         self.free_from.clear();
         self.free_from.resize(bodies, 0);
         self.used.clear();
+        self.points.clear();
         self.next.clear();
     }
 
-    /// Number of blocks.
-    pub fn blocks(&self) -> usize {
-        self.used.len()
+    /// Of each block, the points of its largest manifold.
+    pub fn points_of_blocks(&self) -> impl Iterator<Item = usize> {
+        self.points.iter().map(|&count| count as usize)
     }
 
-    /// The place of the next manifold, which joins these bodies; those that contacts do not move are `None`.
-    pub fn place(&mut self, bodies: [Option<u32>; 2]) -> Place {
+    /// The place of the next manifold, with `count` points, which joins these bodies; those that contacts do not move are
+    /// `None`.
+    pub fn place(&mut self, bodies: [Option<u32>; 2], count: u32) -> Place {
         let bodies = || bodies.into_iter().flatten().map(|body| body as usize);
         let earliest = bodies().map(|body| self.free_from[body]).max();
         let block = self.open(earliest.unwrap_or(0));
@@ -42,7 +46,12 @@ impl Schedule {
         for body in bodies() {
             self.free_from[body] = block + 1;
         }
-        Place { block, lane }
+        self.points[i] = self.points[i].max(count);
+        Place {
+            block,
+            lane,
+            count: count as u16,
+        }
     }
 
     /// The first block from `from` on with a lane left; makes it if there is none.
@@ -58,6 +67,7 @@ impl Schedule {
             block = next;
         }
         self.used.push(0);
+        self.points.push(0);
         self.next.push(block);
         block
     }

@@ -13,29 +13,23 @@
 //!   relax                      takes the velocity that pushed overlap out from the bodies again; impacts rebound
 //! ```
 
-use super::blocks::{Block, Blow, Place, Point, derive, vector};
+use super::batch::{Batch, BatchScratch, MovingManifold};
+use super::blocks::{Place, Point, derive, vector};
 use super::bodies::SolverBody;
-use super::exact::{self, ExactScratch};
-use super::lanes::F8;
-use super::momentum::Pace;
-use super::rows::{PointRows, Side};
+use super::demand::{Effort, SubstepSettings};
+use super::rows::Side;
 use super::soft_step::{self, Softness};
-use super::spin::Spin;
-use super::sweep::{Contacts, Feedback};
-use super::{Method, SolverConfig};
+use super::sweep::Contacts;
+use super::{Method, SolverConfig, exact};
 use crate::contact::manifold::{ContactPoint, Manifold};
 use crate::math::rotate_by;
-use glam::{Mat3, Quat, Vec3};
-use std::ops::Range;
+use glam::{Mat3, Quat};
 
 /// Rebounds are solved until no row changes by more than this share of the fastest one.
 const REBOUND_TOLERANCE: f32 = 1e-5;
 
 /// Share of the fastest body's speed that a sub-step need not be more precise than.
 const MOVING_TOLERANCE: f32 = 0.01;
-
-/// Most sweeps where bodies may pass through each other: no later sub-step makes up for what is left.
-const FAST_SWEEPS: u32 = 256;
 
 /// Sweeps where the exact method has no answer.
 const UNCERTIFIED_SWEEPS: u32 = 200;
@@ -46,92 +40,6 @@ const MOST_TURN: f32 = 0.05;
 /// Velocity of position feedback, m/s, that is not worth taking out again.
 const NEGLIGIBLE_SPEED: f32 = 1e-4;
 
-/// A body that turns, and its number within the batch.
-#[derive(Clone, Copy, Debug)]
-pub struct TurningBody {
-    /// Number within the batch.
-    pub body: u32,
-    /// `world_from_body` at the start of the step.
-    pub start: Quat,
-    /// Its rotation.
-    pub spin: Spin,
-    /// Inverse inertia tensor, body's axes, 1/(kg m2).
-    pub inverse_inertia: Mat3,
-}
-
-/// A manifold whose rows must follow the motion of its bodies.
-#[derive(Clone, Copy, Debug)]
-pub struct MovingManifold {
-    /// Index of the manifold.
-    pub manifold: u32,
-    /// Where it is.
-    pub place: Place,
-    /// Numbers of its bodies within the batch.
-    pub bodies: [u32; 2],
-    /// Places of its two bodies among those of the batch that turn, if they do.
-    pub turning: [Option<u32>; 2],
-    /// Which of the two bodies the contact points move with: 0 for A, 1 for B.
-    pub carrier: usize,
-    /// If the two may pass through each other in the step: half the least extent of the carrier, m.
-    pub clearance: Option<f32>,
-}
-
-/// An island of a batch.
-#[derive(Clone, Debug)]
-pub struct Member {
-    /// Its bodies within the batch.
-    pub bodies: Range<usize>,
-    /// The least of its points' [speed scales](PointRows::speed_scale).
-    pub speed_scale: f32,
-}
-
-/// All that the sub-steps of a batch of islands read and write.
-#[derive(Debug)]
-pub struct BatchProblem<'a> {
-    /// Its islands.
-    pub members: &'a [Member],
-    /// Its manifolds, and where they are.
-    pub places: &'a [(u32, Place)],
-    /// Blocks of its manifolds.
-    pub blocks: &'a mut [Block],
-    /// Points of its blocks.
-    pub points: &'a mut [Point],
-    /// Blows of its points; none if nothing hits.
-    pub blows: &'a mut [Blow],
-    /// Velocities of its bodies.
-    pub bodies: &'a mut [SolverBody],
-    /// Displacements of its bodies since the start of the step: centre (m) and rotation vector (rad).
-    pub displacements: &'a mut [SolverBody],
-    /// Inverse inertia tensors of its bodies, world axes, 1/(kg m2).
-    pub inverse_inertia: &'a mut [Mat3],
-    /// Those of its bodies that turn.
-    pub turning: &'a mut [TurningBody],
-    /// Those of its manifolds whose rows follow the motion.
-    pub moving: &'a [MovingManifold],
-    /// All manifolds of the step.
-    pub manifolds: &'a [Manifold],
-    /// Whether any of its points rebounds.
-    pub has_restitution: bool,
-    /// Buffers.
-    pub scratch: &'a mut BatchScratch,
-}
-
-/// Buffers of the sub-steps.
-#[derive(Debug, Default)]
-pub struct BatchScratch {
-    exact: ExactScratch,
-    pace: Pace<f32>,
-    /// Impulses and velocities of the sweep before.
-    last_impulses: Vec<[F8; 3]>,
-    last_bodies: Vec<SolverBody>,
-    /// By body: whether a contact pushes it.
-    is_pushed: Vec<bool>,
-    /// Points of a batch as rows, for the exact method.
-    rows: Vec<PointRows>,
-    /// Velocities without contact impulses.
-    free: Vec<SolverBody>,
-}
-
 /// What one sweep does.
 #[derive(Clone, Copy, Debug)]
 enum SweepKind {
@@ -141,175 +49,26 @@ enum SweepKind {
     Relax,
 }
 
-/// What a batch took.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Effort {
-    /// Sweeps of all sub-steps together.
-    pub sweeps: u32,
-    /// Whether a sub-step ended above the tolerance.
-    pub hit_cap: bool,
-    /// Sweeps beyond the least numbers that are left for this step, and for this sub-step: evenly, for sub-steps that are
-    /// more precise than the next ones shake a stack.
-    spare: u32,
-    share: u32,
-}
-
-impl Effort {
-    /// For a batch whose largest island has the given number of points.
-    pub fn new(config: &SolverConfig, points: usize) -> Self {
-        Self {
-            spare: config.spare_updates / (points as u32).max(1),
-            ..Self::default()
-        }
-    }
-
-    /// Begins a sub-step, with `to_go` of them left.
-    fn begin(&mut self, to_go: u32) {
-        self.share = self.spare / to_go;
-    }
-
-    /// Takes note of sweeps, `extra` of them beyond the least number, and whether they ended above the tolerance.
-    fn note(&mut self, sweeps: u32, extra: u32, hit_cap: bool) {
-        self.sweeps += sweeps;
-        self.share -= extra;
-        self.spare -= extra;
-        self.hit_cap |= hit_cap;
-    }
-}
-
-/// What an island asks of its sub-steps.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Demand {
-    /// Largest velocity that a contact gave its effective mass in the last step, over the smaller body's least extent, 1/s.
-    pub load: f32,
-    /// Whether two bodies are so fast that they may pass through each other in the step.
-    pub is_fast: bool,
-    /// Whether bodies may hit each other: some move, or rebound.
-    pub can_hit: bool,
-    /// Sub-steps that follow from all that.
-    pub substeps: u32,
-}
-
-impl Demand {
-    /// Whether islands with the two demands can be solved together.
-    pub fn is_solved_like(&self, other: &Self) -> bool {
-        self.substeps == other.substeps
-            && self.is_fast == other.is_fast
-            && self.can_hit == other.can_hit
-    }
-}
-
-/// What the sub-steps are told.
-#[derive(Clone, Copy, Debug)]
-pub struct SubstepSettings {
-    /// How to solve.
-    pub config: SolverConfig,
-    /// Acceleration of dynamic bodies, m/s2.
-    pub gravity: Vec3,
-    /// Length of a sub-step, s.
-    pub h: f32,
-}
-
-impl SubstepSettings {
-    /// The sub-steps of a step of `step` seconds.
-    pub fn new(config: SolverConfig, gravity: Vec3, step: f32) -> Self {
-        Self {
-            config,
-            gravity,
-            h: step / config.substeps as f32,
-        }
-    }
-
-    /// The same step in as many parts as an island asks for.
-    ///
-    /// A soft contact under a load that gives its effective mass the acceleration `a` gives way by `s = a h^2 / (h omega)^2`,
-    /// which is to stay below the share [`SolverConfig::sag`] of an extent. Bodies that are fast enough to pass through each
-    /// other get the step as one: the contact points found at its start are good for one impact, after which the bodies may turn
-    /// about another.
-    pub fn for_demand(&self, demand: &Demand) -> Self {
-        let config = &self.config;
-        if config.method != Method::SoftStep {
-            return *self;
-        }
-        let (step, substeps) = (self.step(), self.substeps_for(demand));
-        let max_sweeps = if demand.is_fast {
-            config.max_sweeps.max(FAST_SWEEPS)
-        } else {
-            config.max_sweeps
-        };
-        let config = SolverConfig {
-            substeps,
-            max_sweeps,
-            ..*config
-        };
-        Self::new(config, self.gravity, step)
-    }
-
-    /// Number of parts that [`for_demand`](Self::for_demand) makes.
-    pub fn substeps_for(&self, demand: &Demand) -> u32 {
-        let config = &self.config;
-        if config.method != Method::SoftStep {
-            return config.substeps;
-        }
-        if demand.is_fast {
-            return 1;
-        }
-        let step = self.step();
-        let per_radian = step / (std::f32::consts::TAU * config.contact_frequency);
-        let parts = per_radian * (demand.load / (step * config.sag)).sqrt();
-        // A number that is not finite becomes one end of the range.
-        (parts.ceil() as u32).clamp(config.substeps, config.max_substeps.max(config.substeps))
-    }
-
-    /// Whether the number of parts depends on the load.
-    pub fn depends_on_load(&self) -> bool {
-        let config = &self.config;
-        config.method == Method::SoftStep && config.max_substeps > config.substeps
-    }
-
-    /// Compliance of the rows.
-    fn softness(&self) -> Softness {
-        match self.config.method {
-            Method::SoftStep => Softness::new(&self.config, self.h),
-            Method::Pgs | Method::Exact => Softness::HARD,
-        }
-    }
-
-    /// How overlap is pushed out.
-    fn feedback(&self) -> Feedback {
-        let rate = match self.config.method {
-            Method::SoftStep => self.softness().rate,
-            Method::Pgs | Method::Exact => self.config.baumgarte / self.h,
-        };
-        Feedback {
-            h: self.h,
-            rate,
-            most: self.config.push_out_speed,
-        }
-    }
-
-    /// Length of the step, s.
-    pub fn step(&self) -> f32 {
-        self.h * self.config.substeps as f32
-    }
-}
-
-impl BatchProblem<'_> {
+impl Batch {
     /// Advances the batch by a step.
-    pub fn solve(&mut self, settings: &SubstepSettings, effort: &mut Effort) {
+    pub fn solve(&mut self, manifolds: &[Manifold]) {
+        let settings = &{ self.settings };
+        let mut effort = self.effort;
+        let effort = &mut effort;
         for substep in 0..settings.config.substeps {
             if substep > 0 {
-                self.follow_motion(f32::INFINITY, settings);
+                self.follow_motion(f32::INFINITY, manifolds);
             }
             effort.begin(settings.config.substeps - substep);
             self.apply_gravity(settings);
             if self.can_hit() || settings.config.method == Method::Exact {
-                self.solve_substep(settings, substep == 0, effort);
+                self.solve_substep(substep == 0, manifolds, effort);
             } else {
-                self.solve_calm_substep(settings, substep == 0, effort);
+                self.solve_calm_substep(substep == 0, manifolds, effort);
             }
             self.turn_bodies(settings.h);
         }
+        self.effort = *effort;
     }
 
     /// Whether bodies may hit each other.
@@ -317,38 +76,38 @@ impl BatchProblem<'_> {
         !self.blows.is_empty()
     }
 
-    fn contacts(&mut self, config: &SolverConfig) -> Contacts<'_> {
-        Contacts {
-            blocks: self.blocks,
-            points: self.points,
-            blows: self.blows,
-            bodies: self.bodies,
-            friction: config.friction_model,
-            width: config.lane_width,
-        }
+    fn contacts(&mut self) -> Contacts<'_> {
+        self.contacts_and_displacements().0
+    }
+
+    fn contacts_and_displacements(&mut self) -> (Contacts<'_>, &[SolverBody]) {
+        let contacts = Contacts {
+            blocks: &self.blocks,
+            points: &mut self.points,
+            blows: &self.blows,
+            bodies: &mut self.bodies,
+            friction: self.settings.config.friction_model,
+            width: self.settings.config.lane_width,
+        };
+        (contacts, &self.displacements)
     }
 
     /// A sub-step in which nothing hits anything.
-    fn solve_calm_substep(&mut self, settings: &SubstepSettings, first: bool, effort: &mut Effort) {
+    fn solve_calm_substep(&mut self, first: bool, manifolds: &[Manifold], effort: &mut Effort) {
+        let settings = &{ self.settings };
         let config = &settings.config;
         let tolerance = self.tolerance(config, 0.0);
-        let mut contacts = Contacts {
-            blocks: self.blocks,
-            points: self.points,
-            blows: self.blows,
-            bodies: self.bodies,
-            friction: config.friction_model,
-            width: config.lane_width,
-        };
-        contacts.begin(self.displacements, &settings.feedback(), first);
+        let (mut contacts, displacements) = self.contacts_and_displacements();
+        contacts.begin(displacements, &settings.feedback(), first);
         let solve = SweepKind::Solve(settings.softness());
         self.sweep(config.sweeps, solve, config, tolerance, effort);
-        self.move_bodies(settings);
+        self.move_bodies(settings, manifolds);
         self.relax(settings, tolerance, effort);
     }
 
     /// From targets to the relaxed velocities of a sub-step.
-    fn solve_substep(&mut self, settings: &SubstepSettings, first: bool, effort: &mut Effort) {
+    fn solve_substep(&mut self, first: bool, manifolds: &[Manifold], effort: &mut Effort) {
+        let settings = &{ self.settings };
         let config = &settings.config;
         let fastest = self.set_targets(settings, first);
         let is_hit = fastest > 0.0 || self.is_hit(settings);
@@ -360,14 +119,14 @@ impl BatchProblem<'_> {
             self.keep_free_velocities();
             self.solve_exactly(config, effort);
         } else {
-            self.contacts(config).apply_impulses();
+            self.contacts().apply_impulses();
             let solve = SweepKind::Solve(settings.softness());
             self.sweep(config.sweeps, solve, config, tolerance, effort);
         }
-        self.move_bodies(settings);
+        self.move_bodies(settings, manifolds);
         if is_hit {
             // What follows acts where the bodies are now: blows are large enough to matter for the angular momentum.
-            self.follow_motion(MOST_TURN / settings.h, settings);
+            self.follow_motion(MOST_TURN / settings.h, manifolds);
         }
         self.relax(settings, tolerance, effort);
         if is_hit {
@@ -385,21 +144,14 @@ impl BatchProblem<'_> {
 
     /// Fills the wanted velocities; returns the fastest rebound, scaled to a size of 1 m, m/s.
     fn set_targets(&mut self, settings: &SubstepSettings, first: bool) -> f32 {
-        let config = &settings.config;
-        let mut contacts = Contacts {
-            blocks: self.blocks,
-            points: self.points,
-            blows: self.blows,
-            bodies: self.bodies,
-            friction: config.friction_model,
-            width: config.lane_width,
-        };
-        contacts.set_targets(self.displacements, &settings.feedback(), first);
+        let (mut contacts, displacements) = self.contacts_and_displacements();
+        contacts.set_targets(displacements, &settings.feedback(), first);
         let mut fastest = 0.0_f32;
         if self.has_restitution {
             for i in 0..self.places.len() {
-                let (manifold, place) = self.places[i];
-                if self.manifolds[manifold as usize].restitution > 0.0 {
+                let (_, place) = self.places[i];
+                let block = &self.blocks[place.block as usize];
+                if block.restitution.0[place.lane as usize] > 0.0 {
                     fastest = fastest.max(self.set_rebounds(place, settings));
                 }
             }
@@ -462,7 +214,7 @@ impl BatchProblem<'_> {
             );
             let normal = vector(&block.normal, lane);
             let pair = moving.bodies.map(|b| &self.bodies[b as usize]);
-            let count = self.manifolds[moving.manifold as usize].count as usize;
+            let count = moving.place.count as usize;
             self.points[block.points.clone()][..count]
                 .iter()
                 .any(|point| {
@@ -492,25 +244,25 @@ impl BatchProblem<'_> {
 
     fn keep_free_velocities(&mut self) {
         self.scratch.free.clear();
-        self.scratch.free.extend_from_slice(self.bodies);
+        self.scratch.free.extend_from_slice(&self.bodies);
     }
 
     /// Solves to rounding from the free velocities. What cannot be certified (there may be no solution with friction) is not
     /// used: sweeps, which never gain energy, have the word then.
     fn solve_exactly(&mut self, config: &SolverConfig, effort: &mut Effort) {
-        let scratch = &mut *self.scratch;
+        let scratch = &mut self.scratch;
         scratch.rows.clear();
-        for &(manifold, place) in self.places {
+        for &(_, place) in &self.places {
             let (block, lane) = (&self.blocks[place.block as usize], place.lane as usize);
-            let count = self.manifolds[manifold as usize].count as usize;
+            let count = place.count as usize;
             let points = &self.points[block.points.clone()][..count];
             let rows = points.iter().map(|point| point.rows(lane, block, 0.0));
             scratch.rows.extend(rows);
         }
         let certificate = exact::solve(
             &mut scratch.rows,
-            self.bodies,
-            self.inverse_inertia,
+            &mut self.bodies,
+            &self.inverse_inertia,
             config,
             &mut scratch.exact,
         );
@@ -519,7 +271,7 @@ impl BatchProblem<'_> {
             return self.take_impulses_of_rows();
         }
         self.bodies.copy_from_slice(&self.scratch.free);
-        let mut contacts = self.contacts(config);
+        let mut contacts = self.contacts();
         contacts.apply_impulses();
         for _ in 0..UNCERTIFIED_SWEEPS {
             contacts.solve(&Softness::HARD, false);
@@ -530,9 +282,9 @@ impl BatchProblem<'_> {
 
     fn take_impulses_of_rows(&mut self) {
         let mut rows = self.scratch.rows.iter();
-        for &(manifold, place) in self.places {
+        for &(_, place) in &self.places {
             let (block, lane) = (&self.blocks[place.block as usize], place.lane as usize);
-            let count = self.manifolds[manifold as usize].count as usize;
+            let count = place.count as usize;
             let points = &mut self.points[block.points.clone()][..count];
             for (point, rows) in points.iter_mut().zip(&mut rows) {
                 for (lanes, impulse) in point.impulse.iter_mut().zip(rows.impulses()) {
@@ -560,7 +312,7 @@ impl BatchProblem<'_> {
         }
     }
 
-    fn move_bodies(&mut self, settings: &SubstepSettings) {
+    fn move_bodies(&mut self, settings: &SubstepSettings, manifolds: &[Manifold]) {
         let h = settings.h;
         for (q, v) in self.displacements.iter_mut().zip(self.bodies.iter()) {
             q.linear += h * v.linear;
@@ -569,19 +321,19 @@ impl BatchProblem<'_> {
         if self.has_restitution {
             self.correct_flight(settings);
         }
-        self.keep_in_front();
+        self.keep_in_front(manifolds);
     }
 
     /// Stops the centre of a fast body in front of the face that it was in front of.
     ///
     /// The rows hold the points that were nearest at the start of the step. A thin body that hits with one corner turns at
     /// thousands of radians per second, and no frozen row sees the rest of it come round.
-    fn keep_in_front(&mut self) {
-        for moving in self.moving {
+    fn keep_in_front(&mut self, manifolds: &[Manifold]) {
+        for moving in &self.moving {
             let Some(clearance) = moving.clearance else {
                 continue;
             };
-            let manifold = &self.manifolds[moving.manifold as usize];
+            let manifold = &manifolds[moving.manifold as usize];
             let pair = moving.bodies;
             let [a, b] = pair.map(|body| self.displacements[body as usize].linear);
             let away = [-manifold.normal, manifold.normal][moving.carrier];
@@ -645,7 +397,7 @@ impl BatchProblem<'_> {
         tolerance: Option<f32>,
         effort: &mut Effort,
     ) {
-        let most = config.max_sweeps.min(least + effort.share);
+        let most = config.max_sweeps.min(least + effort.share());
         let (mut change, mut done) = (0.0, 0);
         self.scratch.pace.restart();
         while done < least || tolerance.is_some_and(|t| change > t) && done < most {
@@ -655,7 +407,7 @@ impl BatchProblem<'_> {
             }
             done += 1;
             let measure = tolerance.is_some() && done >= least;
-            let mut contacts = self.contacts(config);
+            let mut contacts = self.contacts();
             change = match kind {
                 SweepKind::Solve(softness) => contacts.solve(&softness, measure),
                 SweepKind::Relax => contacts.relax(measure),
@@ -674,12 +426,12 @@ impl BatchProblem<'_> {
             last_impulses,
             last_bodies,
             ..
-        } = &mut *self.scratch;
+        } = &mut self.scratch;
         let Some(weight) = pace.weight() else {
             last_impulses.clear();
             last_impulses.extend(self.points.iter().map(|point| point.impulse));
             last_bodies.clear();
-            last_bodies.extend_from_slice(self.bodies);
+            last_bodies.extend_from_slice(&self.bodies);
             return;
         };
         for (body, last) in self.bodies.iter_mut().zip(last_bodies) {
@@ -689,10 +441,10 @@ impl BatchProblem<'_> {
             *last = now;
         }
         let mut contacts = Contacts {
-            blocks: self.blocks,
-            points: self.points,
-            blows: self.blows,
-            bodies: self.bodies,
+            blocks: &self.blocks,
+            points: &mut self.points,
+            blows: &self.blows,
+            bodies: &mut self.bodies,
             friction: config.friction_model,
             width: config.lane_width,
         };
@@ -717,7 +469,7 @@ impl BatchProblem<'_> {
     ///
     /// Manifolds of bodies that turn faster than `most` (rad/s) are left as they are: impulses that have acted along the old
     /// rows could not be taken back along the new ones.
-    fn follow_motion(&mut self, most: f32, settings: &SubstepSettings) {
+    fn follow_motion(&mut self, most: f32, manifolds: &[Manifold]) {
         if self.moving.is_empty() {
             return;
         }
@@ -725,14 +477,14 @@ impl BatchProblem<'_> {
             let moving = self.moving[i];
             let is_slow = |body: u32| self.bodies[body as usize].angular.length() <= most;
             if moving.bodies.into_iter().all(is_slow) {
-                self.follow_manifold(&moving);
+                self.follow_manifold(&moving, manifolds);
             }
         }
-        derive(self.blocks, self.points, settings.config.lane_width);
+        derive(&self.blocks, &mut self.points, self.settings.config.lane_width);
     }
 
-    fn follow_manifold(&mut self, moving: &MovingManifold) {
-        let manifold = &self.manifolds[moving.manifold as usize];
+    fn follow_manifold(&mut self, moving: &MovingManifold, manifolds: &[Manifold]) {
+        let manifold = &manifolds[moving.manifold as usize];
         let (pair, lane) = (moving.bodies, moving.place.lane as usize);
         let turns = [0, 1].map(|side| self.turn_of(pair[side], moving.turning[side]));
         let [i, j] = pair.map(|b| b as usize);
