@@ -20,10 +20,10 @@ use crate::fracture::{CutError, CutRequest, Fractures, fracture_bodies};
 use crate::math::Plane;
 use crate::solver::bodies::{Bodies, BodyError};
 use crate::solver::contact_solver::ContactSolver;
+use crate::solver::demand::SubstepSettings;
 use crate::solver::mlcp::Residual;
 use crate::solver::residual::ResidualSum;
 use crate::solver::rows::PointRows;
-use crate::solver::demand::SubstepSettings;
 use crate::solver::{Gravity, SolverConfig, integrate};
 use bevy_ecs::resource::Resource;
 

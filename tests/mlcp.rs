@@ -320,9 +320,7 @@ fn sweeps_needed(with_momentum: bool, scene: &Scene, config: &SolverConfig, leve
         rows: &mut rows,
         bodies: &mut bodies,
         friction_model: model,
-        sweep: |rows: &mut [PointRows], bodies: &mut [SolverBody]| {
-            pgs::sweep(rows, bodies, model)
-        },
+        sweep: |rows: &mut [PointRows], bodies: &mut [SolverBody]| pgs::sweep(rows, bodies, model),
     };
     let mut momentum = Momentum::default();
     for sweeps in 1..20_000 {

@@ -4,7 +4,7 @@
 //! those in which bodies may hit each other have a batch of their own; calm small ones share one, which fills its lanes.
 
 use super::Method;
-use super::blocks::{Block, Blow, Place, Point, derive};
+use super::blocks::{Block, Blow, Place, Point, Solid, Source, derive, fill};
 use super::bodies::{Bodies, SolverBody};
 use super::demand::{Demand, Effort, SubstepSettings, Travel};
 use super::exact::ExactScratch;
@@ -53,8 +53,8 @@ pub struct MovingManifold {
 pub struct Member {
     /// Its bodies within the batch.
     pub bodies: Range<usize>,
-    /// The least of its points' [speed scales](PointRows::speed_scale).
-    pub speed_scale: f32,
+    /// The largest extent that a contact of its is measured by: the lesser of the least extents of two bodies, m.
+    pub extent: f32,
 }
 
 /// Islands with all that their sub-steps read and write; buffers are reused from step to step.
@@ -78,8 +78,8 @@ pub struct Batch {
     pub bodies: Vec<SolverBody>,
     /// Displacements of its bodies since the start of the step: centre (m) and rotation vector (rad).
     pub displacements: Vec<SolverBody>,
-    /// Inverse inertia tensors of its bodies, world axes, 1/(kg m2).
-    pub inverse_inertia: Vec<Mat3>,
+    /// Masses and inertias of its bodies.
+    pub solids: Vec<Solid>,
     /// Those of its bodies that turn.
     pub turning: Vec<TurningBody>,
     /// Those of its manifolds whose rows follow the motion.
@@ -108,6 +108,8 @@ pub(super) struct BatchScratch {
     pub(super) is_pushed: Vec<bool>,
     /// Points of a batch as rows, for the exact method.
     pub(super) rows: Vec<PointRows>,
+    /// Inverse inertia tensors of a batch, for the exact method.
+    pub(super) inertia: Vec<Mat3>,
     /// Velocities without contact impulses.
     pub(super) free: Vec<SolverBody>,
 }
@@ -136,33 +138,54 @@ impl Batch {
         self.make_blocks();
         let mut first = 0;
         for (member, island) in islands.list[range.clone()].iter().enumerate() {
-            self.load_turning(member, bodies);
             let pairs = &islands.pairs[island.manifolds.clone()];
-            self.fill_lanes(member, first, pairs, manifolds, bodies);
+            self.fill_lanes(member, first, pairs);
+            self.load_turning(member, bodies);
+            if demand.can_hit {
+                self.load_moving(first..first + pairs.len(), member, manifolds, bodies);
+            }
             first += pairs.len();
         }
-        derive(&self.blocks, &mut self.points, self.settings.config.lane_width);
+        self.fill_blocks(manifolds);
         if demand.can_hit || self.settings.config.method == Method::Exact {
             self.blows.resize(self.points.len(), Blow::default());
         }
-        self.has_restitution = self
-            .blocks
-            .iter()
-            .any(|block| block.restitution.0.iter().any(|&e| e > 0.0));
         let most_points = islands.list[range].iter().map(|i| i.points.len()).max();
         self.effort = Effort::new(&self.settings.config, most_points.unwrap_or(0));
+    }
+
+    fn fill_blocks(&mut self, manifolds: &[Manifold]) {
+        let config = &self.settings.config;
+        let source = Source {
+            manifolds,
+            solids: &self.solids,
+            share: 1.0 / config.substeps as f32,
+            slop: config.slop,
+        };
+        fill(
+            &mut self.blocks,
+            &mut self.points,
+            source,
+            config.lane_width,
+        );
+        derive(
+            &mut self.blocks,
+            &mut self.points,
+            &self.solids,
+            config.lane_width,
+        );
+        let restitution = self.blocks.iter().flat_map(|block| block.restitution.0);
+        self.has_restitution = restitution.fold(0.0, f32::max) > 0.0;
     }
 
     fn clear(&mut self) {
         self.members.clear();
         self.places.clear();
-        self.blocks.clear();
-        self.points.clear();
         self.blows.clear();
         self.slots.clear();
         self.bodies.clear();
         self.displacements.clear();
-        self.inverse_inertia.clear();
+        self.solids.clear();
         self.turning.clear();
         self.moving.clear();
     }
@@ -173,17 +196,23 @@ impl Batch {
         self.slots.extend_from_slice(slots);
         let slots = || slots.iter().map(|&slot| slot as usize);
         self.bodies.extend(slots().map(|i| bodies.velocity[i]));
-        let inertia = slots().map(|i| bodies.inverse_inertia[i]);
-        self.inverse_inertia.extend(inertia);
+        self.solids.extend(slots().map(|i| {
+            let inverse_mass = bodies.velocity[i].inverse_mass;
+            Solid::new(
+                inverse_mass,
+                &bodies.inverse_inertia[i],
+                bodies.least_extent[i],
+            )
+        }));
         self.members.push(Member {
             bodies: first..self.slots.len(),
-            speed_scale: f32::INFINITY,
+            extent: 0.0,
         });
     }
 
     fn add_idle_body(&mut self) {
         self.bodies.push(SolverBody::default());
-        self.inverse_inertia.push(Mat3::ZERO);
+        self.solids.push(Solid::new(0.0, &Mat3::ZERO, 1.0));
         let count = self.bodies.len();
         self.displacements.resize(count, SolverBody::default());
         self.schedule.begin(count);
@@ -206,66 +235,65 @@ impl Batch {
             });
             let index = islands.manifolds[at];
             let count = manifolds[index as usize].count;
-            self.places.push((index, self.schedule.place(movable, count)));
+            self.places
+                .push((index, self.schedule.place(movable, count)));
         }
     }
 
+    /// Makes blocks with empty lanes. What they hold from another step is overwritten when they are filled.
     fn make_blocks(&mut self) {
         let idle = self.slots.len() as u32;
+        self.blocks
+            .resize_with(self.schedule.points_of_blocks().len(), Block::default);
         let mut points = 0;
-        for count in self.schedule.points_of_blocks() {
-            let mut block = Block::empty(idle, points);
+        for (block, count) in self.blocks.iter_mut().zip(self.schedule.points_of_blocks()) {
+            block.clear(idle, points..points + count);
             points += count;
-            block.points.end = points;
-            self.blocks.push(block);
         }
         self.points.resize(points, Point::default());
     }
 
-    /// Fills the lanes of an island's manifolds, with the impulses of the last step, and lists those that move. `first`: place
-    /// of its first manifold.
-    fn fill_lanes(
+    /// Names the bodies and manifolds of the lanes of an island. `first`: place of its first manifold.
+    fn fill_lanes(&mut self, member: usize, first: usize, pairs: &[[u32; 2]]) {
+        let member = &mut self.members[member];
+        let offset = member.bodies.start as u32;
+        for (pair, &(index, place)) in pairs.iter().zip(&self.places[first..]) {
+            let pair = pair.map(|number| number + offset);
+            let block = &mut self.blocks[place.block as usize];
+            block.put(place.lane as usize, index, pair);
+            let [a, b] = pair.map(|number| self.solids[number as usize].extent());
+            member.extent = member.extent.max(a.min(b));
+        }
+    }
+
+    /// Lists the manifolds of an island whose rows follow the motion.
+    fn load_moving(
         &mut self,
+        places: Range<usize>,
         member: usize,
-        first: usize,
-        pairs: &[[u32; 2]],
         manifolds: &[Manifold],
         bodies: &Bodies,
     ) {
-        let settings = self.settings;
-        let offset = self.members[member].bodies.start as u32;
-        let share = 1.0 / settings.config.substeps as f32;
-        for (pair, &(index, place)) in pairs.iter().zip(&self.places[first..]) {
-            let (manifold, lane) = (&manifolds[index as usize], place.lane as usize);
+        let first_body = self.members[member].bodies.start;
+        for &(index, place) in &self.places[places] {
+            let manifold = &manifolds[index as usize];
             let slots = [manifold.a as usize, manifold.b as usize];
             let extents = slots.map(|i| bodies.least_extent[i]);
-            let extent = extents[0].min(extents[1]);
-            let block = &mut self.blocks[place.block as usize];
-            let sides = slots.map(|i| side(bodies, i));
-            block.set_manifold(lane, manifold, &sides, extent, settings.config.slop);
-            block.manifolds[lane] = index;
-            block.used += 1;
-            for (side, number) in block.bodies.iter_mut().zip(pair) {
-                side[lane] = number + offset;
+            let velocities = slots.map(|i| &bodies.velocity[i]);
+            let motion = Travel::of(velocities, extents, self.settings.step());
+            if !motion.is_noticeable {
+                continue;
             }
-            let points = &mut self.points[block.points.clone()];
-            for (to, point) in points.iter_mut().zip(manifold.points()) {
-                to.set(lane, block, point, share);
-            }
-            let least = &mut self.members[member].speed_scale;
-            *least = least.min(block.speed_scale.0[lane]);
-            let motion = Travel::of(slots.map(|i| &bodies.velocity[i]), extents, settings.step());
-            if motion.is_noticeable {
-                let carrier = carrier(slots, bodies);
-                self.moving.push(MovingManifold {
-                    manifold: index,
-                    place,
-                    bodies: pair.map(|number| number + offset),
-                    turning: pair.map(|number| self.turning_place[number as usize]),
-                    carrier,
-                    clearance: motion.is_fast.then_some(0.5 * extents[carrier]),
-                });
-            }
+            let pair = self.blocks[place.block as usize].pair(place.lane as usize);
+            let carrier = carrier(slots, bodies);
+            self.moving.push(MovingManifold {
+                manifold: index,
+                place,
+                bodies: pair,
+                turning: pair.map(|body| self.turning_place[body as usize - first_body]),
+                carrier,
+                clearance: motion.is_fast.then_some(0.5 * extents[carrier]),
+            });
         }
     }
 
@@ -290,12 +318,7 @@ impl Batch {
 
     /// Adds the rows of an island's points to `rows`, in the order of its manifolds, with numbers of bodies within the island.
     /// `places`: those of the island.
-    pub fn collect_rows(
-        &self,
-        places: Range<usize>,
-        first_body: u32,
-        rows: &mut Vec<PointRows>,
-    ) {
+    pub fn collect_rows(&self, places: Range<usize>, first_body: u32, rows: &mut Vec<PointRows>) {
         for &(_, place) in &self.places[places] {
             let (block, lane) = (&self.blocks[place.block as usize], place.lane as usize);
             for i in block.points.clone().take(place.count as usize) {

@@ -14,13 +14,59 @@
 use super::bodies::SolverBody;
 use super::lanes::{F8, Kernel, LaneWidth, Lanes, WIDTH, run};
 use super::rows::{PointRows, Side};
-use crate::contact::manifold::{ContactPoint, Manifold};
-use crate::math::tangents;
+use crate::contact::manifold::{ContactPoint, MAX_POINTS, Manifold};
 use glam::{Mat3, Vec3};
 use std::ops::Range;
 
 /// Marks a lane without a manifold.
 pub const NO_MANIFOLD: u32 = u32::MAX;
+
+/// Gap of points that are not there, m: far more than anything closes in a step.
+const FAR: f32 = 1e18;
+
+/// What does not change when a body moves, and its inertia: xx, yy, zz, xy, xz and yz of the inverse tensor (world axes,
+/// 1/(kg m2)), 1 / mass (1/kg), least extent (m).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Solid(pub F8);
+
+impl Solid {
+    /// From its parts; `extent`, m.
+    pub fn new(inverse_mass: f32, inverse_inertia: &Mat3, extent: f32) -> Self {
+        let (x, y, z) = (
+            inverse_inertia.x_axis,
+            inverse_inertia.y_axis,
+            inverse_inertia.z_axis,
+        );
+        let six = [x.x, y.y, z.z, x.y, x.z, y.z];
+        let [xx, yy, zz, xy, xz, yz] = six;
+        Self(F8([xx, yy, zz, xy, xz, yz, inverse_mass, extent]))
+    }
+
+    /// The inverse tensor.
+    pub fn inverse_inertia(&self) -> Mat3 {
+        let [xx, yy, zz, xy, xz, yz, ..] = self.0.0;
+        Mat3::from_cols(
+            Vec3::new(xx, xy, xz),
+            Vec3::new(xy, yy, yz),
+            Vec3::new(xz, yz, zz),
+        )
+    }
+
+    /// 1 / mass, 1/kg.
+    pub fn inverse_mass(&self) -> f32 {
+        self.0.0[6]
+    }
+
+    /// Least extent, m.
+    pub fn extent(&self) -> f32 {
+        self.0.0[7]
+    }
+
+    /// Sets the inverse tensor.
+    pub fn set_inverse_inertia(&mut self, inverse_inertia: &Mat3) {
+        *self = Self::new(self.inverse_mass(), inverse_inertia, self.extent());
+    }
+}
 
 /// Where a manifold is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -123,36 +169,25 @@ pub fn set_vector(lanes: &mut [F8; 3], lane: usize, value: Vec3) {
     }
 }
 
-/// The six different entries of a symmetric matrix.
-pub fn entries(m: &Mat3) -> [f32; 6] {
-    let (x, y, z) = (m.x_axis, m.y_axis, m.z_axis);
-    [x.x, y.y, z.z, x.y, x.z, y.z]
-}
-
 impl Block {
-    /// An empty block whose lanes all refer to a body that nothing happens to.
-    pub fn empty(idle: u32, first_point: usize) -> Self {
-        Self {
-            bodies: [[idle; WIDTH]; 2],
-            points: first_point..first_point,
-            ..Self::default()
-        }
+    /// Empties the lanes: all refer to a body that nothing happens to.
+    pub fn clear(&mut self, idle: u32, points: Range<usize>) {
+        self.bodies = [[idle; WIDTH]; 2];
+        self.manifolds = [NO_MANIFOLD; WIDTH];
+        self.points = points;
+        self.used = 0;
+    }
+
+    /// Names manifold and bodies of the next lane.
+    pub fn put(&mut self, lane: usize, manifold: u32, [a, b]: [u32; 2]) {
+        self.manifolds[lane] = manifold;
+        (self.bodies[0][lane], self.bodies[1][lane]) = (a, b);
+        self.used += 1;
     }
 
     /// Numbers of the two bodies of a lane.
     pub fn pair(&self, lane: usize) -> [u32; 2] {
         self.bodies.map(|side| side[lane])
-    }
-
-    /// Sets masses and inertias of a lane.
-    pub fn set_sides(&mut self, lane: usize, sides: &[Side; 2]) {
-        for (k, side) in sides.iter().enumerate() {
-            self.inverse_mass[k].0[lane] = side.inverse_mass;
-            let lanes = self.inverse_inertia[k].iter_mut();
-            for (lanes, entry) in lanes.zip(entries(&side.inverse_inertia)) {
-                lanes.0[lane] = entry;
-            }
-        }
     }
 
     /// Masses and inertias of a lane.
@@ -169,46 +204,9 @@ impl Block {
             }
         })
     }
-
-    /// Puts a manifold with its masses into a lane.
-    pub fn set_manifold(
-        &mut self,
-        lane: usize,
-        manifold: &Manifold,
-        sides: &[Side; 2],
-        extent: f32,
-        slop: f32,
-    ) {
-        set_vector(&mut self.normal, lane, manifold.normal);
-        let directions = tangents(manifold.normal);
-        for (lanes, direction) in self.tangents.iter_mut().zip(directions) {
-            set_vector(lanes, lane, direction);
-        }
-        self.friction.0[lane] = manifold.friction;
-        self.restitution.0[lane] = manifold.restitution;
-        self.slop.0[lane] = slop * extent;
-        self.speed_scale.0[lane] = 1.0 / extent.sqrt();
-        self.set_sides(lane, sides);
-    }
 }
 
 impl Point {
-    /// Puts a contact point into a lane of a block, with `share` of its impulses; masses come with [`derive`].
-    pub fn set(&mut self, lane: usize, block: &Block, point: &ContactPoint, share: f32) {
-        for (lanes, anchor) in self.anchors.iter_mut().zip([point.anchor_a, point.anchor_b]) {
-            set_vector(lanes, lane, anchor);
-        }
-        self.separation.0[lane] = point.separation;
-        let along = |k: usize| point.friction_impulse.dot(vector(&block.tangents[k], lane));
-        // Without friction nothing must be left in the rows from when there was some.
-        let has_friction = block.friction.0[lane] > 0.0;
-        let [t1, t2] = [0, 1].map(|k| if has_friction { share * along(k) } else { 0.0 });
-        let impulses = [share * point.normal_impulse, t1, t2];
-        for (lanes, impulse) in self.impulse.iter_mut().zip(impulses) {
-            lanes.0[lane] = impulse;
-        }
-    }
-
     /// Velocity of B against A along the normal of a lane, m/s. Of displacements, how far B moved against A, m.
     pub fn normal_velocity(&self, lane: usize, normal: Vec3, [a, b]: [&SolverBody; 2]) -> f32 {
         let [to_a, to_b] = [0, 1].map(|k| vector(&self.anchors[k], lane));
@@ -273,6 +271,14 @@ impl<L: Lanes> V3<L> {
     }
 
     #[inline(always)]
+    pub(super) fn store(self, to: &mut [F8; 3]) {
+        let [x, y, z] = self.0;
+        x.store(&mut to[0]);
+        y.store(&mut to[1]);
+        z.store(&mut to[2]);
+    }
+
+    #[inline(always)]
     pub(super) fn plus(self, other: Self) -> Self {
         let ([a, b, c], [x, y, z]) = (self.0, other.0);
         Self([a + x, b + y, c + z])
@@ -303,7 +309,7 @@ impl<L: Lanes> V3<L> {
     }
 }
 
-/// The product of a symmetric matrix (entries as in [`entries`]) and a vector.
+/// The product of a symmetric matrix (entries as in [`Solid`]) and a vector.
 #[inline(always)]
 pub(super) fn symmetric<L: Lanes>(m: &[L; 6], v: V3<L>) -> V3<L> {
     let ([xx, yy, zz, xy, xz, yz], [x, y, z]) = (*m, v.0);
@@ -326,14 +332,148 @@ pub(super) fn load_six<L: Lanes>(from: &[F8; 6]) -> [L; 6] {
     ]
 }
 
-/// Computes masses and couplings of the points from the anchors.
-pub fn derive(blocks: &[Block], points: &mut [Point], width: LaneWidth) {
-    run(width, Derive { blocks, points });
+/// What blocks are filled from.
+#[derive(Clone, Copy, Debug)]
+pub struct Source<'a> {
+    /// All manifolds of the step.
+    pub manifolds: &'a [Manifold],
+    /// By number of a body.
+    pub solids: &'a [Solid],
+    /// Part of the impulses of the last step that a sub-step starts from.
+    pub share: f32,
+    /// Overlap that is left alone, as a share of the least extent.
+    pub slop: f32,
+}
+
+/// Fills blocks, whose bodies and manifolds are known, and their points; masses come with [`derive`].
+pub fn fill(blocks: &mut [Block], points: &mut [Point], source: Source<'_>, width: LaneWidth) {
+    let kernel = Fill {
+        blocks,
+        points,
+        source,
+    };
+    run(width, kernel);
+}
+
+/// Computes masses and couplings of the points of blocks from anchors and inertias.
+pub fn derive(blocks: &mut [Block], points: &mut [Point], solids: &[Solid], width: LaneWidth) {
+    let kernel = Derive {
+        blocks,
+        points,
+        solids,
+    };
+    run(width, kernel);
+}
+
+struct Fill<'a> {
+    blocks: &'a mut [Block],
+    points: &'a mut [Point],
+    source: Source<'a>,
+}
+
+/// A point that is not there.
+const NO_POINT: F8 = F8([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, FAR, 0.0]);
+
+/// Anchors and gap.
+#[inline(always)]
+fn geometry_row(point: &ContactPoint) -> F8 {
+    let (a, b) = (point.anchor_a, point.anchor_b);
+    F8([a.x, a.y, a.z, b.x, b.y, b.z, point.separation, 0.0])
+}
+
+/// Impulses.
+#[inline(always)]
+fn impulse_row(point: &ContactPoint) -> F8 {
+    let (n, t) = (point.normal_impulse, point.friction_impulse);
+    F8([n, t.x, t.y, t.z, 0.0, 0.0, 0.0, 0.0])
+}
+
+impl Kernel for Fill<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        for block in self.blocks {
+            let points = &mut self.points[block.points.clone()];
+            fill_block::<L>(block, points, &self.source);
+        }
+    }
+}
+
+#[inline(always)]
+fn fill_block<L: Lanes>(block: &mut Block, points: &mut [Point], source: &Source<'_>) {
+    let mut headers = [F8::default(); WIDTH];
+    let mut geometry = [[NO_POINT; WIDTH]; MAX_POINTS];
+    let mut impulses = [[F8::default(); WIDTH]; MAX_POINTS];
+    for lane in 0..block.used {
+        let manifold = &source.manifolds[block.manifolds[lane] as usize];
+        let (n, mu, e) = (manifold.normal, manifold.friction, manifold.restitution);
+        headers[lane] = F8([n.x, n.y, n.z, mu, e, 0.0, 0.0, 0.0]);
+        for (k, point) in manifold.points().iter().enumerate() {
+            geometry[k][lane] = geometry_row(point);
+            impulses[k][lane] = impulse_row(point);
+        }
+    }
+    let [x, y, z, friction, restitution, ..] = L::columns(&headers);
+    let normal = V3([x, y, z]);
+    let [t1, t2] = tangents(normal);
+    normal.store(&mut block.normal);
+    t1.store(&mut block.tangents[0]);
+    t2.store(&mut block.tangents[1]);
+    friction.store(&mut block.friction);
+    restitution.store(&mut block.restitution);
+    let extents = [0, 1].map(|side| source.extents(&block.bodies[side]));
+    let extent = L::load(&extents[0]).min(L::load(&extents[1]));
+    (L::splat(source.slop) * extent).store(&mut block.slop);
+    (L::splat(1.0) / extent.sqrt()).store(&mut block.speed_scale);
+    for (k, point) in points.iter_mut().enumerate() {
+        let [ax, ay, az, bx, by, bz, gap, _] = L::columns(&geometry[k]);
+        V3([ax, ay, az]).store(&mut point.anchors[0]);
+        V3([bx, by, bz]).store(&mut point.anchors[1]);
+        gap.store(&mut point.separation);
+        let [n, fx, fy, fz, ..] = L::columns(&impulses[k]);
+        let (share, zero) = (L::splat(source.share), L::splat(0.0));
+        let tangential = V3([fx, fy, fz]).times(share);
+        // Without friction nothing must be left in the rows from when there was some.
+        let along = [tangential.dot(t1), tangential.dot(t2)];
+        (n * share).store(&mut point.impulse[0]);
+        let [f1, f2] = along;
+        friction
+            .if_above(zero, f1, zero)
+            .store(&mut point.impulse[1]);
+        friction
+            .if_above(zero, f2, zero)
+            .store(&mut point.impulse[2]);
+        zero.store(&mut point.wanted);
+        zero.store(&mut point.total);
+    }
+}
+
+impl Source<'_> {
+    /// Least extents of the bodies in lanes.
+    fn extents(&self, bodies: &[u32; WIDTH]) -> F8 {
+        F8(bodies.map(|body| self.solids[body as usize].extent()))
+    }
+}
+
+/// Two unit vectors that form a right-handed frame with the unit vector `n`: [`tangents`](crate::math::tangents) in lanes.
+#[inline(always)]
+fn tangents<L: Lanes>(n: V3<L>) -> [V3<L>; 2] {
+    let [x, y, z] = n.0;
+    let (zero, one) = (L::splat(0.0), L::splat(1.0));
+    let sign = zero.if_above(z, L::splat(-1.0), one);
+    let a = L::splat(-1.0) / (sign + z);
+    let b = x * y * a;
+    [
+        V3([one + sign * x * x * a, sign * b, zero - sign * x]),
+        V3([b, sign + y * y * a, zero - y]),
+    ]
 }
 
 struct Derive<'a> {
-    blocks: &'a [Block],
+    blocks: &'a mut [Block],
     points: &'a mut [Point],
+    solids: &'a [Solid],
 }
 
 impl Kernel for Derive<'_> {
@@ -342,23 +482,43 @@ impl Kernel for Derive<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         for block in self.blocks {
-            let solid = Solid::<L>::load(block);
+            load_masses::<L>(block, self.solids);
+            let pair = MassOfPair::<L>::load(block);
             let normal = V3::<L>::load(&block.normal);
             let (t1, t2) = (V3::load(&block.tangents[0]), V3::load(&block.tangents[1]));
             for point in &mut self.points[block.points.clone()] {
-                let arms = [V3::<L>::load(&point.anchors[0]), V3::load(&point.anchors[1])];
-                let along_normal = solid.turns(&arms, normal);
-                let of_normal = solid.effect(&arms, normal, &along_normal);
-                let of_t1 = solid.effect(&arms, t1, &solid.turns(&arms, t1));
-                let of_t2 = solid.effect(&arms, t2, &solid.turns(&arms, t2));
-                inverse(solid.mass + of_normal).store(&mut point.normal_mass);
-                inverse(solid.mass + of_t1.max(of_t2)).store(&mut point.tangent_mass);
-                let of_both = solid.effect(&arms, t1, &along_normal);
+                let arms = [
+                    V3::<L>::load(&point.anchors[0]),
+                    V3::load(&point.anchors[1]),
+                ];
+                let along_normal = pair.turns(&arms, normal);
+                let of_normal = pair.effect(&arms, normal, &along_normal);
+                let of_t1 = pair.effect(&arms, t1, &pair.turns(&arms, t1));
+                let of_t2 = pair.effect(&arms, t2, &pair.turns(&arms, t2));
+                inverse(pair.mass + of_normal).store(&mut point.normal_mass);
+                inverse(pair.mass + of_t1.max(of_t2)).store(&mut point.tangent_mass);
+                let of_both = pair.effect(&arms, t1, &along_normal);
                 of_both.store(&mut point.coupling[0]);
-                let of_both = solid.effect(&arms, t2, &along_normal);
+                let of_both = pair.effect(&arms, t2, &along_normal);
                 of_both.store(&mut point.coupling[1]);
             }
         }
+    }
+}
+
+/// Copies masses and inertias of the bodies into a block.
+#[inline(always)]
+fn load_masses<L: Lanes>(block: &mut Block, solids: &[Solid]) {
+    for side in 0..2 {
+        let [xx, yy, zz, xy, xz, yz, mass, _] = L::gather(solids, &block.bodies[side]);
+        mass.store(&mut block.inverse_mass[side]);
+        let six = &mut block.inverse_inertia[side];
+        xx.store(&mut six[0]);
+        yy.store(&mut six[1]);
+        zz.store(&mut six[2]);
+        xy.store(&mut six[3]);
+        xz.store(&mut six[4]);
+        yz.store(&mut six[5]);
     }
 }
 
@@ -370,13 +530,13 @@ fn inverse<L: Lanes>(x: L) -> L {
 }
 
 /// Two bodies in each lane.
-struct Solid<L> {
+struct MassOfPair<L> {
     /// Sum of the inverse masses, 1/kg.
     mass: L,
     inertia: [[L; 6]; 2],
 }
 
-impl<L: Lanes> Solid<L> {
+impl<L: Lanes> MassOfPair<L> {
     #[inline(always)]
     fn load(block: &Block) -> Self {
         let [a, b] = &block.inverse_mass;

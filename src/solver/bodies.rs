@@ -31,33 +31,6 @@ pub struct SolverBody {
 
 const _: () = assert!(size_of::<SolverBody>() == 32);
 
-impl SolverBody {
-    /// The eight numbers in the order in which they lie in memory.
-    pub(super) fn to_array(self) -> [f32; 8] {
-        let (v, w) = (self.linear, self.angular);
-        [
-            v.x,
-            v.y,
-            v.z,
-            self.inverse_mass,
-            w.x,
-            w.y,
-            w.z,
-            self.unused,
-        ]
-    }
-
-    /// A body from its eight numbers.
-    pub(super) fn from_array([x, y, z, inverse_mass, p, q, r, unused]: [f32; 8]) -> Self {
-        Self {
-            linear: Vec3::new(x, y, z),
-            inverse_mass,
-            angular: Vec3::new(p, q, r),
-            unused,
-        }
-    }
-}
-
 /// Where a step takes a body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Motion {

@@ -12,7 +12,7 @@ use glam::Vec3;
 use std::ops::Range;
 
 /// Calm islands are solved together until they have this many manifolds: enough to fill the lanes of their blocks.
-const BATCH: usize = 64;
+const BATCH: usize = 192;
 
 /// Manifolds from which it pays to ask other threads for help: about 100 us of work, ten times what they take to come.
 const WORTH_HELP: usize = 256;

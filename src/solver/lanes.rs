@@ -8,7 +8,9 @@
     reason = "processor intrinsics; every block says why it is sound"
 )]
 
+use super::blocks::Solid;
 use super::bodies::SolverBody;
+use glam::Vec3;
 use std::ops::{Add, Div, Mul, Sub};
 
 /// Number of lanes of everything that is laid out for [`Lanes`].
@@ -50,10 +52,62 @@ pub trait Lanes:
     fn sqrt(self) -> Self;
     /// `yes` in lanes where `self > bound`, else `no`.
     fn if_above(self, bound: Self, yes: Self, no: Self) -> Self;
-    /// The eight numbers of eight bodies, by number and then by lane.
-    fn gather(bodies: &[SolverBody], index: &[u32; WIDTH]) -> [Self; 8];
-    /// Writes what [`gather`](Self::gather) reads. Lanes that share a body must hold the same numbers.
-    fn scatter(columns: [Self; 8], bodies: &mut [SolverBody], index: &[u32; WIDTH]);
+    /// Eight rows of eight numbers, one row for each lane, as columns.
+    fn columns(rows: &[F8; WIDTH]) -> [Self; 8];
+    /// The rows that the lanes refer to, as columns.
+    fn gather<R: Row>(rows: &[R], index: &[u32; WIDTH]) -> [Self; 8];
+    /// Writes what [`gather`](Self::gather) reads. Lanes that share a row must hold the same numbers.
+    fn scatter<R: Row>(columns: [Self; 8], rows: &mut [R], index: &[u32; WIDTH]);
+}
+
+/// Eight numbers that lie in a row in memory.
+pub trait Row: Copy {
+    /// The numbers.
+    fn numbers(&self) -> [f32; 8];
+    /// A row of these numbers.
+    fn of(numbers: [f32; 8]) -> Self;
+}
+
+impl Row for F8 {
+    #[inline(always)]
+    fn numbers(&self) -> [f32; 8] {
+        self.0
+    }
+
+    #[inline(always)]
+    fn of(numbers: [f32; 8]) -> Self {
+        Self(numbers)
+    }
+}
+
+impl Row for Solid {
+    #[inline(always)]
+    fn numbers(&self) -> [f32; 8] {
+        self.0.0
+    }
+
+    #[inline(always)]
+    fn of(numbers: [f32; 8]) -> Self {
+        Self(F8(numbers))
+    }
+}
+
+impl Row for SolverBody {
+    #[inline(always)]
+    fn numbers(&self) -> [f32; 8] {
+        let (v, w) = (self.linear, self.angular);
+        [v.x, v.y, v.z, self.inverse_mass, w.x, w.y, w.z, self.unused]
+    }
+
+    #[inline(always)]
+    fn of([x, y, z, inverse_mass, p, q, r, unused]: [f32; 8]) -> Self {
+        Self {
+            linear: Vec3::new(x, y, z),
+            inverse_mass,
+            angular: Vec3::new(p, q, r),
+            unused,
+        }
+    }
 }
 
 /// A loop that is compiled for each kind of lanes. `run` and all that it calls must be `#[inline(always)]`, so that they
@@ -157,22 +211,26 @@ impl Lanes for Plain {
     }
 
     #[inline(always)]
-    fn gather(bodies: &[SolverBody], index: &[u32; WIDTH]) -> [Self; 8] {
-        let rows = index.map(|i| bodies[i as usize].to_array());
-        std::array::from_fn(|column| Self(rows.map(|row| row[column])))
+    fn columns(rows: &[F8; WIDTH]) -> [Self; 8] {
+        std::array::from_fn(|column| Self(rows.map(|row| row.0[column])))
     }
 
     #[inline(always)]
-    fn scatter(columns: [Self; 8], bodies: &mut [SolverBody], index: &[u32; WIDTH]) {
+    fn gather<R: Row>(rows: &[R], index: &[u32; WIDTH]) -> [Self; 8] {
+        Self::columns(&index.map(|i| F8(rows[i as usize].numbers())))
+    }
+
+    #[inline(always)]
+    fn scatter<R: Row>(columns: [Self; 8], rows: &mut [R], index: &[u32; WIDTH]) {
         for (lane, &i) in index.iter().enumerate() {
-            bodies[i as usize] = SolverBody::from_array(columns.map(|column| column.0[lane]));
+            rows[i as usize] = R::of(columns.map(|column| column.0[lane]));
         }
     }
 }
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
-    use super::{Add, Div, F8, Kernel, Lanes, Mul, SolverBody, Sub, WIDTH};
+    use super::{Add, Div, F8, Kernel, Lanes, Mul, Row, Sub, WIDTH};
     use std::arch::x86_64::*;
 
     /// All that is inlined into this function may use AVX2.
@@ -189,20 +247,8 @@ mod x86 {
     #[derive(Clone, Copy)]
     pub(super) struct Sse2(__m128, __m128);
 
-    /// The numbers of a body in memory.
-    #[inline(always)]
-    fn numbers(body: &SolverBody) -> *const f32 {
-        std::ptr::from_ref(body).cast()
-    }
-
-    #[inline(always)]
-    fn numbers_mut(body: &mut SolverBody) -> *mut f32 {
-        std::ptr::from_mut(body).cast()
-    }
-
     // SAFETY of all blocks below for `Avx2`: values of the type exist only within `run_avx2`, which runs only where the
-    // processor has AVX2. Loads and stores are unaligned ones of 32 bytes from and to `F8` or `SolverBody`, which have
-    // exactly 32 bytes of `f32` each.
+    // processor has AVX2. Loads and stores are unaligned ones from and to `F8`, which is 32 bytes of `f32`.
     operators! { Avx2,
         // SAFETY: see above.
         Add add: |a, b| Self(unsafe { _mm256_add_ps(a.0, b.0) });
@@ -261,17 +307,54 @@ mod x86 {
         }
 
         #[inline(always)]
-        fn gather(bodies: &[SolverBody], index: &[u32; WIDTH]) -> [Self; 8] {
-            let [a, b, c, d, e, f, g, h] = transpose_avx2([
-                row_avx2(bodies, index[0]),
-                row_avx2(bodies, index[1]),
-                row_avx2(bodies, index[2]),
-                row_avx2(bodies, index[3]),
-                row_avx2(bodies, index[4]),
-                row_avx2(bodies, index[5]),
-                row_avx2(bodies, index[6]),
-                row_avx2(bodies, index[7]),
-            ]);
+        fn columns(rows: &[F8; WIDTH]) -> [Self; 8] {
+            Self::transpose([
+                Self::load(&rows[0]),
+                Self::load(&rows[1]),
+                Self::load(&rows[2]),
+                Self::load(&rows[3]),
+                Self::load(&rows[4]),
+                Self::load(&rows[5]),
+                Self::load(&rows[6]),
+                Self::load(&rows[7]),
+            ])
+        }
+
+        #[inline(always)]
+        fn gather<R: Row>(rows: &[R], index: &[u32; WIDTH]) -> [Self; 8] {
+            Self::transpose([
+                Self::row(rows, index[0]),
+                Self::row(rows, index[1]),
+                Self::row(rows, index[2]),
+                Self::row(rows, index[3]),
+                Self::row(rows, index[4]),
+                Self::row(rows, index[5]),
+                Self::row(rows, index[6]),
+                Self::row(rows, index[7]),
+            ])
+        }
+
+        #[inline(always)]
+        fn scatter<R: Row>(columns: [Self; 8], rows: &mut [R], index: &[u32; WIDTH]) {
+            let from = Self::transpose(columns);
+            for lane in 0..WIDTH {
+                let mut numbers = F8::default();
+                from[lane].store(&mut numbers);
+                rows[index[lane] as usize] = R::of(numbers.0);
+            }
+        }
+    }
+
+    impl Avx2 {
+        #[inline(always)]
+        fn row<R: Row>(rows: &[R], index: u32) -> Self {
+            Self::load(&F8(rows[index as usize].numbers()))
+        }
+
+        /// Rows to columns, or back.
+        #[inline(always)]
+        fn transpose([a, b, c, d, e, f, g, h]: [Self; 8]) -> [Self; 8] {
+            let [a, b, c, d, e, f, g, h] = transpose_avx2([a.0, b.0, c.0, d.0, e.0, f.0, g.0, h.0]);
             [
                 Self(a),
                 Self(b),
@@ -283,24 +366,6 @@ mod x86 {
                 Self(h),
             ]
         }
-
-        #[inline(always)]
-        fn scatter(columns: [Self; 8], bodies: &mut [SolverBody], index: &[u32; WIDTH]) {
-            let [a, b, c, d, e, f, g, h] = columns;
-            let rows = transpose_avx2([a.0, b.0, c.0, d.0, e.0, f.0, g.0, h.0]);
-            for lane in 0..WIDTH {
-                let body = numbers_mut(&mut bodies[index[lane] as usize]);
-                // SAFETY: see above.
-                unsafe { _mm256_storeu_ps(body, rows[lane]) }
-            }
-        }
-    }
-
-    /// The numbers of a body.
-    #[inline(always)]
-    fn row_avx2(bodies: &[SolverBody], index: u32) -> __m256 {
-        // SAFETY: called by methods of `Avx2` only, see above.
-        unsafe { _mm256_loadu_ps(numbers(&bodies[index as usize])) }
     }
 
     /// Four rows to four columns, in each half of the registers.
@@ -339,8 +404,8 @@ mod x86 {
         }
     }
 
-    // SAFETY of all blocks below for `Sse2`: SSE2 is part of x86-64. Loads and stores are unaligned ones of 16 bytes within
-    // `F8` or `SolverBody`, which have 32 bytes of `f32` each.
+    // SAFETY of all blocks below for `Sse2`: SSE2 is part of x86-64. Loads and stores are unaligned ones of either half of `F8`,
+    // which is 32 bytes of `f32`.
     operators! { Sse2,
         // SAFETY: see above.
         Add add: |a, b| unsafe { Self(_mm_add_ps(a.0, b.0), _mm_add_ps(a.1, b.1)) };
@@ -409,41 +474,67 @@ mod x86 {
         }
 
         #[inline(always)]
-        fn gather(bodies: &[SolverBody], index: &[u32; WIDTH]) -> [Self; 8] {
-            let quarter = |lane: usize, half: usize| {
-                let row = |i: usize| {
-                    let body = &bodies[index[lane + i] as usize];
-                    // SAFETY: see above.
-                    unsafe { _mm_loadu_ps(numbers(body).add(half)) }
-                };
-                transpose_sse2(std::array::from_fn(row))
-            };
-            let [a, b, c, d] = [quarter(0, 0), quarter(4, 0), quarter(0, 4), quarter(4, 4)];
-            std::array::from_fn(|i| match i {
-                0..4 => Self(a[i], b[i]),
-                _ => Self(c[i - 4], d[i - 4]),
-            })
+        fn columns(rows: &[F8; WIDTH]) -> [Self; 8] {
+            Self::transpose([
+                Self::load(&rows[0]),
+                Self::load(&rows[1]),
+                Self::load(&rows[2]),
+                Self::load(&rows[3]),
+                Self::load(&rows[4]),
+                Self::load(&rows[5]),
+                Self::load(&rows[6]),
+                Self::load(&rows[7]),
+            ])
         }
 
         #[inline(always)]
-        fn scatter(columns: [Self; 8], bodies: &mut [SolverBody], index: &[u32; WIDTH]) {
-            let quarter = |half: usize, pick: fn(Self) -> __m128| {
-                transpose_sse2(std::array::from_fn(|i| pick(columns[half + i])))
-            };
-            let (first, last) = (|c: Self| c.0, |c: Self| c.1);
-            let rows = [
-                [quarter(0, first), quarter(4, first)],
-                [quarter(0, last), quarter(4, last)],
-            ];
-            for (lane, &i) in index.iter().enumerate() {
-                let [linear, angular] = rows[lane / 4];
-                let body = numbers_mut(&mut bodies[i as usize]);
-                // SAFETY: see above.
-                unsafe {
-                    _mm_storeu_ps(body, linear[lane % 4]);
-                    _mm_storeu_ps(body.add(4), angular[lane % 4]);
-                }
+        fn gather<R: Row>(rows: &[R], index: &[u32; WIDTH]) -> [Self; 8] {
+            Self::transpose([
+                Self::row(rows, index[0]),
+                Self::row(rows, index[1]),
+                Self::row(rows, index[2]),
+                Self::row(rows, index[3]),
+                Self::row(rows, index[4]),
+                Self::row(rows, index[5]),
+                Self::row(rows, index[6]),
+                Self::row(rows, index[7]),
+            ])
+        }
+
+        #[inline(always)]
+        fn scatter<R: Row>(columns: [Self; 8], rows: &mut [R], index: &[u32; WIDTH]) {
+            let from = Self::transpose(columns);
+            for lane in 0..WIDTH {
+                let mut numbers = F8::default();
+                from[lane].store(&mut numbers);
+                rows[index[lane] as usize] = R::of(numbers.0);
             }
+        }
+    }
+
+    impl Sse2 {
+        #[inline(always)]
+        fn row<R: Row>(rows: &[R], index: u32) -> Self {
+            Self::load(&F8(rows[index as usize].numbers()))
+        }
+
+        /// Rows to columns, or back: four quarters, two of which change places.
+        #[inline(always)]
+        fn transpose([a, b, c, d, e, f, g, h]: [Self; 8]) -> [Self; 8] {
+            let [p, q, r, s] = transpose_sse2([a.0, b.0, c.0, d.0]);
+            let [t, u, v, w] = transpose_sse2([a.1, b.1, c.1, d.1]);
+            let [i, j, k, l] = transpose_sse2([e.0, f.0, g.0, h.0]);
+            let [m, n, o, x] = transpose_sse2([e.1, f.1, g.1, h.1]);
+            [
+                Self(p, i),
+                Self(q, j),
+                Self(r, k),
+                Self(s, l),
+                Self(t, m),
+                Self(u, n),
+                Self(v, o),
+                Self(w, x),
+            ]
         }
     }
 

@@ -27,7 +27,7 @@ impl Schedule {
     }
 
     /// Of each block, the points of its largest manifold.
-    pub fn points_of_blocks(&self) -> impl Iterator<Item = usize> {
+    pub fn points_of_blocks(&self) -> impl ExactSizeIterator<Item = usize> {
         self.points.iter().map(|&count| count as usize)
     }
 

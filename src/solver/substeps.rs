@@ -14,10 +14,9 @@
 //! ```
 
 use super::batch::{Batch, BatchScratch, MovingManifold};
-use super::blocks::{Place, Point, derive, vector};
+use super::blocks::{Place, Point, Solid, derive, vector};
 use super::bodies::SolverBody;
 use super::demand::{Effort, SubstepSettings};
-use super::rows::Side;
 use super::soft_step::{self, Softness};
 use super::sweep::Contacts;
 use super::{Method, SolverConfig, exact};
@@ -179,7 +178,8 @@ impl Batch {
             let speed = speed(point);
             speed > config.restitution_threshold && speed * h > gap(point)
         };
-        let range = block.points.clone();
+        let first = block.points.start;
+        let range = first..first + place.count as usize;
         let (points, blows) = (&mut self.points[range.clone()], &mut self.blows[range]);
         // Corners of a face that all but lie at one height hit together, or the face would start to rock.
         let reach = if points.iter().any(|point| hits(point, *h)) {
@@ -190,7 +190,7 @@ impl Batch {
         let mut fastest = 0.0_f32;
         for (point, blow) in points.iter_mut().zip(blows) {
             blow.rebound.0[lane] = 0.0;
-            if point.normal_mass.0[lane] > 0.0 && hits(point, reach) {
+            if hits(point, reach) {
                 let before = speed(point) - acceleration * h;
                 let squared = before * before + 2.0 * acceleration * gap(point);
                 let rebound = restitution * squared.max(0.0).sqrt();
@@ -259,10 +259,13 @@ impl Batch {
             let rows = points.iter().map(|point| point.rows(lane, block, 0.0));
             scratch.rows.extend(rows);
         }
+        scratch.inertia.clear();
+        let inertia = self.solids.iter().map(Solid::inverse_inertia);
+        scratch.inertia.extend(inertia);
         let certificate = exact::solve(
             &mut scratch.rows,
             &mut self.bodies,
-            &self.inverse_inertia,
+            &scratch.inertia,
             config,
             &mut scratch.exact,
         );
@@ -384,7 +387,13 @@ impl Batch {
         if config.method == Method::Exact {
             return self.relax_exactly(settings, effort);
         }
-        self.sweep(config.relax_sweeps, SweepKind::Relax, config, tolerance, effort);
+        self.sweep(
+            config.relax_sweeps,
+            SweepKind::Relax,
+            config,
+            tolerance,
+            effort,
+        );
     }
 
     /// Sweeps `least` times, then with [`momentum`](super::momentum) until a sweep changes no velocity by more than
@@ -458,7 +467,7 @@ impl Batch {
             let omega = &mut self.bodies[i].angular;
             *omega = turning.spin.advance(*omega, h);
             let r = Mat3::from_quat(turning.spin.rotation);
-            self.inverse_inertia[i] = r * turning.inverse_inertia * r.transpose();
+            self.solids[i].set_inverse_inertia(&(r * turning.inverse_inertia * r.transpose()));
         }
     }
 
@@ -480,7 +489,8 @@ impl Batch {
                 self.follow_manifold(&moving, manifolds);
             }
         }
-        derive(&self.blocks, &mut self.points, self.settings.config.lane_width);
+        let width = self.settings.config.lane_width;
+        derive(&mut self.blocks, &mut self.points, &self.solids, width);
     }
 
     fn follow_manifold(&mut self, moving: &MovingManifold, manifolds: &[Manifold]) {
@@ -488,13 +498,8 @@ impl Batch {
         let (pair, lane) = (moving.bodies, moving.place.lane as usize);
         let turns = [0, 1].map(|side| self.turn_of(pair[side], moving.turning[side]));
         let [i, j] = pair.map(|b| b as usize);
-        let sides = [i, j].map(|k| Side {
-            inverse_mass: self.bodies[k].inverse_mass,
-            inverse_inertia: self.inverse_inertia[k],
-        });
         let q = [&self.displacements[i], &self.displacements[j]];
-        let block = &mut self.blocks[moving.place.block as usize];
-        block.set_sides(lane, &sides);
+        let block = &self.blocks[moving.place.block as usize];
         let points = &mut self.points[block.points.clone()];
         for (to, point) in points.iter_mut().zip(manifold.points()) {
             let mut anchors = [turns[0] * point.anchor_a, turns[1] * point.anchor_b];
@@ -529,7 +534,7 @@ impl Batch {
             let of_members = self.members.iter().map(|member| {
                 let bodies = &self.bodies[member.bodies.clone()];
                 let squares = bodies.iter().map(|body| body.linear.length_squared());
-                let fastest = squares.fold(0.0, f32::max).sqrt() * member.speed_scale;
+                let fastest = (squares.fold(0.0, f32::max) / member.extent).sqrt();
                 tolerance.max(MOVING_TOLERANCE * fastest)
             });
             of_members.fold(f32::INFINITY, f32::min)

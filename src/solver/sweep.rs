@@ -160,8 +160,16 @@ impl<L: Lanes> Pair<L> {
         let turn_a = symmetric(&masses.inertia[0], angular[0]);
         let turn_b = symmetric(&masses.inertia[1], angular[1]);
         let (shift_a, shift_b) = (impulse.times(masses.mass[0]), impulse.times(masses.mass[1]));
-        self.set(0, self.linear(0).minus(shift_a), self.angular(0).minus(turn_a));
-        self.set(1, self.linear(1).plus(shift_b), self.angular(1).plus(turn_b));
+        self.set(
+            0,
+            self.linear(0).minus(shift_a),
+            self.angular(0).minus(turn_a),
+        );
+        self.set(
+            1,
+            self.linear(1).plus(shift_b),
+            self.angular(1).plus(turn_b),
+        );
     }
 }
 
@@ -234,11 +242,7 @@ fn project<L: Lanes>(model: FrictionModel, wish: [L; 2], radius: L) -> [L; 2] {
     match model {
         FrictionModel::Disc => {
             let squared = wish[0] * wish[0] + wish[1] * wish[1];
-            let shrink = squared.if_above(
-                radius * radius,
-                radius / squared.sqrt(),
-                L::splat(1.0),
-            );
+            let shrink = squared.if_above(radius * radius, radius / squared.sqrt(), L::splat(1.0));
             [wish[0] * shrink, wish[1] * shrink]
         }
         FrictionModel::Box => {
@@ -300,7 +304,8 @@ fn targets<L: Lanes>(
         let gap = L::load(&point.separation) + normal.dot(shift);
         let overlap = zero - gap - slop;
         let push = (rate * overlap.max(zero)).min(most);
-        gap.if_above(zero, gap * closing, push).store(&mut point.wanted);
+        gap.if_above(zero, gap * closing, push)
+            .store(&mut point.wanted);
         if !first {
             let total = L::load(&point.total) + L::load(&point.impulse[0]);
             total.store(&mut point.total);
@@ -405,10 +410,7 @@ impl<'a, 'c> Sweep<'a, 'c> {
 fn largest_change<L: Lanes>(point: &Point, delta: [L; 3]) -> L {
     let (zero, least) = (L::splat(0.0), L::splat(f32::MIN_POSITIVE));
     let normal = delta[0].max(zero - delta[0]) / L::load(&point.normal_mass).max(least);
-    let [t1, t2] = [
-        delta[1].max(zero - delta[1]),
-        delta[2].max(zero - delta[2]),
-    ];
+    let [t1, t2] = [delta[1].max(zero - delta[1]), delta[2].max(zero - delta[2])];
     let tangent = t1.max(t2) / L::load(&point.tangent_mass).max(least);
     normal.max(tangent)
 }
