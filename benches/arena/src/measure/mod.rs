@@ -26,7 +26,7 @@ pub(crate) struct Report {
     pub(crate) disp_max: f64,
     /// Root mean square of linear speed plus spin times radius at the end \[m/s\].
     pub(crate) rms_speed: f64,
-    /// Bodies more than the scene's `fell` away from their initial position.
+    /// Bodies that are not where they should rest, see [`Truth`].
     pub(crate) fallen: usize,
 }
 
@@ -148,68 +148,95 @@ impl<'s> Meter<'s> {
 
     /// The errors of the run; the headline one is infinite if the run broke, or `is_late` and did not come to its end.
     pub(crate) fn finish(mut self, is_late: bool) -> Report {
-        let scene = self.scene;
-        let dynamic: Vec<usize> = (0..scene.bodies.len())
-            .filter(|&i| !scene.bodies[i].fixed)
-            .collect();
-        let shift = |i: usize| self.last[i].pos.distance(self.first[i].pos);
-        let r = &mut self.report;
-        r.disp_max = dynamic.iter().map(|&i| shift(i)).fold(0.0, f64::max);
-        let speed2 = |i: usize| {
-            let p = self.last[i];
-            (p.lin.length() + p.ang.length() * self.radius[scene.bodies[i].shape]).powi(2)
+        let shifts = self.dynamic().map(|i| self.shift(i));
+        self.report.disp_max = shifts.fold(0.0, f64::max);
+        self.report.rms_speed = self.rms_speed();
+        self.report.pen_mean = self.pen_sum.0 / self.pen_sum.1.max(1) as f64;
+        self.report.fallen = self.fallen();
+        self.report.err = if self.is_broken || is_late {
+            f64::INFINITY
+        } else {
+            self.headline()
         };
-        r.rms_speed =
-            (dynamic.iter().map(|&i| speed2(i)).sum::<f64>() / dynamic.len() as f64).sqrt();
-        r.pen_mean = self.pen_sum.0 / self.pen_sum.1.max(1) as f64;
+        // Energies in Joule until here.
+        let g = self.scene.gravity.as_dvec3().length();
+        let weight = self.dynamic().map(|i| self.mass[i].0).sum::<f64>() * g;
+        let unit = if weight > 0.0 { weight } else { self.energy0 };
+        self.report.energy_gain /= unit;
+        self.report.energy_drift = (self.energy() - self.energy0) / unit;
+        self.report
+    }
+
+    fn dynamic(&self) -> impl Iterator<Item = usize> {
+        (0..self.scene.bodies.len()).filter(|&i| !self.scene.bodies[i].fixed)
+    }
+
+    /// Distance of a body from where it began, m.
+    fn shift(&self, i: usize) -> f64 {
+        self.last[i].pos.distance(self.first[i].pos)
+    }
+
+    fn rms_speed(&self) -> f64 {
+        let squares = self.dynamic().map(|i| {
+            let (p, radius) = (self.last[i], self.radius[self.scene.bodies[i].shape]);
+            (p.lin.length() + p.ang.length() * radius).powi(2)
+        });
+        (squares.sum::<f64>() / self.scene.num_dynamic() as f64).sqrt()
+    }
+
+    fn fallen(&self) -> usize {
+        let is_out = |i: &usize| match self.scene.truth {
+            Truth::Rest { fell } => self.shift(*i) > fell as f64,
+            Truth::Settle { walls } => {
+                let p = self.last[*i].pos;
+                p.y < 0.0 || p.x.abs().max(p.z.abs()) > walls as f64
+            }
+            _ => false,
+        };
+        self.dynamic().filter(is_out).count()
+    }
+
+    /// The error that the scene is judged by.
+    fn headline(&self) -> f64 {
+        let (scene, first, last) = (self.scene, &self.first, &self.last);
         let (t, g) = (
             scene.dt as f64 * scene.steps as f64,
             scene.gravity.as_dvec3(),
         );
-        self.report.err = match scene.truth {
-            Truth::Rest { fell } => {
-                let fallen = dynamic.iter().filter(|&&i| shift(i) > fell as f64).count();
-                self.report.fallen = fallen;
-                self.report.disp_max
-            }
-            Truth::Settle => self.report.pen_mean,
-            Truth::Fall => (self.last[1].pos - self.first[1].pos - 0.5 * g * t * t).length(),
-            Truth::Slide => {
-                let down = DVec3::new(g.x, 0.0, g.z);
-                let exact = down + down.normalize() * (scene.friction as f64 * g.y);
-                let span = scene.dt as f64 * (scene.steps - 60) as f64;
-                let a = (self.last[1].lin - self.mark.map_or(DVec3::ZERO, |m| m.lin)) / span;
-                (a - exact).length() / exact.length()
-            }
+        match scene.truth {
+            Truth::Rest { .. } => self.report.disp_max,
+            Truth::Settle { .. } => self.report.pen_mean,
+            Truth::Fall => (last[1].pos - first[1].pos - 0.5 * g * t * t).length(),
+            Truth::Slide => self.slide(),
             Truth::Spin => {
-                let exact = free_rotation(&self.mass[0].1, &self.first[0], t);
-                self.last[0].rot.angle_between(exact)
+                let exact = free_rotation(&self.mass[0].1, &first[0], t);
+                last[0].rot.angle_between(exact)
             }
             Truth::Bounce { height } => {
-                let rest = self.first[1].pos.y - height as f64 * 4.0; // dropped from height / 0.5²
+                let rest = first[1].pos.y - height as f64 * 4.0; // dropped from height / 0.5²
                 ((self.apex - rest) / height as f64 - 1.0).abs()
             }
             Truth::Isolated => {
-                let (p0, l0) = self.momentum(&self.first);
-                let (p1, l1) = self.momentum(&self.last);
+                let (p0, l0) = self.momentum(first);
+                let (p1, l1) = self.momentum(last);
                 ((p1 - p0).length() / p0.length()).max((l1 - l0).length() / l0.length())
             }
             Truth::Topple => {
-                let up = |i: usize| (self.last[i].rot * DVec3::Y).y;
-                dynamic.iter().filter(|&&i| up(i) > 0.8).count() as f64 / dynamic.len() as f64
+                let stands = |i: &usize| (last[*i].rot * DVec3::Y).y > 0.8;
+                self.dynamic().filter(stands).count() as f64 / scene.num_dynamic() as f64
             }
-            Truth::Wall => (self.last[1].pos.x > 0.0) as u8 as f64,
-        };
-        // Energies in Joule until here.
-        let weight: f64 = dynamic.iter().map(|&i| self.mass[i].0).sum::<f64>() * g.length();
-        let unit = if weight > 0.0 { weight } else { self.energy0 };
-        let drift = self.energy() - self.energy0;
-        self.report.energy_gain /= unit;
-        self.report.energy_drift = drift / unit;
-        if self.is_broken || is_late {
-            self.report.err = f64::INFINITY;
+            Truth::Wall => (last[1].pos.x > 0.0) as u8 as f64,
         }
-        self.report
+    }
+
+    /// Relative error of the acceleration of body 1 after the mark.
+    fn slide(&self) -> f64 {
+        let (scene, g) = (self.scene, self.scene.gravity.as_dvec3());
+        let down = DVec3::new(g.x, 0.0, g.z);
+        let exact = down + down.normalize() * (scene.friction as f64 * g.y);
+        let span = scene.dt as f64 * (scene.steps - 60) as f64;
+        let a = (self.last[1].lin - self.mark.map_or(DVec3::ZERO, |m| m.lin)) / span;
+        (a - exact).length() / exact.length()
     }
 
     fn energy(&self) -> f64 {

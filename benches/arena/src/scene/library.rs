@@ -144,11 +144,11 @@ fn cards(levels: usize) -> Scene {
 
 /// `n` random hulls dropped in layers into a pit with four walls.
 fn pile(n: usize) -> Scene {
-    let mut s = Scene::on_ground("pile", Truth::Settle);
-    s.friction = 0.5;
-    let mut rng = Rng(7);
     let side = (n as f32 / 10.0).sqrt().ceil() as usize;
     let w = 0.55 * side as f32 + 0.3;
+    let mut s = Scene::on_ground("pile", Truth::Settle { walls: w });
+    s.friction = 0.5;
+    let mut rng = Rng(7);
     for (x, z) in [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)] {
         let half = vec3(
             if x != 0.0 { 0.5 } else { w + 1.0 },

@@ -35,8 +35,9 @@ pub(crate) struct Body {
 pub(crate) enum Truth {
     /// Initial poses are an exact equilibrium. `err` = largest displacement \[m\]; fallen beyond `fell`.
     Rest { fell: f32 },
-    /// No known answer. `err` = mean penetration of touching pairs \[m\].
-    Settle,
+    /// No known answer. `err` = mean penetration of touching pairs \[m\]; fallen if not above the ground between walls at
+    /// `walls` \[m\] on both sides of both axes.
+    Settle { walls: f32 },
     /// Body 1 is in free fall. `err` = |height error| \[m\] at the end.
     Fall,
     /// Body 1 slides from rest on the ground. `err` = |a − a_exact| / |a_exact|.
