@@ -80,7 +80,7 @@ struct Line {
     job: Job,
     name: String,
     runs: Vec<Outcome>,
-    /// Bodies and microseconds per body, and contact where the engine tells, at the size the others are told against.
+    /// Microseconds and contacts per body at the size that the others are told against, once it was run.
     reference: Option<[f64; 2]>,
 }
 
@@ -177,17 +177,16 @@ impl Line {
         if is_reference {
             self.reference = Some([per_body, contacts]);
         }
-        let growth = self.reference.map_or([f64::NAN; 2], |[b, c]| {
-            [per_body / b, per_body / b / (contacts / c)]
-        });
+        let over = |[body, contact]: [f64; 2]| {
+            let growth = per_body / body;
+            format!("{growth:>8.2} {:>8.2}", growth * contact / contacts)
+        };
+        let growth = self.reference.map_or(String::new(), over);
         println!(
-            "{:<14} {bodies:>6} {:<24} {threads:>2} {wall:>9.3} {cpu:>9.3} {:>8.1} {per_body:>8.3} {contacts:>8.2} {:>8.2} \
-             {:>8.2}",
+            "{:<14} {bodies:>6} {:<24} {threads:>2} {wall:>9.3} {cpu:>9.3} {:>8.1} {per_body:>8.3} {contacts:>8.2} {growth}",
             self.job.scene,
             self.name,
-            n / cost,
-            growth[0],
-            growth[1]
+            n / cost
         );
         let (engine, setting) = (&self.job.engine, &self.job.setting);
         let scene = &self.job.scene;
