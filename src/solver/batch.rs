@@ -8,11 +8,11 @@ use super::blocks::{Block, Blow, Place, Point, Solid, Source, derive, fill};
 use super::bodies::{Bodies, SolverBody};
 use super::demand::{Demand, Effort, SubstepSettings, Travel};
 use super::exact::ExactScratch;
-use super::islands::{Island, Islands};
-use super::lanes::F8;
+use super::islands::Islands;
+use super::lanes::{F8, WIDTH};
 use super::momentum::Pace;
 use super::rows::{PointRows, Side};
-use super::schedule::Schedule;
+use super::schedule::{ContactOrder, Schedule};
 use super::spin::Spin;
 use crate::contact::manifold::Manifold;
 use glam::{Mat3, Quat};
@@ -132,9 +132,7 @@ impl Batch {
             self.load_bodies(&islands.slots[island.bodies.clone()], bodies);
         }
         self.add_idle_body();
-        for (member, island) in islands.list[range.clone()].iter().enumerate() {
-            self.place_manifolds(member, island, islands, manifolds);
-        }
+        self.place_manifolds(range.clone(), islands, manifolds);
         self.make_blocks();
         let mut first = 0;
         for (member, island) in islands.list[range.clone()].iter().enumerate() {
@@ -215,28 +213,47 @@ impl Batch {
         self.solids.push(Solid::new(0.0, &Mat3::ZERO, 1.0));
         let count = self.bodies.len();
         self.displacements.resize(count, SolverBody::default());
-        self.schedule.begin(count);
     }
 
-    /// Gives each manifold of an island a lane.
-    fn place_manifolds(
+    /// Gives each manifold a lane.
+    fn place_manifolds(&mut self, range: Range<usize>, islands: &Islands, manifolds: &[Manifold]) {
+        let order = self.settings.config.order;
+        self.place_all(
+            range.clone(),
+            islands,
+            manifolds,
+            order == ContactOrder::Coloured,
+        );
+        let least = self.places.len().div_ceil(WIDTH);
+        if order == ContactOrder::Automatic && self.schedule.blocks() > 2 * least {
+            self.places.clear();
+            self.place_all(range, islands, manifolds, true);
+        }
+        let places = self.places.iter_mut().map(|(_, place)| place);
+        self.schedule.finish(places);
+    }
+
+    fn place_all(
         &mut self,
-        member: usize,
-        island: &Island,
+        range: Range<usize>,
         islands: &Islands,
         manifolds: &[Manifold],
+        by_colour: bool,
     ) {
-        let offset = self.members[member].bodies.start as u32;
-        for at in island.manifolds.clone() {
-            let movable = islands.pairs[at].map(|number| {
-                let number = number + offset;
-                let body = &self.bodies[number as usize];
-                (body.inverse_mass > 0.0).then_some(number)
-            });
-            let index = islands.manifolds[at];
-            let count = manifolds[index as usize].count;
-            self.places
-                .push((index, self.schedule.place(movable, count)));
+        self.schedule.begin(self.bodies.len(), by_colour);
+        for (member, island) in self.members.iter().zip(&islands.list[range]) {
+            let offset = member.bodies.start as u32;
+            for at in island.manifolds.clone() {
+                let movable = islands.pairs[at].map(|number| {
+                    let number = number + offset;
+                    let body = &self.bodies[number as usize];
+                    (body.inverse_mass > 0.0).then_some(number)
+                });
+                let index = islands.manifolds[at];
+                let count = manifolds[index as usize].count;
+                self.places
+                    .push((index, self.schedule.place(movable, count)));
+            }
         }
     }
 

@@ -29,6 +29,7 @@ pub mod sweep;
 use bevy_ecs::resource::Resource;
 use glam::Vec3;
 use lanes::LaneWidth;
+use schedule::ContactOrder;
 
 /// Acceleration that acts on every dynamic body, m/s2.
 #[derive(Clone, Copy, Debug, PartialEq, Resource)]
@@ -111,6 +112,8 @@ pub struct SolverConfig {
     /// Most updates of contact points that an island's sweeps beyond the least numbers may take in a step: small islands are
     /// solved to the tolerance, and a heap of thousands costs what it may. 30 000 are about a millisecond.
     pub spare_updates: u32,
+    /// In which order the contacts of an island are solved.
+    pub order: ContactOrder,
     /// How many numbers the solver calculates with at a time. The results are the same.
     pub lane_width: LaneWidth,
     /// Measure residual, penetration and energy each step; costs one more pass over the rows. Off by default.
@@ -129,6 +132,7 @@ impl SolverConfig {
             relax_sweeps: 0,
             slop: 0.002,
             tolerance: None,
+            order: ContactOrder::Kept,
             ..Self::default()
         }
     }
@@ -178,6 +182,7 @@ impl Default for SolverConfig {
             tolerance: Some(1e-3),
             max_sweeps: 32,
             spare_updates: 30_000,
+            order: ContactOrder::Automatic,
             lane_width: LaneWidth::Widest,
             measure_error: false,
             measure_islands: false,
