@@ -141,6 +141,7 @@ impl Sleep {
 
 impl Bodies {
     /// Whether the body sleeps: it rests with its whole island, and no step touches it until something wakes it.
+    #[inline]
     pub fn is_asleep(&self, slot: u32) -> bool {
         self.status.get(slot as usize) == Some(&Status::Asleep)
     }
@@ -255,21 +256,19 @@ impl Bodies {
         if self.sleep.asleep == 0 {
             return pairs;
         }
-        let is_idle = |sleeper: u32, other: u32| self.is_asleep(sleeper) && !self.disturbs(other);
+        let needs_look = |pair: &&Pair| match (self.is_asleep(pair.a), self.is_asleep(pair.b)) {
+            (false, false) => true,
+            (true, true) => false,
+            (true, false) => self.disturbs(pair.b),
+            (false, true) => self.disturbs(pair.a),
+        };
         awake.clear();
-        awake.extend(
-            pairs
-                .iter()
-                .filter(|pair| !is_idle(pair.a, pair.b) && !is_idle(pair.b, pair.a)),
-        );
+        awake.extend(pairs.iter().filter(needs_look));
         awake
     }
 
-    /// Whether a touch of this body wakes: it is dynamic and awake, or fixed and moves or was changed.
+    /// Whether a touch of this body, which is awake, wakes: it is dynamic, or fixed and moves or was changed.
     fn disturbs(&self, slot: u32) -> bool {
-        if self.is_asleep(slot) {
-            return false;
-        }
         let body = &self.velocity[slot as usize];
         body.inverse_mass > 0.0 || self.is_displaced(slot)
     }
