@@ -53,10 +53,9 @@ fn height(app: &App, entity: Entity) -> f32 {
 #[derive(Resource, Default)]
 struct ChangesSeen(usize);
 
-fn count_changes(
-    changed: Query<(), Or<(Changed<Transform>, Changed<LinearVelocity>)>>,
-    mut seen: ResMut<ChangesSeen>,
-) {
+type Written = Or<(Changed<Transform>, Changed<LinearVelocity>)>;
+
+fn count_changes(changed: Query<(), Written>, mut seen: ResMut<ChangesSeen>) {
     seen.0 += changed.iter().count();
 }
 

@@ -133,6 +133,9 @@ pub(crate) fn settle_marked(
     }
 }
 
+/// An entity that is to become a body, and whether it is marked as sleeping.
+type Arrival = (&'static mut BodyHandle, Option<BodyParts>, Has<Sleeping>);
+
 /// System: frees the slots of bodies that left, gives slots to those that arrived.
 pub(crate) fn register_bodies(
     mut queue: ResMut<BodyQueue>,
@@ -140,7 +143,7 @@ pub(crate) fn register_bodies(
     mut entities: ResMut<BodyEntities>,
     mut cache: ResMut<ContactCache>,
     mut warnings: ResMut<Messages<BodyWarning>>,
-    mut parts: Query<(&mut BodyHandle, Option<BodyParts>, Has<Sleeping>), With<RigidBody>>,
+    mut parts: Query<Arrival, With<RigidBody>>,
 ) {
     remove_bodies(&mut queue.left, &mut bodies, &mut cache);
     if queue.arrived.is_empty() && queue.refused.is_empty() {
@@ -317,7 +320,7 @@ type ChangeTicks = (
     Option<Ref<'static, Fracturable>>,
 );
 
-/// Whether any description changed: a pass over the ticks alone, a tenth of what asking each entity takes.
+/// Whether any description changed: a pass over the ticks alone, which is much cheaper than to ask each entity.
 fn has_any_changed(ticks: &Query<ChangeTicks, With<BodyHandle>>) -> bool {
     fn any<T>(column: Option<ContiguousRef<T>>) -> bool {
         column.is_some_and(|column| {
