@@ -5,7 +5,7 @@
 //! velocity and keeps its pose bit for bit; its pairs with sleeping and resting fixed bodies make no work.
 //!
 //! Two things wake an island: somebody changes one of its bodies, which [`Bodies`] notices in its setters and does at once;
-//! or something happens around it, which [`Bodies::rouse`] and [`Bodies::wake_touched`] find in the next step: a fixed
+//! or something happens around it, which `rouse` and `wake_touched` find in the next step: a fixed
 //! body that bears it was changed or removed (*stirred*), gravity changed, or a body that moves came so close that they have
 //! a manifold. So no manifold that is solved ever joins a sleeping body.
 //!
