@@ -13,7 +13,7 @@ use crate::step::{self, Contacts, StepReport, StepSettings};
 use bevy_app::{App, FixedPostUpdate, Plugin};
 use bevy_ecs::intern::Interned;
 use bevy_ecs::prelude::*;
-use bevy_ecs::schedule::ScheduleLabel;
+use bevy_ecs::schedule::{ScheduleLabel, SingleThreadedExecutor};
 use bevy_ecs::system::SystemParam;
 use bevy_time::Time;
 use bevy_transform::components::Transform;
@@ -92,7 +92,12 @@ impl Plugin for CleavePlugin {
         #[cfg(feature = "reflect")]
         crate::ecs::reflect::register_types(app);
         app.init_schedule(PhysicsSchedule)
-            .edit_schedule(PhysicsSchedule, add_phases);
+            .edit_schedule(PhysicsSchedule, add_phases)
+            .edit_schedule(PhysicsSchedule, |schedule| {
+                // The phases follow each other anyway; those with much to do ask the task pool for help themselves. Handing
+                // each to another thread would cost more than a scene of a few bodies does.
+                schedule.set_executor(SingleThreadedExecutor::new());
+            });
         app.add_systems(self.schedule, |world: &mut World| {
             world.run_schedule(PhysicsSchedule)
         });
