@@ -236,7 +236,7 @@ pub fn generate_contacts(
         ..
     } = contacts;
     let ahead = Lookahead::new(settings.h, settings.gravity.0);
-    narrow.collide(bodies, broadphase.pairs(), ahead, manifolds);
+    narrow.collide(bodies, broadphase, ahead, manifolds);
     report.cache = if settings.config.warm_start {
         cache.warm_start(
             manifolds,

@@ -88,6 +88,7 @@ pub struct Broadphase {
     tree: Bvh2,
     half_spaces: Vec<u32>,
     pairs: Vec<Pair>,
+    revision: u64,
     /// Slots whose pairs are found anew in this step, as a list and as flags.
     renewed: Vec<u32>,
     is_renewed: Vec<bool>,
@@ -115,6 +116,11 @@ impl Broadphase {
     /// Pairs whose kept boxes overlap, sorted by the ids of `(a, b)`.
     pub fn pairs(&self) -> &[Pair] {
         &self.pairs
+    }
+
+    /// Changes whenever [`pairs`](Self::pairs) may have changed.
+    pub fn revision(&self) -> u64 {
+        self.revision
     }
 
     /// The box kept for the body in `slot`, if it has one.
@@ -274,6 +280,7 @@ impl Broadphase {
         }
         self.merged.extend(fresh);
         std::mem::swap(&mut self.pairs, &mut self.merged);
+        self.revision += 1;
     }
 }
 

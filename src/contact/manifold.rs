@@ -1,8 +1,9 @@
 //! Contact manifolds: feature clipping, reduction to four points, normal from A to B.
 
+use crate::geometry::lanes::{LANES, Points4};
 use crate::geometry::{KdBox, KdCode};
 use crate::math::{Pose, rotate, tangents};
-use glam::Vec3;
+use glam::{Mat3, Vec3};
 
 /// Most points a manifold keeps.
 pub const MAX_POINTS: usize = 4;
@@ -30,7 +31,7 @@ pub struct ContactPoint {
 }
 
 /// All points where two bodies touch.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Manifold {
     /// Slot of body A (the one with the smaller id).
     pub a: u32,
@@ -73,21 +74,10 @@ pub struct ManifoldBody {
     pub code_box: Option<KdBox>,
 }
 
-impl ManifoldBody {
-    /// World-axes vector from the centre of mass to `point` (body's frame), and the code of `on_surface`.
-    fn anchor_and_code(&self, point: Vec3, on_surface: Vec3) -> (Vec3, KdCode) {
-        let code = self
-            .code_box
-            .map_or(KdCode::default(), |b| b.encode(on_surface));
-        (rotate(self.pose.rotation, point - self.centre), code)
-    }
-}
-
 impl Manifold {
     /// The manifold of a patch: anchors in world axes and contact codes, all impulses zero.
     ///
-    /// Anchors come from each body's own frame, never from world positions, so they are as exact far from the world's
-    /// origin as near it. The combined `friction` and `restitution` are copied.
+    /// The combined `friction` and `restitution` are copied.
     pub fn from_patch(
         a: &ManifoldBody,
         b: &ManifoldBody,
@@ -95,27 +85,117 @@ impl Manifold {
         friction: f32,
         restitution: f32,
     ) -> Self {
-        let normal = rotate(a.pose.rotation, patch.normal);
-        let normal_in_b = rotate(b.pose.rotation.inverse(), normal);
+        let place = |body: &ManifoldBody| BodyPlace {
+            centre: body.pose.transform_point(body.centre),
+            turn: Mat3::from_quat(body.pose.rotation),
+        };
         let mut manifold = Self {
             a: a.slot,
             b: b.slot,
-            normal,
+            normal: Vec3::ZERO,
             friction,
             restitution,
-            count: patch.count,
-            points: [ContactPoint::default(); MAX_POINTS],
+            count: 0,
+            points: Default::default(),
         };
-        for (to, from) in manifold.points_mut().iter_mut().zip(patch.points()) {
-            let half_gap = 0.5 * from.separation;
-            let mid_in_a = from.on_a + half_gap * patch.normal;
-            let mid_in_b = from.on_b - half_gap * normal_in_b;
-            (to.anchor_a, to.code_a) = a.anchor_and_code(mid_in_a, from.on_a);
-            (to.anchor_b, to.code_b) = b.anchor_and_code(mid_in_b, from.on_b);
-            to.separation = from.separation;
-        }
+        let patch = BoundPatch::new(patch, [a.centre, b.centre], [a.code_box, b.code_box]);
+        patch.write(&place(a), &place(b), &mut manifold);
         manifold
     }
+}
+
+/// Where a body is.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct BodyPlace {
+    /// Centre of mass, world, m.
+    pub(crate) centre: Vec3,
+    /// `world_from_body` rotation.
+    pub(crate) turn: Mat3,
+}
+
+/// A patch whose points are bound to the two bodies, so that it can be seen anew after they have moved a little.
+///
+/// A point is kept as two: one on A's surface, one on B's, which faced each other when the patch was made. The normal is
+/// bound to the body whose face it belongs to. The gap between a corner of one body and a face of the other along that
+/// normal is then exact however the two have moved; that of a cut edge or of two crossing edges is exact to first order.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct BoundPatch {
+    /// Unit normal from A to B in the frame of the body it is bound to.
+    normal: Vec3,
+    normal_of_b: bool,
+    pub(crate) count: u32,
+    /// From each body's centre of mass, body's frame, m.
+    on_a: Points4,
+    on_b: Points4,
+    /// See [`PatchPoint::share_b`].
+    share_b: [f32; MAX_POINTS],
+    code_a: [KdCode; MAX_POINTS],
+    code_b: [KdCode; MAX_POINTS],
+}
+
+const _: () = assert!(MAX_POINTS == LANES, "one lane for each point");
+
+impl BoundPatch {
+    /// Binds a patch to bodies with the given centres of mass (body's frame, m) and code boxes.
+    pub(crate) fn new(patch: &Patch, centres: [Vec3; 2], boxes: [Option<KdBox>; 2]) -> Self {
+        let mut bound = Self {
+            normal: patch.normal_in_b.unwrap_or(patch.normal),
+            normal_of_b: patch.normal_in_b.is_some(),
+            count: patch.count,
+            ..Self::default()
+        };
+        let code = |b: Option<KdBox>, at: Vec3| b.map_or(KdCode::default(), |b| b.encode(at));
+        for (l, point) in patch.points().iter().enumerate() {
+            bound.on_a.set(l, point.on_a - centres[0]);
+            bound.on_b.set(l, point.on_b - centres[1]);
+            bound.share_b[l] = point.share_b;
+            bound.code_a[l] = code(boxes[0], point.on_a);
+            bound.code_b[l] = code(boxes[1], point.on_b);
+        }
+        bound
+    }
+
+    /// Writes normal and points as the bodies are now, with impulses of zero.
+    ///
+    /// All lengths come from the bodies' own frames and the difference of the two centres, which is exact, so they are as
+    /// good far from the world's origin as near it.
+    pub(crate) fn write(&self, a: &BodyPlace, b: &BodyPlace, manifold: &mut Manifold) {
+        let turn = if self.normal_of_b { &b.turn } else { &a.turn };
+        let n = *turn * self.normal;
+        let apart = b.centre - a.centre;
+        let from_a = turned(&self.on_a, &a.turn);
+        let from_b = turned(&self.on_b, &b.turn);
+        manifold.normal = n;
+        manifold.count = self.count;
+        manifold.points = std::array::from_fn(|l| {
+            if l >= self.count as usize {
+                return ContactPoint::default();
+            }
+            let (on_a, on_b) = (from_a.get(l), from_b.get(l));
+            let gap = apart + on_b - on_a;
+            let separation = n.dot(gap);
+            // The contact is midway between the surfaces, and goes with the body that its point belongs to.
+            let share = self.share_b[l];
+            let lift = (0.5 - share) * separation * n;
+            ContactPoint {
+                anchor_a: on_a + share * gap + lift,
+                anchor_b: on_b - (1.0 - share) * gap + lift,
+                separation,
+                code_a: self.code_a[l],
+                code_b: self.code_b[l],
+                ..ContactPoint::default()
+            }
+        });
+    }
+}
+
+/// Points turned from a body's frame to world axes.
+fn turned(points: &Points4, turn: &Mat3) -> Points4 {
+    let [x, y, z] = turn
+        .transpose()
+        .to_cols_array_2d()
+        .map(|row| points.along(Vec3::from(row)));
+    Points4 { x, y, z }
 }
 
 /// A contact point as the narrow phase finds it, in the two bodies' own frames.
@@ -127,6 +207,9 @@ pub struct PatchPoint {
     pub on_b: Vec3,
     /// Gap along the normal, m; negative where the bodies overlap.
     pub separation: f32,
+    /// With which body the point goes while the two slide: 0 with A, 1 with B (a corner of B on a face of A), 0.5 half
+    /// with each (where two edges cross).
+    pub share_b: f32,
 }
 
 /// What the narrow phase finds for one pair: in A's frame, so that nothing is lost far from the origin.
@@ -134,6 +217,8 @@ pub struct PatchPoint {
 pub struct Patch {
     /// Unit normal from A to B, A's frame.
     pub normal: Vec3,
+    /// The same vector in B's frame, if it is the normal of a face of B and turns with B; otherwise it turns with A.
+    pub normal_in_b: Option<Vec3>,
     /// Number of valid points.
     pub count: u32,
     /// The points.
@@ -148,12 +233,15 @@ impl Patch {
 
     /// The patch with the two bodies exchanged: in B's frame, normal from B to A.
     pub fn swapped(&self, b_in_a: &Pose) -> Self {
+        let normal_in_b = rotate(b_in_a.rotation.inverse(), self.normal);
         let mut patch = Self {
-            normal: rotate(b_in_a.rotation.inverse(), -self.normal),
+            normal: -self.normal_in_b.unwrap_or(normal_in_b),
+            normal_in_b: self.normal_in_b.is_none().then_some(-self.normal),
             ..*self
         };
         for point in &mut patch.points {
             std::mem::swap(&mut point.on_a, &mut point.on_b);
+            point.share_b = 1.0 - point.share_b;
         }
         patch
     }
@@ -167,14 +255,25 @@ impl Patch {
     }
 }
 
+/// A contact point before reduction, in the frame of one body.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Candidate {
+    /// On the surface of the body that the reference face does not belong to, m.
+    pub(super) at: Vec3,
+    /// Gap along the normal, m.
+    pub(super) separation: f32,
+    /// Whether it is a vertex of that body, rather than a place where an edge was cut.
+    pub(super) is_vertex: bool,
+}
+
 /// Chooses at most [`MAX_POINTS`] of `candidates` that carry a load as well as all of them would, and keeps their order.
 ///
-/// `candidates` are (position, separation) in one frame; `normal` is the unit contact normal; points nearer to each
+/// `candidates` are in one frame; `normal` is the unit contact normal; points nearer to each
 /// other than `merge` (m) count as one. First the deepest point, then the one farthest from it, then the one that spans
 /// the largest triangle with these two, then the one that adds most area outside the triangle. Points within `merge`
 /// of the deepest are taken as equally deep, and the most extreme of them in a fixed direction is chosen, so that
 /// rounding noise on a flat face does not change the choice from step to step; any other tie goes to the first.
-pub(super) fn reduce(candidates: &mut Vec<(Vec3, f32)>, normal: Vec3, merge: f32) {
+pub(super) fn reduce(candidates: &mut Vec<Candidate>, normal: Vec3, merge: f32) {
     remove_duplicates(candidates, merge);
     if candidates.len() <= MAX_POINTS {
         return;
@@ -188,17 +287,17 @@ pub(super) fn reduce(candidates: &mut Vec<(Vec3, f32)>, normal: Vec3, merge: f32
 }
 
 /// Drops each point that lies within `merge` of an earlier one, which keeps the smaller of both separations.
-fn remove_duplicates(candidates: &mut Vec<(Vec3, f32)>, merge: f32) {
+fn remove_duplicates(candidates: &mut Vec<Candidate>, merge: f32) {
     let mut kept = 0;
     for i in 0..candidates.len() {
-        let (point, separation) = candidates[i];
+        let candidate = candidates[i];
         let twin = candidates[..kept]
             .iter_mut()
-            .find(|(other, _)| other.distance_squared(point) <= merge * merge);
+            .find(|other| other.at.distance_squared(candidate.at) <= merge * merge);
         match twin {
-            Some(twin) => twin.1 = twin.1.min(separation),
+            Some(twin) => twin.separation = twin.separation.min(candidate.separation),
             None => {
-                candidates[kept] = (point, separation);
+                candidates[kept] = candidate;
                 kept += 1;
             }
         }
@@ -207,11 +306,11 @@ fn remove_duplicates(candidates: &mut Vec<(Vec3, f32)>, merge: f32) {
 }
 
 /// The four points of [`reduce`], as indices; fewer distinct ones if the points lie on a line.
-fn choose_four(candidates: &[(Vec3, f32)], normal: Vec3, merge: f32) -> [usize; MAX_POINTS] {
+fn choose_four(candidates: &[Candidate], normal: Vec3, merge: f32) -> [usize; MAX_POINTS] {
     let best = |score: &dyn Fn(Vec3) -> f32| {
         let mut best = (f32::NEG_INFINITY, 0);
-        for (i, &(point, _)) in candidates.iter().enumerate() {
-            let value = score(point);
+        for (i, candidate) in candidates.iter().enumerate() {
+            let value = score(candidate.at);
             if value > best.0 {
                 best = (value, i);
             }
@@ -220,23 +319,23 @@ fn choose_four(candidates: &[(Vec3, f32)], normal: Vec3, merge: f32) -> [usize; 
     };
     let deepest = candidates
         .iter()
-        .fold(f32::INFINITY, |d, &(_, separation)| d.min(separation));
+        .fold(f32::INFINITY, |d, candidate| d.min(candidate.separation));
     let [along, _] = tangents(normal);
     let mut first = (f32::NEG_INFINITY, 0);
-    for (i, &(point, separation)) in candidates.iter().enumerate() {
-        let extreme = along.dot(point);
-        if separation <= deepest + merge && extreme > first.0 {
+    for (i, candidate) in candidates.iter().enumerate() {
+        let extreme = along.dot(candidate.at);
+        if candidate.separation <= deepest + merge && extreme > first.0 {
             first = (extreme, i);
         }
     }
     let first = first.1;
-    let p = candidates[first].0;
+    let p = candidates[first].at;
     let second = best(&|point| point.distance_squared(p));
-    let q = candidates[second].0;
+    let q = candidates[second].at;
     // Twice the signed area of the triangle (from, to, point), seen against the normal.
     let area = |from: Vec3, to: Vec3, point: Vec3| normal.dot((to - from).cross(point - from));
     let third = best(&|point| area(p, q, point).abs());
-    let r = candidates[third].0;
+    let r = candidates[third].at;
     // Edges of the triangle run so that outside is negative for all three.
     let turn = 1.0_f32.copysign(area(p, q, r));
     let fourth = best(&|point| {

@@ -77,6 +77,8 @@ pub struct Bodies {
     pub(crate) least_extent: Vec<f32>,
     /// Largest distance of the hull from the centre of mass, m.
     radius: Vec<f32>,
+    /// Changes with shape, mass or material: what is kept about the body elsewhere is out of date then.
+    pub(crate) version: Vec<u32>,
     /// Slots whose mass properties are out of date.
     pub(crate) stale_mass: Vec<u32>,
     /// Slots whose mass properties the last mass phase computed.
@@ -364,6 +366,7 @@ impl Bodies {
         }
         self.set_fracturable(slot, info.fracturable);
         self.info[slot as usize] = Some(info);
+        self.renew_version(slot);
         if !same_mass {
             self.mark_shape_changed(slot);
         }
@@ -393,6 +396,7 @@ impl Bodies {
         self.kd_box[i] = aabb.map(KdBox::around);
         self.least_extent[i] = aabb.map_or(f32::INFINITY, |b| b.extents().min_element());
         self.stale_mass.push(slot);
+        self.renew_version(slot);
     }
 
     /// Takes a body out of the simulation, or lets it in again.
@@ -426,10 +430,16 @@ impl Bodies {
             self.halt(slot);
         }
         self.radius[i] = self.radius_about(slot, self.mass[i].centre);
+        self.renew_version(slot);
         self.place(slot, pose);
         self.refresh_world(slot);
         self.fresh_mass.push(slot);
         Ok(())
+    }
+
+    fn renew_version(&mut self, slot: u32) {
+        let version = &mut self.version[slot as usize];
+        *version = version.wrapping_add(1);
     }
 
     /// Largest distance of the body's hull from its centre of mass, m; 0 for half-spaces.
@@ -477,6 +487,7 @@ impl Bodies {
         self.kd_box.push(None);
         self.least_extent.push(0.0);
         self.radius.push(0.0);
+        self.version.push(0);
         slot
     }
 }
