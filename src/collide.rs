@@ -7,12 +7,14 @@ use crate::contact::BodyId;
 use crate::contact::broadphase::{Broadphase, Pair, Proxy, ProxyKind, ProxyShape};
 use crate::contact::half_space::examine_half_space;
 use crate::contact::manifold::{BodyPlace, BoundPatch, Manifold, Patch};
-use crate::contact::pair::{PairBody, PairState, Verdict, reach_of_test};
+use crate::contact::pair::{Pace, PairBody, PairState, Verdict, reach_of_test, smaller_extent};
 use crate::contact::sat::{Found, NarrowScratch, distance_along, examine_hulls};
+use crate::geometry::ConvexHull;
+use crate::geometry::lanes::bounds;
 use crate::math::{Aabb, Plane, Pose, rotate};
 use crate::solver::bodies::{Bodies, RigidBody, Shape};
 use bevy_tasks::ComputeTaskPool;
-use glam::{Mat3, Vec3};
+use glam::{Mat3, Quat, Vec3};
 
 /// How far ahead contacts are found besides the bodies' motion, as a share of the body's least extent: far enough that a
 /// body at rest keeps its contacts while it settles.
@@ -49,12 +51,24 @@ impl Lookahead {
         self.h * bodies.velocity[slot as usize].angular.length() * bodies.radius(slot)
     }
 
+    /// How far the body in `slot` goes within the step, m.
+    fn travel(&self, bodies: &Bodies, slot: u32) -> Vec3 {
+        self.h * bodies.velocity[slot as usize].linear
+    }
+
+    /// How far ahead of a body its contacts are looked for in all directions, m.
+    fn reach(&self, bodies: &Bodies, slot: u32) -> f32 {
+        margin_at_rest(bodies, slot) + self.fall + self.turn(bodies, slot)
+    }
+
     /// The body's box with all places it may reach within the step.
-    fn swept_box(&self, bodies: &Bodies, slot: u32) -> Aabb {
+    fn swept_box(&self, bodies: &Bodies, slot: u32, hull: &ConvexHull) -> Aabb {
         let i = slot as usize;
-        let tight = bodies.aabb[i]
-            .fattened(margin_at_rest(bodies, slot) + self.fall + self.turn(bodies, slot));
-        let travel = bodies.velocity[i].linear * self.h;
+        let turn = Mat3::from_quat(bodies.rotation[i]);
+        // From the centre of mass, so that little is lost far from the origin.
+        let shift = bodies.centre[i] - turn * bodies.mass[i].centre;
+        let tight = bounds(&hull.lanes.points, &turn, shift).fattened(self.reach(bodies, slot));
+        let travel = self.travel(bodies, slot);
         Aabb {
             min: tight.min + travel.min(Vec3::ZERO),
             max: tight.max + travel.max(Vec3::ZERO),
@@ -62,12 +76,57 @@ impl Lookahead {
     }
 }
 
+/// When the broad phase was last told where a body is, and for how long that will do.
+#[derive(Clone, Copy, Debug)]
+struct Told {
+    id: BodyId,
+    version: u32,
+    centre: Vec3,
+    rotation: Quat,
+    /// [`Lookahead::reach`] then, and how far the body went within the step, m.
+    reach: f32,
+    travel: f32,
+    /// How far the body may move, or reach farther, until the broad phase must be told again, m.
+    room: f32,
+}
+
+impl Told {
+    /// Tells the broad phase where the body in `slot` is now.
+    fn now(broadphase: &mut Broadphase, bodies: &Bodies, slot: u32, ahead: Lookahead) -> Self {
+        let i = slot as usize;
+        Self {
+            id: bodies.ids[i],
+            version: bodies.version[i],
+            centre: bodies.centre[i],
+            rotation: bodies.rotation[i],
+            reach: ahead.reach(bodies, slot),
+            travel: ahead.travel(bodies, slot).length(),
+            room: broadphase.set(i, Some(proxy(bodies, slot, ahead)), BOX_MARGIN),
+        }
+    }
+
+    /// Whether the broad phase need not be told where the body in `slot` is now.
+    fn will_do(&self, bodies: &Bodies, slot: u32, ahead: Lookahead) -> bool {
+        let i = slot as usize;
+        let turn = (bodies.rotation[i] - self.rotation).length();
+        let moved = (bodies.centre[i] - self.centre).length() + 2.0 * turn * bodies.radius(slot);
+        let reach = ahead.reach(bodies, slot) + ahead.travel(bodies, slot).length();
+        self.id == bodies.ids[i]
+            && self.version == bodies.version[i]
+            && moved + (reach - self.reach).max(0.0) < self.room
+            // A body that was fast and has become slow gets a smaller box.
+            && self.reach + self.travel <= 2.0 * reach + BOX_MARGIN
+    }
+}
+
 /// What is known of the pairs from step to step, and buffers.
 #[derive(Debug, Default)]
 pub struct NarrowPhase {
-    proxies: Vec<Option<Proxy>>,
+    /// What the broad phase was told of each slot.
+    told: Vec<Option<Told>>,
     /// Bodies by slot.
     bodies: Vec<PairBody>,
+    paces: Vec<Pace>,
     /// Pairs by name, and what is known of them; in boxes, so that the order changes without copies.
     names: Vec<(BodyId, BodyId)>,
     states: Vec<Box<PairState>>,
@@ -94,17 +153,22 @@ pub fn update_pairs(
     bodies: &Bodies,
     ahead: Lookahead,
 ) {
-    narrow.proxies.clear();
-    narrow
-        .proxies
-        .extend((0..bodies.slots() as u32).map(|slot| proxy(bodies, slot, ahead)));
-    broadphase.update(&narrow.proxies, BOX_MARGIN);
+    narrow.told.resize(bodies.slots(), None);
+    for (slot, told) in (0..).zip(&mut narrow.told) {
+        if !bodies.is_active(slot) {
+            if told.take().is_some() {
+                broadphase.set(slot as usize, None, BOX_MARGIN);
+            }
+            continue;
+        }
+        if told.is_none_or(|told| !told.will_do(bodies, slot, ahead)) {
+            *told = Some(Told::now(broadphase, bodies, slot, ahead));
+        }
+    }
+    broadphase.find_pairs();
 }
 
-fn proxy(bodies: &Bodies, slot: u32, ahead: Lookahead) -> Option<Proxy> {
-    if !bodies.is_active(slot) {
-        return None;
-    }
+fn proxy(bodies: &Bodies, slot: u32, ahead: Lookahead) -> Proxy {
     let info = bodies.info(slot);
     let kind = if info.kind == RigidBody::Dynamic {
         ProxyKind::Moving
@@ -112,15 +176,15 @@ fn proxy(bodies: &Bodies, slot: u32, ahead: Lookahead) -> Option<Proxy> {
         ProxyKind::Fixed
     };
     let shape = match &info.shape {
-        Shape::Convex(_) => ProxyShape::Box(ahead.swept_box(bodies, slot)),
+        Shape::Convex(mesh) => ProxyShape::Box(ahead.swept_box(bodies, slot, mesh.hull())),
         Shape::HalfSpace(_) => ProxyShape::HalfSpace(half_space_plane(bodies, slot)),
     };
-    Some(Proxy {
+    Proxy {
         id: bodies.id(slot),
         kind,
         layers: info.layers,
         shape,
-    })
+    }
 }
 
 fn margin_at_rest(bodies: &Bodies, slot: u32) -> f32 {
@@ -155,6 +219,7 @@ impl NarrowPhase {
         let scene = &Scene {
             bodies,
             seen: &self.bodies,
+            paces: &self.paces,
             fall: ahead.fall,
         };
         let parts = self.parts.iter_mut().zip(pairs.chunks(part_size));
@@ -209,23 +274,37 @@ impl NarrowPhase {
 
     /// Collects what pairs read of the bodies.
     fn load_bodies(&mut self, bodies: &Bodies, ahead: Lookahead) {
-        self.bodies.clear();
-        self.bodies.extend((0..bodies.slots()).map(|i| {
-            let is_half_space = bodies.least_extent[i] == f32::INFINITY;
-            let radius = bodies.radius(i as u32);
-            PairBody {
-                place: BodyPlace {
-                    centre: bodies.centre[i],
-                    turn: Mat3::from_quat(bodies.rotation[i]),
-                },
-                rotation: bodies.rotation[i],
-                radius: if is_half_space { f32::INFINITY } else { radius },
-                least_extent: bodies.least_extent[i],
-                version: bodies.version[i],
-                travel: ahead.h * bodies.velocity[i].linear,
-                turning: ahead.turn(bodies, i as u32),
-            }
-        }));
+        self.bodies.resize(bodies.slots(), PairBody::default());
+        self.paces.resize(bodies.slots(), Pace::default());
+        let slots = (0..).zip(self.bodies.iter_mut().zip(&mut self.paces));
+        for (slot, (body, pace)) in slots {
+            let now = pair_body(bodies, slot, ahead);
+            let motion = now.motion_since(body);
+            pace.walk(motion);
+            pace.ahead = now.travel.length() + now.turning;
+            pace.least_extent = bodies.least_extent[slot as usize];
+            pace.version = bodies.version[slot as usize];
+            *body = now;
+        }
+    }
+}
+
+fn pair_body(bodies: &Bodies, slot: u32, ahead: Lookahead) -> PairBody {
+    let i = slot as usize;
+    let is_half_space = bodies.least_extent[i] == f32::INFINITY;
+    PairBody {
+        place: BodyPlace {
+            centre: bodies.centre[i],
+            turn: Mat3::from_quat(bodies.rotation[i]),
+        },
+        rotation: bodies.rotation[i],
+        radius: if is_half_space {
+            f32::INFINITY
+        } else {
+            bodies.radius(slot)
+        },
+        travel: ahead.travel(bodies, slot),
+        turning: ahead.turn(bodies, slot),
     }
 }
 
@@ -246,6 +325,7 @@ fn run_parts<P: Send>(parts: impl ExactSizeIterator<Item = P>, work: impl Fn(P) 
 struct Scene<'s> {
     bodies: &'s Bodies,
     seen: &'s [PairBody],
+    paces: &'s [Pace],
     fall: f32,
 }
 
@@ -254,10 +334,13 @@ impl Scene<'_> {
         [pair.a, pair.b].map(|slot| &self.seen[slot as usize])
     }
 
-    /// Bodies farther apart than this, m, cannot touch within the step.
-    fn margin(&self, a: &PairBody, b: &PairBody) -> f32 {
-        let at_rest = CONTACT_MARGIN * a.least_extent.min(b.least_extent);
-        at_rest + self.fall + (b.travel - a.travel).length() + a.turning + b.turning
+    fn paces(&self, pair: Pair) -> [&Pace; 2] {
+        [pair.a, pair.b].map(|slot| &self.paces[slot as usize])
+    }
+
+    /// Bodies farther apart than this, m, cannot touch within the step, if they approach by no more than `approach`.
+    fn margin(&self, paces: [&Pace; 2], approach: f32) -> f32 {
+        CONTACT_MARGIN * smaller_extent(paces) + self.fall + approach
     }
 }
 
@@ -266,42 +349,41 @@ impl Part {
     fn test(&mut self, scene: &Scene, pairs: &[Pair], states: &mut [Box<PairState>]) {
         self.touching = 0;
         for (&pair, state) in pairs.iter().zip(states) {
-            let [a, b] = scene.pair(pair);
-            let margin = scene.margin(a, b);
-            if let Verdict::Unknown(axis) = state.verdict(a, b, margin) {
-                self.test_pair(scene, pair, margin, axis, state);
+            let paces = scene.paces(pair);
+            let margin = scene.margin(paces, paces[0].ahead + paces[1].ahead);
+            if !state.surely_holds(paces, margin) {
+                self.renew(scene, pair, state);
             }
             self.touching += usize::from(state.touches());
         }
     }
 
-    /// Finds out how a pair is now.
-    fn test_pair(
-        &mut self,
-        scene: &Scene,
-        pair: Pair,
-        margin: f32,
-        axis: Option<Vec3>,
-        state: &mut PairState,
-    ) {
-        let [a, b] = scene.pair(pair);
-        let bodies = scene.bodies;
-        let reach = reach_of_test(a, b, margin);
+    /// Looks closer at a pair, and tests it if that does not help.
+    fn renew(&mut self, scene: &Scene, pair: Pair, state: &mut PairState) {
+        let (seen, paces, bodies) = (scene.pair(pair), scene.paces(pair), scene.bodies);
+        let [a, b] = seen;
+        let approach = (b.travel - a.travel).length() + a.turning + b.turning;
+        let margin = scene.margin(paces, approach);
+        let Verdict::Unknown(axis) = state.verdict(seen, paces, margin) else {
+            return;
+        };
+        let reach = reach_of_test(paces, margin);
         let b_in_a = relative_pose(bodies, pair.a, pair.b);
         if let Some(axis) = axis
             && let Some(distance) = distance_of(bodies, pair, &b_in_a, axis)
-            && distance > margin
+            && distance > reach
         {
-            state.set_apart(a, b, axis, distance);
+            state.set_apart(seen, paces, axis, distance);
             return;
         }
         match examine_pair(bodies, pair, b_in_a, reach, &mut self.scratch) {
-            Found::Apart { axis, distance } => state.set_apart(a, b, axis, distance),
+            Found::Apart { axis, distance } => state.set_apart(seen, paces, axis, distance),
             Found::Near(patch) => {
                 let slots = [pair.a as usize, pair.b as usize];
                 let centres = slots.map(|i| bodies.mass[i].centre);
                 let boxes = slots.map(|i| bodies.kd_box[i]);
-                state.set_near(a, b, BoundPatch::new(&patch, centres, boxes), reach);
+                let patch = BoundPatch::new(&patch, b_in_a.rotation, centres, boxes);
+                state.set_near(seen, paces, patch, reach);
                 let [a, b] = [pair.a, pair.b].map(|slot| bodies.info(slot));
                 state.friction = a.friction.combined(&b.friction);
                 state.restitution = a.restitution.combined(&b.restitution);

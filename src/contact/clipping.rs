@@ -3,7 +3,7 @@
 //! Choosing the incident face among those at the support vertex is ours; it makes the answer independent of how exact
 //! the axis is.
 
-use super::manifold::{Candidate, MAX_POINTS, Patch, PatchPoint, reduce};
+use super::manifold::{Candidate, CornerKind, MAX_POINTS, Patch, PatchPoint, reduce};
 use super::sat::{EdgeAxis, FaceAxis, NarrowScratch};
 use crate::geometry::ConvexHull;
 use crate::geometry::lanes::point;
@@ -32,6 +32,7 @@ pub(super) fn edge_patch(
     let (on_a, on_b) = (middle - half_gap, middle + half_gap);
     let mut patch = Patch {
         normal: axis.normal,
+        steady: f32::INFINITY,
         ..Patch::default()
     };
     patch.push(PatchPoint {
@@ -39,6 +40,7 @@ pub(super) fn edge_patch(
         on_b: b_in_a.inverse_transform_point(on_b),
         separation,
         share_b: 0.5,
+        along: Vec3::ZERO,
     });
     patch
 }
@@ -92,24 +94,28 @@ impl Clipping<'_> {
         };
         let outline = hull.face_loop(&hull.faces()[axis.face]);
         let mut from = point(corners, outline[outline.len() - 1] as usize);
+        let mut steady = f32::INFINITY;
         for &to in outline {
             let to = point(corners, to as usize);
             let outward = (to - from).cross(reference.normal);
-            if polygon
-                .iter()
-                .any(|corner| outward.dot(corner.at - from) > 0.0)
-            {
-                clip(polygon, from, outward, clipped);
+            let [nearest, highest] = heights(polygon, from, outward);
+            steady = steady.min(nearest / outward.length());
+            if highest > 0.0 {
+                clip(polygon, from, to - from, outward, clipped);
                 std::mem::swap(polygon, clipped);
             }
             from = to;
         }
+        steady = steady.min(shortest_edge(polygon));
         for corner in polygon.iter_mut() {
             corner.separation = reference.distance(corner.at);
         }
         polygon.retain(|corner| corner.separation <= self.margin);
         reduce(polygon, reference.normal, self.merge);
-        self.patch(axis, &reference, b_refers, polygon)
+        Patch {
+            steady,
+            ..self.patch(axis, &reference, b_refers, polygon)
+        }
     }
 
     /// The support vertex alone, for an overlap so small that clipping lost it to rounding.
@@ -131,7 +137,8 @@ impl Clipping<'_> {
         let vertex = Candidate {
             at,
             separation: axis.separation,
-            is_vertex: true,
+            kind: CornerKind::Incident,
+            leaves_on_cut: false,
         };
         self.patch(axis, &reference, b_refers, &[vertex])
     }
@@ -181,7 +188,8 @@ impl Clipping<'_> {
         scratch.polygon.extend(outline.iter().map(|&v| Candidate {
             at: point(corners, v as usize),
             separation: 0.0,
-            is_vertex: true,
+            kind: CornerKind::Incident,
+            leaves_on_cut: false,
         }));
     }
 
@@ -209,25 +217,60 @@ impl Clipping<'_> {
             } else {
                 (projected, corner.at)
             };
+            // A crossing stays on the reference face's edge and goes along it with the incident body.
+            let (with_b, along) = match corner.kind {
+                CornerKind::Incident => (!b_refers, Vec3::ZERO),
+                CornerKind::Crossing(along) => (b_refers, along),
+                CornerKind::Reference => (b_refers, Vec3::ZERO),
+            };
             patch.push(PatchPoint {
                 on_a,
                 on_b: self.b_in_a.inverse_transform_point(on_b),
                 separation: corner.separation,
-                share_b: match (corner.is_vertex, b_refers) {
-                    (true, true) => 0.0,
-                    (true, false) => 1.0,
-                    (false, _) => 0.5,
-                },
+                share_b: if with_b { 1.0 } else { 0.0 },
+                along,
             });
         }
         patch
     }
 }
 
+/// Least distance of the incident body's vertices in `polygon` from the plane through `origin`, and the largest height of
+/// any corner above it, both times the length of `outward`.
+fn heights(polygon: &[Candidate], origin: Vec3, outward: Vec3) -> [f32; 2] {
+    let (mut nearest, mut highest) = (f32::INFINITY, f32::NEG_INFINITY);
+    for corner in polygon {
+        let height = outward.dot(corner.at - origin);
+        highest = highest.max(height);
+        if matches!(corner.kind, CornerKind::Incident) {
+            nearest = nearest.min(height.abs());
+        }
+    }
+    [nearest, highest]
+}
+
+/// Length of the shortest edge of a polygon, m.
+fn shortest_edge(polygon: &[Candidate]) -> f32 {
+    let mut shortest = f32::INFINITY;
+    let mut from = polygon.last();
+    for to in polygon {
+        shortest = from.map_or(shortest, |f| shortest.min(f.at.distance_squared(to.at)));
+        from = Some(to);
+    }
+    shortest.sqrt()
+}
+
 /// One step of Sutherland and Hodgman's clipping: what of `polygon` lies behind the plane through `origin`.
 ///
-/// `outward` need not have unit length.
-fn clip(polygon: &[Candidate], origin: Vec3, outward: Vec3, result: &mut Vec<Candidate>) {
+/// The plane goes through an edge of the reference face that runs along `edge`; neither this nor `outward` need have unit
+/// length.
+fn clip(
+    polygon: &[Candidate],
+    origin: Vec3,
+    edge: Vec3,
+    outward: Vec3,
+    result: &mut Vec<Candidate>,
+) {
     result.clear();
     let Some(&last) = polygon.last() else {
         return;
@@ -241,7 +284,12 @@ fn clip(polygon: &[Candidate], origin: Vec3, outward: Vec3, result: &mut Vec<Can
             result.push(Candidate {
                 at: from.at + share * (to.at - from.at),
                 separation: 0.0,
-                is_vertex: false,
+                kind: if from.leaves_on_cut {
+                    CornerKind::Reference
+                } else {
+                    CornerKind::Crossing(edge.normalize_or_zero())
+                },
+                leaves_on_cut: from.leaves_on_cut || to_height > 0.0,
             });
         }
         if to_height <= 0.0 {

@@ -1,10 +1,11 @@
 //! Where a hull touches a half-space.
 
-use super::manifold::{Candidate, Patch, PatchPoint, reduce};
+use super::manifold::{Candidate, CornerKind, Patch, PatchPoint, reduce};
 use super::sat::{Found, MERGE, NarrowScratch};
 use crate::geometry::ConvexHull;
 use crate::geometry::lanes::lowest;
 use crate::math::{Plane, Pose, rotate};
+use glam::Vec3;
 
 /// Contact of a hull (A) with a half-space (B) whose surface is `plane`, given in the hull's frame.
 ///
@@ -35,6 +36,7 @@ pub(crate) fn examine_half_space(
     let mut patch = Patch {
         normal: -plane.normal,
         normal_in_b: Some(-rotate(b_in_a.rotation.inverse(), plane.normal)),
+        steady: f32::INFINITY,
         ..Patch::default()
     };
     if !b_in_a.is_finite() || !margin.is_finite() {
@@ -61,7 +63,8 @@ pub(crate) fn examine_half_space(
             .map(|at| Candidate {
                 at,
                 separation: plane.distance(at),
-                is_vertex: true,
+                kind: CornerKind::Incident,
+                leaves_on_cut: false,
             })
             .filter(|vertex| vertex.separation <= margin),
     );
@@ -72,6 +75,7 @@ pub(crate) fn examine_half_space(
             on_b: b_in_a.inverse_transform_point(vertex.at - vertex.separation * plane.normal),
             separation: vertex.separation,
             share_b: 0.0,
+            along: Vec3::ZERO,
         });
     }
     Found::Near(patch)

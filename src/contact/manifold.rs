@@ -3,7 +3,7 @@
 use crate::geometry::lanes::{LANES, Points4};
 use crate::geometry::{KdBox, KdCode};
 use crate::math::{Pose, rotate, tangents};
-use glam::{Mat3, Vec3};
+use glam::{Mat3, Quat, Vec3};
 
 /// Most points a manifold keeps.
 pub const MAX_POINTS: usize = 4;
@@ -98,7 +98,9 @@ impl Manifold {
             count: 0,
             points: Default::default(),
         };
-        let patch = BoundPatch::new(patch, [a.centre, b.centre], [a.code_box, b.code_box]);
+        let turn = a.pose.rotation.inverse() * b.pose.rotation;
+        let (centres, boxes) = ([a.centre, b.centre], [a.code_box, b.code_box]);
+        let patch = BoundPatch::new(patch, turn, centres, boxes);
         patch.write(&place(a), &place(b), &mut manifold);
         manifold
     }
@@ -123,12 +125,15 @@ pub(crate) struct BoundPatch {
     /// Unit normal from A to B in the frame of the body it is bound to.
     normal: Vec3,
     normal_of_b: bool,
+    /// See [`Patch::steady`].
+    pub(crate) steady: f32,
     pub(crate) count: u32,
     /// From each body's centre of mass, body's frame, m.
     on_a: Points4,
     on_b: Points4,
-    /// See [`PatchPoint::share_b`].
+    /// See [`PatchPoint`]; `along` in the same frame as the normal.
     share_b: [f32; MAX_POINTS],
+    along: Points4,
     code_a: [KdCode; MAX_POINTS],
     code_b: [KdCode; MAX_POINTS],
 }
@@ -136,11 +141,18 @@ pub(crate) struct BoundPatch {
 const _: () = assert!(MAX_POINTS == LANES, "one lane for each point");
 
 impl BoundPatch {
-    /// Binds a patch to bodies with the given centres of mass (body's frame, m) and code boxes.
-    pub(crate) fn new(patch: &Patch, centres: [Vec3; 2], boxes: [Option<KdBox>; 2]) -> Self {
+    /// Binds a patch to bodies with the given centres of mass (body's frame, m) and code boxes; `turn` is the rotation
+    /// from B's frame to A's.
+    pub(crate) fn new(
+        patch: &Patch,
+        turn: Quat,
+        centres: [Vec3; 2],
+        boxes: [Option<KdBox>; 2],
+    ) -> Self {
         let mut bound = Self {
             normal: patch.normal_in_b.unwrap_or(patch.normal),
             normal_of_b: patch.normal_in_b.is_some(),
+            steady: patch.steady,
             count: patch.count,
             ..Self::default()
         };
@@ -149,6 +161,12 @@ impl BoundPatch {
             bound.on_a.set(l, point.on_a - centres[0]);
             bound.on_b.set(l, point.on_b - centres[1]);
             bound.share_b[l] = point.share_b;
+            let along = if bound.normal_of_b {
+                rotate(turn.inverse(), point.along)
+            } else {
+                point.along
+            };
+            bound.along.set(l, along);
             bound.code_a[l] = code(boxes[0], point.on_a);
             bound.code_b[l] = code(boxes[1], point.on_b);
         }
@@ -165,6 +183,7 @@ impl BoundPatch {
         let apart = b.centre - a.centre;
         let from_a = turned(&self.on_a, &a.turn);
         let from_b = turned(&self.on_b, &b.turn);
+        let along = turned(&self.along, turn);
         manifold.normal = n;
         manifold.count = self.count;
         manifold.points = std::array::from_fn(|l| {
@@ -177,9 +196,11 @@ impl BoundPatch {
             // The contact is midway between the surfaces, and goes with the body that its point belongs to.
             let share = self.share_b[l];
             let lift = (0.5 - share) * separation * n;
+            let along = along.get(l);
+            let shift = lift + (1.0 - 2.0 * share) * along.dot(gap) * along;
             ContactPoint {
-                anchor_a: on_a + share * gap + lift,
-                anchor_b: on_b - (1.0 - share) * gap + lift,
+                anchor_a: on_a + share * gap + shift,
+                anchor_b: on_b - (1.0 - share) * gap + shift,
                 separation,
                 code_a: self.code_a[l],
                 code_b: self.code_b[l],
@@ -191,11 +212,12 @@ impl BoundPatch {
 
 /// Points turned from a body's frame to world axes.
 fn turned(points: &Points4, turn: &Mat3) -> Points4 {
-    let [x, y, z] = turn
-        .transpose()
-        .to_cols_array_2d()
-        .map(|row| points.along(Vec3::from(row)));
-    Points4 { x, y, z }
+    let rows = turn.transpose();
+    Points4 {
+        x: points.along(rows.x_axis),
+        y: points.along(rows.y_axis),
+        z: points.along(rows.z_axis),
+    }
 }
 
 /// A contact point as the narrow phase finds it, in the two bodies' own frames.
@@ -210,6 +232,9 @@ pub struct PatchPoint {
     /// With which body the point goes while the two slide: 0 with A, 1 with B (a corner of B on a face of A), 0.5 half
     /// with each (where two edges cross).
     pub share_b: f32,
+    /// Unit vector, A's frame, along which the point goes with the other body instead: where an edge of the one crosses
+    /// an edge of the other's face, the point stays on both. Zero if there is none.
+    pub along: Vec3,
 }
 
 /// What the narrow phase finds for one pair: in A's frame, so that nothing is lost far from the origin.
@@ -219,6 +244,8 @@ pub struct Patch {
     pub normal: Vec3,
     /// The same vector in B's frame, if it is the normal of a face of B and turns with B; otherwise it turns with A.
     pub normal_in_b: Option<Vec3>,
+    /// How far the bodies may slide until a corner reaches an edge, m: the points stay what they are so long.
+    pub steady: f32,
     /// Number of valid points.
     pub count: u32,
     /// The points.
@@ -242,6 +269,7 @@ impl Patch {
         for point in &mut patch.points {
             std::mem::swap(&mut point.on_a, &mut point.on_b);
             point.share_b = 1.0 - point.share_b;
+            point.along = rotate(b_in_a.rotation.inverse(), point.along);
         }
         patch
     }
@@ -262,8 +290,20 @@ pub(super) struct Candidate {
     pub(super) at: Vec3,
     /// Gap along the normal, m.
     pub(super) separation: f32,
-    /// Whether it is a vertex of that body, rather than a place where an edge was cut.
-    pub(super) is_vertex: bool,
+    pub(super) kind: CornerKind,
+    /// Whether the polygon runs on along an edge of the reference face.
+    pub(super) leaves_on_cut: bool,
+}
+
+/// What a corner of a cut face is.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum CornerKind {
+    /// A vertex of the incident body.
+    Incident,
+    /// Where an edge of the incident body crosses an edge of the reference face, which runs along this unit vector.
+    Crossing(Vec3),
+    /// A vertex of the reference face.
+    Reference,
 }
 
 /// Chooses at most [`MAX_POINTS`] of `candidates` that carry a load as well as all of them would, and keeps their order.

@@ -7,12 +7,13 @@
 use super::manifold::{BodyPlace, BoundPatch};
 use glam::{Quat, Vec3};
 
-/// How far a pair may move until its contact is found anew, as a share of the least extent of the smaller body.
-///
-/// The gaps are followed exactly for corners on faces, and to first order for edges: then two edges of 1 m that turn by
-/// this much against each other are off by half its square, a micrometre. What is late by up to this much is a change
-/// of features: a corner that slides over an edge.
+/// How far a pair may move until its contact is found anew, as a share of the least extent of the smaller body, where
+/// the points stay what they are (corners on faces, crossings of edges): their gaps and places are then followed.
 const RECYCLE: f32 = 1e-3;
+
+/// The same where a corner is about to slide over an edge, as in a stack of equal boxes. A support that is off by this
+/// much matters: at ten times the share a pyramid of base 50 moves by 14 mm instead of 6.
+const RECYCLE_UNSTEADY: f32 = 1e-4;
 
 /// How much the bound of the motion is raised for rounding, as a share of the lengths that go into it.
 const ROUNDING: f32 = 1e-6;
@@ -24,14 +25,61 @@ pub(crate) struct PairBody {
     pub(crate) rotation: Quat,
     /// Largest distance of the surface from the centre of mass, m; infinite for a half-space.
     pub(crate) radius: f32,
-    /// Least extent of the hull's box, m; infinite for a half-space.
-    pub(crate) least_extent: f32,
-    /// Changes with the shape, mass or material of the body.
-    pub(crate) version: u32,
     /// How far the centre goes within the step, m.
     pub(crate) travel: Vec3,
     /// How far a point of the body may turn within the step, m.
     pub(crate) turning: f32,
+}
+
+/// What the quickest look at a pair needs of a body.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Pace {
+    /// A bound of the way that any point of the body has gone since the first step, m.
+    pub(crate) path: f64,
+    /// How far a point of the body may go within the step, m.
+    pub(crate) ahead: f32,
+    /// Least extent of the hull's box, m; infinite for a half-space.
+    pub(crate) least_extent: f32,
+    /// Changes with the shape, mass or material of the body.
+    pub(crate) version: u32,
+    /// How often the path began anew.
+    lap: u32,
+}
+
+/// A path begins anew when it is longer than this, m: until then it is good to a nanometre.
+const LONGEST_PATH: f64 = 1e6;
+
+impl Pace {
+    /// Adds to the path.
+    pub(crate) fn walk(&mut self, way: f32) {
+        self.path += f64::from(way);
+        // So that a path that is not a number ends too.
+        let is_usable = self.path <= LONGEST_PATH;
+        if !is_usable {
+            self.path = 0.0;
+            self.lap = self.lap.wrapping_add(1);
+        }
+    }
+
+    /// What a pair's state is tied to.
+    fn epoch(&self) -> [u32; 2] {
+        [self.version, self.lap]
+    }
+}
+
+impl PairBody {
+    /// How far any point of the body can have moved since `before`, m.
+    pub(crate) fn motion_since(&self, before: &Self) -> f32 {
+        let turn = (self.rotation - before.rotation).length();
+        let shift = (self.place.centre - before.place.centre).length();
+        // A half-space has no bound unless it does not turn.
+        let turned = if turn > 0.0 {
+            2.0 * self.radius * turn
+        } else {
+            0.0
+        };
+        shift + turned
+    }
 }
 
 /// How the smaller body of a pair is seen from the larger one.
@@ -61,98 +109,136 @@ impl Sight {
     }
 }
 
-/// What the last test of a pair found.
-#[derive(Clone, Copy, Debug, Default)]
-enum Finding {
-    /// There was no test yet.
-    #[default]
-    Nothing,
-    /// The bodies were at least `distance` (m) apart, along `axis` (unit vector from A to B, A's frame).
-    Apart { axis: Vec3, distance: f32 },
-    /// All points up to `reach` (m) are in the patch.
-    Near { reach: f32 },
-}
-
 /// Whether the last test of a pair still tells what is now.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Verdict {
-    /// The bodies are farther apart than the margin.
-    Apart,
-    /// The patch still holds.
-    Near,
+    /// It does.
+    Holds,
     /// The pair must be tested again; if it was apart at the last test, along this axis (A's frame).
     Unknown(Option<Vec3>),
 }
 
-/// One pair from step to step.
-#[derive(Clone, Debug, Default)]
+/// One pair from step to step: what the last test found, and how long that holds.
+#[derive(Clone, Debug)]
 pub(crate) struct PairState {
-    versions: [u32; 2],
-    finding: Finding,
+    /// Sum of the bodies' paths at the last test, m.
+    path: f64,
+    /// How far the bodies may move against each other, m.
+    tolerance: f32,
+    /// How far they may move, together with the margin of the contacts that matter, m: their distance if they were apart;
+    /// else the gap up to which the patch has all points.
+    limit: f32,
+    epochs: [[u32; 2]; 2],
+    /// Whether there are contact points.
+    touches: bool,
+    /// Unit vector from A to B, A's frame, along which the bodies were apart.
+    axis: Option<Vec3>,
     /// At the last test.
     sight: Sight,
-    pub(crate) patch: BoundPatch,
     pub(crate) friction: f32,
     pub(crate) restitution: f32,
+    pub(crate) patch: BoundPatch,
 }
 
-/// How far a pair may move until its contact is found anew, m.
-fn tolerance(a: &PairBody, b: &PairBody) -> f32 {
-    RECYCLE * a.least_extent.min(b.least_extent)
+impl Default for PairState {
+    /// A pair that was never tested.
+    fn default() -> Self {
+        Self {
+            path: 0.0,
+            tolerance: f32::NEG_INFINITY,
+            limit: f32::NEG_INFINITY,
+            epochs: [[0; 2]; 2],
+            touches: false,
+            axis: None,
+            sight: Sight::default(),
+            friction: 0.0,
+            restitution: 0.0,
+            patch: BoundPatch::default(),
+        }
+    }
 }
 
 /// Up to which gap a test looks for points so that the patch holds for `margin` (m) until it is found anew: the pair may
-/// move by the tolerance, and the margin may grow by half of it as the bodies get faster.
-pub(crate) fn reach_of_test(a: &PairBody, b: &PairBody, margin: f32) -> f32 {
-    margin + 1.5 * tolerance(a, b)
+/// move by the tolerance, and the margin may grow by three times that as the bodies get faster.
+pub(crate) fn reach_of_test(paces: [&Pace; 2], margin: f32) -> f32 {
+    margin + 4.0 * RECYCLE * smaller_extent(paces)
+}
+
+/// Least extent of the smaller body, m.
+pub(crate) fn smaller_extent([a, b]: [&Pace; 2]) -> f32 {
+    a.least_extent.min(b.least_extent)
 }
 
 impl PairState {
+    /// Whether what the last test found holds for bodies of the given paces, if contacts up to `margin` (m) matter: a quick
+    /// look, which may say no for want of detail.
+    pub(crate) fn surely_holds(&self, paces: [&Pace; 2], margin: f32) -> bool {
+        let [a, b] = paces;
+        let moved = (a.path + b.path - self.path) as f32;
+        moved <= self.tolerance
+            && moved + margin < self.limit
+            && self.epochs == [a.epoch(), b.epoch()]
+    }
+
     /// What the last test says about the pair now, where bodies farther apart than `margin` (m) do not matter.
-    pub(crate) fn verdict(&self, a: &PairBody, b: &PairBody, margin: f32) -> Verdict {
-        if self.versions != [a.version, b.version] {
+    pub(crate) fn verdict(
+        &mut self,
+        [a, b]: [&PairBody; 2],
+        paces: [&Pace; 2],
+        margin: f32,
+    ) -> Verdict {
+        if self.epochs != paces.map(Pace::epoch) {
             return Verdict::Unknown(None);
         }
-        let moved = || Sight::of(a, b).motion_since(&self.sight, a.radius.min(b.radius));
-        match self.finding {
-            Finding::Nothing => Verdict::Unknown(None),
-            Finding::Apart { axis, distance } => {
-                if distance - moved() > margin {
-                    Verdict::Apart
-                } else {
-                    Verdict::Unknown(Some(axis))
-                }
-            }
-            Finding::Near { reach } => {
-                let moved = moved();
-                if moved <= tolerance(a, b) && moved + margin <= reach {
-                    Verdict::Near
-                } else {
-                    Verdict::Unknown(None)
-                }
-            }
+        let moved = Sight::of(a, b).motion_since(&self.sight, a.radius.min(b.radius));
+        if moved <= self.tolerance && moved + margin < self.limit {
+            // The way there and back does not count.
+            self.path = paces[0].path + paces[1].path - f64::from(moved);
+            Verdict::Holds
+        } else {
+            Verdict::Unknown(self.axis)
         }
     }
 
     /// Whether the last test found contact points.
     pub(crate) fn touches(&self) -> bool {
-        matches!(self.finding, Finding::Near { .. }) && self.patch.count > 0
+        self.touches
     }
 
     /// Notes that a test now found the bodies `distance` (m) apart along `axis`.
-    pub(crate) fn set_apart(&mut self, a: &PairBody, b: &PairBody, axis: Vec3, distance: f32) {
-        self.note(a, b, Finding::Apart { axis, distance });
+    pub(crate) fn set_apart(
+        &mut self,
+        bodies: [&PairBody; 2],
+        paces: [&Pace; 2],
+        axis: Vec3,
+        distance: f32,
+    ) {
+        self.note(bodies, paces, distance);
+        self.tolerance = f32::INFINITY;
+        self.axis = Some(axis);
+        self.touches = false;
     }
 
     /// Notes the patch that a test now found, which holds all points up to `reach` (m).
-    pub(crate) fn set_near(&mut self, a: &PairBody, b: &PairBody, patch: BoundPatch, reach: f32) {
-        self.note(a, b, Finding::Near { reach });
+    pub(crate) fn set_near(
+        &mut self,
+        bodies: [&PairBody; 2],
+        paces: [&Pace; 2],
+        patch: BoundPatch,
+        reach: f32,
+    ) {
+        self.note(bodies, paces, reach);
+        let [least, most] = [RECYCLE_UNSTEADY, RECYCLE].map(|share| share * smaller_extent(paces));
+        self.tolerance = patch.steady.clamp(least, most);
+        self.axis = None;
+        self.touches = patch.count > 0;
         self.patch = patch;
     }
 
-    fn note(&mut self, a: &PairBody, b: &PairBody, finding: Finding) {
-        self.versions = [a.version, b.version];
+    fn note(&mut self, [a, b]: [&PairBody; 2], paces: [&Pace; 2], limit: f32) {
+        self.epochs = paces.map(Pace::epoch);
+        self.path = paces[0].path + paces[1].path;
         self.sight = Sight::of(a, b);
-        self.finding = finding;
+        self.limit = limit;
     }
 }

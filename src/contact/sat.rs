@@ -13,7 +13,9 @@ pub use super::half_space::collide_half_space;
 use super::clipping::{Clipping, edge_patch};
 use super::manifold::{Candidate, Patch};
 use crate::geometry::ConvexHull;
-use crate::geometry::lanes::{LANES, Planes4, Points4, lowest, lowest_height, point};
+use crate::geometry::lanes::{
+    LANES, Planes4, Points4, bounds, lowest, lowest_height, move_points, point,
+};
 use crate::math::{Aabb, Plane, Pose};
 use glam::{Mat3, Vec3};
 
@@ -78,7 +80,7 @@ impl NarrowScratch {
         move_points(&mut self.b_in_a, &b.lanes.points, &self.turn, self.shift);
         let origin = -(back * self.shift);
         move_points(&mut self.a_in_b, &a.lanes.points, &back, origin);
-        self.aabb = bounds(&self.b_in_a);
+        self.aabb = bounds(&b.lanes.points, &self.turn, self.shift);
     }
 
     /// A plane of B in A's frame.
@@ -131,58 +133,6 @@ impl NarrowScratch {
         near.classify(&self.b_in_a, &mut self.classes);
         let normal_of = |face: u32| turn * b.faces()[face as usize].plane.normal;
         near.collect(b, &self.b_in_a, &self.classes, normal_of, &mut self.near_b);
-    }
-}
-
-/// Fills `moved` with `points` in another frame.
-fn move_points(moved: &mut Vec<Points4>, points: &[Points4], turn: &Mat3, shift: Vec3) {
-    let [x, y, z] = turn.transpose().to_cols_array_2d().map(Vec3::from);
-    moved.clear();
-    moved.extend(points.iter().map(|group| {
-        let [x, y, z] = [(x, shift.x), (y, shift.y), (z, shift.z)]
-            .map(|(row, shift)| group.along(row).map(|h| h + shift));
-        Points4 { x, y, z }
-    }));
-}
-
-/// The box around points.
-fn bounds(points: &[Points4]) -> Aabb {
-    let mut least = Points4 {
-        x: [f32::INFINITY; LANES],
-        y: [f32::INFINITY; LANES],
-        z: [f32::INFINITY; LANES],
-    };
-    let mut most = Points4 {
-        x: [f32::NEG_INFINITY; LANES],
-        y: [f32::NEG_INFINITY; LANES],
-        z: [f32::NEG_INFINITY; LANES],
-    };
-    let smaller = |a: f32, b: f32| if b < a { b } else { a };
-    let larger = |a: f32, b: f32| if b > a { b } else { a };
-    for group in points {
-        for l in 0..LANES {
-            least.x[l] = smaller(least.x[l], group.x[l]);
-            least.y[l] = smaller(least.y[l], group.y[l]);
-            least.z[l] = smaller(least.z[l], group.z[l]);
-            most.x[l] = larger(most.x[l], group.x[l]);
-            most.y[l] = larger(most.y[l], group.y[l]);
-            most.z[l] = larger(most.z[l], group.z[l]);
-        }
-    }
-    let fold = |values: [f32; LANES], pick: fn(f32, f32) -> f32| {
-        pick(pick(values[0], values[1]), pick(values[2], values[3]))
-    };
-    Aabb {
-        min: Vec3::new(
-            fold(least.x, smaller),
-            fold(least.y, smaller),
-            fold(least.z, smaller),
-        ),
-        max: Vec3::new(
-            fold(most.x, larger),
-            fold(most.y, larger),
-            fold(most.z, larger),
-        ),
     }
 }
 

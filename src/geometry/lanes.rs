@@ -4,7 +4,8 @@
 //! them; each lane computes what a scalar loop would, to the last bit.
 
 use super::convex::Face;
-use glam::Vec3;
+use crate::math::Aabb;
+use glam::{Mat3, Vec3};
 
 /// Lanes of a group.
 pub(crate) const LANES: usize = 4;
@@ -160,6 +161,62 @@ pub(crate) fn lowest_height(groups: &[Points4], axis: Vec3) -> f32 {
         }
     }
     best.into_iter().fold(f32::INFINITY, f32::min)
+}
+
+/// Fills `moved` with `points` in another frame.
+pub(crate) fn move_points(moved: &mut Vec<Points4>, points: &[Points4], turn: &Mat3, shift: Vec3) {
+    let rows = turn.transpose();
+    moved.clear();
+    moved.extend(points.iter().map(|group| {
+        let (x, y, z) = (
+            group.along(rows.x_axis),
+            group.along(rows.y_axis),
+            group.along(rows.z_axis),
+        );
+        Points4 {
+            x: std::array::from_fn(|l| x[l] + shift.x),
+            y: std::array::from_fn(|l| y[l] + shift.y),
+            z: std::array::from_fn(|l| z[l] + shift.z),
+        }
+    }));
+}
+
+/// The box around points in another frame.
+pub(crate) fn bounds(points: &[Points4], turn: &Mat3, shift: Vec3) -> Aabb {
+    let rows = turn.transpose();
+    let (x, y, z) = (
+        range_along(points, rows.x_axis),
+        range_along(points, rows.y_axis),
+        range_along(points, rows.z_axis),
+    );
+    Aabb {
+        min: Vec3::new(x[0], y[0], z[0]) + shift,
+        max: Vec3::new(x[1], y[1], z[1]) + shift,
+    }
+}
+
+/// The smallest and the largest coordinate along `axis`.
+fn range_along(points: &[Points4], axis: Vec3) -> [f32; 2] {
+    let (mut least, mut most) = ([f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]);
+    for group in points {
+        let height = group.along(axis);
+        for l in 0..LANES {
+            least[l] = if height[l] < least[l] {
+                height[l]
+            } else {
+                least[l]
+            };
+            most[l] = if height[l] > most[l] {
+                height[l]
+            } else {
+                most[l]
+            };
+        }
+    }
+    [
+        least.into_iter().fold(f32::INFINITY, f32::min),
+        most.into_iter().fold(f32::NEG_INFINITY, f32::max),
+    ]
 }
 
 #[cfg(test)]

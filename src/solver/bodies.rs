@@ -10,7 +10,7 @@ use super::spin::Spin;
 use crate::contact::BodyId;
 use crate::geometry::{ConvexMesh, KdBox};
 use crate::mass::{MassError, MassProperties};
-use crate::math::{Aabb, Pose, rotate};
+use crate::math::{Pose, rotate};
 use crate::slice::fracturable::Fracturable;
 use bevy_ecs::resource::Resource;
 use glam::{Mat3, Quat, Vec3};
@@ -70,8 +70,6 @@ pub struct Bodies {
     pub(crate) mass: Vec<MassProperties>,
     /// Inverse inertia tensor about the centre of mass, world axes, 1/(kg m2).
     pub(crate) inverse_inertia: Vec<Mat3>,
-    /// Tight box in the world; meaningless for half-spaces.
-    pub(crate) aabb: Vec<Aabb>,
     pub(crate) kd_box: Vec<Option<KdBox>>,
     /// Least extent of the hull's box, m: what slop and contact margin are relative to.
     pub(crate) least_extent: Vec<f32>,
@@ -458,17 +456,13 @@ impl Bodies {
             .sqrt()
     }
 
-    /// Recomputes what follows from the pose: inverse inertia and box in the world.
+    /// Recomputes what follows from the pose: inverse inertia.
     pub(crate) fn refresh_world(&mut self, slot: u32) {
         let i = slot as usize;
         if self.velocity[i].inverse_mass > 0.0 {
             let m = &self.mass[i];
             let r = Mat3::from_quat(self.rotation[i] * m.principal_frame);
             self.inverse_inertia[i] = r * Mat3::from_diagonal(m.principal.recip()) * r.transpose();
-        }
-        let pose = self.pose(slot);
-        if let Some(mesh) = self.convex(slot) {
-            self.aabb[i] = world_box(mesh, &pose);
         }
     }
 
@@ -483,21 +477,10 @@ impl Bodies {
         self.motion.push(Motion::default());
         self.mass.push(MassProperties::default());
         self.inverse_inertia.push(Mat3::ZERO);
-        self.aabb.push(Aabb::EMPTY);
         self.kd_box.push(None);
         self.least_extent.push(0.0);
         self.radius.push(0.0);
         self.version.push(0);
         slot
-    }
-}
-
-/// The world box of the eight corners of the hull's own box would be up to `sqrt(3)` too wide; this one is tight.
-fn world_box(mesh: &ConvexMesh, pose: &Pose) -> Aabb {
-    let m = Mat3::from_quat(pose.rotation);
-    let local = Aabb::of_points(mesh.hull().vertices().iter().map(|&v| m * v));
-    Aabb {
-        min: local.min + pose.position,
-        max: local.max + pose.position,
     }
 }
