@@ -331,11 +331,11 @@ struct Scene<'s> {
 
 impl Scene<'_> {
     fn pair(&self, pair: Pair) -> [&PairBody; 2] {
-        [pair.a, pair.b].map(|slot| &self.seen[slot as usize])
+        [&self.seen[pair.a as usize], &self.seen[pair.b as usize]]
     }
 
     fn paces(&self, pair: Pair) -> [&Pace; 2] {
-        [pair.a, pair.b].map(|slot| &self.paces[slot as usize])
+        [&self.paces[pair.a as usize], &self.paces[pair.b as usize]]
     }
 
     /// Bodies farther apart than this, m, cannot touch within the step, if they approach by no more than `approach`.

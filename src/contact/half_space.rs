@@ -42,7 +42,7 @@ pub(crate) fn examine_half_space(
     if !b_in_a.is_finite() || !margin.is_finite() {
         return Found::Near(patch);
     }
-    let (support, deepest) = lowest(&hull.lanes.points, plane.normal);
+    let (support, deepest) = lowest(hull.lanes.points.iter(), plane.normal);
     let distance = deepest - plane.offset;
     if !distance.is_finite() {
         return Found::Near(patch);

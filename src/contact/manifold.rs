@@ -179,35 +179,62 @@ impl BoundPatch {
     /// good far from the world's origin as near it.
     pub(crate) fn write(&self, a: &BodyPlace, b: &BodyPlace, manifold: &mut Manifold) {
         let turn = if self.normal_of_b { &b.turn } else { &a.turn };
-        let n = *turn * self.normal;
+        let normal = *turn * self.normal;
         let apart = b.centre - a.centre;
-        let from_a = turned(&self.on_a, &a.turn);
-        let from_b = turned(&self.on_b, &b.turn);
+        let (on_a, on_b) = (turned(&self.on_a, &a.turn), turned(&self.on_b, &b.turn));
         let along = turned(&self.along, turn);
-        manifold.normal = n;
+        let placed = self.place(normal, apart, &on_a, &on_b, &along);
+        manifold.normal = normal;
         manifold.count = self.count;
-        manifold.points = std::array::from_fn(|l| {
-            if l >= self.count as usize {
-                return ContactPoint::default();
+        for (l, point) in manifold.points.iter_mut().enumerate() {
+            *point = ContactPoint::default();
+            if l < self.count as usize {
+                point.anchor_a = placed.anchor_a.get(l);
+                point.anchor_b = placed.anchor_b.get(l);
+                point.separation = placed.separation[l];
+                point.code_a = self.code_a[l];
+                point.code_b = self.code_b[l];
             }
-            let (on_a, on_b) = (from_a.get(l), from_b.get(l));
-            let gap = apart + on_b - on_a;
-            let separation = n.dot(gap);
-            // The contact is midway between the surfaces, and goes with the body that its point belongs to.
-            let share = self.share_b[l];
-            let lift = (0.5 - share) * separation * n;
-            let along = along.get(l);
-            let shift = lift + (1.0 - 2.0 * share) * along.dot(gap) * along;
-            ContactPoint {
-                anchor_a: on_a + share * gap + shift,
-                anchor_b: on_b - (1.0 - share) * gap + shift,
-                separation,
-                code_a: self.code_a[l],
-                code_b: self.code_b[l],
-                ..ContactPoint::default()
-            }
-        });
+        }
     }
+
+    /// Separations and anchors, given the points' places on the two bodies in world axes.
+    ///
+    /// The contact is midway between the surfaces, and goes with the body that its point belongs to.
+    #[inline]
+    fn place(&self, n: Vec3, apart: Vec3, a: &Points4, b: &Points4, along: &Points4) -> Placed {
+        let mut placed = Placed::default();
+        for l in 0..LANES {
+            let gap_x = apart.x + b.x[l] - a.x[l];
+            let gap_y = apart.y + b.y[l] - a.y[l];
+            let gap_z = apart.z + b.z[l] - a.z[l];
+            let separation = n.x * gap_x + n.y * gap_y + n.z * gap_z;
+            let slide = along.x[l] * gap_x + along.y[l] * gap_y + along.z[l] * gap_z;
+            let share = self.share_b[l];
+            let lift = (0.5 - share) * separation;
+            let slide = (1.0 - 2.0 * share) * slide;
+            let shift_x = lift * n.x + slide * along.x[l];
+            let shift_y = lift * n.y + slide * along.y[l];
+            let shift_z = lift * n.z + slide * along.z[l];
+            let rest = 1.0 - share;
+            placed.separation[l] = separation;
+            placed.anchor_a.x[l] = a.x[l] + share * gap_x + shift_x;
+            placed.anchor_a.y[l] = a.y[l] + share * gap_y + shift_y;
+            placed.anchor_a.z[l] = a.z[l] + share * gap_z + shift_z;
+            placed.anchor_b.x[l] = b.x[l] - rest * gap_x + shift_x;
+            placed.anchor_b.y[l] = b.y[l] - rest * gap_y + shift_y;
+            placed.anchor_b.z[l] = b.z[l] - rest * gap_z + shift_z;
+        }
+        placed
+    }
+}
+
+/// What [`BoundPatch::place`] finds for each point, world axes, m.
+#[derive(Clone, Copy, Debug, Default)]
+struct Placed {
+    separation: [f32; LANES],
+    anchor_a: Points4,
+    anchor_b: Points4,
 }
 
 /// Points turned from a body's frame to world axes.

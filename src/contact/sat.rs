@@ -13,9 +13,7 @@ pub use super::half_space::collide_half_space;
 use super::clipping::{Clipping, edge_patch};
 use super::manifold::{Candidate, Patch};
 use crate::geometry::ConvexHull;
-use crate::geometry::lanes::{
-    LANES, Planes4, Points4, bounds, lowest, lowest_height, move_points, point,
-};
+use crate::geometry::lanes::{LANES, Points4, bounds, lowest, lowest_height, move_points, point};
 use crate::math::{Aabb, Plane, Pose};
 use glam::{Mat3, Vec3};
 
@@ -52,6 +50,8 @@ pub struct NarrowScratch {
     /// Edges of either hull that may be the best axis.
     near_a: Vec<NearEdge>,
     near_b: Vec<NearEdge>,
+    /// The numbers of `near_b` that rule out most pairs, in lanes.
+    arcs_b: Vec<Arcs4>,
     /// What [`Vicinity::classify`] says of each vertex.
     classes: Vec<[u8; LANES]>,
 }
@@ -64,6 +64,31 @@ struct NearEdge {
     along: Vec3,
     /// Outward normals of its two faces.
     normals: [Vec3; 2],
+}
+
+/// Directions of four edges and the normals of their faces: arcs on the Gauss map.
+#[derive(Clone, Copy, Debug, Default)]
+struct Arcs4 {
+    along: Points4,
+    normals: [Points4; 2],
+}
+
+impl Arcs4 {
+    /// Which of the four arcs and the arc of `edge` each cross the great circle of the other; see [`edge_axis`].
+    fn crossing(&self, edge: &NearEdge) -> [bool; LANES] {
+        let sides = [
+            self.normals[0].along(edge.along),
+            self.normals[1].along(edge.along),
+            self.along.along(edge.normals[0]),
+            self.along.along(edge.normals[1]),
+        ];
+        let mut crossing = [false; LANES];
+        for l in 0..LANES {
+            let (here, there) = (sides[0][l] * sides[1][l], sides[2][l] * sides[3][l]);
+            crossing[l] = (here < 0.0) & (there < 0.0);
+        }
+        crossing
+    }
 }
 
 impl NarrowScratch {
@@ -133,6 +158,16 @@ impl NarrowScratch {
         near.classify(&self.b_in_a, &mut self.classes);
         let normal_of = |face: u32| turn * b.faces()[face as usize].plane.normal;
         near.collect(b, &self.b_in_a, &self.classes, normal_of, &mut self.near_b);
+        self.arcs_b.clear();
+        self.arcs_b.extend(self.near_b.chunks(LANES).map(|edges| {
+            let mut arcs = Arcs4::default();
+            for (l, edge) in edges.iter().enumerate() {
+                arcs.along.set(l, edge.along);
+                arcs.normals[0].set(l, edge.normals[0]);
+                arcs.normals[1].set(l, edge.normals[1]);
+            }
+            arcs
+        }));
     }
 }
 
@@ -156,7 +191,11 @@ impl Vicinity {
         classes.extend(points.iter().map(|group| {
             let own = group.along(self.own.0.normal);
             let other = group.along(self.other.0.normal);
-            std::array::from_fn(|l| u8::from(own[l] >= least) | u8::from(other[l] <= most) << 1)
+            let mut class = [0; LANES];
+            for l in 0..LANES {
+                class[l] = u8::from(own[l] >= least) | u8::from(other[l] <= most) << 1;
+            }
+            class
         }));
     }
 
@@ -171,17 +210,21 @@ impl Vicinity {
     ) {
         near.clear();
         for (index, edge) in hull.edges().iter().enumerate() {
-            let [v, w] = edge.vertices.map(|v| v as usize);
+            let (v, w) = (edge.vertices[0] as usize, edge.vertices[1] as usize);
             if classes[v / LANES][v % LANES] | classes[w / LANES][w % LANES] != 3 {
                 continue;
             }
-            let [from, to] = [v, w].map(|v| point(corners, v));
-            if self.bounds.overlaps(&Aabb::of_points([from, to])) {
+            let (from, to) = (point(corners, v), point(corners, w));
+            let span = Aabb {
+                min: from.min(to),
+                max: from.max(to),
+            };
+            if self.bounds.overlaps(&span) {
                 near.push(NearEdge {
                     index,
                     from,
                     along: to - from,
-                    normals: edge.faces.map(&normal_of),
+                    normals: [normal_of(edge.faces[0]), normal_of(edge.faces[1])],
                 });
             }
         }
@@ -406,12 +449,12 @@ fn distance_from_face(hull: &ConvexHull, axis: &FaceAxis, place: Vec3) -> f32 {
 
 /// The face of `hull` with the largest separation from `points`, the first one on a tie; same frame.
 ///
-/// The search starts with the face that looks most towards the other hull (`towards`), and ends with the first face that
-/// separates by more than any margin. What it starts with changes the effort, never the answer.
+/// The search starts with the face that looks most towards the other hull (`towards`): that changes the effort, never the
+/// answer.
 fn best_face(hull: &ConvexHull, points: &[Points4], towards: Vec3) -> FaceAxis {
     let evaluate = |face: usize| {
         let plane = hull.faces()[face].plane;
-        let (support, height) = lowest(points, plane.normal);
+        let (support, height) = lowest(points.iter(), plane.normal);
         FaceAxis {
             face,
             plane,
@@ -419,7 +462,9 @@ fn best_face(hull: &ConvexHull, points: &[Points4], towards: Vec3) -> FaceAxis {
             separation: height - plane.offset,
         }
     };
-    let mut best = evaluate(most_aligned(&hull.lanes.planes, towards));
+    let normals = hull.lanes.planes.iter().map(|planes| &planes.normals);
+    let (start, _) = lowest(normals, -towards);
+    let mut best = evaluate(start.min(hull.faces().len() - 1));
     // A vertex of the other hull bounds the separation of every face from above: most are ruled out by the one that
     // supports the best face so far.
     let mut witness = point(points, best.support);
@@ -444,19 +489,6 @@ fn best_face(hull: &ConvexHull, points: &[Points4], towards: Vec3) -> FaceAxis {
     best
 }
 
-/// The plane whose normal has the largest coordinate along `direction`.
-fn most_aligned(planes: &[Planes4], direction: Vec3) -> usize {
-    let mut best = (f32::NEG_INFINITY, 0);
-    for (group, planes) in planes.iter().enumerate() {
-        for (l, height) in planes.normals.along(direction).into_iter().enumerate() {
-            if height > best.0 {
-                best = (height, group * LANES + l);
-            }
-        }
-    }
-    best.1
-}
-
 /// The edge pair that separates better than `floor` (m) and every other pair, if there is one.
 ///
 /// An edge is an arc on the Gauss map, between the normals of its two faces. Only pairs whose arcs cross (B's being
@@ -465,27 +497,43 @@ fn best_edge_pair(a: &ConvexHull, scratch: &NarrowScratch, floor: f32) -> Option
     let mut best: Option<EdgeAxis> = None;
     let mut floor = floor;
     for edge_a in &scratch.near_a {
-        for edge_b in &scratch.near_b {
-            let Some(normal) = edge_axis(edge_a, edge_b) else {
-                continue;
-            };
-            if normal.dot(edge_b.from - edge_a.from) <= floor {
+        for (edges, arcs) in scratch.near_b.chunks(LANES).zip(&scratch.arcs_b) {
+            let crossing = arcs.crossing(edge_a);
+            if crossing == [false; LANES] {
                 continue;
             }
-            // The supports say what this axis is worth, whatever rounding did to it.
-            let separation =
-                lowest_height(&scratch.b_in_a, normal) + lowest_height(&a.lanes.points, -normal);
-            if separation > floor {
-                floor = separation;
-                best = Some(EdgeAxis {
-                    edges: [edge_a.index, edge_b.index],
-                    normal,
-                    separation,
-                });
+            for (edge_b, crosses) in edges.iter().zip(crossing) {
+                let candidate = crosses.then(|| weigh(a, scratch, edge_a, edge_b, floor));
+                if let Some(Some(axis)) = candidate {
+                    floor = axis.separation;
+                    best = Some(axis);
+                }
             }
         }
     }
     best
+}
+
+/// The axis of two edges whose arcs may cross, if it separates by more than `floor` (m).
+fn weigh(
+    a: &ConvexHull,
+    scratch: &NarrowScratch,
+    edge_a: &NearEdge,
+    edge_b: &NearEdge,
+    floor: f32,
+) -> Option<EdgeAxis> {
+    let normal = edge_axis(edge_a, edge_b)?;
+    if normal.dot(edge_b.from - edge_a.from) <= floor {
+        return None;
+    }
+    // The supports say what this axis is worth, whatever rounding did to it.
+    let separation =
+        lowest_height(&scratch.b_in_a, normal) + lowest_height(&a.lanes.points, -normal);
+    (separation > floor).then_some(EdgeAxis {
+        edges: [edge_a.index, edge_b.index],
+        normal,
+        separation,
+    })
 }
 
 /// The common perpendicular of two edges, from A outwards, if their arcs on the Gauss map cross.

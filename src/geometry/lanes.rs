@@ -31,7 +31,11 @@ impl Points4 {
 
     /// Coordinates along `axis`.
     pub(crate) fn along(&self, axis: Vec3) -> [f32; LANES] {
-        std::array::from_fn(|l| axis.x * self.x[l] + axis.y * self.y[l] + axis.z * self.z[l])
+        let mut along = [0.0; LANES];
+        for l in 0..LANES {
+            along[l] = axis.x * self.x[l] + axis.y * self.y[l] + axis.z * self.z[l];
+        }
+        along
     }
 }
 
@@ -60,8 +64,11 @@ pub(crate) struct Planes4 {
 impl Planes4 {
     /// Heights of a point above the planes, m.
     pub(crate) fn heights(&self, point: Vec3) -> [f32; LANES] {
-        let along = self.normals.along(point);
-        std::array::from_fn(|l| along[l] - self.offset[l])
+        let mut heights = self.normals.along(point);
+        for l in 0..LANES {
+            heights[l] -= self.offset[l];
+        }
+        heights
     }
 }
 
@@ -126,7 +133,7 @@ impl HullLanes {
 /// The point with the smallest coordinate along `axis`, and that coordinate; the first one on a tie.
 ///
 /// (0, infinity) if no coordinate is a number.
-pub(crate) fn lowest(groups: &[Points4], axis: Vec3) -> (usize, f32) {
+pub(crate) fn lowest<'p>(groups: impl Iterator<Item = &'p Points4>, axis: Vec3) -> (usize, f32) {
     let mut best = [f32::INFINITY; LANES];
     let mut group_of = [0_u32; LANES];
     for (number, group) in (0_u32..).zip(groups) {
@@ -168,16 +175,17 @@ pub(crate) fn move_points(moved: &mut Vec<Points4>, points: &[Points4], turn: &M
     let rows = turn.transpose();
     moved.clear();
     moved.extend(points.iter().map(|group| {
-        let (x, y, z) = (
-            group.along(rows.x_axis),
-            group.along(rows.y_axis),
-            group.along(rows.z_axis),
-        );
-        Points4 {
-            x: std::array::from_fn(|l| x[l] + shift.x),
-            y: std::array::from_fn(|l| y[l] + shift.y),
-            z: std::array::from_fn(|l| z[l] + shift.z),
+        let mut group = Points4 {
+            x: group.along(rows.x_axis),
+            y: group.along(rows.y_axis),
+            z: group.along(rows.z_axis),
+        };
+        for l in 0..LANES {
+            group.x[l] += shift.x;
+            group.y[l] += shift.y;
+            group.z[l] += shift.z;
         }
+        group
     }));
 }
 
@@ -236,10 +244,10 @@ mod tests {
                     expected = (index, height);
                 }
             }
-            assert_eq!(lowest(&lanes.points, axis), expected);
+            assert_eq!(lowest(lanes.points.iter(), axis), expected);
             assert_eq!(lowest_height(&lanes.points, axis), expected.1);
         }
-        assert_eq!(lowest(&lanes.points, Vec3::NAN), (0, f32::INFINITY));
+        assert_eq!(lowest(lanes.points.iter(), Vec3::NAN), (0, f32::INFINITY));
     }
 
     #[test]
