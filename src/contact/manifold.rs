@@ -200,8 +200,9 @@ impl BoundPatch {
 
     /// Separations and anchors, given the points' places on the two bodies in world axes.
     ///
-    /// The contact is midway between the surfaces, and goes with the body that its point belongs to.
-    #[inline]
+    /// The contact is midway between the surfaces, and goes with the body that its point belongs to. Kept apart from the
+    /// copying to single points, which would have the compiler mix the lanes.
+    #[inline(never)]
     fn place(&self, n: Vec3, apart: Vec3, a: &Points4, b: &Points4, along: &Points4) -> Placed {
         let mut placed = Placed::default();
         for l in 0..LANES {
@@ -238,6 +239,7 @@ struct Placed {
 }
 
 /// Points turned from a body's frame to world axes.
+#[inline(never)]
 fn turned(points: &Points4, turn: &Mat3) -> Points4 {
     let rows = turn.transpose();
     Points4 {
