@@ -7,7 +7,9 @@ use crate::contact::BodyId;
 use crate::contact::broadphase::{Broadphase, Pair, Proxy, ProxyKind, ProxyShape};
 use crate::contact::half_space::examine_half_space;
 use crate::contact::manifold::{BodyPlace, BoundPatch, Manifold, Patch};
-use crate::contact::pair::{Pace, PairBody, PairState, Verdict, reach_of_test, smaller_extent};
+use crate::contact::pair::{
+    Pace, PairBody, PairState, PairTerm, PairView, Verdict, reach_of_test, smaller_extent,
+};
 use crate::contact::sat::{Found, NarrowScratch, distance_along, examine_hulls};
 use crate::geometry::ConvexHull;
 use crate::geometry::lanes::bounds;
@@ -127,12 +129,14 @@ pub struct NarrowPhase {
     /// Bodies by slot.
     bodies: Vec<PairBody>,
     paces: Vec<Pace>,
-    /// Pairs by name, and what is known of them; in boxes, so that the order changes without copies.
+    /// Pairs by name, and what is known of them: the larger part in boxes, so that the order changes without copies.
     names: Vec<(BodyId, BodyId)>,
+    terms: Vec<PairTerm>,
     states: Vec<Box<PairState>>,
-    /// Of the pair list that `names` and `states` follow.
+    /// Of the pair list that they follow.
     revision: Option<u64>,
     new_names: Vec<(BodyId, BodyId)>,
+    new_terms: Vec<PairTerm>,
     new_states: Vec<Box<PairState>>,
     /// States of pairs that are gone.
     spare: Vec<Box<PairState>>,
@@ -223,9 +227,10 @@ impl NarrowPhase {
             fall: ahead.fall,
         };
         let parts = self.parts.iter_mut().zip(pairs.chunks(part_size));
-        let parts = parts.zip(self.states.chunks_mut(part_size));
-        run_parts(parts, |((part, pairs), states)| {
-            part.test(scene, pairs, states)
+        let known = self.terms.chunks_mut(part_size);
+        let known = known.zip(self.states.chunks_mut(part_size));
+        run_parts(parts.zip(known), |((part, pairs), (terms, states))| {
+            part.test(scene, pairs, terms, states)
         });
         let parts = &self.parts[..pairs.len().div_ceil(part_size)];
         let total = parts.iter().map(|part| part.touching).sum();
@@ -236,9 +241,11 @@ impl NarrowPhase {
             rest = after;
             piece
         });
-        let pairs = pairs.chunks(part_size).zip(self.states.chunks(part_size));
-        run_parts(pieces.zip(pairs), |(piece, (pairs, states))| {
-            write_manifolds(scene, pairs, states, piece)
+        let known = self.terms.chunks(part_size);
+        let known = known.zip(self.states.chunks(part_size));
+        let pairs = pairs.chunks(part_size).zip(known);
+        run_parts(pieces.zip(pairs), |(piece, (pairs, (terms, states)))| {
+            write_manifolds(scene, pairs, terms, states, piece)
         });
     }
 
@@ -252,23 +259,23 @@ impl NarrowPhase {
         self.new_names.clear();
         self.new_names
             .extend(pairs.iter().map(|p| (bodies.id(p.a), bodies.id(p.b))));
-        let mut old = self.names.iter().zip(self.states.drain(..)).peekable();
+        self.new_terms.clear();
+        let known = self.terms.iter().zip(self.states.drain(..));
+        let mut old = self.names.iter().zip(known).peekable();
         for name in &self.new_names {
-            while let Some((_, state)) = old.next_if(|(old, _)| *old < name) {
+            while let Some((_, (_, state))) = old.next_if(|(old, _)| *old < name) {
                 self.spare.push(state);
             }
-            let state = match old.next_if(|(old, _)| *old == name) {
-                Some((_, state)) => state,
-                None => {
-                    let mut state = self.spare.pop().unwrap_or_default();
-                    *state = PairState::default();
-                    state
-                }
+            let (term, state) = match old.next_if(|(old, _)| *old == name) {
+                Some((_, (term, state))) => (*term, state),
+                None => (PairTerm::default(), self.spare.pop().unwrap_or_default()),
             };
+            self.new_terms.push(term);
             self.new_states.push(state);
         }
-        self.spare.extend(old.map(|(_, state)| state));
+        self.spare.extend(old.map(|(_, (_, state))| state));
         std::mem::swap(&mut self.names, &mut self.new_names);
+        std::mem::swap(&mut self.terms, &mut self.new_terms);
         std::mem::swap(&mut self.states, &mut self.new_states);
     }
 
@@ -346,47 +353,60 @@ impl Scene<'_> {
 
 impl Part {
     /// Tests the pairs that must be, and counts those that touch.
-    fn test(&mut self, scene: &Scene, pairs: &[Pair], states: &mut [Box<PairState>]) {
+    fn test(
+        &mut self,
+        scene: &Scene,
+        pairs: &[Pair],
+        terms: &mut [PairTerm],
+        states: &mut [Box<PairState>],
+    ) {
         self.touching = 0;
-        for (&pair, state) in pairs.iter().zip(states) {
+        for ((&pair, term), state) in pairs.iter().zip(terms).zip(states) {
             let paces = scene.paces(pair);
             let margin = scene.margin(paces, paces[0].ahead + paces[1].ahead);
-            if !state.surely_holds(paces, margin) {
-                self.renew(scene, pair, state);
+            if !term.surely_holds(paces, margin) {
+                let bodies = scene.pair(pair);
+                let view = PairView {
+                    bodies,
+                    paces,
+                    term,
+                    state,
+                };
+                self.renew(scene, pair, view);
             }
-            self.touching += usize::from(state.touches());
+            self.touching += usize::from(term.touches);
         }
     }
 
     /// Looks closer at a pair, and tests it if that does not help.
-    fn renew(&mut self, scene: &Scene, pair: Pair, state: &mut PairState) {
-        let (seen, paces, bodies) = (scene.pair(pair), scene.paces(pair), scene.bodies);
-        let [a, b] = seen;
+    fn renew(&mut self, scene: &Scene, pair: Pair, mut view: PairView) {
+        let bodies = scene.bodies;
+        let [a, b] = view.bodies;
         let approach = (b.travel - a.travel).length() + a.turning + b.turning;
-        let margin = scene.margin(paces, approach);
-        let Verdict::Unknown(axis) = state.verdict(seen, paces, margin) else {
+        let margin = scene.margin(view.paces, approach);
+        let Verdict::Unknown(axis) = view.verdict(margin) else {
             return;
         };
-        let reach = reach_of_test(paces, margin);
+        let reach = reach_of_test(view.paces, margin);
         let b_in_a = relative_pose(bodies, pair.a, pair.b);
         if let Some(axis) = axis
             && let Some(distance) = distance_of(bodies, pair, &b_in_a, axis)
             && distance > reach
         {
-            state.set_apart(seen, paces, axis, distance);
+            view.set_apart(axis, distance);
             return;
         }
         match examine_pair(bodies, pair, b_in_a, reach, &mut self.scratch) {
-            Found::Apart { axis, distance } => state.set_apart(seen, paces, axis, distance),
+            Found::Apart { axis, distance } => view.set_apart(axis, distance),
             Found::Near(patch) => {
                 let slots = [pair.a as usize, pair.b as usize];
                 let centres = slots.map(|i| bodies.mass[i].centre);
                 let boxes = slots.map(|i| bodies.kd_box[i]);
                 let patch = BoundPatch::new(&patch, b_in_a.rotation, centres, boxes);
-                state.set_near(seen, paces, patch, reach);
+                view.set_near(patch, reach);
                 let [a, b] = [pair.a, pair.b].map(|slot| bodies.info(slot));
-                state.friction = a.friction.combined(&b.friction);
-                state.restitution = a.restitution.combined(&b.restitution);
+                view.state.friction = a.friction.combined(&b.friction);
+                view.state.restitution = a.restitution.combined(&b.restitution);
             }
         }
     }
@@ -396,11 +416,13 @@ impl Part {
 fn write_manifolds(
     scene: &Scene,
     pairs: &[Pair],
+    terms: &[PairTerm],
     states: &[Box<PairState>],
     manifolds: &mut [Manifold],
 ) {
-    let touching = pairs.iter().zip(states).filter(|(_, s)| s.touches());
-    for ((pair, state), manifold) in touching.zip(manifolds) {
+    let touching = terms.iter().zip(pairs.iter().zip(states));
+    let touching = touching.filter(|(term, _)| term.touches);
+    for ((_, (pair, state)), manifold) in touching.zip(manifolds) {
         let [a, b] = scene.pair(*pair);
         (manifold.a, manifold.b) = (pair.a, pair.b);
         (manifold.friction, manifold.restitution) = (state.friction, state.restitution);

@@ -114,7 +114,7 @@ fn a_kept_contact_is_what_a_new_test_finds() {
         [0.5, 0.99, 1.0].map(|p| errors[((errors.len() - 1) as f64 * p) as usize]);
     println!("median {median:.1e}, 99 % {most:.1e}, worst {worst:.1e} of the least extent");
     assert!(
-        median < 1e-6 && most < 5e-4 && worst < 2e-3,
+        median < 1e-6 && most < 1e-5 && worst < 1e-3,
         "{median} {most} {worst}"
     );
 }

@@ -61,9 +61,9 @@ impl Pace {
         }
     }
 
-    /// What a pair's state is tied to.
-    fn epoch(&self) -> [u32; 2] {
-        [self.version, self.lap]
+    /// What a pair's state is tied to: changes when either number grows.
+    fn epoch(&self) -> u32 {
+        self.version.wrapping_add(self.lap)
     }
 }
 
@@ -118,9 +118,9 @@ pub(crate) enum Verdict {
     Unknown(Option<Vec3>),
 }
 
-/// One pair from step to step: what the last test found, and how long that holds.
-#[derive(Clone, Debug)]
-pub(crate) struct PairState {
+/// How long what is known of a pair holds: all that the quick look reads, one pair after the other.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PairTerm {
     /// Sum of the bodies' paths at the last test, m.
     path: f64,
     /// How far the bodies may move against each other, m.
@@ -128,34 +128,55 @@ pub(crate) struct PairState {
     /// How far they may move, together with the margin of the contacts that matter, m: their distance if they were apart;
     /// else the gap up to which the patch has all points.
     limit: f32,
-    epochs: [[u32; 2]; 2],
+    epochs: [u32; 2],
     /// Whether there are contact points.
-    touches: bool,
-    /// Unit vector from A to B, A's frame, along which the bodies were apart.
-    axis: Option<Vec3>,
-    /// At the last test.
-    sight: Sight,
-    pub(crate) friction: f32,
-    pub(crate) restitution: f32,
-    pub(crate) patch: BoundPatch,
+    pub(crate) touches: bool,
 }
 
-impl Default for PairState {
+const _: () = assert!(size_of::<PairTerm>() == 32);
+
+impl Default for PairTerm {
     /// A pair that was never tested.
     fn default() -> Self {
         Self {
             path: 0.0,
             tolerance: f32::NEG_INFINITY,
             limit: f32::NEG_INFINITY,
-            epochs: [[0; 2]; 2],
+            epochs: [0; 2],
             touches: false,
-            axis: None,
-            sight: Sight::default(),
-            friction: 0.0,
-            restitution: 0.0,
-            patch: BoundPatch::default(),
         }
     }
+}
+
+impl PairTerm {
+    /// Whether what the last test found holds for bodies of the given paces, if contacts up to `margin` (m) matter: a quick
+    /// look, which may say no for want of detail.
+    pub(crate) fn surely_holds(&self, [a, b]: [&Pace; 2], margin: f32) -> bool {
+        let moved = (a.path + b.path - self.path) as f32;
+        moved <= self.tolerance
+            && moved + margin < self.limit
+            && self.epochs == [a.epoch(), b.epoch()]
+    }
+}
+
+/// What the last test of a pair found.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct PairState {
+    /// Unit vector from A to B, A's frame, along which the bodies were apart.
+    axis: Option<Vec3>,
+    sight: Sight,
+    pub(crate) friction: f32,
+    pub(crate) restitution: f32,
+    pub(crate) patch: BoundPatch,
+}
+
+/// A pair as a test sees it.
+#[derive(Debug)]
+pub(crate) struct PairView<'v> {
+    pub(crate) bodies: [&'v PairBody; 2],
+    pub(crate) paces: [&'v Pace; 2],
+    pub(crate) term: &'v mut PairTerm,
+    pub(crate) state: &'v mut PairState,
 }
 
 /// Up to which gap a test looks for points so that the patch holds for `margin` (m) until it is found anew: the pair may
@@ -169,76 +190,47 @@ pub(crate) fn smaller_extent([a, b]: [&Pace; 2]) -> f32 {
     a.least_extent.min(b.least_extent)
 }
 
-impl PairState {
-    /// Whether what the last test found holds for bodies of the given paces, if contacts up to `margin` (m) matter: a quick
-    /// look, which may say no for want of detail.
-    pub(crate) fn surely_holds(&self, paces: [&Pace; 2], margin: f32) -> bool {
-        let [a, b] = paces;
-        let moved = (a.path + b.path - self.path) as f32;
-        moved <= self.tolerance
-            && moved + margin < self.limit
-            && self.epochs == [a.epoch(), b.epoch()]
-    }
-
+impl PairView<'_> {
     /// What the last test says about the pair now, where bodies farther apart than `margin` (m) do not matter.
-    pub(crate) fn verdict(
-        &mut self,
-        [a, b]: [&PairBody; 2],
-        paces: [&Pace; 2],
-        margin: f32,
-    ) -> Verdict {
-        if self.epochs != paces.map(Pace::epoch) {
+    pub(crate) fn verdict(&mut self, margin: f32) -> Verdict {
+        let Self { term, state, .. } = self;
+        let [a, b] = self.bodies;
+        if term.epochs != [self.paces[0].epoch(), self.paces[1].epoch()] {
             return Verdict::Unknown(None);
         }
-        let moved = Sight::of(a, b).motion_since(&self.sight, a.radius.min(b.radius));
-        if moved <= self.tolerance && moved + margin < self.limit {
+        let moved = Sight::of(a, b).motion_since(&state.sight, a.radius.min(b.radius));
+        if moved <= term.tolerance && moved + margin < term.limit {
             // The way there and back does not count.
-            self.path = paces[0].path + paces[1].path - f64::from(moved);
+            term.path = self.paces[0].path + self.paces[1].path - f64::from(moved);
             Verdict::Holds
         } else {
-            Verdict::Unknown(self.axis)
+            Verdict::Unknown(state.axis)
         }
-    }
-
-    /// Whether the last test found contact points.
-    pub(crate) fn touches(&self) -> bool {
-        self.touches
     }
 
     /// Notes that a test now found the bodies `distance` (m) apart along `axis`.
-    pub(crate) fn set_apart(
-        &mut self,
-        bodies: [&PairBody; 2],
-        paces: [&Pace; 2],
-        axis: Vec3,
-        distance: f32,
-    ) {
-        self.note(bodies, paces, distance);
-        self.tolerance = f32::INFINITY;
-        self.axis = Some(axis);
-        self.touches = false;
+    pub(crate) fn set_apart(&mut self, axis: Vec3, distance: f32) {
+        self.note(false, f32::INFINITY, distance);
+        self.state.axis = Some(axis);
     }
 
     /// Notes the patch that a test now found, which holds all points up to `reach` (m).
-    pub(crate) fn set_near(
-        &mut self,
-        bodies: [&PairBody; 2],
-        paces: [&Pace; 2],
-        patch: BoundPatch,
-        reach: f32,
-    ) {
-        self.note(bodies, paces, reach);
-        let [least, most] = [RECYCLE_UNSTEADY, RECYCLE].map(|share| share * smaller_extent(paces));
-        self.tolerance = patch.steady.clamp(least, most);
-        self.axis = None;
-        self.touches = patch.count > 0;
-        self.patch = patch;
+    pub(crate) fn set_near(&mut self, patch: BoundPatch, reach: f32) {
+        let [least, most] = [RECYCLE_UNSTEADY, RECYCLE].map(|s| s * smaller_extent(self.paces));
+        self.note(patch.count > 0, patch.steady.clamp(least, most), reach);
+        self.state.axis = None;
+        self.state.patch = patch;
     }
 
-    fn note(&mut self, [a, b]: [&PairBody; 2], paces: [&Pace; 2], limit: f32) {
-        self.epochs = paces.map(Pace::epoch);
-        self.path = paces[0].path + paces[1].path;
-        self.sight = Sight::of(a, b);
-        self.limit = limit;
+    fn note(&mut self, touches: bool, tolerance: f32, limit: f32) {
+        let [a, b] = self.paces;
+        *self.term = PairTerm {
+            path: a.path + b.path,
+            tolerance,
+            limit,
+            epochs: [a.epoch(), b.epoch()],
+            touches,
+        };
+        self.state.sight = Sight::of(self.bodies[0], self.bodies[1]);
     }
 }
