@@ -10,7 +10,7 @@ use bevy_cleave::geometry::KdBox;
 use bevy_cleave::prelude::*;
 use bevy_cleave::slice::{SliceOptions, cut_by_planes, slice_hull, slice_mesh};
 use bevy_cleave::solver::contact_solver::ContactSolver;
-use bevy_cleave::solver::substeps::SubstepSettings;
+use bevy_cleave::solver::demand::SubstepSettings;
 use bevy_cleave::solver::{integrate, pgs};
 use bevy_time::Time;
 use criterion::{BatchSize, BenchmarkId, Criterion, criterion_group, criterion_main};
@@ -186,7 +186,7 @@ fn build_rows(c: &mut Criterion) {
         } = settled.get();
         let settings = SubstepSettings::new(*config, Vec3::ZERO, H);
         let mut solver = ContactSolver::default();
-        b.iter(|| solver.prepare(contacts.manifolds(), bodies, &settings));
+        b.iter(|| solver.find_batches(contacts.manifolds(), bodies, &settings));
     });
 }
 
@@ -197,9 +197,11 @@ fn solve(c: &mut Criterion) {
         group.bench_function(BenchmarkId::from_parameter(count), |b| {
             let simulation = settled.get();
             let islands = simulation.contacts.solver().islands();
-            let island = islands.max_by_key(|i| i.rows.len()).expect("a heap");
+            let island = islands.max_by_key(|i| i.contacts).expect("a heap");
+            let mut rows = Vec::new();
+            island.rows(&mut rows);
             b.iter_batched_ref(
-                || (island.rows.to_vec(), island.bodies.to_vec()),
+                || (rows.clone(), island.bodies.to_vec()),
                 |(rows, bodies)| pgs::solve(rows, bodies, &SolverConfig::paper()),
                 BatchSize::LargeInput,
             );

@@ -20,9 +20,10 @@ use crate::fracture::{CutError, CutRequest, Fractures, fracture_bodies};
 use crate::math::Plane;
 use crate::solver::bodies::{Bodies, BodyError};
 use crate::solver::contact_solver::ContactSolver;
+use crate::solver::demand::SubstepSettings;
 use crate::solver::mlcp::Residual;
 use crate::solver::residual::ResidualSum;
-use crate::solver::substeps::SubstepSettings;
+use crate::solver::rows::PointRows;
 use crate::solver::{Gravity, SolverConfig, integrate};
 use bevy_ecs::resource::Resource;
 
@@ -33,6 +34,8 @@ pub struct Contacts {
     pub(crate) narrow: collide::NarrowPhase,
     pub(crate) manifolds: Vec<Manifold>,
     pub(crate) solver: ContactSolver,
+    /// Rows of an island whose error is measured.
+    rows: Vec<PointRows>,
 }
 
 impl Contacts {
@@ -306,24 +309,28 @@ pub fn fracture(
     fracture_bodies(fractures, bodies, &contacts.manifolds, cache);
 }
 
-fn report_islands(contacts: &Contacts, config: &SolverConfig, report: &mut StepReport) {
+fn report_islands(contacts: &mut Contacts, config: &SolverConfig, report: &mut StepReport) {
+    let Contacts { solver, rows, .. } = contacts;
     report.islands.clear();
     report.capped.clear();
-    for island in contacts.solver.islands() {
+    for island in solver.islands() {
         let movable = island.bodies.iter().position(|b| b.inverse_mass > 0.0);
         let slot = island.slots[movable.unwrap_or(0)];
         if island.effort.hit_cap {
             report.capped.push(slot);
         }
         if config.measure_islands {
-            let residual = || ResidualSum::of(island.rows, island.bodies, config).residual();
+            let residual = config.measure_error.then(|| {
+                island.rows(rows);
+                ResidualSum::of(rows, island.bodies, config).residual()
+            });
             report.islands.push(IslandReport {
                 slot,
                 bodies: island.bodies.len(),
-                contacts: island.rows.len(),
+                contacts: island.contacts,
                 sweeps: island.effort.sweeps,
                 hit_cap: island.effort.hit_cap,
-                residual: config.measure_error.then(residual),
+                residual,
             });
         }
     }
@@ -331,20 +338,23 @@ fn report_islands(contacts: &Contacts, config: &SolverConfig, report: &mut StepR
 
 fn measure_error(
     bodies: &Bodies,
-    contacts: &Contacts,
+    contacts: &mut Contacts,
     settings: &StepSettings,
     energy_before: f64,
 ) -> StepError {
-    let points = contacts.manifolds.iter().flat_map(|m| m.points());
+    let Contacts {
+        solver,
+        rows,
+        manifolds,
+        ..
+    } = contacts;
     let mut sum = ResidualSum::default();
-    for island in contacts.solver.islands() {
-        sum.add(&ResidualSum::of(
-            island.rows,
-            island.bodies,
-            &settings.config,
-        ));
+    for island in solver.islands() {
+        island.rows(rows);
+        sum.add(&ResidualSum::of(rows, island.bodies, &settings.config));
     }
     let [kinetic_energy, potential_energy] = bodies.energy(settings.gravity.0, true);
+    let points = manifolds.iter().flat_map(|m| m.points());
     StepError {
         residual: sum.residual(),
         penetration: points.map(|p| -p.separation).fold(0.0, f32::max),

@@ -320,9 +320,7 @@ fn sweeps_needed(with_momentum: bool, scene: &Scene, config: &SolverConfig, leve
         rows: &mut rows,
         bodies: &mut bodies,
         friction_model: model,
-        sweep: |rows: &mut [PointRows], bodies: &mut [SolverBody]| {
-            pgs::sweep(rows, bodies, &pgs::Hard, model)
-        },
+        sweep: |rows: &mut [PointRows], bodies: &mut [SolverBody]| pgs::sweep(rows, bodies, model),
     };
     let mut momentum = Momentum::default();
     for sweeps in 1..20_000 {
@@ -375,7 +373,7 @@ fn velocities_stay_those_of_the_impulses_under_momentum() {
         bodies: &mut bodies,
         friction_model: FrictionModel::Disc,
         sweep: |rows: &mut [PointRows], bodies: &mut [SolverBody]| {
-            pgs::sweep(rows, bodies, &pgs::Hard, FrictionModel::Disc)
+            pgs::sweep(rows, bodies, FrictionModel::Disc)
         },
     };
     let mut momentum = Momentum::default();

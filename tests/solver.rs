@@ -86,7 +86,8 @@ fn heap(friction: f32) -> (Vec<PointRows>, Vec<SolverBody>) {
     let mut islands = simulation.contacts.solver().islands();
     let island = islands.next().expect("the boxes touch");
     assert!(islands.next().is_none(), "one heap is one island");
-    let mut rows = island.rows.to_vec();
+    let mut rows = Vec::new();
+    island.rows(&mut rows);
     for point in &mut rows {
         let [t1, t2] = &mut point.tangents;
         for row in [&mut point.normal, t1, t2] {

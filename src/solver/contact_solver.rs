@@ -1,76 +1,88 @@
-//! From manifolds and bodies to new velocities, motions and impulses, island by island.
+//! From manifolds and bodies to new velocities, motions and impulses, batch of islands by batch.
 
+use super::batch::{Batch, side};
 use super::bodies::{Bodies, Motion, SolverBody};
-use super::islands::{Island, Islands};
-use super::rows::{PointRows, Side};
-use super::substeps::{
-    Demand, Effort, IslandProblem, IslandScratch, MovingManifold, SubstepSettings, TurningBody,
-};
+use super::demand::{Demand, Effort, SubstepSettings, Travel};
+use super::islands::Islands;
+use super::rows::{PointRows, Row};
 use crate::contact::manifold::Manifold;
 use crate::math::rotate_by;
-use glam::{Mat3, Vec3};
+use bevy_tasks::ComputeTaskPool;
+use glam::Vec3;
 use std::ops::Range;
 
-/// Turn within a step (rad) from which the rows of a body's contacts follow it.
-const TURN: f32 = 0.01;
+/// Calm islands are solved together until they have this many manifolds: enough to fill the lanes of their blocks.
+const BATCH: usize = 192;
 
-/// Travel of two bodies against each other within a step, as a share of the smaller one's least extent, from which the
-/// rows of their contact follow it.
-const TRAVEL: f32 = 0.02;
+/// Manifolds from which it pays to ask other threads for help: about 100 us of work, ten times what they take to come.
+const WORTH_HELP: usize = 256;
+
+/// Tasks for each thread, so that none waits long for the last one.
+const TASKS_PER_THREAD: usize = 4;
 
 /// The rows of a step and the working copies of the bodies they join; buffers are reused.
-///
-/// Bodies lie island by island, so that an island's sub-steps run in a few contiguous slices.
 #[derive(Debug, Default)]
 pub struct ContactSolver {
     islands: Islands,
-    rows: Vec<PointRows>,
-    bodies: Vec<SolverBody>,
-    displacements: Vec<SolverBody>,
-    inverse_inertia: Vec<Mat3>,
-    turning: Vec<TurningBody>,
-    moving: Vec<MovingManifold>,
-    parts: Vec<Part>,
-    /// By number within the island being prepared: place among its bodies that turn.
-    place: Vec<Option<u32>>,
-    /// By slot: whether an island moves the body.
+    /// By island.
+    demands: Vec<Demand>,
+    /// Islands of each batch.
+    ranges: Vec<Range<usize>>,
+    /// As many as there are `ranges`, and perhaps some from other steps.
+    batches: Vec<Batch>,
+    /// By slot: whether a batch moves the body.
     is_solved: Vec<bool>,
-    scratch: IslandScratch,
-}
-
-/// What an island has besides its bodies and rows.
-#[derive(Clone, Debug)]
-struct Part {
-    turning: Range<usize>,
-    moving: Range<usize>,
-    has_restitution: bool,
-    settings: SubstepSettings,
-    effort: Effort,
 }
 
 /// An island after the solve.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct SolvedIsland<'a> {
-    /// Rows of its points.
-    pub rows: &'a [PointRows],
+    batch: &'a Batch,
+    places: Range<usize>,
+    first_body: u32,
+    /// Number of its points.
+    pub contacts: usize,
     /// Velocities of its bodies.
     pub bodies: &'a [SolverBody],
     /// Slots of its bodies.
     pub slots: &'a [u32],
-    /// What it took.
+    /// What it took, together with the others of its batch.
     pub effort: Effort,
+}
+
+impl SolvedIsland<'_> {
+    /// Puts the rows of its points into `rows`, in the order of its manifolds.
+    pub fn rows(&self, rows: &mut Vec<PointRows>) {
+        rows.clear();
+        let places = self.places.clone();
+        self.batch.collect_rows(places, self.first_body, rows);
+    }
 }
 
 impl ContactSolver {
     /// The islands of the last step.
     pub fn islands(&self) -> impl Iterator<Item = SolvedIsland<'_>> {
-        let parts = self.islands.list.iter().zip(&self.parts);
-        parts.map(|(island, part)| SolvedIsland {
-            rows: &self.rows[island.points.clone()],
-            bodies: &self.bodies[island.bodies.clone()],
-            slots: &self.islands.slots[island.bodies.clone()],
-            effort: part.effort,
+        self.solved().flat_map(move |batch| {
+            let islands = &self.islands.list[batch.islands.clone()];
+            let first = islands.first().map_or(0, |island| island.manifolds.start);
+            islands
+                .iter()
+                .zip(&batch.members)
+                .map(move |(island, member)| SolvedIsland {
+                    batch,
+                    places: island.manifolds.start - first..island.manifolds.end - first,
+                    first_body: member.bodies.start as u32,
+                    contacts: island.points.len(),
+                    bodies: &batch.bodies[member.bodies.clone()],
+                    slots: &batch.slots[member.bodies.clone()],
+                    effort: batch.effort,
+                })
         })
+    }
+
+    /// The batches of the last step.
+    fn solved(&self) -> impl Iterator<Item = &Batch> {
+        self.batches[..self.ranges.len()].iter()
     }
 
     /// Solves the contacts of `manifolds` and leaves in `bodies` the new velocities and how to move, in `manifolds` the
@@ -81,144 +93,128 @@ impl ContactSolver {
         bodies: &mut Bodies,
         settings: &SubstepSettings,
     ) {
-        self.prepare(manifolds, bodies, settings);
-        for (island, part) in self.islands.list.iter().zip(&mut self.parts) {
-            let mut problem = IslandProblem {
-                rows: &mut self.rows[island.points.clone()],
-                bodies: &mut self.bodies[island.bodies.clone()],
-                displacements: &mut self.displacements[island.bodies.clone()],
-                inverse_inertia: &mut self.inverse_inertia[island.bodies.clone()],
-                turning: &mut self.turning[part.turning.clone()],
-                moving: &self.moving[part.moving.clone()],
-                manifolds,
-                has_restitution: part.has_restitution,
-                scratch: &mut self.scratch,
-            };
-            part.effort = problem.solve(&part.settings);
-        }
+        self.find_batches(manifolds, bodies, settings);
+        self.solve_batches(manifolds, bodies, settings);
         self.write_back(bodies);
         self.move_free_bodies(bodies, settings);
-        self.store_impulses(manifolds);
-    }
-
-    /// Finds the islands, copies their bodies and builds their rows.
-    pub fn prepare(&mut self, manifolds: &[Manifold], bodies: &Bodies, settings: &SubstepSettings) {
-        self.islands.find(manifolds, bodies);
-        self.load_bodies(bodies);
-        self.rows.clear();
-        self.turning.clear();
-        self.moving.clear();
-        self.parts.clear();
-        for index in 0..self.islands.list.len() {
-            let island = self.islands.list[index].clone();
-            let turning = self.load_turning(&island, bodies, settings);
-            let moving = self.moving.len();
-            let demand = self.build_rows(&island, manifolds, bodies, settings);
-            let settings = settings.for_demand(demand);
-            let rows = &mut self.rows[island.points];
-            let share = 1.0 / settings.config.substeps as f32;
-            rows.iter_mut().for_each(|p| p.scale_impulses(share));
-            self.parts.push(Part {
-                turning,
-                moving: moving..self.moving.len(),
-                has_restitution: rows.iter().any(|p| p.restitution > 0.0),
-                settings,
-                effort: Effort::default(),
-            });
+        for batch in &self.batches[..self.ranges.len()] {
+            batch.store_impulses(manifolds);
         }
     }
 
-    fn load_bodies(&mut self, bodies: &Bodies) {
-        let slots = || self.islands.slots.iter().map(|&slot| slot as usize);
-        self.bodies.clear();
-        self.bodies.extend(slots().map(|i| bodies.velocity[i]));
-        self.inverse_inertia.clear();
-        self.inverse_inertia
-            .extend(slots().map(|i| bodies.inverse_inertia[i]));
-        self.displacements.clear();
-        self.displacements
-            .resize(self.bodies.len(), SolverBody::default());
-    }
-
-    /// Lists the bodies of an island that turn.
-    fn load_turning(
+    /// Finds the islands, what they ask for, and which are solved together.
+    pub fn find_batches(
         &mut self,
-        island: &Island,
+        manifolds: &[Manifold],
         bodies: &Bodies,
         settings: &SubstepSettings,
-    ) -> Range<usize> {
-        let first = self.turning.len();
-        self.place.clear();
-        for (number, &slot) in self.islands.slots[island.bodies.clone()].iter().enumerate() {
-            let spin = bodies.spin(slot, settings.step());
-            self.place
-                .push(spin.map(|_| (self.turning.len() - first) as u32));
-            if let Some(spin) = spin {
-                self.turning.push(TurningBody {
-                    body: number as u32,
-                    start: spin.rotation,
-                    spin,
-                    inverse_inertia: bodies.mass(slot).inverse_inertia(),
-                });
-            }
+    ) {
+        self.islands.find(manifolds, bodies);
+        self.demands.clear();
+        for i in 0..self.islands.list.len() {
+            let demand = self.demand(i, manifolds, bodies, settings);
+            self.demands.push(demand);
         }
-        first..self.turning.len()
+        self.ranges.clear();
+        let mut first = 0;
+        while first < self.demands.len() {
+            let end = self.end_of_batch(first);
+            self.ranges.push(first..end);
+            first = end;
+        }
+        let count = self.ranges.len().max(self.batches.len());
+        self.batches.resize_with(count, Batch::default);
     }
 
-    /// Builds the rows of an island, with the impulses of the last step, and lists its manifolds that move.
-    fn build_rows(
+    /// Loads and solves the batches, on several threads if there is enough to do.
+    fn solve_batches(
         &mut self,
-        island: &Island,
+        manifolds: &[Manifold],
+        bodies: &Bodies,
+        settings: &SubstepSettings,
+    ) {
+        let (islands, demands) = (&self.islands, &self.demands);
+        let solve = |batches: &mut [Batch], ranges: &[Range<usize>]| {
+            for (batch, range) in batches.iter_mut().zip(ranges) {
+                let demand = &demands[range.start];
+                batch.load(islands, range.clone(), demand, manifolds, bodies, settings);
+                batch.solve(manifolds);
+            }
+        };
+        let pool = ComputeTaskPool::try_get()
+            .filter(|_| self.ranges.len() > 1 && self.islands.manifolds.len() >= WORTH_HELP);
+        let Some(pool) = pool else {
+            return solve(&mut self.batches, &self.ranges);
+        };
+        let tasks = TASKS_PER_THREAD * (pool.thread_num() + 1);
+        let size = self.ranges.len().div_ceil(tasks);
+        let parts = self.batches.chunks_mut(size).zip(self.ranges.chunks(size));
+        pool.scope(|scope| {
+            for (batches, ranges) in parts {
+                scope.spawn(async move { solve(batches, ranges) });
+            }
+        });
+    }
+
+    /// What an island asks for.
+    fn demand(
+        &self,
+        island: usize,
         manifolds: &[Manifold],
         bodies: &Bodies,
         settings: &SubstepSettings,
     ) -> Demand {
-        let first = self.rows.len();
         let mut demand = Demand::default();
-        for at in island.manifolds.clone() {
-            let (index, pair) = (self.islands.manifolds[at], self.islands.pairs[at]);
-            let manifold = &manifolds[index as usize];
+        let has_load = settings.depends_on_load();
+        for at in self.islands.list[island].manifolds.clone() {
+            let manifold = &manifolds[self.islands.manifolds[at] as usize];
             let slots = [manifold.a as usize, manifold.b as usize];
-            let [a, b] = slots.map(|i| Side {
-                inverse_mass: bodies.velocity[i].inverse_mass,
-                inverse_inertia: bodies.inverse_inertia[i],
-            });
             let extents = slots.map(|i| bodies.least_extent[i]);
             let extent = extents[0].min(extents[1]);
             let motion = Travel::of(slots.map(|i| &bodies.velocity[i]), extents, settings.step());
             demand.is_fast |= motion.is_fast;
-            if motion.is_noticeable {
-                let carrier = carrier(slots, bodies);
-                self.moving.push(MovingManifold {
-                    manifold: index,
-                    first: (self.rows.len() - first) as u32,
-                    turning: pair.map(|body| self.place[body as usize]),
-                    carrier,
-                    clearance: motion.is_fast.then_some(0.5 * extents[carrier]),
-                });
+            demand.can_hit |= motion.is_noticeable || manifold.restitution > 0.0;
+            if has_load {
+                // What has just landed bears at least its own weight.
+                let mut load = settings.gravity.length() * settings.step();
+                let sides = slots.map(|i| side(bodies, i));
+                for point in manifold.points() {
+                    let anchors = [point.anchor_a, point.anchor_b];
+                    let row = Row::new(manifold.normal, anchors, sides);
+                    load = load.max(point.normal_impulse * row.diagonal);
+                }
+                demand.load = demand.load.max(load / extent);
             }
-            let slop = settings.config.slop;
-            // What has just landed bears at least its own weight.
-            let mut load = settings.gravity.length() * settings.step();
-            for point in manifold.points() {
-                let rows = PointRows::new(manifold, point, pair, [a, b], extent, slop);
-                load = load.max(rows.normal.impulse * rows.normal.diagonal);
-                self.rows.push(rows);
-            }
-            demand.load = demand.load.max(load / extent);
         }
+        demand.substeps = settings.substeps_for(&demand);
         demand
+    }
+
+    /// The first island that is not solved with the one at `first`: calm ones with the same sub-steps share a batch.
+    fn end_of_batch(&self, first: usize) -> usize {
+        let demand = &self.demands[first];
+        let size = |i: usize| self.islands.list[i].manifolds.len();
+        let (mut end, mut total) = (first + 1, size(first));
+        while !demand.can_hit
+            && end < self.demands.len()
+            && self.demands[end].is_solved_like(demand)
+            && total + size(end) <= BATCH
+        {
+            total += size(end);
+            end += 1;
+        }
+        end
     }
 
     /// Takes velocities and motions of the bodies that contacts move back to their slots.
     fn write_back(&mut self, bodies: &mut Bodies) {
         self.is_solved.clear();
         self.is_solved.resize(bodies.slots(), false);
-        for (island, part) in self.islands.list.iter().zip(&self.parts) {
-            for number in island.bodies.clone() {
-                let (i, body) = (self.islands.slots[number] as usize, &self.bodies[number]);
+        for batch in &self.batches[..self.ranges.len()] {
+            for (number, &slot) in batch.slots.iter().enumerate() {
+                let (i, body) = (slot as usize, &batch.bodies[number]);
                 if body.inverse_mass > 0.0 {
-                    let moved = &self.displacements[number];
+                    let moved = &batch.displacements[number];
                     self.is_solved[i] = true;
                     bodies.velocity[i] = *body;
                     bodies.motion[i] = Motion {
@@ -227,9 +223,9 @@ impl ContactSolver {
                     };
                 }
             }
-            for turning in &self.turning[part.turning.clone()] {
-                let slot = self.islands.slots[island.bodies.start + turning.body as usize];
-                bodies.motion[slot as usize].rotation = turning.spin.rotation;
+            for turning in &batch.turning {
+                let slot = batch.slots[turning.body as usize] as usize;
+                bodies.motion[slot].rotation = turning.spin.rotation;
             }
         }
     }
@@ -261,52 +257,6 @@ impl ContactSolver {
                 None => rotate_by(bodies.rotation[i], body.angular, step),
             };
             bodies.motion[i] = Motion { shift, rotation };
-        }
-    }
-
-    fn store_impulses(&self, manifolds: &mut [Manifold]) {
-        for (island, part) in self.islands.list.iter().zip(&self.parts) {
-            let mut rows = self.rows[island.points.clone()].iter();
-            for &index in &self.islands.manifolds[island.manifolds.clone()] {
-                let points = manifolds[index as usize].points_mut();
-                for (point, rows) in points.iter_mut().zip(&mut rows) {
-                    rows.store(point, part.settings.config.substeps);
-                }
-            }
-        }
-    }
-}
-
-/// Which of two bodies carries their contact points: the smaller one, whose corners they mostly are, if it can move.
-fn carrier(slots: [usize; 2], bodies: &Bodies) -> usize {
-    let size = slots.map(|i| {
-        let is_movable = bodies.velocity[i].inverse_mass > 0.0;
-        if is_movable {
-            bodies.radius(i as u32)
-        } else {
-            f32::INFINITY
-        }
-    });
-    usize::from(size[1] <= size[0])
-}
-
-/// How two bodies move against each other in a step.
-#[derive(Clone, Copy, Debug)]
-struct Travel {
-    /// So far that the rows between them must follow.
-    is_noticeable: bool,
-    /// Farther than both are thick: they may pass through each other.
-    is_fast: bool,
-}
-
-impl Travel {
-    /// `extents`: least extents of the bodies, m; `step`, s.
-    fn of([a, b]: [&SolverBody; 2], extents: [f32; 2], step: f32) -> Self {
-        let turn = step * a.angular.length().max(b.angular.length());
-        let way = step * (b.linear - a.linear).length();
-        Self {
-            is_noticeable: turn > TURN || way > TRAVEL * extents[0].min(extents[1]),
-            is_fast: way > extents[0] + extents[1],
         }
     }
 }

@@ -5,23 +5,30 @@
 //! with [`soft_step`], [`pgs`] or [`exact`] as method and [`momentum`] where sweeps are many; [`spin`] is the free rotation in
 //! between. [`residual`] judges the result, and [`integrate`] puts the bodies where they got. Nothing here knows the ECS.
 
+pub mod batch;
+pub mod blocks;
 pub mod bodies;
 pub mod body;
 pub mod contact_solver;
+pub mod demand;
 pub mod exact;
 pub mod integrate;
 pub mod islands;
+pub mod lanes;
 pub mod mlcp;
 pub mod momentum;
 pub mod pgs;
 pub mod residual;
 pub mod rows;
+pub mod schedule;
 pub mod soft_step;
 pub mod spin;
 pub mod substeps;
+pub mod sweep;
 
 use bevy_ecs::resource::Resource;
 use glam::Vec3;
+use lanes::LaneWidth;
 
 /// Acceleration that acts on every dynamic body, m/s2.
 #[derive(Clone, Copy, Debug, PartialEq, Resource)]
@@ -104,6 +111,8 @@ pub struct SolverConfig {
     /// Most updates of contact points that an island's sweeps beyond the least numbers may take in a step: small islands are
     /// solved to the tolerance, and a heap of thousands costs what it may. 30 000 are about a millisecond.
     pub spare_updates: u32,
+    /// How many numbers the solver calculates with at a time. The results are the same.
+    pub lane_width: LaneWidth,
     /// Measure residual, penetration and energy each step; costs one more pass over the rows. Off by default.
     pub measure_error: bool,
     /// List the islands in the report; with `measure_error`, each with its own residual. Off by default.
@@ -169,6 +178,7 @@ impl Default for SolverConfig {
             tolerance: Some(1e-3),
             max_sweeps: 32,
             spare_updates: 30_000,
+            lane_width: LaneWidth::Widest,
             measure_error: false,
             measure_islands: false,
         }

@@ -70,29 +70,52 @@ pub struct Momentum<T, V> {
     impulses: Vec<[T; 3]>,
     /// The velocities with them.
     velocities: Vec<V>,
+    pace: Pace<T>,
+}
+
+/// How far the momentum has grown.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Pace<T> {
     /// `k`, counted anew from every restart.
     kept: u16,
     /// What the last sweep changed.
     change: T,
 }
 
-impl<T: Number, V: Copy> Momentum<T, V> {
-    /// Forgets the problem solved before.
+impl<T: Number> Pace<T> {
+    /// Forgets the sweeps before.
     pub fn restart(&mut self) {
         self.kept = 0;
     }
 
-    /// One sweep, from where the last ones were going; returns the largest velocity change of a row.
-    pub fn sweep<C: Contacts<Real = T, Velocity = V>>(&mut self, contacts: &mut C) -> T {
-        if self.kept == 0 {
-            self.remember(contacts);
-        } else {
-            self.extrapolate(contacts);
-        }
-        let change = contacts.sweep();
+    /// Weight `beta_k` of the momentum before the next sweep; `None` where there is none yet.
+    pub fn weight(&self) -> Option<T> {
+        let k = T::from(f32::from(self.kept));
+        (self.kept > 0).then(|| (k / (k + T::from(3.0))).min(T::from(MOST_WEIGHT)))
+    }
+
+    /// Takes note of the largest velocity change of a sweep.
+    pub fn note(&mut self, change: T) {
         let is_worse = self.kept > 1 && change > self.change;
         self.kept = if is_worse { 0 } else { self.kept + 1 };
         self.change = change;
+    }
+}
+
+impl<T: Number, V: Copy> Momentum<T, V> {
+    /// Forgets the problem solved before.
+    pub fn restart(&mut self) {
+        self.pace.restart();
+    }
+
+    /// One sweep, from where the last ones were going; returns the largest velocity change of a row.
+    pub fn sweep<C: Contacts<Real = T, Velocity = V>>(&mut self, contacts: &mut C) -> T {
+        match self.pace.weight() {
+            None => self.remember(contacts),
+            Some(weight) => self.extrapolate(contacts, weight),
+        }
+        let change = contacts.sweep();
+        self.pace.note(change);
         change
     }
 
@@ -106,9 +129,7 @@ impl<T: Number, V: Copy> Momentum<T, V> {
 
     /// Moves the impulses on in the direction of their last change. The velocities are linear in them, so they move on alike;
     /// only where impulses are clipped do the rows have to be looked at.
-    fn extrapolate<C: Contacts<Real = T, Velocity = V>>(&mut self, contacts: &mut C) {
-        let k = T::from(f32::from(self.kept));
-        let weight = (k / (k + T::from(3.0))).min(T::from(MOST_WEIGHT));
+    fn extrapolate<C: Contacts<Real = T, Velocity = V>>(&mut self, contacts: &mut C, weight: T) {
         for (velocity, last) in contacts.velocities().iter_mut().zip(&mut self.velocities) {
             let now = *velocity;
             *velocity = C::ahead(now, *last, weight);

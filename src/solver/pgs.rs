@@ -14,28 +14,6 @@ use super::rows::{PointRows, Row};
 use super::{FrictionModel, SolverConfig};
 use glam::Vec2;
 
-/// Where a sweep moves the normal impulse of a point to, before it is clipped.
-pub trait NormalRule {
-    /// Whether the normal of a point is solved before its friction, which then ends within its bounds; else
-    /// non-penetration has the last word.
-    const NORMAL_FIRST: bool = false;
-
-    /// The impulse that the rule asks for, N s, where the normal velocity is `velocity`, m/s.
-    fn wish(&self, point: &PointRows, velocity: f32) -> f32;
-}
-
-/// The paper's rule: the impulse that gives the row its wanted velocity.
-#[derive(Clone, Copy, Debug)]
-pub struct Hard;
-
-impl NormalRule for Hard {
-    #[inline]
-    fn wish(&self, point: &PointRows, velocity: f32) -> f32 {
-        let row = &point.normal;
-        row.impulse - (velocity - row.wanted) * row.effective_mass
-    }
-}
-
 /// Solves the rows: impulses in `rows`, velocities in `bodies`, which the numbers in the rows refer to.
 ///
 /// The impulses found in `rows` are the start; pass zeros for a cold start. `sweeps` times, friction is solved before
@@ -43,7 +21,7 @@ impl NormalRule for Hard {
 pub fn solve(rows: &mut [PointRows], bodies: &mut [SolverBody], config: &SolverConfig) {
     apply_impulses(rows, bodies);
     for _ in 0..config.sweeps {
-        sweep(rows, bodies, &Hard, config.friction_model);
+        sweep(rows, bodies, config.friction_model);
     }
 }
 
@@ -59,34 +37,24 @@ pub fn apply_impulses(rows: &[PointRows], bodies: &mut [SolverBody]) {
 
 /// One pass over all rows; returns the largest velocity change that a row made, in units of its
 /// [speed scale](PointRows::speed_scale).
-pub fn sweep(
-    rows: &mut [PointRows],
-    bodies: &mut [SolverBody],
-    rule: &impl NormalRule,
-    model: FrictionModel,
-) -> f32 {
+pub fn sweep(rows: &mut [PointRows], bodies: &mut [SolverBody], model: FrictionModel) -> f32 {
     match model {
-        FrictionModel::Disc => relax_all(rows, bodies, rule, |contact| friction_in_disc(contact)),
-        FrictionModel::Box => relax_all(rows, bodies, rule, |contact| friction_in_box(contact)),
+        FrictionModel::Disc => relax_all(rows, bodies, |contact| friction_in_disc(contact)),
+        FrictionModel::Box => relax_all(rows, bodies, |contact| friction_in_box(contact)),
     }
 }
 
 /// A type of its own for each friction rule, so that its code is part of the loop.
-fn relax_all<R: NormalRule>(
+fn relax_all(
     rows: &mut [PointRows],
     bodies: &mut [SolverBody],
-    rule: &R,
-    friction: impl Fn(&mut PointOnBodies<R>) -> f32,
+    friction: impl Fn(&mut PointOnBodies) -> f32,
 ) -> f32 {
     let mut change = 0.0_f32;
     for point in rows {
         let [a, b] = pair(bodies, point.bodies);
-        let mut contact = PointOnBodies { point, a, b, rule };
-        let of_point = if R::NORMAL_FIRST {
-            relax_normal_first(&mut contact, &friction)
-        } else {
-            relax(&mut contact, &friction)
-        };
+        let mut contact = PointOnBodies { point, a, b };
+        let of_point = relax(&mut contact, &friction);
         change = change.max(of_point * contact.point.speed_scale);
     }
     change
@@ -161,21 +129,6 @@ pub fn relax<C: ContactRows>(contact: &mut C, friction: impl Fn(&mut C) -> C::Re
     contact.move_to(0, wish.max(C::Real::ZERO)).max(change)
 }
 
-/// The same with the normal before its friction.
-#[inline]
-fn relax_normal_first<C: ContactRows>(
-    contact: &mut C,
-    friction: impl Fn(&mut C) -> C::Real,
-) -> C::Real {
-    let wish = contact.normal_wish();
-    let change = contact.move_to(0, wish.max(C::Real::ZERO));
-    if contact.has_friction() {
-        change.max(friction(contact))
-    } else {
-        change
-    }
-}
-
 /// The impulse with which the velocity along a row is zero, all others being as they are.
 #[inline]
 fn wish<C: ContactRows>(contact: &C, row: usize) -> C::Real {
@@ -208,14 +161,13 @@ fn friction_in_disc<C: ContactRows<Real = f32>>(contact: &mut C) -> f32 {
 }
 
 /// A contact point of a step with its two bodies.
-struct PointOnBodies<'a, R> {
+struct PointOnBodies<'a> {
     point: &'a mut PointRows,
     a: &'a mut SolverBody,
     b: &'a mut SolverBody,
-    rule: &'a R,
 }
 
-impl<R> PointOnBodies<'_, R> {
+impl PointOnBodies<'_> {
     #[inline]
     fn row(&self, row: usize) -> &Row {
         match row {
@@ -225,7 +177,7 @@ impl<R> PointOnBodies<'_, R> {
     }
 }
 
-impl<R: NormalRule> ContactRows for PointOnBodies<'_, R> {
+impl ContactRows for PointOnBodies<'_> {
     type Real = f32;
     const TANGENTS: usize = 2;
 
@@ -251,7 +203,8 @@ impl<R: NormalRule> ContactRows for PointOnBodies<'_, R> {
 
     #[inline]
     fn normal_wish(&self) -> f32 {
-        self.rule.wish(self.point, self.velocity(0))
+        let row = &self.point.normal;
+        row.impulse - (self.velocity(0) - row.wanted) * row.effective_mass
     }
 
     #[inline]

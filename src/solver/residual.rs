@@ -126,7 +126,7 @@ impl ResidualSum {
 /// The normal velocity that the last word on a point was about, m/s.
 fn wanted_velocity(point: &PointRows, config: &SolverConfig) -> f32 {
     if config.method == Method::SoftStep && config.relax_sweeps > 0 {
-        soft_step::relaxed_velocity(point)
+        soft_step::relaxed_velocity(point.rebound, point.normal.impulse, point.normal.wanted)
     } else {
         point.normal.wanted
     }

@@ -96,7 +96,7 @@ pub struct Side {
 }
 
 /// The three rows of one contact point.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PointRows {
     /// Numbers of the two bodies within the island.
     pub bodies: [u32; 2],
@@ -115,12 +115,8 @@ pub struct PointRows {
     /// What a velocity is multiplied with to compare it with those of other sizes, `(extent / 1 m)^(-1/2)`: under gravity all
     /// speeds grow with the square root of the size.
     pub speed_scale: f32,
-    /// Whether the normal row gives way (see [`soft_step`](super::soft_step)) in this sub-step.
-    pub is_soft: bool,
     /// Normal velocity that the point should have after the bodies have moved; 0 if it does not rebound, m/s.
     pub rebound: f32,
-    /// Impulses of the three rows before an impact, N s.
-    pub before: [f32; 3],
     /// Sum of the normal impulses of the sub-steps that are over, N s.
     pub total: f32,
 }
@@ -148,9 +144,7 @@ impl PointRows {
             separation: point.separation,
             slop: slop * extent,
             speed_scale: 1.0 / extent.sqrt(),
-            is_soft: false,
             rebound: 0.0,
-            before: [0.0; 3],
             total: 0.0,
         };
         rows.set_geometry(manifold.normal, [point.anchor_a, point.anchor_b], sides);
@@ -197,33 +191,5 @@ impl PointRows {
     pub fn set_impulses(&mut self, [normal, t1, t2]: [f32; 3]) {
         self.normal.impulse = normal;
         (self.tangents[0].impulse, self.tangents[1].impulse) = (t1, t2);
-    }
-
-    /// Remembers the impulses as they are.
-    pub fn save_impulses(&mut self) {
-        self.before = self.impulses();
-    }
-
-    /// Takes the impulses back to the remembered ones, without losing what the others add to the total.
-    pub fn restore_impulses(&mut self) {
-        self.total += self.normal.impulse - self.before[0];
-        self.set_impulses(self.before);
-    }
-
-    /// Multiplies the impulses.
-    pub fn scale_impulses(&mut self, factor: f32) {
-        let [t1, t2] = &mut self.tangents;
-        for row in [&mut self.normal, t1, t2] {
-            row.impulse *= factor;
-        }
-    }
-
-    /// Writes what the last sub-step found back into the contact point: as impulses of a whole step.
-    pub fn store(&self, point: &mut ContactPoint, substeps: u32) {
-        let n = substeps as f32;
-        let [t1, t2] = &self.tangents;
-        point.normal_impulse = n * self.normal.impulse;
-        point.friction_impulse = n * (t1.direction * t1.impulse + t2.direction * t2.impulse);
-        point.total_impulse = self.total + self.normal.impulse;
     }
 }

@@ -19,9 +19,6 @@
 //! in Physics Simulation", 2019.
 
 use super::SolverConfig;
-use super::bodies::SolverBody;
-use super::pgs::{self, NormalRule};
-use super::rows::PointRows;
 
 /// Coefficients of soft contacts.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,12 +26,19 @@ pub struct Softness {
     /// Share of the overlap that is pushed out per second, 1/s.
     pub rate: f32,
     /// `a2 / (1 + a2)`: share of the effective mass that a sweep uses.
-    mass_scale: f32,
+    pub mass_scale: f32,
     /// `1 / (1 + a2)`: share of the impulse that a sweep lets go.
-    release: f32,
+    pub release: f32,
 }
 
 impl Softness {
+    /// No compliance: the rows of the paper.
+    pub const HARD: Self = Self {
+        rate: 0.0,
+        mass_scale: 1.0,
+        release: 0.0,
+    };
+
     /// The coefficients for sub-steps of `h` seconds.
     pub fn new(config: &SolverConfig, h: f32) -> Self {
         let h_omega = std::f32::consts::TAU * config.contact_frequency;
@@ -48,57 +52,14 @@ impl Softness {
     }
 }
 
-impl NormalRule for Softness {
-    #[inline]
-    fn wish(&self, point: &PointRows, velocity: f32) -> f32 {
-        let row = &point.normal;
-        let correction = (velocity - row.wanted) * row.effective_mass;
-        if point.is_soft {
-            (1.0 - self.release) * row.impulse - self.mass_scale * correction
-        } else {
-            row.impulse - correction
-        }
-    }
-}
-
-/// Hard rows without position feedback: points that touch stop, others may close their gap, impacts rebound.
-#[derive(Clone, Copy, Debug)]
-struct Relaxed;
-
-impl NormalRule for Relaxed {
-    // The normal impulse falls by what pushed overlap out; friction must not keep the bound that came with it.
-    const NORMAL_FIRST: bool = true;
-
-    #[inline]
-    fn wish(&self, point: &PointRows, velocity: f32) -> f32 {
-        let row = &point.normal;
-        row.impulse - (velocity - relaxed_velocity(point)) * row.effective_mass
-    }
-}
-
 /// The normal velocity that a point should have after the bodies have moved, m/s.
-pub fn relaxed_velocity(point: &PointRows) -> f32 {
-    if point.rebound > 0.0 {
-        point.rebound
-    } else if point.normal.impulse > 0.0 {
+pub fn relaxed_velocity(rebound: f32, impulse: f32, wanted: f32) -> f32 {
+    if rebound > 0.0 {
+        rebound
+    } else if impulse > 0.0 {
         // Pushed, so it has arrived.
         0.0
     } else {
-        point.normal.wanted.min(0.0)
+        wanted.min(0.0)
     }
-}
-
-/// One sweep with soft contacts; returns the largest velocity change, as [`pgs::sweep`].
-pub fn sweep(
-    rows: &mut [PointRows],
-    bodies: &mut [SolverBody],
-    softness: &Softness,
-    config: &SolverConfig,
-) -> f32 {
-    pgs::sweep(rows, bodies, softness, config.friction_model)
-}
-
-/// One sweep after the bodies have moved; returns the largest velocity change, as [`pgs::sweep`].
-pub fn relax(rows: &mut [PointRows], bodies: &mut [SolverBody], config: &SolverConfig) -> f32 {
-    pgs::sweep(rows, bodies, &Relaxed, config.friction_model)
 }

@@ -13,25 +13,22 @@
 //!   relax                      takes the velocity that pushed overlap out from the bodies again; impacts rebound
 //! ```
 
+use super::batch::{Batch, BatchScratch, MovingManifold};
+use super::blocks::{Place, Point, Solid, derive, vector};
 use super::bodies::SolverBody;
-use super::exact::{self, ExactScratch};
-use super::momentum::{Contacts, Momentum, PointContacts};
-use super::rows::{PointRows, Side};
+use super::demand::{Effort, SubstepSettings};
 use super::soft_step::{self, Softness};
-use super::spin::Spin;
-use super::{Method, SolverConfig, pgs};
+use super::sweep::Contacts;
+use super::{Method, SolverConfig, exact};
 use crate::contact::manifold::{ContactPoint, Manifold};
 use crate::math::rotate_by;
-use glam::{Mat3, Quat, Vec3};
+use glam::{Mat3, Quat};
 
 /// Rebounds are solved until no row changes by more than this share of the fastest one.
 const REBOUND_TOLERANCE: f32 = 1e-5;
 
 /// Share of the fastest body's speed that a sub-step need not be more precise than.
 const MOVING_TOLERANCE: f32 = 0.01;
-
-/// Most sweeps where bodies may pass through each other: no later sub-step makes up for what is left.
-const FAST_SWEEPS: u32 = 256;
 
 /// Sweeps where the exact method has no answer.
 const UNCERTIFIED_SWEEPS: u32 = 200;
@@ -42,236 +39,98 @@ const MOST_TURN: f32 = 0.05;
 /// Velocity of position feedback, m/s, that is not worth taking out again.
 const NEGLIGIBLE_SPEED: f32 = 1e-4;
 
-/// A body that turns, and its number within the island.
+/// What one sweep does.
 #[derive(Clone, Copy, Debug)]
-pub struct TurningBody {
-    /// Number within the island.
-    pub body: u32,
-    /// `world_from_body` at the start of the step.
-    pub start: Quat,
-    /// Its rotation.
-    pub spin: Spin,
-    /// Inverse inertia tensor, body's axes, 1/(kg m2).
-    pub inverse_inertia: Mat3,
+enum SweepKind {
+    /// With position feedback.
+    Solve(Softness),
+    /// Without.
+    Relax,
 }
 
-/// A manifold whose rows must follow the motion of its bodies.
-#[derive(Clone, Copy, Debug)]
-pub struct MovingManifold {
-    /// Index of the manifold.
-    pub manifold: u32,
-    /// Index of its first point within the island's rows.
-    pub first: u32,
-    /// Places of its two bodies among those of the island that turn, if they do.
-    pub turning: [Option<u32>; 2],
-    /// Which of the two bodies the contact points move with: 0 for A, 1 for B.
-    pub carrier: usize,
-    /// If the two may pass through each other in the step: half the least extent of the carrier, m.
-    pub clearance: Option<f32>,
-}
-
-/// All that the sub-steps of an island read and write.
-#[derive(Debug)]
-pub struct IslandProblem<'a> {
-    /// Rows of its points.
-    pub rows: &'a mut [PointRows],
-    /// Velocities of its bodies.
-    pub bodies: &'a mut [SolverBody],
-    /// Displacements of its bodies since the start of the step: centre (m) and rotation vector (rad).
-    pub displacements: &'a mut [SolverBody],
-    /// Inverse inertia tensors of its bodies, world axes, 1/(kg m2).
-    pub inverse_inertia: &'a mut [Mat3],
-    /// Those of its bodies that turn.
-    pub turning: &'a mut [TurningBody],
-    /// Those of its manifolds whose rows follow the motion.
-    pub moving: &'a [MovingManifold],
-    /// All manifolds of the step.
-    pub manifolds: &'a [Manifold],
-    /// Whether any of its points rebounds.
-    pub has_restitution: bool,
-    /// Buffers.
-    pub scratch: &'a mut IslandScratch,
-}
-
-/// Buffers of the sub-steps, shared by all islands.
-#[derive(Debug, Default)]
-pub struct IslandScratch {
-    exact: ExactScratch,
-    momentum: Momentum<f32, SolverBody>,
-    /// By body: whether a contact pushes it.
-    is_pushed: Vec<bool>,
-    /// Impulses that the exact method starts from, by point.
-    start: Vec<[f32; 3]>,
-    /// Velocities without contact impulses.
-    free: Vec<SolverBody>,
-}
-
-/// What an island took.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Effort {
-    /// Sweeps of all sub-steps together.
-    pub sweeps: u32,
-    /// Whether a sub-step ended above the tolerance.
-    pub hit_cap: bool,
-    /// Sweeps beyond the least numbers that are left for this step, and for this sub-step: evenly, for sub-steps that are
-    /// more precise than the next ones shake a stack.
-    spare: u32,
-    share: u32,
-}
-
-impl Effort {
-    /// For an island with the given number of points.
-    fn new(config: &SolverConfig, points: usize) -> Self {
-        Self {
-            spare: config.spare_updates / (points as u32).max(1),
-            ..Self::default()
-        }
-    }
-
-    /// Begins a sub-step, with `to_go` of them left.
-    fn begin(&mut self, to_go: u32) {
-        self.share = self.spare / to_go;
-    }
-
-    /// Sweeps `least` times, then with [`momentum`](super::momentum) until a sweep changes no velocity by more than `tolerance`,
-    /// but not more than `most` times in all, nor than is left for the step.
-    fn sweep(
-        &mut self,
-        [least, most]: [u32; 2],
-        tolerance: Option<f32>,
-        contacts: &mut impl Contacts<Real = f32, Velocity = SolverBody>,
-        momentum: &mut Momentum<f32, SolverBody>,
-    ) {
-        let mut change = 0.0;
-        let mut done = 0;
-        let most = most.min(least + self.share);
-        momentum.restart();
-        while done < least || tolerance.is_some_and(|t| change > t) && done < most {
-            change = if done < least {
-                contacts.sweep()
-            } else {
-                momentum.sweep(contacts)
-            };
-            done += 1;
-        }
-        self.sweeps += done;
-        self.share -= done - least;
-        self.spare -= done - least;
-        self.hit_cap |= tolerance.is_some_and(|t| change > t);
-    }
-}
-
-/// What an island asks of its sub-steps.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Demand {
-    /// Largest velocity that a contact gave its effective mass in the last step, over the smaller body's least extent, 1/s.
-    pub load: f32,
-    /// Whether two bodies are so fast that they may pass through each other in the step.
-    pub is_fast: bool,
-}
-
-/// What the sub-steps are told.
-#[derive(Clone, Copy, Debug)]
-pub struct SubstepSettings {
-    /// How to solve.
-    pub config: SolverConfig,
-    /// Acceleration of dynamic bodies, m/s2.
-    pub gravity: Vec3,
-    /// Length of a sub-step, s.
-    pub h: f32,
-}
-
-impl SubstepSettings {
-    /// The sub-steps of a step of `step` seconds.
-    pub fn new(config: SolverConfig, gravity: Vec3, step: f32) -> Self {
-        Self {
-            config,
-            gravity,
-            h: step / config.substeps as f32,
-        }
-    }
-
-    /// The same step in as many parts as an island asks for.
-    ///
-    /// A soft contact under a load that gives its effective mass the acceleration `a` gives way by `s = a h^2 / (h omega)^2`,
-    /// which is to stay below the share [`SolverConfig::sag`] of an extent. Bodies that are fast enough to pass through each
-    /// other get the step as one: the contact points found at its start are good for one impact, after which the bodies may turn
-    /// about another.
-    pub fn for_demand(&self, demand: Demand) -> Self {
-        let config = &self.config;
-        if config.method != Method::SoftStep {
-            return *self;
-        }
-        let step = self.step();
-        let per_radian = step / (std::f32::consts::TAU * config.contact_frequency);
-        let parts = per_radian * (demand.load / (step * config.sag)).sqrt();
-        let substeps = if demand.is_fast {
-            1
-        } else {
-            // A number that is not finite becomes one end of the range.
-            (parts.ceil() as u32).clamp(config.substeps, config.max_substeps.max(config.substeps))
-        };
-        let max_sweeps = if demand.is_fast {
-            config.max_sweeps.max(FAST_SWEEPS)
-        } else {
-            config.max_sweeps
-        };
-        let config = SolverConfig {
-            substeps,
-            max_sweeps,
-            ..*config
-        };
-        Self::new(config, self.gravity, step)
-    }
-
-    /// Length of the step, s.
-    pub fn step(&self) -> f32 {
-        self.h * self.config.substeps as f32
-    }
-}
-
-impl IslandProblem<'_> {
-    /// Advances the island by a step.
-    pub fn solve(&mut self, settings: &SubstepSettings) -> Effort {
-        let mut effort = Effort::new(&settings.config, self.rows.len());
+impl Batch {
+    /// Advances the batch by a step.
+    pub fn solve(&mut self, manifolds: &[Manifold]) {
+        let settings = &{ self.settings };
+        let mut effort = self.effort;
+        let effort = &mut effort;
         for substep in 0..settings.config.substeps {
             if substep > 0 {
-                self.follow_motion(f32::INFINITY);
-                self.add_impulses();
+                self.follow_motion(f32::INFINITY, manifolds);
             }
             effort.begin(settings.config.substeps - substep);
             self.apply_gravity(settings);
-            self.solve_substep(settings, &mut effort);
+            if self.can_hit() || settings.config.method == Method::Exact {
+                self.solve_substep(substep == 0, manifolds, effort);
+            } else {
+                self.solve_calm_substep(substep == 0, manifolds, effort);
+            }
+            self.turn_bodies(settings.h);
         }
-        effort
+        self.effort = *effort;
     }
 
-    /// From targets to the end of a sub-step.
-    fn solve_substep(&mut self, settings: &SubstepSettings, effort: &mut Effort) {
-        let fastest = self.set_targets(settings);
+    /// Whether bodies may hit each other.
+    fn can_hit(&self) -> bool {
+        !self.blows.is_empty()
+    }
+
+    fn contacts(&mut self) -> Contacts<'_> {
+        self.contacts_and_displacements().0
+    }
+
+    fn contacts_and_displacements(&mut self) -> (Contacts<'_>, &[SolverBody]) {
+        let contacts = Contacts {
+            blocks: &self.blocks,
+            points: &mut self.points,
+            blows: &self.blows,
+            bodies: &mut self.bodies,
+            friction: self.settings.config.friction_model,
+            width: self.settings.config.lane_width,
+        };
+        (contacts, &self.displacements)
+    }
+
+    /// A sub-step in which nothing hits anything.
+    fn solve_calm_substep(&mut self, first: bool, manifolds: &[Manifold], effort: &mut Effort) {
+        let settings = &{ self.settings };
+        let config = &settings.config;
+        let tolerance = self.tolerance(config, 0.0);
+        let (mut contacts, displacements) = self.contacts_and_displacements();
+        contacts.begin(displacements, &settings.feedback(), first);
+        let solve = SweepKind::Solve(settings.softness());
+        self.sweep(config.sweeps, solve, config, tolerance, effort);
+        self.move_bodies(settings, manifolds);
+        self.relax(settings, tolerance, effort);
+    }
+
+    /// From targets to the relaxed velocities of a sub-step.
+    fn solve_substep(&mut self, first: bool, manifolds: &[Manifold], effort: &mut Effort) {
+        let settings = &{ self.settings };
+        let config = &settings.config;
+        let fastest = self.set_targets(settings, first);
         let is_hit = fastest > 0.0 || self.is_hit(settings);
         if is_hit {
-            self.rows.iter_mut().for_each(PointRows::save_impulses);
+            self.save_impulses();
         }
-        let tolerance = tolerance(&settings.config, self.rows, self.bodies, fastest);
-        self.solve_rows(settings, tolerance, effort);
-        self.move_bodies(settings);
+        let tolerance = self.tolerance(config, fastest);
+        if config.method == Method::Exact {
+            self.keep_free_velocities();
+            self.solve_exactly(config, effort);
+        } else {
+            self.contacts().apply_impulses();
+            let solve = SweepKind::Solve(settings.softness());
+            self.sweep(config.sweeps, solve, config, tolerance, effort);
+        }
+        self.move_bodies(settings, manifolds);
         if is_hit {
             // What follows acts where the bodies are now: blows are large enough to matter for the angular momentum.
-            self.follow_motion(MOST_TURN / settings.h);
+            self.follow_motion(MOST_TURN / settings.h, manifolds);
         }
         self.relax(settings, tolerance, effort);
         if is_hit {
             // A blow says nothing about the next sub-step, what was before it does.
-            self.rows.iter_mut().for_each(PointRows::restore_impulses);
-        }
-        self.turn_bodies(settings.h);
-    }
-
-    /// Adds the impulses of the sub-step that is over to the step's.
-    fn add_impulses(&mut self) {
-        for point in self.rows.iter_mut() {
-            point.total += point.normal.impulse;
+            self.restore_impulses();
         }
     }
 
@@ -283,71 +142,62 @@ impl IslandProblem<'_> {
     }
 
     /// Fills the wanted velocities; returns the fastest rebound, scaled to a size of 1 m, m/s.
-    fn set_targets(&mut self, settings: &SubstepSettings) -> f32 {
-        let SubstepSettings { config, h, .. } = settings;
-        let softness = Softness::new(config, *h);
-        let (rate, is_soft) = match config.method {
-            Method::SoftStep => (softness.rate, true),
-            Method::Pgs | Method::Exact => (config.baumgarte / h, false),
-        };
-        for point in self.rows.iter_mut() {
-            let [i, j] = point.bodies.map(|b| b as usize);
-            let q = [&self.displacements[i], &self.displacements[j]];
-            let gap = point.separation + point.normal.velocity(q[0], q[1]);
-            let overlap = -gap - point.slop;
-            point.is_soft = is_soft && gap <= 0.0;
-            point.normal.wanted = if gap > 0.0 {
-                -gap / h
-            } else {
-                (rate * overlap.max(0.0)).min(config.push_out_speed)
-            };
-        }
+    fn set_targets(&mut self, settings: &SubstepSettings, first: bool) -> f32 {
+        let (mut contacts, displacements) = self.contacts_and_displacements();
+        contacts.set_targets(displacements, &settings.feedback(), first);
+        let mut fastest = 0.0_f32;
         if self.has_restitution {
-            self.set_rebounds(settings)
-        } else {
-            0.0
+            for i in 0..self.places.len() {
+                let (_, place) = self.places[i];
+                let block = &self.blocks[place.block as usize];
+                if block.restitution.0[place.lane as usize] > 0.0 {
+                    fastest = fastest.max(self.set_rebounds(place, settings));
+                }
+            }
         }
+        fastest
     }
 
-    /// Finds the points that hit in this sub-step, and how fast they leave; returns the fastest,
+    /// Finds the points of a manifold that hit in this sub-step, and how fast they leave; returns the fastest,
     /// scaled to a size of 1 m, m/s.
     ///
     /// A point hits if the free motion closes its gap `s` within the sub-step. The speed at that moment follows from
     /// energy: `v^2 = v_0^2 + 2 a s` with the acceleration `a` of the gap. It leaves with `e v` from where the gap is closed.
-    fn set_rebounds(&mut self, settings: &SubstepSettings) -> f32 {
+    fn set_rebounds(&mut self, place: Place, settings: &SubstepSettings) -> f32 {
         let SubstepSettings {
             config, gravity, h, ..
         } = settings;
+        let (block, lane) = (&self.blocks[place.block as usize], place.lane as usize);
+        let (normal, restitution) = (vector(&block.normal, lane), block.restitution.0[lane]);
+        let [a, b] = block.pair(lane).map(|b| &self.bodies[b as usize]);
+        let falls = |body: &SolverBody| f32::from(u8::from(body.inverse_mass > 0.0));
+        let acceleration = -normal.dot(*gravity) * (falls(b) - falls(a));
+        let gap = |point: &Point| (-point.wanted.0[lane] * h).max(0.0);
+        let speed = |point: &Point| -point.normal_velocity(lane, normal, [a, b]);
+        let hits = |point: &Point, h: f32| {
+            let speed = speed(point);
+            speed > config.restitution_threshold && speed * h > gap(point)
+        };
+        let first = block.points.start;
+        let range = first..first + place.count as usize;
+        let (points, blows) = (&mut self.points[range.clone()], &mut self.blows[range]);
+        // Corners of a face that all but lie at one height hit together, or the face would start to rock.
+        let reach = if points.iter().any(|point| hits(point, *h)) {
+            2.0 * h
+        } else {
+            0.0
+        };
         let mut fastest = 0.0_f32;
-        for manifold in self.rows.chunk_by_mut(|p, q| p.bodies == q.bodies) {
-            let [a, b] = manifold[0].bodies.map(|b| &self.bodies[b as usize]);
-            let falls = |body: &SolverBody| f32::from(u8::from(body.inverse_mass > 0.0));
-            let direction = manifold[0].normal.direction;
-            let acceleration = -direction.dot(*gravity) * (falls(b) - falls(a));
-            let gap = |point: &PointRows| (-point.normal.wanted * h).max(0.0);
-            let speed = |point: &PointRows| -point.normal.velocity(a, b);
-            let hits = |point: &PointRows, h: f32| {
-                let speed = speed(point);
-                point.restitution > 0.0
-                    && speed > config.restitution_threshold
-                    && speed * h > gap(point)
-            };
-            // Corners of a face that all but lie at one height hit together, or the face would start to rock.
-            let reach = if manifold.iter().any(|point| hits(point, *h)) {
-                2.0 * h
-            } else {
-                0.0
-            };
-            for point in manifold {
-                point.rebound = 0.0;
-                if hits(point, reach) {
-                    let before = speed(point) - acceleration * h;
-                    let squared = before * before + 2.0 * acceleration * gap(point);
-                    point.rebound = point.restitution * squared.max(0.0).sqrt();
-                    fastest = fastest.max(point.rebound * point.speed_scale);
-                }
-                if config.relax_sweeps == 0 && point.rebound > 0.0 {
-                    point.normal.wanted = point.normal.wanted.max(point.rebound);
+        for (point, blow) in points.iter_mut().zip(blows) {
+            blow.rebound.0[lane] = 0.0;
+            if hits(point, reach) {
+                let before = speed(point) - acceleration * h;
+                let squared = before * before + 2.0 * acceleration * gap(point);
+                let rebound = restitution * squared.max(0.0).sqrt();
+                blow.rebound.0[lane] = rebound;
+                fastest = fastest.max(rebound * block.speed_scale.0[lane]);
+                if config.relax_sweeps == 0 {
+                    point.wanted.0[lane] = point.wanted.0[lane].max(rebound);
                 }
             }
         }
@@ -358,81 +208,106 @@ impl IslandProblem<'_> {
     fn is_hit(&self, settings: &SubstepSettings) -> bool {
         let threshold = settings.config.restitution_threshold;
         self.moving.iter().any(|moving| {
-            let count = self.manifolds[moving.manifold as usize].count as usize;
-            let rows = &self.rows[moving.first as usize..][..count];
-            rows.iter().any(|point| {
-                let [a, b] = point.bodies.map(|b| &self.bodies[b as usize]);
-                let speed = -point.normal.velocity(a, b);
-                speed > threshold.max(-point.normal.wanted)
-            })
+            let (block, lane) = (
+                &self.blocks[moving.place.block as usize],
+                moving.place.lane as usize,
+            );
+            let normal = vector(&block.normal, lane);
+            let pair = moving.bodies.map(|b| &self.bodies[b as usize]);
+            let count = moving.place.count as usize;
+            self.points[block.points.clone()][..count]
+                .iter()
+                .any(|point| {
+                    let speed = -point.normal_velocity(lane, normal, pair);
+                    speed > threshold.max(-point.wanted.0[lane])
+                })
         })
     }
 
-    fn solve_rows(
-        &mut self,
-        settings: &SubstepSettings,
-        tolerance: Option<f32>,
-        effort: &mut Effort,
-    ) {
-        let SubstepSettings { config, h, .. } = settings;
-        if config.method == Method::Exact {
-            self.keep_free_velocities();
-            return self.solve_exactly(config, effort);
+    /// Remembers the impulses as they are.
+    fn save_impulses(&mut self) {
+        for (point, blow) in self.points.iter().zip(self.blows.iter_mut()) {
+            blow.before = point.impulse;
         }
-        let softness = Softness::new(config, *h);
-        pgs::apply_impulses(self.rows, self.bodies);
-        let sweep = |rows: &mut [PointRows], bodies: &mut [SolverBody]| {
-            if config.method == Method::SoftStep {
-                soft_step::sweep(rows, bodies, &softness, config)
-            } else {
-                pgs::sweep(rows, bodies, &pgs::Hard, config.friction_model)
+    }
+
+    /// Takes the impulses back to the remembered ones, without losing what the others add to the total.
+    fn restore_impulses(&mut self) {
+        for (point, blow) in self.points.iter_mut().zip(self.blows.iter()) {
+            let [now, before] = [point.impulse[0].0, blow.before[0].0];
+            for (total, (now, before)) in point.total.0.iter_mut().zip(now.iter().zip(before)) {
+                *total += now - before;
             }
-        };
-        let number = [config.sweeps, config.max_sweeps];
-        self.sweep(number, tolerance, config, sweep, effort);
+            point.impulse = blow.before;
+        }
     }
 
     fn keep_free_velocities(&mut self) {
         self.scratch.free.clear();
-        self.scratch.free.extend_from_slice(self.bodies);
+        self.scratch.free.extend_from_slice(&self.bodies);
     }
 
     /// Solves to rounding from the free velocities. What cannot be certified (there may be no solution with friction) is not
     /// used: sweeps, which never gain energy, have the word then.
     fn solve_exactly(&mut self, config: &SolverConfig, effort: &mut Effort) {
-        let start = &mut self.scratch.start;
-        start.clear();
-        start.extend(self.rows.iter().map(PointRows::impulses));
+        let scratch = &mut self.scratch;
+        scratch.rows.clear();
+        for &(_, place) in &self.places {
+            let (block, lane) = (&self.blocks[place.block as usize], place.lane as usize);
+            let count = place.count as usize;
+            let points = &self.points[block.points.clone()][..count];
+            let rows = points.iter().map(|point| point.rows(lane, block, 0.0));
+            scratch.rows.extend(rows);
+        }
+        scratch.inertia.clear();
+        let inertia = self.solids.iter().map(Solid::inverse_inertia);
+        scratch.inertia.extend(inertia);
         let certificate = exact::solve(
-            self.rows,
-            self.bodies,
-            self.inverse_inertia,
+            &mut scratch.rows,
+            &mut self.bodies,
+            &scratch.inertia,
             config,
-            &mut self.scratch.exact,
+            &mut scratch.exact,
         );
         effort.sweeps += certificate.iterations;
-        if !certificate.converged {
-            self.bodies.copy_from_slice(&self.scratch.free);
-            for (point, start) in self.rows.iter_mut().zip(&self.scratch.start) {
-                point.set_impulses(*start);
+        if certificate.converged {
+            return self.take_impulses_of_rows();
+        }
+        self.bodies.copy_from_slice(&self.scratch.free);
+        let mut contacts = self.contacts();
+        contacts.apply_impulses();
+        for _ in 0..UNCERTIFIED_SWEEPS {
+            contacts.solve(&Softness::HARD, false);
+        }
+        effort.sweeps += UNCERTIFIED_SWEEPS;
+        effort.hit_cap = true;
+    }
+
+    fn take_impulses_of_rows(&mut self) {
+        let mut rows = self.scratch.rows.iter();
+        for &(_, place) in &self.places {
+            let (block, lane) = (&self.blocks[place.block as usize], place.lane as usize);
+            let count = place.count as usize;
+            let points = &mut self.points[block.points.clone()][..count];
+            for (point, rows) in points.iter_mut().zip(&mut rows) {
+                for (lanes, impulse) in point.impulse.iter_mut().zip(rows.impulses()) {
+                    lanes.0[lane] = impulse;
+                }
             }
-            let config = SolverConfig {
-                sweeps: UNCERTIFIED_SWEEPS,
-                ..*config
-            };
-            pgs::solve(self.rows, self.bodies, &config);
-            effort.sweeps += UNCERTIFIED_SWEEPS;
-            effort.hit_cap = true;
         }
     }
 
     /// Solves the rows once more from the free velocities, with what they should have after the motion.
     fn relax_exactly(&mut self, settings: &SubstepSettings, effort: &mut Effort) {
         let mut difference = 0.0_f32;
-        for point in self.rows.iter_mut() {
-            let relaxed = soft_step::relaxed_velocity(point);
-            difference = difference.max((point.normal.wanted - relaxed).abs());
-            point.normal.wanted = relaxed;
+        for (i, point) in self.points.iter_mut().enumerate() {
+            for (lane, wanted) in point.wanted.0.iter_mut().enumerate() {
+                let rebound = self.blows.get(i).map_or(0.0, |blow| blow.rebound.0[lane]);
+                let relaxed =
+                    soft_step::relaxed_velocity(rebound, point.impulse[0].0[lane], *wanted);
+                difference = difference.max((*wanted - relaxed).abs());
+                *wanted = relaxed;
+            }
         }
         if difference > NEGLIGIBLE_SPEED {
             self.bodies.copy_from_slice(&self.scratch.free);
@@ -440,7 +315,7 @@ impl IslandProblem<'_> {
         }
     }
 
-    fn move_bodies(&mut self, settings: &SubstepSettings) {
+    fn move_bodies(&mut self, settings: &SubstepSettings, manifolds: &[Manifold]) {
         let h = settings.h;
         for (q, v) in self.displacements.iter_mut().zip(self.bodies.iter()) {
             q.linear += h * v.linear;
@@ -449,20 +324,20 @@ impl IslandProblem<'_> {
         if self.has_restitution {
             self.correct_flight(settings);
         }
-        self.keep_in_front();
+        self.keep_in_front(manifolds);
     }
 
     /// Stops the centre of a fast body in front of the face that it was in front of.
     ///
     /// The rows hold the points that were nearest at the start of the step. A thin body that hits with one corner turns at
     /// thousands of radians per second, and no frozen row sees the rest of it come round.
-    fn keep_in_front(&mut self) {
-        for moving in self.moving {
+    fn keep_in_front(&mut self, manifolds: &[Manifold]) {
+        for moving in &self.moving {
             let Some(clearance) = moving.clearance else {
                 continue;
             };
-            let manifold = &self.manifolds[moving.manifold as usize];
-            let pair = self.rows[moving.first as usize].bodies;
+            let manifold = &manifolds[moving.manifold as usize];
+            let pair = moving.bodies;
             let [a, b] = pair.map(|body| self.displacements[body as usize].linear);
             let away = [-manifold.normal, manifold.normal][moving.carrier];
             let height = |point: &ContactPoint| {
@@ -486,9 +361,13 @@ impl IslandProblem<'_> {
         let is_pushed = &mut self.scratch.is_pushed;
         is_pushed.clear();
         is_pushed.resize(self.bodies.len(), false);
-        for point in self.rows.iter().filter(|p| p.normal.impulse > 0.0) {
-            for body in point.bodies {
-                is_pushed[body as usize] = true;
+        for block in self.blocks.iter() {
+            for point in &self.points[block.points.clone()] {
+                for lane in (0..block.used).filter(|&lane| point.impulse[0].0[lane] > 0.0) {
+                    for body in block.pair(lane) {
+                        is_pushed[body as usize] = true;
+                    }
+                }
             }
         }
         let fall = 0.5 * settings.h * settings.h * settings.gravity;
@@ -508,30 +387,77 @@ impl IslandProblem<'_> {
         if config.method == Method::Exact {
             return self.relax_exactly(settings, effort);
         }
-        let sweep = |rows: &mut [PointRows], bodies: &mut [SolverBody]| {
-            soft_step::relax(rows, bodies, config)
-        };
-        let number = [config.relax_sweeps, config.max_sweeps];
-        self.sweep(number, tolerance, config, sweep, effort);
+        self.sweep(
+            config.relax_sweeps,
+            SweepKind::Relax,
+            config,
+            tolerance,
+            effort,
+        );
     }
 
-    /// Solves the rows by sweeps; see [`Effort::sweep`].
+    /// Sweeps `least` times, then with [`momentum`](super::momentum) until a sweep changes no velocity by more than
+    /// `tolerance`, but not more often than the configuration allows, nor than is left for the step.
     fn sweep(
         &mut self,
-        number: [u32; 2],
-        tolerance: Option<f32>,
+        least: u32,
+        kind: SweepKind,
         config: &SolverConfig,
-        sweep: impl FnMut(&mut [PointRows], &mut [SolverBody]) -> f32,
+        tolerance: Option<f32>,
         effort: &mut Effort,
     ) {
-        let mut contacts = PointContacts {
-            rows: self.rows,
-            bodies: self.bodies,
-            friction_model: config.friction_model,
-            sweep,
+        let most = config.max_sweeps.min(least + effort.share());
+        let (mut change, mut done) = (0.0, 0);
+        self.scratch.pace.restart();
+        while done < least || tolerance.is_some_and(|t| change > t) && done < most {
+            let is_extra = done >= least;
+            if is_extra {
+                self.go_on(config);
+            }
+            done += 1;
+            let measure = tolerance.is_some() && done >= least;
+            let mut contacts = self.contacts();
+            change = match kind {
+                SweepKind::Solve(softness) => contacts.solve(&softness, measure),
+                SweepKind::Relax => contacts.relax(measure),
+            };
+            if is_extra {
+                self.scratch.pace.note(change);
+            }
+        }
+        effort.note(done, done - least, tolerance.is_some_and(|t| change > t));
+    }
+
+    /// Moves impulses and velocities on in the direction of their last change, or remembers them for the next time.
+    fn go_on(&mut self, config: &SolverConfig) {
+        let BatchScratch {
+            pace,
+            last_impulses,
+            last_bodies,
+            ..
+        } = &mut self.scratch;
+        let Some(weight) = pace.weight() else {
+            last_impulses.clear();
+            last_impulses.extend(self.points.iter().map(|point| point.impulse));
+            last_bodies.clear();
+            last_bodies.extend_from_slice(&self.bodies);
+            return;
         };
-        let momentum = &mut self.scratch.momentum;
-        effort.sweep(number, tolerance, &mut contacts, momentum);
+        for (body, last) in self.bodies.iter_mut().zip(last_bodies) {
+            let now = *body;
+            body.linear = now.linear + weight * (now.linear - last.linear);
+            body.angular = now.angular + weight * (now.angular - last.angular);
+            *last = now;
+        }
+        let mut contacts = Contacts {
+            blocks: &self.blocks,
+            points: &mut self.points,
+            blows: &self.blows,
+            bodies: &mut self.bodies,
+            friction: config.friction_model,
+            width: config.lane_width,
+        };
+        contacts.extrapolate(last_impulses, weight);
     }
 
     /// Turns the bodies that spin, and their inertia with them.
@@ -541,7 +467,7 @@ impl IslandProblem<'_> {
             let omega = &mut self.bodies[i].angular;
             *omega = turning.spin.advance(*omega, h);
             let r = Mat3::from_quat(turning.spin.rotation);
-            self.inverse_inertia[i] = r * turning.inverse_inertia * r.transpose();
+            self.solids[i].set_inverse_inertia(&(r * turning.inverse_inertia * r.transpose()));
         }
     }
 
@@ -552,35 +478,40 @@ impl IslandProblem<'_> {
     ///
     /// Manifolds of bodies that turn faster than `most` (rad/s) are left as they are: impulses that have acted along the old
     /// rows could not be taken back along the new ones.
-    fn follow_motion(&mut self, most: f32) {
-        for moving in self.moving {
-            let manifold = &self.manifolds[moving.manifold as usize];
-            let first = moving.first as usize;
-            let pair = self.rows[first].bodies;
-            let [i, j] = pair.map(|b| b as usize);
-            if self.bodies[i].angular.length() > most || self.bodies[j].angular.length() > most {
-                continue;
+    fn follow_motion(&mut self, most: f32, manifolds: &[Manifold]) {
+        if self.moving.is_empty() {
+            return;
+        }
+        for i in 0..self.moving.len() {
+            let moving = self.moving[i];
+            let is_slow = |body: u32| self.bodies[body as usize].angular.length() <= most;
+            if moving.bodies.into_iter().all(is_slow) {
+                self.follow_manifold(&moving, manifolds);
             }
-            let turns = [0, 1].map(|side| self.turn_of(pair[side], moving.turning[side]));
-            let sides = [i, j].map(|k| Side {
-                inverse_mass: self.bodies[k].inverse_mass,
-                inverse_inertia: self.inverse_inertia[k],
-            });
-            let q = [&self.displacements[i], &self.displacements[j]];
-            let rows = &mut self.rows[first..first + manifold.count as usize];
-            for (row, point) in rows.iter_mut().zip(manifold.points()) {
-                let mut anchors = [turns[0] * point.anchor_a, turns[1] * point.anchor_b];
-                let between = (q[1].linear - q[0].linear) + (anchors[1] - point.anchor_b)
-                    - (anchors[0] - point.anchor_a);
-                if moving.carrier == 0 {
-                    anchors[1] -= between;
-                } else {
-                    anchors[0] += between;
-                }
-                row.set_geometry(manifold.normal, anchors, sides);
-                let gap = point.separation + manifold.normal.dot(between);
-                row.separation = gap - row.normal.velocity(q[0], q[1]);
+        }
+        let width = self.settings.config.lane_width;
+        derive(&mut self.blocks, &mut self.points, &self.solids, width);
+    }
+
+    fn follow_manifold(&mut self, moving: &MovingManifold, manifolds: &[Manifold]) {
+        let manifold = &manifolds[moving.manifold as usize];
+        let (pair, lane) = (moving.bodies, moving.place.lane as usize);
+        let turns = [0, 1].map(|side| self.turn_of(pair[side], moving.turning[side]));
+        let [i, j] = pair.map(|b| b as usize);
+        let q = [&self.displacements[i], &self.displacements[j]];
+        let block = &self.blocks[moving.place.block as usize];
+        let points = &mut self.points[block.points.clone()];
+        for (to, point) in points.iter_mut().zip(manifold.points()) {
+            let mut anchors = [turns[0] * point.anchor_a, turns[1] * point.anchor_b];
+            let between = (q[1].linear - q[0].linear) + (anchors[1] - point.anchor_b)
+                - (anchors[0] - point.anchor_a);
+            if moving.carrier == 0 {
+                anchors[1] -= between;
+            } else {
+                anchors[0] += between;
             }
+            let gap = point.separation + manifold.normal.dot(between);
+            to.follow(lane, manifold.normal, anchors, gap, q);
         }
     }
 
@@ -595,23 +526,23 @@ impl IslandProblem<'_> {
         };
         Mat3::from_quat(turn)
     }
-}
 
-/// The tolerance of a sub-step, m/s: the user's or, where bodies move, a share of the speed of the fastest; or that of its
-/// rebounds, the fastest of which has the speed `rebound`.
-fn tolerance(
-    config: &SolverConfig,
-    rows: &[PointRows],
-    bodies: &[SolverBody],
-    rebound: f32,
-) -> Option<f32> {
-    let squares = bodies.iter().map(|body| body.linear.length_squared());
-    let scales = rows.iter().map(|point| point.speed_scale);
-    let fastest = squares.fold(0.0, f32::max).sqrt() * scales.fold(f32::INFINITY, f32::min);
-    let asked = config.tolerance.map(|t| t.max(MOVING_TOLERANCE * fastest));
-    let of_rebounds = (rebound > 0.0).then_some(REBOUND_TOLERANCE * rebound);
-    match (asked, of_rebounds) {
-        (Some(a), Some(b)) => Some(a.min(b)),
-        (a, b) => a.or(b),
+    /// The tolerance of a sub-step, m/s: the user's or, where bodies move, a share of the speed of the fastest, whichever
+    /// island is the strictest; or that of rebounds, the fastest of which has the speed `rebound`.
+    fn tolerance(&self, config: &SolverConfig, rebound: f32) -> Option<f32> {
+        let asked = config.tolerance.map(|tolerance| {
+            let of_members = self.members.iter().map(|member| {
+                let bodies = &self.bodies[member.bodies.clone()];
+                let squares = bodies.iter().map(|body| body.linear.length_squared());
+                let fastest = (squares.fold(0.0, f32::max) / member.extent).sqrt();
+                tolerance.max(MOVING_TOLERANCE * fastest)
+            });
+            of_members.fold(f32::INFINITY, f32::min)
+        });
+        let of_rebounds = (rebound > 0.0).then_some(REBOUND_TOLERANCE * rebound);
+        match (asked, of_rebounds) {
+            (Some(a), Some(b)) => Some(a.min(b)),
+            (a, b) => a.or(b),
+        }
     }
 }

@@ -1,0 +1,69 @@
+//! The settings of bevy_cleave that are compared: add cheap and precise ones here.
+
+use crate::engine::Setting;
+use bevy_cleave::prelude::*;
+
+/// A configuration with a name.
+pub(super) struct Named {
+    name: &'static str,
+    pub(super) config: SolverConfig,
+    /// Scenes with more dynamic bodies are not run with it.
+    max_bodies: usize,
+}
+
+/// Name of the configuration with nothing changed.
+pub(super) const DEFAULT: &str = "default";
+
+/// All of them. Names are without spaces and commas and stay what they are: tables are compared by them.
+pub(super) fn all() -> Vec<Named> {
+    vec![
+        named("soft-1", fixed(1)),
+        named("soft-2", fixed(2)),
+        named("soft-3", fixed(3)),
+        named("soft-4", fixed(4)),
+        named("soft-6", fixed(6)),
+        named("soft-8", fixed(8)),
+        named("soft-12", fixed(12)),
+        named("soft-16", fixed(16)),
+        named(DEFAULT, SolverConfig::default()),
+        named("paper", SolverConfig::paper()),
+        Named {
+            // Its time grows with the cube of the number of contacts.
+            max_bodies: 60,
+            ..named("exact", SolverConfig::exact())
+        },
+    ]
+}
+
+fn named(name: &'static str, config: SolverConfig) -> Named {
+    Named {
+        name,
+        config,
+        max_bodies: usize::MAX,
+    }
+}
+
+/// Soft steps in a fixed number of sub-steps of one sweep before and one after the bodies move: no adaptive effort.
+fn fixed(substeps: u32) -> SolverConfig {
+    SolverConfig {
+        substeps,
+        max_substeps: substeps,
+        tolerance: None,
+        ..SolverConfig::default()
+    }
+}
+
+/// The list as the arena wants it; a value is an index into [`all`].
+pub(super) fn settings() -> Vec<Setting> {
+    let setting = |(value, named): (u32, Named)| Setting {
+        name: named.name.into(),
+        value,
+        max_bodies: named.max_bodies,
+    };
+    (0..).zip(all()).map(setting).collect()
+}
+
+/// The configuration that a setting stands for.
+pub(super) fn config(value: u32) -> SolverConfig {
+    all()[value as usize].config
+}

@@ -1,0 +1,14 @@
+//! The adapters.
+
+#[cfg(feature = "avian")]
+pub(crate) mod avian;
+#[cfg(feature = "box3d")]
+pub(crate) mod box3d;
+pub(crate) mod cleave;
+pub(crate) mod cleave_plugin;
+pub(crate) mod cleave_settings;
+mod headless;
+#[cfg(feature = "jolt")]
+pub(crate) mod jolt;
+#[cfg(feature = "rapier")]
+pub(crate) mod rapier;

@@ -1,0 +1,39 @@
+//! Lists of scenes to run together.
+
+/// A minute or two with the default settings.
+pub(crate) const QUICK: &[&str] = &["stick", "tower:10", "pyramid:30", "pile:500"];
+
+/// All that the report is made of.
+pub(crate) const FULL: &[&str] = &[
+    "pyramid:30",
+    "pyramid:50",
+    "pyramids:10",
+    "pile:500",
+    "pile:2000",
+    "tower:10",
+    "tower:20",
+    "tower:40",
+    "massratio:10",
+    "massratio:100",
+    "massratio:1000",
+    "arch",
+    "cards",
+    "dominoes",
+    "stick",
+    "slide",
+    "spin",
+    "collide",
+    "bounce",
+    "fall",
+    "bullet",
+    "bullet_ccd",
+];
+
+/// The suite with that name.
+pub(crate) fn named(name: &str) -> Option<&'static [&'static str]> {
+    match name {
+        "quick" => Some(QUICK),
+        "full" => Some(FULL),
+        _ => None,
+    }
+}

@@ -1,0 +1,365 @@
+//! Islands that are solved together: their bodies, blocks of contacts and buffers, in one piece of memory each.
+//!
+//! A batch shares nothing that is written with any other, so batches are loaded and solved side by side. Large islands and
+//! those in which bodies may hit each other have a batch of their own; calm small ones share one, which fills its lanes.
+
+use super::Method;
+use super::blocks::{Block, Blow, Place, Point, Solid, Source, derive, fill};
+use super::bodies::{Bodies, SolverBody};
+use super::demand::{Demand, Effort, SubstepSettings, Travel};
+use super::exact::ExactScratch;
+use super::islands::{Island, Islands};
+use super::lanes::F8;
+use super::momentum::Pace;
+use super::rows::{PointRows, Side};
+use super::schedule::Schedule;
+use super::spin::Spin;
+use crate::contact::manifold::Manifold;
+use glam::{Mat3, Quat};
+use std::ops::Range;
+
+/// A body that turns, and its number within the batch.
+#[derive(Clone, Copy, Debug)]
+pub struct TurningBody {
+    /// Number within the batch.
+    pub body: u32,
+    /// `world_from_body` at the start of the step.
+    pub start: Quat,
+    /// Its rotation.
+    pub spin: Spin,
+    /// Inverse inertia tensor, body's axes, 1/(kg m2).
+    pub inverse_inertia: Mat3,
+}
+
+/// A manifold whose rows must follow the motion of its bodies.
+#[derive(Clone, Copy, Debug)]
+pub struct MovingManifold {
+    /// Index of the manifold.
+    pub manifold: u32,
+    /// Where it is.
+    pub place: Place,
+    /// Numbers of its bodies within the batch.
+    pub bodies: [u32; 2],
+    /// Places of its two bodies among those of the batch that turn, if they do.
+    pub turning: [Option<u32>; 2],
+    /// Which of the two bodies the contact points move with: 0 for A, 1 for B.
+    pub carrier: usize,
+    /// If the two may pass through each other in the step: half the least extent of the carrier, m.
+    pub clearance: Option<f32>,
+}
+
+/// An island of a batch.
+#[derive(Clone, Debug)]
+pub struct Member {
+    /// Its bodies within the batch.
+    pub bodies: Range<usize>,
+    /// The largest extent that a contact of its is measured by: the lesser of the least extents of two bodies, m.
+    pub extent: f32,
+}
+
+/// Islands with all that their sub-steps read and write; buffers are reused from step to step.
+#[derive(Debug, Default)]
+pub struct Batch {
+    /// Its part of the list of islands.
+    pub islands: Range<usize>,
+    /// Its islands.
+    pub members: Vec<Member>,
+    /// Its manifolds in the order of the islands: index and place.
+    pub places: Vec<(u32, Place)>,
+    /// Blocks of its manifolds.
+    pub blocks: Vec<Block>,
+    /// Points of its blocks.
+    pub points: Vec<Point>,
+    /// Blows of its points; none if nothing can hit.
+    pub blows: Vec<Blow>,
+    /// Slots of its bodies.
+    pub slots: Vec<u32>,
+    /// Velocities of its bodies, and of one that nothing happens to, for the lanes that are not used.
+    pub bodies: Vec<SolverBody>,
+    /// Displacements of its bodies since the start of the step: centre (m) and rotation vector (rad).
+    pub displacements: Vec<SolverBody>,
+    /// Masses and inertias of its bodies.
+    pub solids: Vec<Solid>,
+    /// Those of its bodies that turn.
+    pub turning: Vec<TurningBody>,
+    /// Those of its manifolds whose rows follow the motion.
+    pub moving: Vec<MovingManifold>,
+    /// Whether any of its points rebounds.
+    pub has_restitution: bool,
+    /// How it is solved.
+    pub settings: SubstepSettings,
+    /// What it took.
+    pub effort: Effort,
+    pub(super) scratch: BatchScratch,
+    schedule: Schedule,
+    /// By number within the island being loaded: place among the bodies that turn.
+    turning_place: Vec<Option<u32>>,
+}
+
+/// Buffers of the sub-steps.
+#[derive(Debug, Default)]
+pub(super) struct BatchScratch {
+    pub(super) exact: ExactScratch,
+    pub(super) pace: Pace<f32>,
+    /// Impulses and velocities of the sweep before.
+    pub(super) last_impulses: Vec<[F8; 3]>,
+    pub(super) last_bodies: Vec<SolverBody>,
+    /// By body: whether a contact pushes it.
+    pub(super) is_pushed: Vec<bool>,
+    /// Points of a batch as rows, for the exact method.
+    pub(super) rows: Vec<PointRows>,
+    /// Inverse inertia tensors of a batch, for the exact method.
+    pub(super) inertia: Vec<Mat3>,
+    /// Velocities without contact impulses.
+    pub(super) free: Vec<SolverBody>,
+}
+
+impl Batch {
+    /// Takes over the bodies and contacts of `islands`, which ask for the same.
+    pub fn load(
+        &mut self,
+        islands: &Islands,
+        range: Range<usize>,
+        demand: &Demand,
+        manifolds: &[Manifold],
+        bodies: &Bodies,
+        settings: &SubstepSettings,
+    ) {
+        self.clear();
+        self.settings = settings.for_demand(demand);
+        self.islands = range.clone();
+        for island in &islands.list[range.clone()] {
+            self.load_bodies(&islands.slots[island.bodies.clone()], bodies);
+        }
+        self.add_idle_body();
+        for (member, island) in islands.list[range.clone()].iter().enumerate() {
+            self.place_manifolds(member, island, islands, manifolds);
+        }
+        self.make_blocks();
+        let mut first = 0;
+        for (member, island) in islands.list[range.clone()].iter().enumerate() {
+            let pairs = &islands.pairs[island.manifolds.clone()];
+            self.fill_lanes(member, first, pairs);
+            self.load_turning(member, bodies);
+            if demand.can_hit {
+                self.load_moving(first..first + pairs.len(), member, manifolds, bodies);
+            }
+            first += pairs.len();
+        }
+        self.fill_blocks(manifolds);
+        if demand.can_hit || self.settings.config.method == Method::Exact {
+            self.blows.resize(self.points.len(), Blow::default());
+        }
+        let most_points = islands.list[range].iter().map(|i| i.points.len()).max();
+        self.effort = Effort::new(&self.settings.config, most_points.unwrap_or(0));
+    }
+
+    fn fill_blocks(&mut self, manifolds: &[Manifold]) {
+        let config = &self.settings.config;
+        let source = Source {
+            manifolds,
+            solids: &self.solids,
+            share: 1.0 / config.substeps as f32,
+            slop: config.slop,
+        };
+        fill(
+            &mut self.blocks,
+            &mut self.points,
+            source,
+            config.lane_width,
+        );
+        derive(
+            &mut self.blocks,
+            &mut self.points,
+            &self.solids,
+            config.lane_width,
+        );
+        let restitution = self.blocks.iter().flat_map(|block| block.restitution.0);
+        self.has_restitution = restitution.fold(0.0, f32::max) > 0.0;
+    }
+
+    fn clear(&mut self) {
+        self.members.clear();
+        self.places.clear();
+        self.blows.clear();
+        self.slots.clear();
+        self.bodies.clear();
+        self.displacements.clear();
+        self.solids.clear();
+        self.turning.clear();
+        self.moving.clear();
+    }
+
+    /// Copies the bodies of an island.
+    fn load_bodies(&mut self, slots: &[u32], bodies: &Bodies) {
+        let first = self.slots.len();
+        self.slots.extend_from_slice(slots);
+        let slots = || slots.iter().map(|&slot| slot as usize);
+        self.bodies.extend(slots().map(|i| bodies.velocity[i]));
+        self.solids.extend(slots().map(|i| {
+            let inverse_mass = bodies.velocity[i].inverse_mass;
+            Solid::new(
+                inverse_mass,
+                &bodies.inverse_inertia[i],
+                bodies.least_extent[i],
+            )
+        }));
+        self.members.push(Member {
+            bodies: first..self.slots.len(),
+            extent: 0.0,
+        });
+    }
+
+    fn add_idle_body(&mut self) {
+        self.bodies.push(SolverBody::default());
+        self.solids.push(Solid::new(0.0, &Mat3::ZERO, 1.0));
+        let count = self.bodies.len();
+        self.displacements.resize(count, SolverBody::default());
+        self.schedule.begin(count);
+    }
+
+    /// Gives each manifold of an island a lane.
+    fn place_manifolds(
+        &mut self,
+        member: usize,
+        island: &Island,
+        islands: &Islands,
+        manifolds: &[Manifold],
+    ) {
+        let offset = self.members[member].bodies.start as u32;
+        for at in island.manifolds.clone() {
+            let movable = islands.pairs[at].map(|number| {
+                let number = number + offset;
+                let body = &self.bodies[number as usize];
+                (body.inverse_mass > 0.0).then_some(number)
+            });
+            let index = islands.manifolds[at];
+            let count = manifolds[index as usize].count;
+            self.places
+                .push((index, self.schedule.place(movable, count)));
+        }
+    }
+
+    /// Makes blocks with empty lanes. What they hold from another step is overwritten when they are filled.
+    fn make_blocks(&mut self) {
+        let idle = self.slots.len() as u32;
+        self.blocks
+            .resize_with(self.schedule.points_of_blocks().len(), Block::default);
+        let mut points = 0;
+        for (block, count) in self.blocks.iter_mut().zip(self.schedule.points_of_blocks()) {
+            block.clear(idle, points..points + count);
+            points += count;
+        }
+        self.points.resize(points, Point::default());
+    }
+
+    /// Names the bodies and manifolds of the lanes of an island. `first`: place of its first manifold.
+    fn fill_lanes(&mut self, member: usize, first: usize, pairs: &[[u32; 2]]) {
+        let member = &mut self.members[member];
+        let offset = member.bodies.start as u32;
+        for (pair, &(index, place)) in pairs.iter().zip(&self.places[first..]) {
+            let pair = pair.map(|number| number + offset);
+            let block = &mut self.blocks[place.block as usize];
+            block.put(place.lane as usize, index, pair);
+            let [a, b] = pair.map(|number| self.solids[number as usize].extent());
+            member.extent = member.extent.max(a.min(b));
+        }
+    }
+
+    /// Lists the manifolds of an island whose rows follow the motion.
+    fn load_moving(
+        &mut self,
+        places: Range<usize>,
+        member: usize,
+        manifolds: &[Manifold],
+        bodies: &Bodies,
+    ) {
+        let first_body = self.members[member].bodies.start;
+        for &(index, place) in &self.places[places] {
+            let manifold = &manifolds[index as usize];
+            let slots = [manifold.a as usize, manifold.b as usize];
+            let extents = slots.map(|i| bodies.least_extent[i]);
+            let velocities = slots.map(|i| &bodies.velocity[i]);
+            let motion = Travel::of(velocities, extents, self.settings.step());
+            if !motion.is_noticeable {
+                continue;
+            }
+            let pair = self.blocks[place.block as usize].pair(place.lane as usize);
+            let carrier = carrier(slots, bodies);
+            self.moving.push(MovingManifold {
+                manifold: index,
+                place,
+                bodies: pair,
+                turning: pair.map(|body| self.turning_place[body as usize - first_body]),
+                carrier,
+                clearance: motion.is_fast.then_some(0.5 * extents[carrier]),
+            });
+        }
+    }
+
+    /// Lists the bodies of an island that turn.
+    fn load_turning(&mut self, member: usize, bodies: &Bodies) {
+        self.turning_place.clear();
+        for number in self.members[member].bodies.clone() {
+            let slot = self.slots[number];
+            let spin = bodies.spin(slot, self.settings.step());
+            self.turning_place
+                .push(spin.map(|_| self.turning.len() as u32));
+            if let Some(spin) = spin {
+                self.turning.push(TurningBody {
+                    body: number as u32,
+                    start: spin.rotation,
+                    spin,
+                    inverse_inertia: bodies.mass(slot).inverse_inertia(),
+                });
+            }
+        }
+    }
+
+    /// Adds the rows of an island's points to `rows`, in the order of its manifolds, with numbers of bodies within the island.
+    /// `places`: those of the island.
+    pub fn collect_rows(&self, places: Range<usize>, first_body: u32, rows: &mut Vec<PointRows>) {
+        for &(_, place) in &self.places[places] {
+            let (block, lane) = (&self.blocks[place.block as usize], place.lane as usize);
+            for i in block.points.clone().take(place.count as usize) {
+                let rebound = self.blows.get(i).map_or(0.0, |blow| blow.rebound.0[lane]);
+                let mut point = self.points[i].rows(lane, block, rebound);
+                point.bodies = point.bodies.map(|body| body - first_body);
+                rows.push(point);
+            }
+        }
+    }
+
+    /// Writes the impulses into the contact points.
+    pub fn store_impulses(&self, manifolds: &mut [Manifold]) {
+        let substeps = self.settings.config.substeps;
+        for &(index, place) in &self.places {
+            let block = &self.blocks[place.block as usize];
+            let to = manifolds[index as usize].points_mut();
+            for (to, point) in to.iter_mut().zip(&self.points[block.points.clone()]) {
+                point.store(place.lane as usize, block, to, substeps);
+            }
+        }
+    }
+}
+
+/// What rows need to know of the body in a slot.
+pub(super) fn side(bodies: &Bodies, slot: usize) -> Side {
+    Side {
+        inverse_mass: bodies.velocity[slot].inverse_mass,
+        inverse_inertia: bodies.inverse_inertia[slot],
+    }
+}
+
+/// Which of two bodies carries their contact points: the smaller one, whose corners they mostly are, if it can move.
+fn carrier(slots: [usize; 2], bodies: &Bodies) -> usize {
+    let size = slots.map(|i| {
+        let is_movable = bodies.velocity[i].inverse_mass > 0.0;
+        if is_movable {
+            bodies.radius(i as u32)
+        } else {
+            f32::INFINITY
+        }
+    });
+    usize::from(size[1] <= size[0])
+}

@@ -1,0 +1,196 @@
+//! What islands ask of the sub-steps: how many, how many sweeps, and whether they must look out for blows.
+
+use super::bodies::SolverBody;
+use super::soft_step::Softness;
+use super::sweep::Feedback;
+use super::{Method, SolverConfig};
+use glam::Vec3;
+
+/// Turn within a step (rad) from which the rows of a body's contacts follow it.
+const TURN: f32 = 0.01;
+
+/// Travel of two bodies against each other within a step, as a share of the smaller one's least extent, from which the
+/// rows of their contact follow it.
+const TRAVEL: f32 = 0.02;
+
+/// Most sweeps where bodies may pass through each other: no later sub-step makes up for what is left.
+const FAST_SWEEPS: u32 = 256;
+
+/// What an island asks of its sub-steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Demand {
+    /// Largest velocity that a contact gave its effective mass in the last step, over the smaller body's least extent, 1/s.
+    pub load: f32,
+    /// Whether two bodies are so fast that they may pass through each other in the step.
+    pub is_fast: bool,
+    /// Whether bodies may hit each other: some move, or rebound.
+    pub can_hit: bool,
+    /// Sub-steps that follow from all that.
+    pub substeps: u32,
+}
+
+impl Demand {
+    /// Whether islands with the two demands can be solved together.
+    pub fn is_solved_like(&self, other: &Self) -> bool {
+        self.substeps == other.substeps
+            && self.is_fast == other.is_fast
+            && self.can_hit == other.can_hit
+    }
+}
+
+/// What the sub-steps are told.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SubstepSettings {
+    /// How to solve.
+    pub config: SolverConfig,
+    /// Acceleration of dynamic bodies, m/s2.
+    pub gravity: Vec3,
+    /// Length of a sub-step, s.
+    pub h: f32,
+}
+
+impl SubstepSettings {
+    /// The sub-steps of a step of `step` seconds.
+    pub fn new(config: SolverConfig, gravity: Vec3, step: f32) -> Self {
+        Self {
+            config,
+            gravity,
+            h: step / config.substeps as f32,
+        }
+    }
+
+    /// The same step in as many parts as an island asks for.
+    ///
+    /// A soft contact under a load that gives its effective mass the acceleration `a` gives way by `s = a h^2 / (h omega)^2`,
+    /// which is to stay below the share [`SolverConfig::sag`] of an extent. Bodies that are fast enough to pass through each
+    /// other get the step as one: the contact points found at its start are good for one impact, after which the bodies may turn
+    /// about another.
+    pub fn for_demand(&self, demand: &Demand) -> Self {
+        let config = &self.config;
+        if config.method != Method::SoftStep {
+            return *self;
+        }
+        let (step, substeps) = (self.step(), self.substeps_for(demand));
+        let max_sweeps = if demand.is_fast {
+            config.max_sweeps.max(FAST_SWEEPS)
+        } else {
+            config.max_sweeps
+        };
+        let config = SolverConfig {
+            substeps,
+            max_sweeps,
+            ..*config
+        };
+        Self::new(config, self.gravity, step)
+    }
+
+    /// Number of parts that [`for_demand`](Self::for_demand) makes.
+    pub fn substeps_for(&self, demand: &Demand) -> u32 {
+        let config = &self.config;
+        if config.method != Method::SoftStep {
+            return config.substeps;
+        }
+        if demand.is_fast {
+            return 1;
+        }
+        let step = self.step();
+        let per_radian = step / (std::f32::consts::TAU * config.contact_frequency);
+        let parts = per_radian * (demand.load / (step * config.sag)).sqrt();
+        // A number that is not finite becomes one end of the range.
+        (parts.ceil() as u32).clamp(config.substeps, config.max_substeps.max(config.substeps))
+    }
+
+    /// Whether the number of parts depends on the load.
+    pub fn depends_on_load(&self) -> bool {
+        let config = &self.config;
+        config.method == Method::SoftStep && config.max_substeps > config.substeps
+    }
+
+    /// Compliance of the rows.
+    pub fn softness(&self) -> Softness {
+        match self.config.method {
+            Method::SoftStep => Softness::new(&self.config, self.h),
+            Method::Pgs | Method::Exact => Softness::HARD,
+        }
+    }
+
+    /// How overlap is pushed out.
+    pub fn feedback(&self) -> Feedback {
+        let rate = match self.config.method {
+            Method::SoftStep => self.softness().rate,
+            Method::Pgs | Method::Exact => self.config.baumgarte / self.h,
+        };
+        Feedback {
+            h: self.h,
+            rate,
+            most: self.config.push_out_speed,
+        }
+    }
+
+    /// Length of the step, s.
+    pub fn step(&self) -> f32 {
+        self.h * self.config.substeps as f32
+    }
+}
+
+/// What a batch took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Effort {
+    /// Sweeps of all sub-steps together.
+    pub sweeps: u32,
+    /// Whether a sub-step ended above the tolerance.
+    pub hit_cap: bool,
+    /// Sweeps beyond the least numbers that are left for this step, and for this sub-step: evenly, for sub-steps that are
+    /// more precise than the next ones shake a stack.
+    spare: u32,
+    share: u32,
+}
+
+impl Effort {
+    /// For a batch whose largest island has the given number of points.
+    pub fn new(config: &SolverConfig, points: usize) -> Self {
+        Self {
+            spare: config.spare_updates / (points as u32).max(1),
+            ..Self::default()
+        }
+    }
+
+    /// Begins a sub-step, with `to_go` of them left.
+    pub fn begin(&mut self, to_go: u32) {
+        self.share = self.spare / to_go;
+    }
+
+    /// Most sweeps beyond the least number that this sub-step may still have.
+    pub fn share(&self) -> u32 {
+        self.share
+    }
+
+    /// Takes note of sweeps, `extra` of them beyond the least number, and whether they ended above the tolerance.
+    pub fn note(&mut self, sweeps: u32, extra: u32, hit_cap: bool) {
+        self.sweeps += sweeps;
+        self.share -= extra;
+        self.spare -= extra;
+        self.hit_cap |= hit_cap;
+    }
+}
+
+/// How two bodies move against each other in a step.
+#[derive(Clone, Copy, Debug)]
+pub struct Travel {
+    /// So far that the rows between them must follow.
+    pub is_noticeable: bool,
+    /// Farther than both are thick: they may pass through each other.
+    pub is_fast: bool,
+}
+
+impl Travel {
+    /// `extents`: least extents of the bodies, m; `step`, s.
+    pub fn of([a, b]: [&SolverBody; 2], extents: [f32; 2], step: f32) -> Self {
+        let turn = step * a.angular.length().max(b.angular.length());
+        let way = step * (b.linear - a.linear).length();
+        Self {
+            is_noticeable: turn > TURN || way > TRAVEL * extents[0].min(extents[1]),
+            is_fast: way > extents[0] + extents[1],
+        }
+    }
+}

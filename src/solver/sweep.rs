@@ -1,0 +1,583 @@
+//! The inner loops: targets, warm start, and sweeps over blocks of eight manifolds.
+//!
+//! Projected Gauss-Seidel on velocities, as [`pgs`](super::pgs) states it row by row: a point gets the impulses that make
+//! its own velocity right while all others rest, clipped to their bounds.
+
+use super::FrictionModel;
+use super::blocks::{Block, Blow, Point, V3, load_six, symmetric};
+use super::bodies::SolverBody;
+use super::lanes::{F8, Kernel, LaneWidth, Lanes, run};
+use super::soft_step::Softness;
+
+/// What all loops run over.
+#[derive(Debug)]
+pub struct Contacts<'a> {
+    /// Blocks of manifolds; their points are `points` from `first_point` on.
+    pub blocks: &'a [Block],
+    /// Points of the blocks.
+    pub points: &'a mut [Point],
+    /// Blows of the points; empty where nothing hits.
+    pub blows: &'a [Blow],
+    /// Velocities that the numbers in the blocks refer to.
+    pub bodies: &'a mut [SolverBody],
+    /// Shape of the friction bound.
+    pub friction: FrictionModel,
+    /// Lanes of a register.
+    pub width: LaneWidth,
+}
+
+/// How position feedback is computed; see [`soft_step`](super::soft_step).
+#[derive(Clone, Copy, Debug)]
+pub struct Feedback {
+    /// Length of the sub-step, s.
+    pub h: f32,
+    /// Share of the overlap that is pushed out per second, 1/s.
+    pub rate: f32,
+    /// Fastest speed at which that happens, m/s.
+    pub most: f32,
+}
+
+impl Contacts<'_> {
+    /// Sets the wanted velocities from the displacements of the bodies since the start of the step. Of a sub-step that is not
+    /// the `first`, the impulses of the one before are added to the total.
+    pub fn set_targets(&mut self, displacements: &[SolverBody], feedback: &Feedback, first: bool) {
+        let kernel = Prepare::<true, false> {
+            contacts: self,
+            displacements,
+            feedback,
+            first,
+        };
+        run(kernel.contacts.width, kernel);
+    }
+
+    /// Adds `M^-1 J^T lambda` of the impulses found in the points to the velocities: the warm start.
+    pub fn apply_impulses(&mut self) {
+        let kernel = Prepare::<false, true> {
+            contacts: self,
+            displacements: &[],
+            feedback: &Feedback {
+                h: 0.0,
+                rate: 0.0,
+                most: 0.0,
+            },
+            first: true,
+        };
+        run(kernel.contacts.width, kernel);
+    }
+
+    /// Both at once, in one pass.
+    pub fn begin(&mut self, displacements: &[SolverBody], feedback: &Feedback, first: bool) {
+        let kernel = Prepare::<true, true> {
+            contacts: self,
+            displacements,
+            feedback,
+            first,
+        };
+        run(kernel.contacts.width, kernel);
+    }
+
+    /// One sweep with position feedback, friction before the normal. With `measure`, returns the largest velocity change of a
+    /// row in units of its [speed scale](super::rows::PointRows::speed_scale), else 0.
+    pub fn solve(&mut self, softness: &Softness, measure: bool) -> f32 {
+        let sweep = Sweep {
+            softness: *softness,
+            ..Sweep::new(self, measure)
+        };
+        run(sweep.contacts.width, Solve(sweep))
+    }
+
+    /// One sweep without position feedback, the normal before friction; returns as [`solve`](Self::solve). Points that are
+    /// pushed stop, others may close their gap, impacts rebound.
+    pub fn relax(&mut self, measure: bool) -> f32 {
+        let sweep = Sweep::new(self, measure);
+        run(sweep.contacts.width, Relax(sweep))
+    }
+
+    /// Moves the impulses on from where they were to where they were going, by `weight` times their last change, and projects
+    /// them on what they may be; remembers where they are in `last`. The velocities are moved by the caller; only what the
+    /// projection takes away is taken out of them here.
+    pub fn extrapolate(&mut self, last: &mut [[F8; 3]], weight: f32) {
+        let kernel = Extrapolate {
+            contacts: self,
+            last,
+            weight,
+        };
+        run(kernel.contacts.width, kernel);
+    }
+}
+
+/// Two bodies in each lane.
+struct Pair<L> {
+    columns: [[L; 8]; 2],
+}
+
+impl<L: Lanes> Pair<L> {
+    #[inline(always)]
+    fn gather(bodies: &[SolverBody], block: &Block) -> Self {
+        let [a, b] = &block.bodies;
+        Self {
+            columns: [L::gather(bodies, a), L::gather(bodies, b)],
+        }
+    }
+
+    #[inline(always)]
+    fn scatter(self, bodies: &mut [SolverBody], block: &Block) {
+        let [a, b] = self.columns;
+        L::scatter(a, bodies, &block.bodies[0]);
+        L::scatter(b, bodies, &block.bodies[1]);
+    }
+
+    #[inline(always)]
+    fn linear(&self, side: usize) -> V3<L> {
+        let c = &self.columns[side];
+        V3([c[0], c[1], c[2]])
+    }
+
+    #[inline(always)]
+    fn angular(&self, side: usize) -> V3<L> {
+        let c = &self.columns[side];
+        V3([c[4], c[5], c[6]])
+    }
+
+    #[inline(always)]
+    fn set(&mut self, side: usize, linear: V3<L>, angular: V3<L>) {
+        let c = &mut self.columns[side];
+        [c[0], c[1], c[2]] = linear.0;
+        [c[4], c[5], c[6]] = angular.0;
+    }
+
+    /// Velocity of B against A at the ends of the anchors.
+    #[inline(always)]
+    fn relative(&self, anchors: &[V3<L>; 2]) -> V3<L> {
+        let a = self.linear(0).plus(self.angular(0).cross(anchors[0]));
+        let b = self.linear(1).plus(self.angular(1).cross(anchors[1]));
+        b.minus(a)
+    }
+
+    /// Adds an impulse on B, and its opposite on A, with the angular impulses about the centres of mass.
+    #[inline(always)]
+    fn apply(&mut self, masses: &Masses<L>, impulse: V3<L>, angular: [V3<L>; 2]) {
+        let turn_a = symmetric(&masses.inertia[0], angular[0]);
+        let turn_b = symmetric(&masses.inertia[1], angular[1]);
+        let (shift_a, shift_b) = (impulse.times(masses.mass[0]), impulse.times(masses.mass[1]));
+        self.set(
+            0,
+            self.linear(0).minus(shift_a),
+            self.angular(0).minus(turn_a),
+        );
+        self.set(
+            1,
+            self.linear(1).plus(shift_b),
+            self.angular(1).plus(turn_b),
+        );
+    }
+}
+
+/// Inverse masses and inertias of two bodies in each lane.
+struct Masses<L> {
+    mass: [L; 2],
+    inertia: [[L; 6]; 2],
+}
+
+/// Normal and tangents in each lane.
+struct Frame<L> {
+    normal: V3<L>,
+    tangents: [V3<L>; 2],
+}
+
+impl<L: Lanes> Frame<L> {
+    #[inline(always)]
+    fn load(block: &Block) -> Self {
+        Self {
+            normal: V3::load(&block.normal),
+            tangents: [V3::load(&block.tangents[0]), V3::load(&block.tangents[1])],
+        }
+    }
+
+    /// The impulse with the given parts.
+    #[inline(always)]
+    fn impulse(&self, [normal, t1, t2]: [L; 3]) -> V3<L> {
+        let [d1, d2] = &self.tangents;
+        let friction = d1.times(t1).plus(d2.times(t2));
+        self.normal.times(normal).plus(friction)
+    }
+}
+
+impl<L: Lanes> Masses<L> {
+    #[inline(always)]
+    fn load(block: &Block) -> Self {
+        Self {
+            mass: [
+                L::load(&block.inverse_mass[0]),
+                L::load(&block.inverse_mass[1]),
+            ],
+            inertia: [
+                load_six(&block.inverse_inertia[0]),
+                load_six(&block.inverse_inertia[1]),
+            ],
+        }
+    }
+}
+
+#[inline(always)]
+fn load_anchors<L: Lanes>(point: &Point) -> [V3<L>; 2] {
+    [V3::load(&point.anchors[0]), V3::load(&point.anchors[1])]
+}
+
+#[inline(always)]
+fn load_three<L: Lanes>(from: &[F8; 3]) -> [L; 3] {
+    [L::load(&from[0]), L::load(&from[1]), L::load(&from[2])]
+}
+
+#[inline(always)]
+fn store_three<L: Lanes>(values: [L; 3], to: &mut [F8; 3]) {
+    values[0].store(&mut to[0]);
+    values[1].store(&mut to[1]);
+    values[2].store(&mut to[2]);
+}
+
+/// The nearest friction to `wish` within the bound `radius`.
+#[inline(always)]
+fn project<L: Lanes>(model: FrictionModel, wish: [L; 2], radius: L) -> [L; 2] {
+    match model {
+        FrictionModel::Disc => {
+            let squared = wish[0] * wish[0] + wish[1] * wish[1];
+            let shrink = squared.if_above(radius * radius, radius / squared.sqrt(), L::splat(1.0));
+            [wish[0] * shrink, wish[1] * shrink]
+        }
+        FrictionModel::Box => {
+            let least = L::splat(0.0) - radius;
+            [
+                wish[0].min(radius).max(least),
+                wish[1].min(radius).max(least),
+            ]
+        }
+    }
+}
+
+/// Targets, warm start, or both.
+struct Prepare<'a, 'c, const TARGETS: bool, const WARM: bool> {
+    contacts: &'a mut Contacts<'c>,
+    displacements: &'a [SolverBody],
+    feedback: &'a Feedback,
+    first: bool,
+}
+
+impl<const TARGETS: bool, const WARM: bool> Kernel for Prepare<'_, '_, TARGETS, WARM> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Contacts {
+            blocks,
+            points,
+            bodies,
+            ..
+        } = self.contacts;
+        for block in blocks.iter() {
+            let points = &mut points[block.points.clone()];
+            if TARGETS {
+                targets::<L>(block, points, self.displacements, self.feedback, self.first);
+            }
+            if WARM {
+                warm_start::<L>(block, points, bodies);
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn targets<L: Lanes>(
+    block: &Block,
+    points: &mut [Point],
+    displacements: &[SolverBody],
+    feedback: &Feedback,
+    first: bool,
+) {
+    let moved = Pair::<L>::gather(displacements, block);
+    let (zero, rate) = (L::splat(0.0), L::splat(feedback.rate));
+    let (closing, most) = (L::splat(-1.0 / feedback.h), L::splat(feedback.most));
+    let normal = V3::<L>::load(&block.normal);
+    let slop = L::load(&block.slop);
+    for point in points {
+        let shift = moved.relative(&load_anchors(point));
+        let gap = L::load(&point.separation) + normal.dot(shift);
+        let overlap = zero - gap - slop;
+        let push = (rate * overlap.max(zero)).min(most);
+        gap.if_above(zero, gap * closing, push)
+            .store(&mut point.wanted);
+        if !first {
+            let total = L::load(&point.total) + L::load(&point.impulse[0]);
+            total.store(&mut point.total);
+        }
+    }
+}
+
+#[inline(always)]
+fn warm_start<L: Lanes>(block: &Block, points: &[Point], bodies: &mut [SolverBody]) {
+    let frame = Frame::<L>::load(block);
+    let zero = V3([L::splat(0.0); 3]);
+    let (mut linear, mut angular) = (zero, [zero; 2]);
+    for point in points {
+        let impulse = frame.impulse(load_three(&point.impulse));
+        let anchors = load_anchors(point);
+        linear = linear.plus(impulse);
+        angular = [
+            angular[0].plus(anchors[0].cross(impulse)),
+            angular[1].plus(anchors[1].cross(impulse)),
+        ];
+    }
+    let mut pair = Pair::<L>::gather(bodies, block);
+    pair.apply(&Masses::load(block), linear, angular);
+    pair.scatter(bodies, block);
+}
+
+/// What the two sweeps have in common.
+struct Sweep<'a, 'c> {
+    contacts: &'a mut Contacts<'c>,
+    softness: Softness,
+    measure: bool,
+}
+
+impl<'a, 'c> Sweep<'a, 'c> {
+    fn new(contacts: &'a mut Contacts<'c>, measure: bool) -> Self {
+        Self {
+            contacts,
+            softness: Softness::HARD,
+            measure,
+        }
+    }
+
+    /// Solves each point of each block by a rule.
+    #[inline(always)]
+    fn each_point<L: Lanes, R: Rule<L>>(self, rule: &R) -> f32 {
+        let Contacts {
+            blocks,
+            points,
+            blows,
+            bodies,
+            friction: model,
+            ..
+        } = self.contacts;
+        let zero = L::splat(0.0);
+        let mut largest = zero;
+        for block in blocks.iter() {
+            let (frame, masses) = (Frame::<L>::load(block), Masses::load(block));
+            let friction = L::load(&block.friction);
+            let mut pair = Pair::<L>::gather(bodies, block);
+            let mut change = zero;
+            for i in block.points.clone() {
+                let point = &mut points[i];
+                let anchors = load_anchors(point);
+                let velocity = pair.relative(&anchors);
+                let mut state = State {
+                    velocity: [
+                        frame.normal.dot(velocity),
+                        frame.tangents[0].dot(velocity),
+                        frame.tangents[1].dot(velocity),
+                    ],
+                    impulse: load_three(&point.impulse),
+                    rebound: match blows.get(i) {
+                        Some(blow) => L::load(&blow.rebound),
+                        None => zero,
+                    },
+                    friction,
+                    model: *model,
+                    point,
+                };
+                let delta = rule.solve(&mut state);
+                store_three(state.impulse, &mut point.impulse);
+                if self.measure {
+                    change = change.max(largest_change(point, delta));
+                }
+                let impulse = frame.impulse(delta);
+                let angular = [anchors[0].cross(impulse), anchors[1].cross(impulse)];
+                pair.apply(&masses, impulse, angular);
+            }
+            pair.scatter(bodies, block);
+            if self.measure {
+                largest = largest.max(change * L::load(&block.speed_scale));
+            }
+        }
+        let mut lanes = F8::default();
+        largest.store(&mut lanes);
+        lanes.0.into_iter().fold(0.0, f32::max)
+    }
+}
+
+/// The largest velocity change of a row of a point by impulses that have changed by `delta`.
+#[inline(always)]
+fn largest_change<L: Lanes>(point: &Point, delta: [L; 3]) -> L {
+    let (zero, least) = (L::splat(0.0), L::splat(f32::MIN_POSITIVE));
+    let normal = delta[0].max(zero - delta[0]) / L::load(&point.normal_mass).max(least);
+    let [t1, t2] = [delta[1].max(zero - delta[1]), delta[2].max(zero - delta[2])];
+    let tangent = t1.max(t2) / L::load(&point.tangent_mass).max(least);
+    normal.max(tangent)
+}
+
+/// A point that is being solved.
+struct State<'p, L> {
+    /// Along normal and tangents, m/s.
+    velocity: [L; 3],
+    /// Along normal and tangents, N s.
+    impulse: [L; 3],
+    rebound: L,
+    friction: L,
+    model: FrictionModel,
+    point: &'p Point,
+}
+
+impl<L: Lanes> State<'_, L> {
+    /// Moves the normal impulse to `wish`, or to 0; returns the change. The tangents see it.
+    #[inline(always)]
+    fn move_normal(&mut self, wish: L) -> L {
+        let new = wish.max(L::splat(0.0));
+        let delta = new - self.impulse[0];
+        self.impulse[0] = new;
+        let [to_t1, to_t2] = &self.point.coupling;
+        self.velocity[1] = self.velocity[1] + L::load(to_t1) * delta;
+        self.velocity[2] = self.velocity[2] + L::load(to_t2) * delta;
+        delta
+    }
+
+    /// Solves friction within the bound of the present normal impulse; returns the changes. The normal sees them.
+    #[inline(always)]
+    fn move_tangents(&mut self) -> [L; 2] {
+        let mass = L::load(&self.point.tangent_mass);
+        let [normal, t1, t2] = self.impulse;
+        let [_, v1, v2] = self.velocity;
+        let new = project(
+            self.model,
+            [t1 - v1 * mass, t2 - v2 * mass],
+            self.friction * normal,
+        );
+        let delta = [new[0] - t1, new[1] - t2];
+        [self.impulse[1], self.impulse[2]] = new;
+        let [from_t1, from_t2] = &self.point.coupling;
+        self.velocity[0] =
+            self.velocity[0] + (L::load(from_t1) * delta[0] + L::load(from_t2) * delta[1]);
+        delta
+    }
+}
+
+/// What a sweep does to a point.
+trait Rule<L> {
+    /// Changes the impulses of a point; returns by how much.
+    fn solve(&self, state: &mut State<'_, L>) -> [L; 3];
+}
+
+/// With position feedback, friction before the normal.
+struct Feeding<L> {
+    mass_scale: L,
+    keep: L,
+}
+
+impl<L: Lanes> Rule<L> for Feeding<L> {
+    #[inline(always)]
+    fn solve(&self, state: &mut State<'_, L>) -> [L; 3] {
+        let (one, below_zero) = (L::splat(1.0), L::splat(-f32::MIN_POSITIVE));
+        let [t1, t2] = state.move_tangents();
+        let wanted = L::load(&state.point.wanted);
+        let mass = L::load(&state.point.normal_mass);
+        let correction = (state.velocity[0] - wanted) * mass;
+        // A gap is to be closed at a negative velocity; only what overlaps gives way.
+        let scale = wanted.if_above(below_zero, self.mass_scale, one);
+        let keep = wanted.if_above(below_zero, self.keep, one);
+        let wish = keep * state.impulse[0] - scale * correction;
+        [state.move_normal(wish), t1, t2]
+    }
+}
+
+/// Without position feedback. The normal impulse falls by what pushed overlap out; friction must not keep the bound that
+/// came with it, so it comes second.
+struct Settling;
+
+impl<L: Lanes> Rule<L> for Settling {
+    #[inline(always)]
+    fn solve(&self, state: &mut State<'_, L>) -> [L; 3] {
+        let zero = L::splat(0.0);
+        let closing = L::load(&state.point.wanted).min(zero);
+        let at_rest = state.impulse[0].if_above(zero, zero, closing);
+        let target = state.rebound.if_above(zero, state.rebound, at_rest);
+        let mass = L::load(&state.point.normal_mass);
+        let wish = state.impulse[0] - (state.velocity[0] - target) * mass;
+        let normal = state.move_normal(wish);
+        let [t1, t2] = state.move_tangents();
+        [normal, t1, t2]
+    }
+}
+
+struct Solve<'a, 'c>(Sweep<'a, 'c>);
+
+impl Kernel for Solve<'_, '_> {
+    type Output = f32;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> f32 {
+        let softness = self.0.softness;
+        let rule = Feeding {
+            mass_scale: L::splat(softness.mass_scale),
+            keep: L::splat(1.0 - softness.release),
+        };
+        self.0.each_point::<L, _>(&rule)
+    }
+}
+
+struct Relax<'a, 'c>(Sweep<'a, 'c>);
+
+impl Kernel for Relax<'_, '_> {
+    type Output = f32;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> f32 {
+        self.0.each_point::<L, _>(&Settling)
+    }
+}
+
+struct Extrapolate<'a, 'c> {
+    contacts: &'a mut Contacts<'c>,
+    last: &'a mut [[F8; 3]],
+    weight: f32,
+}
+
+impl Kernel for Extrapolate<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Contacts {
+            blocks,
+            points,
+            bodies,
+            friction: model,
+            ..
+        } = self.contacts;
+        let (zero, weight) = (L::splat(0.0), L::splat(self.weight));
+        for block in blocks.iter() {
+            let (frame, masses) = (Frame::<L>::load(block), Masses::load(block));
+            let friction = L::load(&block.friction);
+            let mut pair = Pair::<L>::gather(bodies, block);
+            for i in block.points.clone() {
+                let (point, last) = (&mut points[i], &mut self.last[i]);
+                let now: [L; 3] = load_three(&point.impulse);
+                let before: [L; 3] = load_three(last);
+                let wish = [
+                    now[0] + weight * (now[0] - before[0]),
+                    now[1] + weight * (now[1] - before[1]),
+                    now[2] + weight * (now[2] - before[2]),
+                ];
+                let normal = wish[0].max(zero);
+                let [t1, t2] = project(*model, [wish[1], wish[2]], friction * normal);
+                let new = [normal, t1, t2];
+                store_three(now, last);
+                store_three(new, &mut point.impulse);
+                let taken = [normal - wish[0], t1 - wish[1], t2 - wish[2]];
+                let impulse = frame.impulse(taken);
+                let anchors = load_anchors(point);
+                let angular = [anchors[0].cross(impulse), anchors[1].cross(impulse)];
+                pair.apply(&masses, impulse, angular);
+            }
+            pair.scatter(bodies, block);
+        }
+    }
+}
