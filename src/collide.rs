@@ -3,13 +3,20 @@
 //! Pairs are independent, so they are split into parts that run on the compute task pool if there is one. The split
 //! depends on the number of pairs only, and the parts are joined in order: any number of threads gives the same bits.
 
+use crate::contact::BodyId;
 use crate::contact::broadphase::{Broadphase, Pair, Proxy, ProxyKind, ProxyShape};
-use crate::contact::manifold::{Manifold, ManifoldBody, Patch};
-use crate::contact::sat::{NarrowScratch, collide_half_space, collide_hulls};
+use crate::contact::half_space::examine_half_space;
+use crate::contact::manifold::{BodyPlace, BoundPatch, Manifold, Patch};
+use crate::contact::pair::{
+    Pace, PairBody, PairState, PairTerm, PairView, Verdict, reach_of_test, smaller_extent,
+};
+use crate::contact::sat::{Found, NarrowScratch, distance_along, examine_hulls};
+use crate::geometry::ConvexHull;
+use crate::geometry::lanes::bounds;
 use crate::math::{Aabb, Plane, Pose, rotate};
 use crate::solver::bodies::{Bodies, RigidBody, Shape};
 use bevy_tasks::ComputeTaskPool;
-use glam::Vec3;
+use glam::{Mat3, Quat, Vec3};
 
 /// How far ahead contacts are found besides the bodies' motion, as a share of the body's least extent: far enough that a
 /// body at rest keeps its contacts while it settles.
@@ -18,8 +25,8 @@ const CONTACT_MARGIN: f32 = 0.02;
 /// How far the boxes kept by the broad phase reach beyond the bodies, m (it limits this for small bodies itself).
 const BOX_MARGIN: f32 = 0.1;
 
-/// Pairs that are worth a task of their own: about 50 us of work, ten times the cost of a task.
-const PAIRS_PER_PART: usize = 64;
+/// Pairs that are worth a task of their own: 10 us of work while all are at rest, some 100 us while they land.
+const PAIRS_PER_PART: usize = 256;
 
 /// Most parts, so that few buffers serve any number of pairs.
 const MAX_PARTS: usize = 32;
@@ -46,38 +53,101 @@ impl Lookahead {
         self.h * bodies.velocity[slot as usize].angular.length() * bodies.radius(slot)
     }
 
+    /// How far the body in `slot` goes within the step, m.
+    fn travel(&self, bodies: &Bodies, slot: u32) -> Vec3 {
+        self.h * bodies.velocity[slot as usize].linear
+    }
+
+    /// How far ahead of a body its contacts are looked for in all directions, m.
+    fn reach(&self, bodies: &Bodies, slot: u32) -> f32 {
+        margin_at_rest(bodies, slot) + self.fall + self.turn(bodies, slot)
+    }
+
     /// The body's box with all places it may reach within the step.
-    fn swept_box(&self, bodies: &Bodies, slot: u32) -> Aabb {
+    fn swept_box(&self, bodies: &Bodies, slot: u32, hull: &ConvexHull) -> Aabb {
         let i = slot as usize;
-        let tight = bodies.aabb[i]
-            .fattened(margin_at_rest(bodies, slot) + self.fall + self.turn(bodies, slot));
-        let travel = bodies.velocity[i].linear * self.h;
+        let turn = Mat3::from_quat(bodies.rotation[i]);
+        // From the centre of mass, so that little is lost far from the origin.
+        let shift = bodies.centre[i] - turn * bodies.mass[i].centre;
+        let tight = bounds(&hull.lanes.points, &turn, shift).fattened(self.reach(bodies, slot));
+        let travel = self.travel(bodies, slot);
         Aabb {
             min: tight.min + travel.min(Vec3::ZERO),
             max: tight.max + travel.max(Vec3::ZERO),
         }
     }
+}
 
-    /// Bodies farther apart than this, m, cannot touch within the step.
-    fn margin(&self, bodies: &Bodies, pair: Pair) -> f32 {
-        let (a, b) = (pair.a as usize, pair.b as usize);
-        let at_rest = margin_at_rest(bodies, pair.a).min(margin_at_rest(bodies, pair.b));
-        let approach = self.h * (bodies.velocity[b].linear - bodies.velocity[a].linear).length();
-        at_rest + self.fall + approach + self.turn(bodies, pair.a) + self.turn(bodies, pair.b)
+/// When the broad phase was last told where a body is, and for how long that will do.
+#[derive(Clone, Copy, Debug)]
+struct Told {
+    id: BodyId,
+    version: u32,
+    centre: Vec3,
+    rotation: Quat,
+    /// [`Lookahead::reach`] then, and how far the body went within the step, m.
+    reach: f32,
+    travel: f32,
+    /// How far the body may move, or reach farther, until the broad phase must be told again, m.
+    room: f32,
+}
+
+impl Told {
+    /// Tells the broad phase where the body in `slot` is now.
+    fn now(broadphase: &mut Broadphase, bodies: &Bodies, slot: u32, ahead: Lookahead) -> Self {
+        let i = slot as usize;
+        Self {
+            id: bodies.ids[i],
+            version: bodies.version[i],
+            centre: bodies.centre[i],
+            rotation: bodies.rotation[i],
+            reach: ahead.reach(bodies, slot),
+            travel: ahead.travel(bodies, slot).length(),
+            room: broadphase.set(i, Some(proxy(bodies, slot, ahead)), BOX_MARGIN),
+        }
+    }
+
+    /// Whether the broad phase need not be told where the body in `slot` is now.
+    fn will_do(&self, bodies: &Bodies, slot: u32, ahead: Lookahead) -> bool {
+        let i = slot as usize;
+        let turn = (bodies.rotation[i] - self.rotation).length();
+        let moved = (bodies.centre[i] - self.centre).length() + 2.0 * turn * bodies.radius(slot);
+        let reach = ahead.reach(bodies, slot) + ahead.travel(bodies, slot).length();
+        self.id == bodies.ids[i]
+            && self.version == bodies.version[i]
+            && moved + (reach - self.reach).max(0.0) < self.room
+            // A body that was fast and has become slow gets a smaller box.
+            && self.reach + self.travel <= 2.0 * reach + BOX_MARGIN
     }
 }
 
-/// Buffers of the narrow phase.
+/// What is known of the pairs from step to step, and buffers.
 #[derive(Debug, Default)]
 pub struct NarrowPhase {
-    proxies: Vec<Option<Proxy>>,
+    /// What the broad phase was told of each slot.
+    told: Vec<Option<Told>>,
+    /// Bodies by slot.
+    bodies: Vec<PairBody>,
+    paces: Vec<Pace>,
+    /// Pairs by name, and what is known of them: the larger part in boxes, so that the order changes without copies.
+    names: Vec<(BodyId, BodyId)>,
+    terms: Vec<PairTerm>,
+    states: Vec<Box<PairState>>,
+    /// Of the pair list that they follow.
+    revision: Option<u64>,
+    new_names: Vec<(BodyId, BodyId)>,
+    new_terms: Vec<PairTerm>,
+    new_states: Vec<Box<PairState>>,
+    /// States of pairs that are gone.
+    spare: Vec<Box<PairState>>,
     parts: Vec<Part>,
 }
 
 #[derive(Debug, Default)]
 struct Part {
     scratch: NarrowScratch,
-    manifolds: Vec<Manifold>,
+    /// Number of its pairs that touch.
+    touching: usize,
 }
 
 /// Brings the pairs of `broadphase` up to date with the bodies.
@@ -87,20 +157,25 @@ pub fn update_pairs(
     bodies: &Bodies,
     ahead: Lookahead,
 ) {
-    narrow.proxies.resize(bodies.slots(), None);
-    for (slot, kept) in (0..).zip(&mut narrow.proxies) {
-        if !bodies.is_asleep(slot) {
-            *kept = proxy(bodies, slot, ahead);
+    narrow.told.resize(bodies.slots(), None);
+    for (slot, told) in (0..).zip(&mut narrow.told) {
+        if bodies.is_asleep(slot) {
+            continue;
+        }
+        if !bodies.is_active(slot) {
+            if told.take().is_some() {
+                broadphase.set(slot as usize, None, BOX_MARGIN);
+            }
+            continue;
+        }
+        if told.is_none_or(|told| !told.will_do(bodies, slot, ahead)) {
+            *told = Some(Told::now(broadphase, bodies, slot, ahead));
         }
     }
-    let may_change = |slot: usize| !bodies.is_asleep(slot as u32);
-    broadphase.update_some(&narrow.proxies, BOX_MARGIN, may_change);
+    broadphase.find_pairs();
 }
 
-fn proxy(bodies: &Bodies, slot: u32, ahead: Lookahead) -> Option<Proxy> {
-    if !bodies.is_active(slot) {
-        return None;
-    }
+fn proxy(bodies: &Bodies, slot: u32, ahead: Lookahead) -> Proxy {
     let info = bodies.info(slot);
     let kind = if info.kind == RigidBody::Dynamic {
         ProxyKind::Moving
@@ -108,15 +183,15 @@ fn proxy(bodies: &Bodies, slot: u32, ahead: Lookahead) -> Option<Proxy> {
         ProxyKind::Fixed
     };
     let shape = match &info.shape {
-        Shape::Convex(_) => ProxyShape::Box(ahead.swept_box(bodies, slot)),
+        Shape::Convex(mesh) => ProxyShape::Box(ahead.swept_box(bodies, slot, mesh.hull())),
         Shape::HalfSpace(_) => ProxyShape::HalfSpace(half_space_plane(bodies, slot)),
     };
-    Some(Proxy {
+    Proxy {
         id: bodies.id(slot),
         kind,
         layers: info.layers,
         shape,
-    })
+    }
 }
 
 fn margin_at_rest(bodies: &Bodies, slot: u32) -> f32 {
@@ -133,87 +208,271 @@ fn half_space_plane(bodies: &Bodies, slot: u32) -> Plane {
 }
 
 impl NarrowPhase {
-    /// Fills `manifolds` with the contacts of all `pairs`, in their order. Impulses are zero.
+    /// Fills `manifolds` with the contacts of all pairs, in their order. Impulses are zero.
     pub fn collide(
         &mut self,
         bodies: &Bodies,
-        pairs: &[Pair],
+        broadphase: &Broadphase,
         ahead: Lookahead,
         manifolds: &mut Vec<Manifold>,
     ) {
+        self.carry_states(bodies, broadphase);
+        self.load_bodies(bodies, ahead);
+        let pairs = broadphase.pairs();
         let part_count = pairs.len().div_ceil(PAIRS_PER_PART).clamp(1, MAX_PARTS);
         let part_size = pairs.len().div_ceil(part_count).max(1);
         self.parts
             .resize_with(self.parts.len().max(part_count), Part::default);
+        let scene = &Scene {
+            bodies,
+            seen: &self.bodies,
+            paces: &self.paces,
+            fall: ahead.fall,
+        };
         let parts = self.parts.iter_mut().zip(pairs.chunks(part_size));
-        match ComputeTaskPool::try_get().filter(|_| part_count > 1) {
-            Some(pool) => {
-                pool.scope(|scope| {
-                    parts.for_each(|(part, pairs)| {
-                        scope.spawn(async move { part.collide(bodies, pairs, ahead) })
-                    });
-                });
+        let known = self.terms.chunks_mut(part_size);
+        let known = known.zip(self.states.chunks_mut(part_size));
+        run_parts(parts.zip(known), |((part, pairs), (terms, states))| {
+            part.test(scene, pairs, terms, states)
+        });
+        let parts = &self.parts[..pairs.len().div_ceil(part_size)];
+        let total = parts.iter().map(|part| part.touching).sum();
+        manifolds.resize(total, Manifold::default());
+        let mut rest = manifolds.as_mut_slice();
+        let pieces = parts.iter().map(|part| {
+            let (piece, after) = std::mem::take(&mut rest).split_at_mut(part.touching);
+            rest = after;
+            piece
+        });
+        let known = self.terms.chunks(part_size);
+        let known = known.zip(self.states.chunks(part_size));
+        let pairs = pairs.chunks(part_size).zip(known);
+        run_parts(pieces.zip(pairs), |(piece, (pairs, (terms, states)))| {
+            write_manifolds(scene, pairs, terms, states, piece)
+        });
+    }
+
+    /// Brings `states` into the order of the pairs; new pairs get a blank one.
+    fn carry_states(&mut self, bodies: &Bodies, broadphase: &Broadphase) {
+        if self.revision == Some(broadphase.revision()) {
+            return;
+        }
+        self.revision = Some(broadphase.revision());
+        let pairs = broadphase.pairs();
+        self.new_names.clear();
+        self.new_names
+            .extend(pairs.iter().map(|p| (bodies.id(p.a), bodies.id(p.b))));
+        self.new_terms.clear();
+        let known = self.terms.iter().zip(self.states.drain(..));
+        let mut old = self.names.iter().zip(known).peekable();
+        for name in &self.new_names {
+            while let Some((_, (_, state))) = old.next_if(|(old, _)| *old < name) {
+                self.spare.push(state);
             }
-            None => parts.for_each(|(part, pairs)| part.collide(bodies, pairs, ahead)),
+            let (term, state) = match old.next_if(|(old, _)| *old == name) {
+                Some((_, (term, state))) => (*term, state),
+                None => (PairTerm::default(), self.spare.pop().unwrap_or_default()),
+            };
+            self.new_terms.push(term);
+            self.new_states.push(state);
         }
-        manifolds.clear();
-        for part in &mut self.parts {
-            manifolds.append(&mut part.manifolds);
+        self.spare.extend(old.map(|(_, (_, state))| state));
+        std::mem::swap(&mut self.names, &mut self.new_names);
+        std::mem::swap(&mut self.terms, &mut self.new_terms);
+        std::mem::swap(&mut self.states, &mut self.new_states);
+    }
+
+    /// Collects what pairs read of the bodies.
+    fn load_bodies(&mut self, bodies: &Bodies, ahead: Lookahead) {
+        self.bodies.resize(bodies.slots(), PairBody::default());
+        self.paces.resize(bodies.slots(), Pace::default());
+        let slots = (0..).zip(self.bodies.iter_mut().zip(&mut self.paces));
+        // What sleeps has not moved.
+        for (slot, (body, pace)) in slots.filter(|&(slot, _)| !bodies.is_asleep(slot)) {
+            let now = pair_body(bodies, slot, ahead);
+            let motion = now.motion_since(body);
+            pace.walk(motion);
+            pace.ahead = now.travel.length() + now.turning;
+            pace.least_extent = bodies.least_extent[slot as usize];
+            pace.version = bodies.version[slot as usize];
+            *body = now;
         }
+    }
+}
+
+fn pair_body(bodies: &Bodies, slot: u32, ahead: Lookahead) -> PairBody {
+    let i = slot as usize;
+    let is_half_space = bodies.least_extent[i] == f32::INFINITY;
+    PairBody {
+        place: BodyPlace {
+            centre: bodies.centre[i],
+            turn: Mat3::from_quat(bodies.rotation[i]),
+        },
+        rotation: bodies.rotation[i],
+        radius: if is_half_space {
+            f32::INFINITY
+        } else {
+            bodies.radius(slot)
+        },
+        travel: ahead.travel(bodies, slot),
+        turning: ahead.turn(bodies, slot),
+    }
+}
+
+/// Runs `work` on each part, on the compute task pool if there is one and more than one part.
+fn run_parts<P: Send>(parts: impl ExactSizeIterator<Item = P>, work: impl Fn(P) + Send + Sync) {
+    match ComputeTaskPool::try_get().filter(|_| parts.len() > 1) {
+        Some(pool) => {
+            let work = &work;
+            pool.scope(|scope| {
+                parts.for_each(|part| scope.spawn(async move { work(part) }));
+            });
+        }
+        None => parts.for_each(work),
+    }
+}
+
+/// What all parts read.
+struct Scene<'s> {
+    bodies: &'s Bodies,
+    seen: &'s [PairBody],
+    paces: &'s [Pace],
+    fall: f32,
+}
+
+impl Scene<'_> {
+    fn pair(&self, pair: Pair) -> [&PairBody; 2] {
+        [&self.seen[pair.a as usize], &self.seen[pair.b as usize]]
+    }
+
+    fn paces(&self, pair: Pair) -> [&Pace; 2] {
+        [&self.paces[pair.a as usize], &self.paces[pair.b as usize]]
+    }
+
+    /// Bodies farther apart than this, m, cannot touch within the step, if they approach by no more than `approach`.
+    fn margin(&self, paces: [&Pace; 2], approach: f32) -> f32 {
+        CONTACT_MARGIN * smaller_extent(paces) + self.fall + approach
     }
 }
 
 impl Part {
-    fn collide(&mut self, bodies: &Bodies, pairs: &[Pair], ahead: Lookahead) {
-        self.manifolds.clear();
-        for &pair in pairs {
-            let Some(patch) = collide_pair(bodies, pair, ahead, &mut self.scratch) else {
+    /// Tests the pairs that must be, and counts those that touch.
+    fn test(
+        &mut self,
+        scene: &Scene,
+        pairs: &[Pair],
+        terms: &mut [PairTerm],
+        states: &mut [Box<PairState>],
+    ) {
+        self.touching = 0;
+        for ((&pair, term), state) in pairs.iter().zip(terms).zip(states) {
+            if !scene.bodies.needs_look(pair) {
                 continue;
-            };
-            let [a, b] = [pair.a, pair.b].map(|slot| bodies.info(slot));
-            let friction = a.friction.combined(&b.friction);
-            let restitution = a.restitution.combined(&b.restitution);
-            let [a, b] = [pair.a, pair.b].map(|slot| manifold_body(bodies, slot));
-            self.manifolds
-                .push(Manifold::from_patch(&a, &b, &patch, friction, restitution));
+            }
+            let paces = scene.paces(pair);
+            let margin = scene.margin(paces, paces[0].ahead + paces[1].ahead);
+            if !term.surely_holds(paces, margin) {
+                let bodies = scene.pair(pair);
+                let view = PairView {
+                    bodies,
+                    paces,
+                    term,
+                    state,
+                };
+                self.renew(scene, pair, view);
+            }
+            self.touching += usize::from(term.touches);
+        }
+    }
+
+    /// Looks closer at a pair, and tests it if that does not help.
+    fn renew(&mut self, scene: &Scene, pair: Pair, mut view: PairView) {
+        let bodies = scene.bodies;
+        let [a, b] = view.bodies;
+        let approach = (b.travel - a.travel).length() + a.turning + b.turning;
+        let margin = scene.margin(view.paces, approach);
+        let Verdict::Unknown(axis) = view.verdict(margin) else {
+            return;
+        };
+        let reach = reach_of_test(view.paces, margin);
+        let b_in_a = relative_pose(bodies, pair.a, pair.b);
+        if let Some(axis) = axis
+            && let Some(distance) = distance_of(bodies, pair, &b_in_a, axis)
+            && distance > reach
+        {
+            view.set_apart(axis, distance);
+            return;
+        }
+        match examine_pair(bodies, pair, b_in_a, reach, &mut self.scratch) {
+            Found::Apart { axis, distance } => view.set_apart(axis, distance),
+            Found::Near(patch) => {
+                let slots = [pair.a as usize, pair.b as usize];
+                let centres = slots.map(|i| bodies.mass[i].centre);
+                let boxes = slots.map(|i| bodies.kd_box[i]);
+                let patch = BoundPatch::new(&patch, b_in_a.rotation, centres, boxes);
+                view.set_near(patch, reach);
+                let [a, b] = [pair.a, pair.b].map(|slot| bodies.info(slot));
+                view.state.friction = a.friction.combined(&b.friction);
+                view.state.restitution = a.restitution.combined(&b.restitution);
+            }
         }
     }
 }
 
-fn manifold_body(bodies: &Bodies, slot: u32) -> ManifoldBody {
-    let i = slot as usize;
-    ManifoldBody {
-        slot,
-        pose: bodies.pose(slot),
-        centre: bodies.mass[i].centre,
-        code_box: bodies.kd_box[i],
+/// Writes the manifolds of the pairs that touch.
+fn write_manifolds(
+    scene: &Scene,
+    pairs: &[Pair],
+    terms: &[PairTerm],
+    states: &[Box<PairState>],
+    manifolds: &mut [Manifold],
+) {
+    let touching = terms.iter().zip(pairs.iter().zip(states));
+    let touching =
+        touching.filter(|(term, (pair, _))| term.touches && scene.bodies.needs_look(**pair));
+    for ((_, (pair, state)), manifold) in touching.zip(manifolds) {
+        let [a, b] = scene.pair(*pair);
+        (manifold.a, manifold.b) = (pair.a, pair.b);
+        (manifold.friction, manifold.restitution) = (state.friction, state.restitution);
+        state.patch.write(&a.place, &b.place, manifold);
     }
+}
+
+/// Distance of two hulls along a unit vector from A to B (A's frame), m; `None` if one is a half-space, which is tested
+/// as fast.
+fn distance_of(bodies: &Bodies, pair: Pair, b_in_a: &Pose, axis: Vec3) -> Option<f32> {
+    let [a, b] = [pair.a, pair.b].map(|slot| bodies.convex(slot));
+    Some(distance_along(a?.hull(), b?.hull(), b_in_a, axis))
 }
 
 /// Contact of one pair in A's frame, normal from A to B.
-fn collide_pair(
+fn examine_pair(
     bodies: &Bodies,
     pair: Pair,
-    ahead: Lookahead,
+    b_in_a: Pose,
+    reach: f32,
     scratch: &mut NarrowScratch,
-) -> Option<Patch> {
-    let margin = ahead.margin(bodies, pair);
-    let b_in_a = relative_pose(bodies, pair.a, pair.b);
+) -> Found {
     match (&bodies.info(pair.a).shape, &bodies.info(pair.b).shape) {
         (Shape::Convex(a), Shape::Convex(b)) => {
-            collide_hulls(a.hull(), b.hull(), b_in_a, margin, scratch)
+            examine_hulls(a.hull(), b.hull(), b_in_a, reach, scratch)
         }
         (Shape::Convex(a), Shape::HalfSpace(b)) => {
             let plane = Plane::through(b_in_a.position, rotate(b_in_a.rotation, b.normal));
-            collide_half_space(a.hull(), plane, b_in_a, margin, scratch)
+            examine_half_space(a.hull(), plane, b_in_a, reach, scratch)
         }
         (Shape::HalfSpace(a), Shape::Convex(b)) => {
             let a_in_b = relative_pose(bodies, pair.b, pair.a);
             let plane = Plane::through(a_in_b.position, rotate(a_in_b.rotation, a.normal));
-            let patch = collide_half_space(b.hull(), plane, a_in_b, margin, scratch)?;
-            Some(patch.swapped(&a_in_b))
+            match examine_half_space(b.hull(), plane, a_in_b, reach, scratch) {
+                Found::Near(patch) => Found::Near(patch.swapped(&a_in_b)),
+                Found::Apart { distance, .. } => Found::Apart {
+                    axis: a.normal,
+                    distance,
+                },
+            }
         }
-        (Shape::HalfSpace(_), Shape::HalfSpace(_)) => None,
+        (Shape::HalfSpace(_), Shape::HalfSpace(_)) => Found::Near(Patch::default()),
     }
 }
 

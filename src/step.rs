@@ -16,7 +16,7 @@
 //! Sleeping bodies are woken in phase 3, where it is known who touches them; see [`sleep`](crate::solver::sleep).
 
 use crate::collide::{self, Lookahead};
-use crate::contact::broadphase::{Broadphase, Pair};
+use crate::contact::broadphase::Broadphase;
 use crate::contact::cache::{CacheStats, ContactCache};
 use crate::contact::manifold::Manifold;
 use crate::fracture::{CutError, CutRequest, Fractures, fracture_bodies};
@@ -35,8 +35,6 @@ use bevy_ecs::resource::Resource;
 pub struct Contacts {
     pub(crate) broadphase: Broadphase,
     pub(crate) narrow: collide::NarrowPhase,
-    /// Pairs that are not asleep.
-    awake_pairs: Vec<Pair>,
     pub(crate) manifolds: Vec<Manifold>,
     pub(crate) solver: ContactSolver,
     /// Rows of an island whose error is measured.
@@ -248,14 +246,12 @@ pub fn generate_contacts(
         broadphase,
         narrow,
         manifolds,
-        awake_pairs,
         ..
     } = contacts;
     let ahead = Lookahead::new(settings.h, settings.gravity.0);
     bodies.rouse(&settings.config.sleep, settings.gravity.0);
     loop {
-        let pairs = bodies.awake_pairs(broadphase.pairs(), awake_pairs);
-        narrow.collide(bodies, pairs, ahead, manifolds);
+        narrow.collide(bodies, broadphase, ahead, manifolds);
         // What was woken has pairs of its own, and may touch others that sleep.
         if !bodies.wake_touched(manifolds) {
             break;

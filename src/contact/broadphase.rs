@@ -88,6 +88,7 @@ pub struct Broadphase {
     tree: Bvh2,
     half_spaces: Vec<u32>,
     pairs: Vec<Pair>,
+    revision: u64,
     /// Slots whose pairs are found anew in this step, as a list and as flags.
     renewed: Vec<u32>,
     is_renewed: Vec<bool>,
@@ -117,6 +118,11 @@ impl Broadphase {
         &self.pairs
     }
 
+    /// Changes whenever [`pairs`](Self::pairs) may have changed.
+    pub fn revision(&self) -> u64 {
+        self.revision
+    }
+
     /// The box kept for the body in `slot`, if it has one.
     pub fn kept_box(&self, slot: u32) -> Option<Aabb> {
         let kept = self.kept.get(slot as usize)?.as_ref()?;
@@ -127,33 +133,47 @@ impl Broadphase {
     ///
     /// `margin` (m): how far a new box reaches beyond the proxy's, at most a quarter of the proxy's longest edge.
     pub fn update(&mut self, proxies: &[Option<Proxy>], margin: f32) {
-        self.update_some(proxies, margin, |_| true);
+        let slots = proxies.len().max(self.kept.len());
+        for slot in 0..slots {
+            self.set(slot, proxies.get(slot).copied().flatten(), margin);
+        }
+        self.find_pairs();
     }
 
-    /// The same, where the slots that are not `may_change` have the proxies of the last time.
-    pub fn update_some(
-        &mut self,
-        proxies: &[Option<Proxy>],
-        margin: f32,
-        may_change: impl Fn(usize) -> bool,
-    ) {
-        let slots = proxies.len().max(self.kept.len());
-        self.kept.resize(slots, None);
-        self.is_renewed.clear();
-        self.is_renewed.resize(slots, false);
-        self.renewed.clear();
-        for slot in (0..slots).filter(|&slot| may_change(slot)) {
-            let proxy = proxies.get(slot).copied().flatten();
-            self.update_slot(slot, proxy.filter(Proxy::is_usable), margin);
+    /// Tells where the body of one slot is now, or that there is none; [`find_pairs`](Self::find_pairs) must follow.
+    ///
+    /// Slots that are not told of stay as they are. Returns how far the body may move, or its proxy's box may grow, in any
+    /// direction until the slot must be told again, m; 0 for a half-space.
+    pub fn set(&mut self, slot: usize, proxy: Option<Proxy>, margin: f32) -> f32 {
+        if slot >= self.kept.len() {
+            self.kept.resize(slot + 1, None);
         }
+        self.update_slot(slot, proxy.filter(Proxy::is_usable), margin);
+        match self.kept[slot].map(|kept| (kept.proxy.shape, kept.fat)) {
+            Some((ProxyShape::Box(tight), fat)) => {
+                let room = (tight.min - fat.min).min(fat.max - tight.max);
+                room.min_element()
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// Brings the pairs up to date with what [`set`](Self::set) told.
+    pub fn find_pairs(&mut self) {
         if self.renewed.is_empty() {
             return;
+        }
+        self.is_renewed.clear();
+        self.is_renewed.resize(self.kept.len(), false);
+        for &slot in &self.renewed {
+            self.is_renewed[slot as usize] = true;
         }
         self.fresh.clear();
         for i in 0..self.renewed.len() {
             self.find_pairs_of(self.renewed[i]);
         }
         self.merge_fresh_pairs();
+        self.renewed.clear();
     }
 
     /// Compares one slot with what is kept for it, and renews it if needed.
@@ -189,7 +209,6 @@ impl Broadphase {
     }
 
     fn mark(&mut self, slot: usize) {
-        self.is_renewed[slot] = true;
         self.renewed.push(slot as u32);
     }
 
@@ -284,6 +303,7 @@ impl Broadphase {
         }
         self.merged.extend(fresh);
         std::mem::swap(&mut self.pairs, &mut self.merged);
+        self.revision += 1;
     }
 }
 

@@ -35,9 +35,11 @@
 use super::{BodyId, Manifold};
 use crate::contact::manifold::{ContactPoint, MAX_POINTS};
 use crate::geometry::{KdBox, KdCode};
+use crate::math::rotate;
 use bevy_ecs::resource::Resource;
 use glam::{Quat, Vec3};
 use std::cmp::Ordering;
+use std::iter::Peekable;
 
 /// An entry is evicted when it was not hit for more than this many steps.
 pub const MAX_AGE: u32 = 10;
@@ -65,6 +67,18 @@ pub struct CacheEntry {
 }
 
 impl CacheEntry {
+    /// The entry of a point after a solve; `to_a` turns world axes into A's frame.
+    fn of(point: &ContactPoint, to_a: Quat) -> Self {
+        Self {
+            code_a: point.code_a,
+            code_b: point.code_b,
+            normal_impulse: point.normal_impulse,
+            friction_impulse: rotate(to_a, point.friction_impulse),
+            age: 0,
+            taken: false,
+        }
+    }
+
     /// Whether the impulses are numbers; others are stored, but never applied.
     fn is_finite(&self) -> bool {
         self.normal_impulse.is_finite() && self.friction_impulse.is_finite()
@@ -114,6 +128,49 @@ impl Table {
             ..*entry
         }));
         self.close_pair(pair.bodies, first);
+    }
+
+    /// Renews pairs where they are, from the first one on as long as none gets or loses an entry, and takes their
+    /// manifolds. Returns their number.
+    fn renew_front(
+        &mut self,
+        manifolds: &mut Peekable<std::slice::Iter<Manifold>>,
+        ids: &[BodyId],
+        rotations: &[Quat],
+    ) -> usize {
+        for (index, pair) in self.pairs.iter().enumerate() {
+            let entries = &mut self.entries[pair.range()];
+            let next = manifolds.peek().map(|m| bodies_of(m, ids));
+            if next.is_some_and(|bodies| bodies < pair.bodies) {
+                return index;
+            }
+            let is_same = |_: &&Manifold| next == Some(pair.bodies);
+            let same = manifolds.peek().copied().filter(is_same);
+            let points = same.map_or(&[][..], Manifold::points);
+            let (fresh, old) = entries.split_at_mut(points.len().min(entries.len()));
+            let stays = |e: &CacheEntry| e.age < MAX_AGE && !is_replaced(e, points);
+            if !continues_as(points, fresh) || !old.iter().all(stays) {
+                return index;
+            }
+            old.iter_mut().for_each(|entry| entry.age += 1);
+            if let Some(manifold) = same {
+                let to_a = rotations[manifold.a as usize].inverse();
+                for (entry, point) in fresh.iter_mut().zip(points) {
+                    *entry = CacheEntry::of(point, to_a);
+                }
+                manifolds.next();
+            }
+        }
+        self.pairs.len()
+    }
+
+    /// Appends the first pairs of another table.
+    fn copy_front(&mut self, other: &Self, count: usize) {
+        let end = count
+            .checked_sub(1)
+            .map_or(0, |last| other.pairs[last].range().end);
+        self.pairs.extend_from_slice(&other.pairs[..count]);
+        self.entries.extend_from_slice(&other.entries[..end]);
     }
 
     /// Ends a pair whose entries have been pushed since `first`; a pair without entries is not recorded.
@@ -203,6 +260,8 @@ pub struct ContactCache {
     /// Pairs that neither age nor are matched, and the length of the step that their impulses belong to, s.
     parked: Table,
     parked_h: f32,
+    /// Whether an entry is marked as taken.
+    any_taken: bool,
 }
 
 impl ContactCache {
@@ -301,7 +360,9 @@ impl ContactCache {
         // No step before (or one of no length): entries are matched, multipliers start at zero.
         let scale = ratio(h, self.h);
         let Table { pairs, entries } = &mut self.current;
-        entries.iter_mut().for_each(|entry| entry.taken = false);
+        if std::mem::take(&mut self.any_taken) {
+            entries.iter_mut().for_each(|entry| entry.taken = false);
+        }
         let mut pairs = pairs.iter().peekable();
         for manifold in manifolds {
             let bodies = bodies_of(manifold, ids);
@@ -310,14 +371,24 @@ impl ContactCache {
                 .peek()
                 .filter(|pair| pair.bodies == bodies)
                 .map_or(0..0, |pair| pair.range());
+            let rotation = rotations[manifold.a as usize];
+            let entries = &mut entries[range];
+            let normal = manifold.normal;
+            if continues(manifold.points(), entries) {
+                stats.points += manifold.count;
+                stats.exact_hits += manifold.count;
+                for (point, entry) in manifold.points_mut().iter_mut().zip(entries) {
+                    let entry = Some(&*entry).filter(|entry| entry.is_finite());
+                    apply(point, entry, normal, rotation, scale);
+                }
+                continue;
+            }
             let measure = Nearness::of(
                 boxes[manifold.a as usize].as_ref(),
                 boxes[manifold.b as usize].as_ref(),
             );
-            let rotation = rotations[manifold.a as usize];
-            let entries = &mut entries[range];
+            self.any_taken = true;
             let matches = match_points(manifold.points(), entries, &measure, &mut stats);
-            let normal = manifold.normal;
             for (point, found) in manifold.points_mut().iter_mut().zip(matches) {
                 let entry = found
                     .map(|index| entries[index])
@@ -340,10 +411,17 @@ impl ContactCache {
         h: f32,
     ) {
         debug_assert!(is_sorted(manifolds, ids));
+        self.h = h;
+        self.any_taken = false;
         let Self { current, next, .. } = self;
-        next.clear();
         let mut manifolds = manifolds.iter().peekable();
-        for pair in &current.pairs {
+        let renewed = current.renew_front(&mut manifolds, ids, rotations);
+        if renewed == current.pairs.len() && manifolds.peek().is_none() {
+            return;
+        }
+        next.clear();
+        next.copy_front(current, renewed);
+        for pair in &current.pairs[renewed..] {
             while let Some(new) = manifolds.next_if(|m| bodies_of(m, ids) < pair.bodies) {
                 store_pair(next, Some(new), &[], bodies_of(new, ids), rotations);
             }
@@ -355,7 +433,6 @@ impl ContactCache {
             store_pair(next, Some(new), &[], bodies_of(new, ids), rotations);
         }
         std::mem::swap(current, next);
-        self.h = h;
     }
 }
 
@@ -382,7 +459,7 @@ fn apply(
         point.friction_impulse = Vec3::ZERO;
         return;
     };
-    let friction = rotation_a * entry.friction_impulse;
+    let friction = rotate(rotation_a, entry.friction_impulse);
     point.normal_impulse = scale * entry.normal_impulse;
     point.friction_impulse = scale * (friction - normal * normal.dot(friction));
 }
@@ -399,19 +476,12 @@ fn store_pair(
     let points = manifold.map_or(&[][..], Manifold::points);
     if let Some(manifold) = manifold {
         let to_a = rotations[manifold.a as usize].inverse();
-        next.entries.extend(points.iter().map(|point| CacheEntry {
-            code_a: point.code_a,
-            code_b: point.code_b,
-            normal_impulse: point.normal_impulse,
-            friction_impulse: to_a * point.friction_impulse,
-            age: 0,
-            taken: false,
-        }));
+        let new = points.iter().map(|point| CacheEntry::of(point, to_a));
+        next.entries.extend(new);
     }
-    let replaced = |entry: &CacheEntry| entry.taken || points.iter().any(|p| is_exact(p, entry));
     next.entries.extend(
         old.iter()
-            .filter(|entry| entry.age < MAX_AGE && !replaced(entry))
+            .filter(|entry| entry.age < MAX_AGE && !is_replaced(entry, points))
             .map(|entry| CacheEntry {
                 age: entry.age + 1,
                 taken: false,
@@ -419,6 +489,22 @@ fn store_pair(
             }),
     );
     next.close_pair(bodies, first);
+}
+
+/// Whether a point took the entry's place.
+fn is_replaced(entry: &CacheEntry, points: &[ContactPoint]) -> bool {
+    entry.taken || points.iter().any(|point| is_exact(point, entry))
+}
+
+/// Whether the points are those of the entries, in the same order.
+fn continues_as(points: &[ContactPoint], entries: &[CacheEntry]) -> bool {
+    points.len() == entries.len() && points.iter().zip(entries).all(|(p, e)| is_exact(p, e))
+}
+
+/// Whether the points are those of the step before, in the same order: then there is nothing to search for.
+fn continues(points: &[ContactPoint], entries: &[CacheEntry]) -> bool {
+    let fresh = entries.get(..points.len());
+    fresh.is_some_and(|e| continues_as(points, e) && e.iter().all(|e| e.age == 0 && !e.taken))
 }
 
 /// Whether a point lies in an entry's cells on both bodies.

@@ -1,8 +1,9 @@
 //! Contact manifolds: feature clipping, reduction to four points, normal from A to B.
 
+use crate::geometry::lanes::{LANES, Points4};
 use crate::geometry::{KdBox, KdCode};
 use crate::math::{Pose, rotate, tangents};
-use glam::Vec3;
+use glam::{Mat3, Quat, Vec3};
 
 /// Most points a manifold keeps.
 pub const MAX_POINTS: usize = 4;
@@ -30,7 +31,7 @@ pub struct ContactPoint {
 }
 
 /// All points where two bodies touch.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Manifold {
     /// Slot of body A (the one with the smaller id).
     pub a: u32,
@@ -73,21 +74,10 @@ pub struct ManifoldBody {
     pub code_box: Option<KdBox>,
 }
 
-impl ManifoldBody {
-    /// World-axes vector from the centre of mass to `point` (body's frame), and the code of `on_surface`.
-    fn anchor_and_code(&self, point: Vec3, on_surface: Vec3) -> (Vec3, KdCode) {
-        let code = self
-            .code_box
-            .map_or(KdCode::default(), |b| b.encode(on_surface));
-        (rotate(self.pose.rotation, point - self.centre), code)
-    }
-}
-
 impl Manifold {
     /// The manifold of a patch: anchors in world axes and contact codes, all impulses zero.
     ///
-    /// Anchors come from each body's own frame, never from world positions, so they are as exact far from the world's
-    /// origin as near it. The combined `friction` and `restitution` are copied.
+    /// The combined `friction` and `restitution` are copied.
     pub fn from_patch(
         a: &ManifoldBody,
         b: &ManifoldBody,
@@ -95,26 +85,167 @@ impl Manifold {
         friction: f32,
         restitution: f32,
     ) -> Self {
-        let normal = rotate(a.pose.rotation, patch.normal);
-        let normal_in_b = rotate(b.pose.rotation.inverse(), normal);
+        let place = |body: &ManifoldBody| BodyPlace {
+            centre: body.pose.transform_point(body.centre),
+            turn: Mat3::from_quat(body.pose.rotation),
+        };
         let mut manifold = Self {
             a: a.slot,
             b: b.slot,
-            normal,
+            normal: Vec3::ZERO,
             friction,
             restitution,
-            count: patch.count,
-            points: [ContactPoint::default(); MAX_POINTS],
+            count: 0,
+            points: Default::default(),
         };
-        for (to, from) in manifold.points_mut().iter_mut().zip(patch.points()) {
-            let half_gap = 0.5 * from.separation;
-            let mid_in_a = from.on_a + half_gap * patch.normal;
-            let mid_in_b = from.on_b - half_gap * normal_in_b;
-            (to.anchor_a, to.code_a) = a.anchor_and_code(mid_in_a, from.on_a);
-            (to.anchor_b, to.code_b) = b.anchor_and_code(mid_in_b, from.on_b);
-            to.separation = from.separation;
-        }
+        let turn = a.pose.rotation.inverse() * b.pose.rotation;
+        let (centres, boxes) = ([a.centre, b.centre], [a.code_box, b.code_box]);
+        let patch = BoundPatch::new(patch, turn, centres, boxes);
+        patch.write(&place(a), &place(b), &mut manifold);
         manifold
+    }
+}
+
+/// Where a body is.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct BodyPlace {
+    /// Centre of mass, world, m.
+    pub(crate) centre: Vec3,
+    /// `world_from_body` rotation.
+    pub(crate) turn: Mat3,
+}
+
+/// A patch whose points are bound to the two bodies, so that it can be seen anew after they have moved a little.
+///
+/// A point is kept as two: one on A's surface, one on B's, which faced each other when the patch was made. The normal is
+/// bound to the body whose face it belongs to. The gap between a corner of one body and a face of the other along that
+/// normal is then exact however the two have moved; that of a cut edge or of two crossing edges is exact to first order.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct BoundPatch {
+    /// Unit normal from A to B in the frame of the body it is bound to.
+    normal: Vec3,
+    normal_of_b: bool,
+    /// See [`Patch::steady`].
+    pub(crate) steady: f32,
+    pub(crate) count: u32,
+    /// From each body's centre of mass, body's frame, m.
+    on_a: Points4,
+    on_b: Points4,
+    /// See [`PatchPoint`]; `along` in the same frame as the normal.
+    share_b: [f32; MAX_POINTS],
+    along: Points4,
+    code_a: [KdCode; MAX_POINTS],
+    code_b: [KdCode; MAX_POINTS],
+}
+
+const _: () = assert!(MAX_POINTS == LANES, "one lane for each point");
+
+impl BoundPatch {
+    /// Binds a patch to bodies with the given centres of mass (body's frame, m) and code boxes; `turn` is the rotation
+    /// from B's frame to A's.
+    pub(crate) fn new(
+        patch: &Patch,
+        turn: Quat,
+        centres: [Vec3; 2],
+        boxes: [Option<KdBox>; 2],
+    ) -> Self {
+        let mut bound = Self {
+            normal: patch.normal_in_b.unwrap_or(patch.normal),
+            normal_of_b: patch.normal_in_b.is_some(),
+            steady: patch.steady,
+            count: patch.count,
+            ..Self::default()
+        };
+        let code = |b: Option<KdBox>, at: Vec3| b.map_or(KdCode::default(), |b| b.encode(at));
+        for (l, point) in patch.points().iter().enumerate() {
+            bound.on_a.set(l, point.on_a - centres[0]);
+            bound.on_b.set(l, point.on_b - centres[1]);
+            bound.share_b[l] = point.share_b;
+            let along = if bound.normal_of_b {
+                rotate(turn.inverse(), point.along)
+            } else {
+                point.along
+            };
+            bound.along.set(l, along);
+            bound.code_a[l] = code(boxes[0], point.on_a);
+            bound.code_b[l] = code(boxes[1], point.on_b);
+        }
+        bound
+    }
+
+    /// Writes normal and points as the bodies are now, with impulses of zero.
+    ///
+    /// All lengths come from the bodies' own frames and the difference of the two centres, which is exact, so they are as
+    /// good far from the world's origin as near it.
+    pub(crate) fn write(&self, a: &BodyPlace, b: &BodyPlace, manifold: &mut Manifold) {
+        let turn = if self.normal_of_b { &b.turn } else { &a.turn };
+        let normal = *turn * self.normal;
+        let apart = b.centre - a.centre;
+        let (on_a, on_b) = (turned(&self.on_a, &a.turn), turned(&self.on_b, &b.turn));
+        let along = turned(&self.along, turn);
+        let placed = self.place(normal, apart, &on_a, &on_b, &along);
+        manifold.normal = normal;
+        manifold.count = self.count;
+        for (l, point) in manifold.points.iter_mut().enumerate() {
+            *point = ContactPoint::default();
+            if l < self.count as usize {
+                point.anchor_a = placed.anchor_a.get(l);
+                point.anchor_b = placed.anchor_b.get(l);
+                point.separation = placed.separation[l];
+                point.code_a = self.code_a[l];
+                point.code_b = self.code_b[l];
+            }
+        }
+    }
+
+    /// Separations and anchors, given the points' places on the two bodies in world axes.
+    ///
+    /// The contact is midway between the surfaces, and goes with the body that its point belongs to. Kept apart from the
+    /// copying to single points, which would have the compiler mix the lanes.
+    #[inline(never)]
+    fn place(&self, n: Vec3, apart: Vec3, a: &Points4, b: &Points4, along: &Points4) -> Placed {
+        let mut placed = Placed::default();
+        for l in 0..LANES {
+            let gap_x = apart.x + b.x[l] - a.x[l];
+            let gap_y = apart.y + b.y[l] - a.y[l];
+            let gap_z = apart.z + b.z[l] - a.z[l];
+            let separation = n.x * gap_x + n.y * gap_y + n.z * gap_z;
+            let slide = along.x[l] * gap_x + along.y[l] * gap_y + along.z[l] * gap_z;
+            let share = self.share_b[l];
+            let lift = (0.5 - share) * separation;
+            let slide = (1.0 - 2.0 * share) * slide;
+            let shift_x = lift * n.x + slide * along.x[l];
+            let shift_y = lift * n.y + slide * along.y[l];
+            let shift_z = lift * n.z + slide * along.z[l];
+            let rest = 1.0 - share;
+            placed.separation[l] = separation;
+            placed.anchor_a.x[l] = a.x[l] + share * gap_x + shift_x;
+            placed.anchor_a.y[l] = a.y[l] + share * gap_y + shift_y;
+            placed.anchor_a.z[l] = a.z[l] + share * gap_z + shift_z;
+            placed.anchor_b.x[l] = b.x[l] - rest * gap_x + shift_x;
+            placed.anchor_b.y[l] = b.y[l] - rest * gap_y + shift_y;
+            placed.anchor_b.z[l] = b.z[l] - rest * gap_z + shift_z;
+        }
+        placed
+    }
+}
+
+/// What [`BoundPatch::place`] finds for each point, world axes, m.
+#[derive(Clone, Copy, Debug, Default)]
+struct Placed {
+    separation: [f32; LANES],
+    anchor_a: Points4,
+    anchor_b: Points4,
+}
+
+/// Points turned from a body's frame to world axes.
+#[inline(never)]
+fn turned(points: &Points4, turn: &Mat3) -> Points4 {
+    let rows = turn.transpose();
+    Points4 {
+        x: points.along(rows.x_axis),
+        y: points.along(rows.y_axis),
+        z: points.along(rows.z_axis),
     }
 }
 
@@ -127,6 +258,12 @@ pub struct PatchPoint {
     pub on_b: Vec3,
     /// Gap along the normal, m; negative where the bodies overlap.
     pub separation: f32,
+    /// With which body the point goes while the two slide: 0 with A, 1 with B (a corner of B on a face of A), 0.5 half
+    /// with each (where two edges cross).
+    pub share_b: f32,
+    /// Unit vector, A's frame, along which the point goes with the other body instead: where an edge of the one crosses
+    /// an edge of the other's face, the point stays on both. Zero if there is none.
+    pub along: Vec3,
 }
 
 /// What the narrow phase finds for one pair: in A's frame, so that nothing is lost far from the origin.
@@ -134,6 +271,10 @@ pub struct PatchPoint {
 pub struct Patch {
     /// Unit normal from A to B, A's frame.
     pub normal: Vec3,
+    /// The same vector in B's frame, if it is the normal of a face of B and turns with B; otherwise it turns with A.
+    pub normal_in_b: Option<Vec3>,
+    /// How far the bodies may slide until a corner reaches an edge, m: the points stay what they are so long.
+    pub steady: f32,
     /// Number of valid points.
     pub count: u32,
     /// The points.
@@ -148,12 +289,16 @@ impl Patch {
 
     /// The patch with the two bodies exchanged: in B's frame, normal from B to A.
     pub fn swapped(&self, b_in_a: &Pose) -> Self {
+        let normal_in_b = rotate(b_in_a.rotation.inverse(), self.normal);
         let mut patch = Self {
-            normal: rotate(b_in_a.rotation.inverse(), -self.normal),
+            normal: -self.normal_in_b.unwrap_or(normal_in_b),
+            normal_in_b: self.normal_in_b.is_none().then_some(-self.normal),
             ..*self
         };
         for point in &mut patch.points {
             std::mem::swap(&mut point.on_a, &mut point.on_b);
+            point.share_b = 1.0 - point.share_b;
+            point.along = rotate(b_in_a.rotation.inverse(), point.along);
         }
         patch
     }
@@ -167,14 +312,37 @@ impl Patch {
     }
 }
 
+/// A contact point before reduction, in the frame of one body.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Candidate {
+    /// On the surface of the body that the reference face does not belong to, m.
+    pub(super) at: Vec3,
+    /// Gap along the normal, m.
+    pub(super) separation: f32,
+    pub(super) kind: CornerKind,
+    /// Whether the polygon runs on along an edge of the reference face.
+    pub(super) leaves_on_cut: bool,
+}
+
+/// What a corner of a cut face is.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum CornerKind {
+    /// A vertex of the incident body.
+    Incident,
+    /// Where an edge of the incident body crosses an edge of the reference face, which runs along this unit vector.
+    Crossing(Vec3),
+    /// A vertex of the reference face.
+    Reference,
+}
+
 /// Chooses at most [`MAX_POINTS`] of `candidates` that carry a load as well as all of them would, and keeps their order.
 ///
-/// `candidates` are (position, separation) in one frame; `normal` is the unit contact normal; points nearer to each
+/// `candidates` are in one frame; `normal` is the unit contact normal; points nearer to each
 /// other than `merge` (m) count as one. First the deepest point, then the one farthest from it, then the one that spans
 /// the largest triangle with these two, then the one that adds most area outside the triangle. Points within `merge`
 /// of the deepest are taken as equally deep, and the most extreme of them in a fixed direction is chosen, so that
 /// rounding noise on a flat face does not change the choice from step to step; any other tie goes to the first.
-pub(super) fn reduce(candidates: &mut Vec<(Vec3, f32)>, normal: Vec3, merge: f32) {
+pub(super) fn reduce(candidates: &mut Vec<Candidate>, normal: Vec3, merge: f32) {
     remove_duplicates(candidates, merge);
     if candidates.len() <= MAX_POINTS {
         return;
@@ -188,17 +356,17 @@ pub(super) fn reduce(candidates: &mut Vec<(Vec3, f32)>, normal: Vec3, merge: f32
 }
 
 /// Drops each point that lies within `merge` of an earlier one, which keeps the smaller of both separations.
-fn remove_duplicates(candidates: &mut Vec<(Vec3, f32)>, merge: f32) {
+fn remove_duplicates(candidates: &mut Vec<Candidate>, merge: f32) {
     let mut kept = 0;
     for i in 0..candidates.len() {
-        let (point, separation) = candidates[i];
+        let candidate = candidates[i];
         let twin = candidates[..kept]
             .iter_mut()
-            .find(|(other, _)| other.distance_squared(point) <= merge * merge);
+            .find(|other| other.at.distance_squared(candidate.at) <= merge * merge);
         match twin {
-            Some(twin) => twin.1 = twin.1.min(separation),
+            Some(twin) => twin.separation = twin.separation.min(candidate.separation),
             None => {
-                candidates[kept] = (point, separation);
+                candidates[kept] = candidate;
                 kept += 1;
             }
         }
@@ -207,11 +375,11 @@ fn remove_duplicates(candidates: &mut Vec<(Vec3, f32)>, merge: f32) {
 }
 
 /// The four points of [`reduce`], as indices; fewer distinct ones if the points lie on a line.
-fn choose_four(candidates: &[(Vec3, f32)], normal: Vec3, merge: f32) -> [usize; MAX_POINTS] {
+fn choose_four(candidates: &[Candidate], normal: Vec3, merge: f32) -> [usize; MAX_POINTS] {
     let best = |score: &dyn Fn(Vec3) -> f32| {
         let mut best = (f32::NEG_INFINITY, 0);
-        for (i, &(point, _)) in candidates.iter().enumerate() {
-            let value = score(point);
+        for (i, candidate) in candidates.iter().enumerate() {
+            let value = score(candidate.at);
             if value > best.0 {
                 best = (value, i);
             }
@@ -220,23 +388,23 @@ fn choose_four(candidates: &[(Vec3, f32)], normal: Vec3, merge: f32) -> [usize; 
     };
     let deepest = candidates
         .iter()
-        .fold(f32::INFINITY, |d, &(_, separation)| d.min(separation));
+        .fold(f32::INFINITY, |d, candidate| d.min(candidate.separation));
     let [along, _] = tangents(normal);
     let mut first = (f32::NEG_INFINITY, 0);
-    for (i, &(point, separation)) in candidates.iter().enumerate() {
-        let extreme = along.dot(point);
-        if separation <= deepest + merge && extreme > first.0 {
+    for (i, candidate) in candidates.iter().enumerate() {
+        let extreme = along.dot(candidate.at);
+        if candidate.separation <= deepest + merge && extreme > first.0 {
             first = (extreme, i);
         }
     }
     let first = first.1;
-    let p = candidates[first].0;
+    let p = candidates[first].at;
     let second = best(&|point| point.distance_squared(p));
-    let q = candidates[second].0;
+    let q = candidates[second].at;
     // Twice the signed area of the triangle (from, to, point), seen against the normal.
     let area = |from: Vec3, to: Vec3, point: Vec3| normal.dot((to - from).cross(point - from));
     let third = best(&|point| area(p, q, point).abs());
-    let r = candidates[third].0;
+    let r = candidates[third].at;
     // Edges of the triangle run so that outside is negative for all three.
     let turn = 1.0_f32.copysign(area(p, q, r));
     let fourth = best(&|point| {

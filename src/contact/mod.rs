@@ -4,8 +4,11 @@ use bevy_ecs::component::Component;
 
 pub mod broadphase;
 pub mod cache;
+mod clipping;
+pub(crate) mod half_space;
 pub mod manifold;
 pub mod material;
+pub(crate) mod pair;
 pub mod sat;
 
 pub use broadphase::{Broadphase, Pair, Proxy, ProxyKind, ProxyShape};

@@ -1,15 +1,19 @@
-//! Where two convex hulls touch: separating-axis test, face clipping, edge contact; and a hull against a half-space.
+//! Where two convex hulls touch: separating-axis test over faces and edges.
 //!
 //! Everything happens in A's frame with B's pose relative to A, so results do not depend on where in the world the
 //! pair is; all tolerances are relative to the size of the smaller hull.
 //!
 //! # References
 //! D. Gregorius, "The Separating Axis Test between Convex Polyhedra", GDC 2013: face queries, and edge queries pruned
-//! on the Gauss map. Verifying each edge axis by its supports and choosing the incident face among those at the support
-//! vertex are ours; they make the answer independent of how exact the axis is.
+//! on the Gauss map. Verifying each edge axis by its supports, and leaving out the edges that the best faces rule out,
+//! are ours.
 
-use super::manifold::{MAX_POINTS, Patch, PatchPoint, reduce};
-use crate::geometry::{ConvexHull, Face};
+pub use super::half_space::collide_half_space;
+
+use super::clipping::{Clipping, edge_patch};
+use super::manifold::{Candidate, Patch};
+use crate::geometry::ConvexHull;
+use crate::geometry::lanes::{LANES, Points4, bounds, lowest, lowest_height, move_points, point};
 use crate::math::{Aabb, Plane, Pose};
 use glam::{Mat3, Vec3};
 
@@ -27,24 +31,29 @@ const PREFER_RELATIVE: f32 = 0.02;
 const PARALLEL: f32 = 1e-3;
 
 /// Points nearer than this share of the smaller hull's diagonal are one contact point.
-const MERGE: f32 = 1e-4;
+pub(super) const MERGE: f32 = 1e-4;
 
 /// Buffers of the narrow phase, one per thread; they grow to the largest hulls seen and are then reused.
 #[derive(Clone, Debug, Default)]
 pub struct NarrowScratch {
     /// B's vertices in A's frame, and the box around them.
-    vertices: Vec<Vec3>,
+    pub(super) b_in_a: Vec<Points4>,
     aabb: Aabb,
-    /// B's face planes in A's frame.
-    planes: Vec<Plane>,
+    /// A's vertices in B's frame.
+    a_in_b: Vec<Points4>,
+    /// Pose of B in A's frame.
+    pub(super) turn: Mat3,
+    shift: Vec3,
     /// Polygon being clipped, and the result of the last cut.
-    polygon: Vec<Vec3>,
-    clipped: Vec<Vec3>,
-    /// Points and separations before reduction.
-    candidates: Vec<(Vec3, f32)>,
-    /// Edges of either hull that are near enough to the other one to touch it, A's frame.
+    pub(super) polygon: Vec<Candidate>,
+    pub(super) clipped: Vec<Candidate>,
+    /// Edges of either hull that may be the best axis.
     near_a: Vec<NearEdge>,
     near_b: Vec<NearEdge>,
+    /// The numbers of `near_b` that rule out most pairs, in lanes.
+    arcs_b: Vec<Arcs4>,
+    /// What [`Vicinity::classify`] says of each vertex.
+    classes: Vec<[u8; LANES]>,
 }
 
 /// An edge as the edge test reads it, A's frame.
@@ -57,83 +66,203 @@ struct NearEdge {
     normals: [Vec3; 2],
 }
 
+/// Directions of four edges and the normals of their faces: arcs on the Gauss map.
+#[derive(Clone, Copy, Debug, Default)]
+struct Arcs4 {
+    along: Points4,
+    normals: [Points4; 2],
+}
+
+impl Arcs4 {
+    /// Which of the four arcs and the arc of `edge` each cross the great circle of the other; see [`edge_axis`].
+    fn crossing(&self, edge: &NearEdge) -> [bool; LANES] {
+        let sides = [
+            self.normals[0].along(edge.along),
+            self.normals[1].along(edge.along),
+            self.along.along(edge.normals[0]),
+            self.along.along(edge.normals[1]),
+        ];
+        let mut crossing = [false; LANES];
+        for l in 0..LANES {
+            let (here, there) = (sides[0][l] * sides[1][l], sides[2][l] * sides[3][l]);
+            crossing[l] = (here < 0.0) & (there < 0.0);
+        }
+        crossing
+    }
+}
+
 impl NarrowScratch {
     /// Empty buffers.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Brings B into A's frame.
-    fn load(&mut self, b: &ConvexHull, b_in_a: &Pose) {
-        let turn = Mat3::from_quat(b_in_a.rotation);
-        let moved = b.vertices().iter().map(|&v| turn * v + b_in_a.position);
-        self.vertices.clear();
-        self.vertices.extend(moved);
-        self.aabb = Aabb::of_points(self.vertices.iter().copied());
-        self.planes.clear();
-        self.planes.extend(b.faces().iter().map(|face| {
-            let normal = turn * face.plane.normal;
-            Plane {
-                normal,
-                offset: face.plane.offset + normal.dot(b_in_a.position),
-            }
-        }));
+    /// Brings B into A's frame and A into B's.
+    fn load(&mut self, a: &ConvexHull, b: &ConvexHull, b_in_a: &Pose) {
+        self.turn = Mat3::from_quat(b_in_a.rotation);
+        self.shift = b_in_a.position;
+        let back = self.turn.transpose();
+        move_points(&mut self.b_in_a, &b.lanes.points, &self.turn, self.shift);
+        let origin = -(back * self.shift);
+        move_points(&mut self.a_in_b, &a.lanes.points, &back, origin);
+        self.aabb = bounds(&b.lanes.points, &self.turn, self.shift);
     }
 
-    /// Collects the edges that come within `reach` (m) of the other hull's box.
+    /// A plane of B in A's frame.
+    pub(super) fn plane_in_a(&self, plane: &Plane) -> Plane {
+        let normal = self.turn * plane.normal;
+        Plane {
+            normal,
+            offset: plane.offset + normal.dot(self.shift),
+        }
+    }
+
+    /// Collects the edges that can be the best axis, given that no axis separates by more than `reach` (m) nor by less
+    /// than `-reach`.
     ///
-    /// Where an edge pair is the best axis, the closest points of the two edges are as far apart as the hulls: by the
-    /// gap, or by the depth of the overlap, which the best face bounds. Farther edges cannot be the best axis.
-    fn load_near_edges(&mut self, a: &ConvexHull, b: &ConvexHull, reach: f32) {
+    /// Where an edge pair is the best axis, a point of the one edge and a point of the other are as far apart as the
+    /// hulls, by the gap or by the depth of the overlap: at most `reach`. Each point lies in its own hull. So either
+    /// edge comes within `reach` of the other hull's box. And of a face that separates by `s`, its own hull being below
+    /// and the other one above `s`, the edge of its own hull has a point above `s - reach`, the other below `reach`.
+    fn load_near_edges(
+        &mut self,
+        a: &ConvexHull,
+        b: &ConvexHull,
+        [face_a, face_b]: [&FaceAxis; 2],
+        reach: f32,
+    ) {
         let (box_a, box_b) = (a.aabb(), self.aabb);
         // Rounding of the boxes and of the reach itself is far below a thousandth.
         let reach = reach + 1e-3 * (reach + box_a.diagonal().min(box_b.diagonal()));
-        let (box_a, box_b) = (box_a.fattened(reach), box_b.fattened(reach));
-        let normal_of_a = |face: u32| a.faces()[face as usize].plane.normal;
-        let normal_of_b = |face: u32| self.planes[face as usize].normal;
-        collect_near(&mut self.near_a, a, a.vertices(), normal_of_a, &box_b);
-        collect_near(&mut self.near_b, b, &self.vertices, normal_of_b, &box_a);
+        let (plane_a, plane_b) = (face_a.plane, self.plane_in_a(&face_b.plane));
+        let turn = self.turn;
+        let near = Vicinity {
+            own: (plane_a, face_a.separation - reach),
+            other: (plane_b, reach),
+            bounds: box_b.fattened(reach),
+        };
+        near.classify(&a.lanes.points, &mut self.classes);
+        let normal_of = |face: u32| a.faces()[face as usize].plane.normal;
+        near.collect(
+            a,
+            &a.lanes.points,
+            &self.classes,
+            normal_of,
+            &mut self.near_a,
+        );
+        let near = Vicinity {
+            own: (plane_b, face_b.separation - reach),
+            other: (plane_a, reach),
+            bounds: box_a.fattened(reach),
+        };
+        near.classify(&self.b_in_a, &mut self.classes);
+        let normal_of = |face: u32| turn * b.faces()[face as usize].plane.normal;
+        near.collect(b, &self.b_in_a, &self.classes, normal_of, &mut self.near_b);
+        self.arcs_b.clear();
+        self.arcs_b.extend(self.near_b.chunks(LANES).map(|edges| {
+            let mut arcs = Arcs4::default();
+            for (l, edge) in edges.iter().enumerate() {
+                arcs.along.set(l, edge.along);
+                arcs.normals[0].set(l, edge.normals[0]);
+                arcs.normals[1].set(l, edge.normals[1]);
+            }
+            arcs
+        }));
     }
 }
 
-/// Fills `near` with the edges of `hull` that meet the box `other`; corners, normals and box along the same axes.
-fn collect_near(
-    near: &mut Vec<NearEdge>,
-    hull: &ConvexHull,
-    corners: &[Vec3],
-    normal_of: impl Fn(u32) -> Vec3,
-    other: &Aabb,
-) {
-    near.clear();
-    for (index, edge) in hull.edges().iter().enumerate() {
-        let [from, to] = edge.vertices.map(|v| corners[v as usize]);
-        if other.overlaps(&Aabb::of_points([from, to])) {
-            near.push(NearEdge {
-                index,
-                from,
-                along: to - from,
-                normals: edge.faces.map(&normal_of),
-            });
+/// Where the edges of a hull must be to count; see [`NarrowScratch::load_near_edges`].
+#[derive(Debug)]
+struct Vicinity {
+    /// Best face of the edges' own hull, and the height above it that an edge must come up to.
+    own: (Plane, f32),
+    /// Best face of the other hull, and the height above it that an edge must come down to.
+    other: (Plane, f32),
+    /// Box that an edge must meet.
+    bounds: Aabb,
+}
+
+impl Vicinity {
+    /// Bit 0 for vertices that are high enough above the own face, bit 1 for those that are low enough above the other.
+    fn classify(&self, points: &[Points4], classes: &mut Vec<[u8; LANES]>) {
+        let least = self.own.1 + self.own.0.offset;
+        let most = self.other.1 + self.other.0.offset;
+        classes.clear();
+        classes.extend(points.iter().map(|group| {
+            let own = group.along(self.own.0.normal);
+            let other = group.along(self.other.0.normal);
+            let mut class = [0; LANES];
+            for l in 0..LANES {
+                class[l] = u8::from(own[l] >= least) | u8::from(other[l] <= most) << 1;
+            }
+            class
+        }));
+    }
+
+    /// Fills `near` with the edges that count; corners and normals along the same axes as the planes.
+    fn collect(
+        &self,
+        hull: &ConvexHull,
+        corners: &[Points4],
+        classes: &[[u8; LANES]],
+        normal_of: impl Fn(u32) -> Vec3,
+        near: &mut Vec<NearEdge>,
+    ) {
+        near.clear();
+        for (index, edge) in hull.edges().iter().enumerate() {
+            let (v, w) = (edge.vertices[0] as usize, edge.vertices[1] as usize);
+            if classes[v / LANES][v % LANES] | classes[w / LANES][w % LANES] != 3 {
+                continue;
+            }
+            let (from, to) = (point(corners, v), point(corners, w));
+            let span = Aabb {
+                min: from.min(to),
+                max: from.max(to),
+            };
+            if self.bounds.overlaps(&span) {
+                near.push(NearEdge {
+                    index,
+                    from,
+                    along: to - from,
+                    normals: [normal_of(edge.faces[0]), normal_of(edge.faces[1])],
+                });
+            }
         }
     }
 }
 
 /// The face of one hull that separates best from the other hull.
 #[derive(Clone, Copy, Debug)]
-struct FaceAxis {
-    face: usize,
+pub(super) struct FaceAxis {
+    pub(super) face: usize,
+    /// Its plane, in its own hull's frame.
+    pub(super) plane: Plane,
     /// Vertex of the other hull that lies deepest below the face.
-    support: usize,
-    separation: f32,
+    pub(super) support: usize,
+    pub(super) separation: f32,
 }
 
 /// The pair of edges whose common perpendicular separates best.
 #[derive(Clone, Copy, Debug)]
-struct EdgeAxis {
-    edges: [usize; 2],
+pub(super) struct EdgeAxis {
+    pub(super) edges: [usize; 2],
     /// Unit vector from A to B, A's frame.
-    normal: Vec3,
-    separation: f32,
+    pub(super) normal: Vec3,
+    pub(super) separation: f32,
+}
+
+/// What the test of a pair found.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Found {
+    /// The hulls are at least `distance` (m) apart, which is more than the margin, along `axis`.
+    Apart {
+        /// Unit vector from A to B, A's frame.
+        axis: Vec3,
+        /// Distance along it, m.
+        distance: f32,
+    },
+    /// No axis separates by more than the margin. The patch may be empty, where two corners pass each other.
+    Near(Patch),
 }
 
 /// Contact of hull `a` with hull `b`, whose pose in A's frame is `b_in_a`; in A's frame, normal from A to B.
@@ -148,128 +277,219 @@ pub fn collide_hulls(
     margin: f32,
     scratch: &mut NarrowScratch,
 ) -> Option<Patch> {
-    if !b_in_a.is_finite() || !margin.is_finite() {
-        return None;
+    match examine_hulls(a, b, b_in_a, margin, scratch) {
+        Found::Near(patch) if patch.count > 0 => Some(patch),
+        _ => None,
     }
-    scratch.load(b, &b_in_a);
-    if centres_separate(a, scratch, margin) {
-        return None;
-    }
-    let face_a = best_face(a.faces().iter().map(|f| f.plane), &scratch.vertices, margin)?;
-    let face_b = best_face(scratch.planes.iter().copied(), a.vertices(), margin)?;
-    let floor = face_a.separation.max(face_b.separation);
-    let gap = gap_at_most(a, b, [&face_a, &face_b], scratch);
-    scratch.load_near_edges(a, b, gap.max(-floor));
-    let edge = best_edge_pair(a, scratch, floor);
-    if edge.is_some_and(|e| e.separation > margin) {
-        return None;
-    }
-
-    let size = a.aabb().diagonal().min(b.aabb().diagonal());
-    let slack = |separation: f32| PREFER_ABSOLUTE * size + PREFER_RELATIVE * separation.abs();
-    // On a tie the larger hull offers the reference face, so that the points sit on the smaller one's corners.
-    let b_is_larger = b.aabb().diagonal() > a.aabb().diagonal() * (1.0 + PREFER_RELATIVE);
-    let b_refers = if b_is_larger {
-        face_b.separation >= face_a.separation - slack(face_a.separation)
-    } else {
-        face_b.separation > face_a.separation + slack(face_a.separation)
-    };
-    let face = if b_refers { face_b } else { face_a };
-
-    if let Some(edge) = edge
-        && edge.separation > face.separation + slack(face.separation)
-    {
-        return Some(edge_patch(a, b, &edge, &b_in_a, scratch));
-    }
-    let contact = Clipping {
-        a,
-        b,
-        b_in_a,
-        margin,
-        merge: MERGE * size,
-    };
-    contact
-        .face_patch(&face, b_refers, scratch)
-        .or_else(|| edge.map(|edge| edge_patch(a, b, &edge, &b_in_a, scratch)))
-        .or_else(|| contact.support_patch(&face, b_refers, scratch))
 }
 
-/// Whether the line through the middles of the two boxes separates the hulls by more than `margin`: true for most pairs
-/// that do not touch, and much cheaper to find out than by the faces.
-fn centres_separate(a: &ConvexHull, scratch: &NarrowScratch, margin: f32) -> bool {
-    let Some(axis) = (scratch.aabb.centre() - a.aabb().centre()).try_normalize() else {
-        return false;
-    };
-    lowest(&scratch.vertices, axis).1 + lowest(a.vertices(), -axis).1 > margin
-}
-
-/// The plane with the largest separation from `vertices`; `None` if that exceeds `margin` or nothing is comparable.
-fn best_face(
-    planes: impl Iterator<Item = Plane>,
-    vertices: &[Vec3],
-    margin: f32,
-) -> Option<FaceAxis> {
-    let mut best: Option<FaceAxis> = None;
-    // The vertex that ruled out the last face rules out most of its neighbours too.
-    let mut hint = 0;
-    for (face, plane) in planes.enumerate() {
-        let bar = best.map_or(f32::NEG_INFINITY, |b| b.separation);
-        let height = |i: usize| plane.normal.dot(vertices[i]) - plane.offset;
-        if height(hint) <= bar {
-            continue;
-        }
-        let depth = bar + plane.offset;
-        if let Some(below) = vertices.iter().position(|v| plane.normal.dot(*v) <= depth) {
-            hint = below;
-            continue;
-        }
-        let (support, separation) = lowest(vertices, plane.normal);
-        let separation = separation - plane.offset;
-        if separation > margin {
-            return None;
-        }
-        if separation > bar && separation.is_finite() {
-            best = Some(FaceAxis {
-                face,
-                support,
-                separation,
-            });
-        }
-    }
-    best
-}
-
-/// An upper bound of the distance of two hulls, m: the least distance from a support vertex to a corner of its face.
-fn gap_at_most(
+/// As [`collide_hulls`], which it does the work of, and says by which axis hulls are apart.
+pub(crate) fn examine_hulls(
     a: &ConvexHull,
     b: &ConvexHull,
-    [face_a, face_b]: [&FaceAxis; 2],
-    scratch: &NarrowScratch,
-) -> f32 {
-    let nearest = |hull: &ConvexHull, corners: &[Vec3], face: usize, point: Vec3| {
-        let outline = hull.face_loop(&hull.faces()[face]).iter();
-        let distances = outline.map(|&v| corners[v as usize].distance_squared(point));
-        distances.fold(f32::INFINITY, f32::min)
-    };
-    let (on_a, on_b) = (a.vertices(), &scratch.vertices);
-    let from_a = nearest(a, on_a, face_a.face, on_b[face_a.support]);
-    let from_b = nearest(b, on_b, face_b.face, on_a[face_b.support]);
-    from_a.min(from_b).sqrt()
+    b_in_a: Pose,
+    margin: f32,
+    scratch: &mut NarrowScratch,
+) -> Found {
+    if !b_in_a.is_finite() || !margin.is_finite() {
+        return Found::Near(Patch::default());
+    }
+    // The line through the middles of the two boxes separates most pairs that do not touch.
+    let middles = b_in_a.transform_point(b.aabb().centre()) - a.aabb().centre();
+    if let Some(axis) = middles.try_normalize() {
+        let distance = distance_along(a, b, &b_in_a, axis);
+        if distance > margin {
+            return Found::Apart { axis, distance };
+        }
+    }
+    scratch.load(a, b, &b_in_a);
+    match Axes::find(a, b, middles, margin, scratch) {
+        Err(apart) => apart,
+        Ok(None) => Found::Near(Patch::default()),
+        Ok(Some(axes)) => axes.choose(a, b, &b_in_a, margin, scratch),
+    }
 }
 
-/// The vertex with the smallest coordinate along `axis`, and that coordinate; the first one on a tie.
-fn lowest(vertices: &[Vec3], axis: Vec3) -> (usize, f32) {
-    let mut best = (0, f32::INFINITY);
-    for (i, vertex) in vertices.iter().enumerate() {
-        let height = axis.dot(*vertex);
-        if height < best.1 {
-            best = (i, height);
+/// Distance of two hulls along a unit vector from A to B (A's frame), m.
+pub(crate) fn distance_along(a: &ConvexHull, b: &ConvexHull, b_in_a: &Pose, axis: Vec3) -> f32 {
+    let axis_in_b = Mat3::from_quat(b_in_a.rotation).transpose() * axis;
+    lowest_height(&b.lanes.points, axis_in_b)
+        + axis.dot(b_in_a.position)
+        + lowest_height(&a.lanes.points, -axis)
+}
+
+/// The best faces of a pair that no face separates by more than the margin.
+#[derive(Debug)]
+struct Axes {
+    face_a: FaceAxis,
+    face_b: FaceAxis,
+}
+
+impl Axes {
+    /// `Err` if a face separates the hulls, `None` if nothing is comparable. `middles` points from A's middle to B's.
+    fn find(
+        a: &ConvexHull,
+        b: &ConvexHull,
+        middles: Vec3,
+        margin: f32,
+        scratch: &NarrowScratch,
+    ) -> Result<Option<Self>, Found> {
+        let face_a = best_face(a, &scratch.b_in_a, middles);
+        let apart = |axis: Vec3, face: &FaceAxis| Found::Apart {
+            axis,
+            distance: face.separation,
+        };
+        if face_a.separation > margin {
+            return Err(apart(face_a.plane.normal, &face_a));
+        }
+        let back = -(scratch.turn.transpose() * middles);
+        let face_b = best_face(b, &scratch.a_in_b, back);
+        if face_b.separation > margin {
+            return Err(apart(-(scratch.turn * face_b.plane.normal), &face_b));
+        }
+        let comparable = face_a.separation.is_finite() && face_b.separation.is_finite();
+        Ok(comparable.then_some(Self { face_a, face_b }))
+    }
+
+    /// Weighs the faces against each other and against the edges, and makes the contact.
+    fn choose(
+        &self,
+        a: &ConvexHull,
+        b: &ConvexHull,
+        b_in_a: &Pose,
+        margin: f32,
+        scratch: &mut NarrowScratch,
+    ) -> Found {
+        let Self { face_a, face_b } = self;
+        let (extent_a, extent_b) = (a.aabb().diagonal(), b.aabb().diagonal());
+        let size = extent_a.min(extent_b);
+        let slack = |separation: f32| PREFER_ABSOLUTE * size + PREFER_RELATIVE * separation.abs();
+        // On a tie the larger hull offers the reference face, so that the points sit on the smaller one's corners.
+        let b_is_larger = extent_b > extent_a * (1.0 + PREFER_RELATIVE);
+        let b_refers = if b_is_larger {
+            face_b.separation >= face_a.separation - slack(face_a.separation)
+        } else {
+            face_b.separation > face_a.separation + slack(face_a.separation)
+        };
+        let face = if b_refers { face_b } else { face_a };
+
+        // Edges matter if they separate by more than this. No axis separates by more than the distance of the hulls.
+        let bar = face.separation + slack(face.separation);
+        let best_of_faces = face_a.separation.max(face_b.separation);
+        let threshold = bar.min(margin.max(best_of_faces));
+        let gap = self.gap_at_most(a, b, scratch);
+        let reach = gap.max(-best_of_faces);
+        let search = |floor: f32, scratch: &mut NarrowScratch| {
+            scratch.load_near_edges(a, b, [face_a, face_b], reach);
+            best_edge_pair(a, scratch, floor)
+        };
+        let edge = (gap > threshold)
+            .then(|| search(threshold, scratch))
+            .flatten();
+        if let Some(edge) = edge {
+            if edge.separation > margin {
+                return Found::Apart {
+                    axis: edge.normal,
+                    distance: edge.separation,
+                };
+            }
+            if edge.separation > bar {
+                return Found::Near(edge_patch(a, b, &edge, b_in_a, scratch));
+            }
+        }
+        let contact = Clipping {
+            a,
+            b,
+            b_in_a,
+            margin,
+            merge: MERGE * size,
+        };
+        let patch = contact.face_patch(face, b_refers, scratch);
+        if patch.count > 0 {
+            return Found::Near(patch);
+        }
+        Found::Near(match search(best_of_faces, scratch) {
+            Some(edge) if edge.separation <= margin => edge_patch(a, b, &edge, b_in_a, scratch),
+            _ => contact.support_patch(face, b_refers, scratch),
+        })
+    }
+
+    /// An upper bound of the distance of two hulls, m: from a support vertex to the face that it supports.
+    fn gap_at_most(&self, a: &ConvexHull, b: &ConvexHull, scratch: &NarrowScratch) -> f32 {
+        let Self { face_a, face_b } = self;
+        let from_a = distance_from_face(a, face_a, point(&scratch.b_in_a, face_a.support));
+        if from_a <= face_a.separation.max(0.0) {
+            return from_a;
+        }
+        let from_b = distance_from_face(b, face_b, point(&scratch.a_in_b, face_b.support));
+        from_a.min(from_b)
+    }
+}
+
+/// Distance of a point from a face, m; 0 for a point behind the face, which may be inside the hull.
+fn distance_from_face(hull: &ConvexHull, axis: &FaceAxis, place: Vec3) -> f32 {
+    let outline = hull.face_loop(&hull.faces()[axis.face]);
+    let mut is_beside = false;
+    let mut nearest = f32::INFINITY;
+    let mut from = hull.vertices()[outline[outline.len() - 1] as usize];
+    for &to in outline {
+        let to = hull.vertices()[to as usize];
+        let (along, offset) = (to - from, place - from);
+        is_beside |= along.cross(axis.plane.normal).dot(offset) > 0.0;
+        let share = (along.dot(offset) / along.length_squared()).clamp(0.0, 1.0);
+        nearest = nearest.min((offset - share * along).length_squared());
+        from = to;
+    }
+    if is_beside {
+        nearest.sqrt()
+    } else {
+        axis.separation.max(0.0)
+    }
+}
+
+/// The face of `hull` with the largest separation from `points`, the first one on a tie; same frame.
+///
+/// The search starts with the face that looks most towards the other hull (`towards`): that changes the effort, never the
+/// answer.
+fn best_face(hull: &ConvexHull, points: &[Points4], towards: Vec3) -> FaceAxis {
+    let evaluate = |face: usize| {
+        let plane = hull.faces()[face].plane;
+        let (support, height) = lowest(points.iter(), plane.normal);
+        FaceAxis {
+            face,
+            plane,
+            support,
+            separation: height - plane.offset,
+        }
+    };
+    let normals = hull.lanes.planes.iter().map(|planes| &planes.normals);
+    let (start, _) = lowest(normals, -towards);
+    let mut best = evaluate(start.min(hull.faces().len() - 1));
+    // A vertex of the other hull bounds the separation of every face from above: most are ruled out by the one that
+    // supports the best face so far.
+    let mut witness = point(points, best.support);
+    for (group, planes) in hull.lanes.planes.iter().enumerate() {
+        let heights = planes.heights(witness);
+        if heights.iter().all(|&h| h < best.separation) {
+            continue;
+        }
+        for (l, &height) in heights.iter().enumerate() {
+            let face = group * LANES + l;
+            if height < best.separation || face >= hull.faces().len() || face == best.face {
+                continue;
+            }
+            let axis = evaluate(face);
+            let is_first = axis.separation == best.separation && face < best.face;
+            if axis.separation > best.separation || is_first {
+                best = axis;
+                witness = point(points, axis.support);
+            }
         }
     }
     best
 }
 
-/// The edge pair that separates better than every face (`floor`, m) and every other pair, if there is one.
+/// The edge pair that separates better than `floor` (m) and every other pair, if there is one.
 ///
 /// An edge is an arc on the Gauss map, between the normals of its two faces. Only pairs whose arcs cross (B's being
 /// mirrored) are edges of the Minkowski difference; the others cannot be the best axis and are skipped.
@@ -277,26 +497,43 @@ fn best_edge_pair(a: &ConvexHull, scratch: &NarrowScratch, floor: f32) -> Option
     let mut best: Option<EdgeAxis> = None;
     let mut floor = floor;
     for edge_a in &scratch.near_a {
-        for edge_b in &scratch.near_b {
-            let Some(normal) = edge_axis(edge_a, edge_b) else {
-                continue;
-            };
-            if normal.dot(edge_b.from - edge_a.from) <= floor {
+        for (edges, arcs) in scratch.near_b.chunks(LANES).zip(&scratch.arcs_b) {
+            let crossing = arcs.crossing(edge_a);
+            if crossing == [false; LANES] {
                 continue;
             }
-            // The supports say what this axis is worth, whatever rounding did to it.
-            let separation = lowest(&scratch.vertices, normal).1 + lowest(a.vertices(), -normal).1;
-            if separation > floor {
-                floor = separation;
-                best = Some(EdgeAxis {
-                    edges: [edge_a.index, edge_b.index],
-                    normal,
-                    separation,
-                });
+            for (edge_b, crosses) in edges.iter().zip(crossing) {
+                let candidate = crosses.then(|| weigh(a, scratch, edge_a, edge_b, floor));
+                if let Some(Some(axis)) = candidate {
+                    floor = axis.separation;
+                    best = Some(axis);
+                }
             }
         }
     }
     best
+}
+
+/// The axis of two edges whose arcs may cross, if it separates by more than `floor` (m).
+fn weigh(
+    a: &ConvexHull,
+    scratch: &NarrowScratch,
+    edge_a: &NearEdge,
+    edge_b: &NearEdge,
+    floor: f32,
+) -> Option<EdgeAxis> {
+    let normal = edge_axis(edge_a, edge_b)?;
+    if normal.dot(edge_b.from - edge_a.from) <= floor {
+        return None;
+    }
+    // The supports say what this axis is worth, whatever rounding did to it.
+    let separation =
+        lowest_height(&scratch.b_in_a, normal) + lowest_height(&a.lanes.points, -normal);
+    (separation > floor).then_some(EdgeAxis {
+        edges: [edge_a.index, edge_b.index],
+        normal,
+        separation,
+    })
 }
 
 /// The common perpendicular of two edges, from A outwards, if their arcs on the Gauss map cross.
@@ -319,284 +556,4 @@ fn edge_axis(a: &NearEdge, b: &NearEdge) -> Option<Vec3> {
     // Both arcs cross the other's great circle; they meet if they do so on the same side of the sphere.
     let outward = axis * 1.0_f32.copysign(axis.dot(a.normals[0] + a.normals[1]));
     (outward.dot(b.normals[0] + b.normals[1]) < 0.0).then(|| outward.normalize())
-}
-
-/// The contact of two crossing edges: their closest points.
-fn edge_patch(
-    a: &ConvexHull,
-    b: &ConvexHull,
-    axis: &EdgeAxis,
-    b_in_a: &Pose,
-    scratch: &NarrowScratch,
-) -> Patch {
-    let edge_a = a.edges()[axis.edges[0]]
-        .vertices
-        .map(|v| a.vertices()[v as usize]);
-    let edge_b = b.edges()[axis.edges[1]]
-        .vertices
-        .map(|v| scratch.vertices[v as usize]);
-    let (on_a, on_b) = closest_points(edge_a, edge_b);
-    // At an end of an edge the shortest way is not along the normal. The contact is where it is half way, with the gap
-    // along the normal only: both bodies must see the impulse at one point, or it would change angular momentum.
-    let separation = axis.normal.dot(on_b - on_a);
-    let (middle, half_gap) = (0.5 * (on_a + on_b), 0.5 * separation * axis.normal);
-    let (on_a, on_b) = (middle - half_gap, middle + half_gap);
-    let mut patch = Patch {
-        normal: axis.normal,
-        ..Patch::default()
-    };
-    patch.push(PatchPoint {
-        on_a,
-        on_b: b_in_a.inverse_transform_point(on_b),
-        separation,
-    });
-    patch
-}
-
-/// Closest points of two segments that are not parallel; C. Ericson, "Real-Time Collision Detection", 5.1.9.
-fn closest_points(p: [Vec3; 2], q: [Vec3; 2]) -> (Vec3, Vec3) {
-    let (d1, d2, r) = (p[1] - p[0], q[1] - q[0], p[0] - q[0]);
-    let (a, e, b) = (d1.length_squared(), d2.length_squared(), d1.dot(d2));
-    let (c, f) = (d1.dot(r), d2.dot(r));
-    let denominator = a * e - b * b;
-    let s = if denominator > 0.0 {
-        ((b * f - c * e) / denominator).clamp(0.0, 1.0)
-    } else {
-        0.5
-    };
-    let t = ((b * s + f) / e).clamp(0.0, 1.0);
-    let s = ((b * t - c) / a).clamp(0.0, 1.0);
-    (p[0] + s * d1, q[0] + t * d2)
-}
-
-/// A face contact being made.
-#[derive(Debug)]
-struct Clipping<'h> {
-    a: &'h ConvexHull,
-    b: &'h ConvexHull,
-    b_in_a: Pose,
-    margin: f32,
-    merge: f32,
-}
-
-impl Clipping<'_> {
-    /// Cuts the incident face by the planes through the reference face's edges and keeps what lies within the margin.
-    fn face_patch(
-        &self,
-        axis: &FaceAxis,
-        b_refers: bool,
-        scratch: &mut NarrowScratch,
-    ) -> Option<Patch> {
-        let reference = self.reference_plane(axis, b_refers, scratch);
-        self.load_incident_face(axis, b_refers, scratch);
-        let NarrowScratch {
-            vertices,
-            polygon,
-            clipped,
-            candidates,
-            ..
-        } = scratch;
-        let (hull, corners) = if b_refers {
-            (self.b, vertices.as_slice())
-        } else {
-            (self.a, self.a.vertices())
-        };
-        let outline = hull.face_loop(&hull.faces()[axis.face]);
-        let mut from = corners[outline[outline.len() - 1] as usize];
-        for &to in outline {
-            let to = corners[to as usize];
-            clip(polygon, from, (to - from).cross(reference.normal), clipped);
-            std::mem::swap(polygon, clipped);
-            from = to;
-        }
-        candidates.clear();
-        candidates.extend(
-            polygon
-                .iter()
-                .map(|&point| (point, reference.distance(point)))
-                .filter(|&(_, separation)| separation <= self.margin),
-        );
-        reduce(candidates, reference.normal, self.merge);
-        self.patch(&reference, b_refers, candidates)
-    }
-
-    /// The support vertex alone, for an overlap so small that clipping lost it to rounding.
-    fn support_patch(
-        &self,
-        axis: &FaceAxis,
-        b_refers: bool,
-        scratch: &mut NarrowScratch,
-    ) -> Option<Patch> {
-        if axis.separation > 0.0 {
-            return None;
-        }
-        let reference = self.reference_plane(axis, b_refers, scratch);
-        let vertex = if b_refers {
-            self.a.vertices()[axis.support]
-        } else {
-            scratch.vertices[axis.support]
-        };
-        self.patch(&reference, b_refers, &[(vertex, axis.separation)])
-    }
-
-    /// Plane of the reference face, A's frame.
-    fn reference_plane(&self, axis: &FaceAxis, b_refers: bool, scratch: &NarrowScratch) -> Plane {
-        if b_refers {
-            scratch.planes[axis.face]
-        } else {
-            self.a.faces()[axis.face].plane
-        }
-    }
-
-    /// Puts the incident face into `scratch.polygon`: of the faces at the support vertex, the one most opposed to the
-    /// reference face.
-    ///
-    /// A face elsewhere may be more opposed yet, but would miss the deepest point.
-    fn load_incident_face(&self, axis: &FaceAxis, b_refers: bool, scratch: &mut NarrowScratch) {
-        let normal = self.reference_plane(axis, b_refers, scratch).normal;
-        let NarrowScratch {
-            vertices,
-            planes,
-            polygon,
-            ..
-        } = scratch;
-        let incident = if b_refers { self.a } else { self.b };
-        let height = |index: usize, face: &Face| {
-            if b_refers {
-                normal.dot(face.plane.normal)
-            } else {
-                normal.dot(planes[index].normal)
-            }
-        };
-        let mut best: Option<(f32, &Face)> = None;
-        for (index, face) in incident.faces().iter().enumerate() {
-            let height = height(index, face);
-            if best.is_none_or(|b| height < b.0)
-                && incident.face_loop(face).contains(&(axis.support as u32))
-            {
-                best = Some((height, face));
-            }
-        }
-        let corners = if b_refers {
-            self.a.vertices()
-        } else {
-            vertices.as_slice()
-        };
-        polygon.clear();
-        if let Some((_, face)) = best {
-            polygon.extend(
-                incident
-                    .face_loop(face)
-                    .iter()
-                    .map(|&v| corners[v as usize]),
-            );
-        }
-    }
-
-    /// The patch of points on the incident hull, which are projected onto the reference plane for the other hull.
-    fn patch(&self, reference: &Plane, b_refers: bool, points: &[(Vec3, f32)]) -> Option<Patch> {
-        let mut patch = Patch {
-            normal: if b_refers {
-                -reference.normal
-            } else {
-                reference.normal
-            },
-            ..Patch::default()
-        };
-        for &(point, separation) in points.iter().take(MAX_POINTS) {
-            let projected = point - separation * reference.normal;
-            let (on_a, on_b) = if b_refers {
-                (point, projected)
-            } else {
-                (projected, point)
-            };
-            patch.push(PatchPoint {
-                on_a,
-                on_b: self.b_in_a.inverse_transform_point(on_b),
-                separation,
-            });
-        }
-        (patch.count > 0).then_some(patch)
-    }
-}
-
-/// One step of Sutherland and Hodgman's clipping: what of `polygon` lies behind the plane through `origin`.
-///
-/// `outward` need not have unit length.
-fn clip(polygon: &[Vec3], origin: Vec3, outward: Vec3, result: &mut Vec<Vec3>) {
-    result.clear();
-    let Some(&last) = polygon.last() else {
-        return;
-    };
-    let height = |point: Vec3| outward.dot(point - origin);
-    let (mut from, mut from_height) = (last, height(last));
-    for &to in polygon {
-        let to_height = height(to);
-        if (from_height > 0.0) != (to_height > 0.0) {
-            let share = from_height / (from_height - to_height);
-            result.push(from + share * (to - from));
-        }
-        if to_height <= 0.0 {
-            result.push(to);
-        }
-        (from, from_height) = (to, to_height);
-    }
-}
-
-/// Contact of a hull (A) with a half-space (B) whose surface is `plane`, given in the hull's frame.
-///
-/// The half-space is what lies below the plane; the patch's normal, from A to B, is minus the plane's. `on_b` is in the
-/// half-space's frame, whose pose in the hull's frame is `b_in_a`. `None` if the hull is higher than `margin` (m) above
-/// the plane, or if an argument is not finite.
-pub fn collide_half_space(
-    hull: &ConvexHull,
-    plane: Plane,
-    b_in_a: Pose,
-    margin: f32,
-    scratch: &mut NarrowScratch,
-) -> Option<Patch> {
-    if !b_in_a.is_finite() || !margin.is_finite() {
-        return None;
-    }
-    let (support, deepest) = lowest(hull.vertices(), plane.normal);
-    let deepest = deepest - plane.offset;
-    if !deepest.is_finite() || deepest > margin {
-        return None;
-    }
-    let size = hull.aabb().diagonal();
-    scratch.candidates.clear();
-    scratch.candidates.extend(
-        lowest_face(hull, support, plane.normal)
-            .iter()
-            .map(|&v| hull.vertices()[v as usize])
-            .map(|vertex| (vertex, plane.distance(vertex)))
-            .filter(|&(_, separation)| separation <= margin),
-    );
-    reduce(&mut scratch.candidates, plane.normal, MERGE * size);
-    let mut patch = Patch {
-        normal: -plane.normal,
-        ..Patch::default()
-    };
-    for &(on_a, separation) in &scratch.candidates {
-        patch.push(PatchPoint {
-            on_a,
-            on_b: b_in_a.inverse_transform_point(on_a - separation * plane.normal),
-            separation,
-        });
-    }
-    (patch.count > 0).then_some(patch)
-}
-
-/// Outline of the face that looks down most, of those at the lowest vertex: the one that a falling hull lands on. Vertices
-/// off it do not count, however large the margin, or four points would be spread over the whole height of a flat hull.
-fn lowest_face(hull: &ConvexHull, support: usize, up: Vec3) -> &[u32] {
-    let mut best: (f32, &[u32]) = (f32::INFINITY, &[]);
-    for face in hull.faces() {
-        let height = up.dot(face.plane.normal);
-        let outline = hull.face_loop(face);
-        if height < best.0 && outline.contains(&(support as u32)) {
-            best = (height, outline);
-        }
-    }
-    best.1
 }

@@ -1,6 +1,7 @@
 //! `ConvexHull`: planes, face loops and edges of a convex polyhedron.
 
 use super::TriMesh;
+use super::lanes::HullLanes;
 use super::predicates::{SIZE_RANGE, check_plane, convex_tolerance, length_scale, signed_distance};
 use crate::math::{Aabb, Plane, tangents};
 use glam::{DVec3, Vec2, Vec3};
@@ -33,6 +34,8 @@ pub struct ConvexHull {
     pub(crate) loops: Vec<u32>,
     pub(crate) edges: Vec<Edge>,
     pub(crate) aabb: Aabb,
+    /// The same numbers as the narrow phase reads them.
+    pub(crate) lanes: HullLanes,
 }
 
 /// Why points or faces do not make a convex hull.
@@ -210,6 +213,7 @@ impl ConvexHull {
             faces: Vec::with_capacity(faces.len()),
             loops: Vec::new(),
             edges: Vec::new(),
+            lanes: HullLanes::default(),
         };
         let size = f64::from(length_scale(&hull.aabb));
         if !SIZE_RANGE.contains(&size) {
@@ -226,6 +230,7 @@ impl ConvexHull {
         }
         hull.edges = hull.pair_edges()?;
         hull.validate()?;
+        hull.lanes = HullLanes::of(&hull.vertices, &hull.faces, &hull.loops);
         Ok(hull)
     }
 
@@ -332,6 +337,7 @@ impl ConvexHull {
             face.plane.offset += face.plane.normal.dot(offset);
         }
         self.aabb = Aabb::of_points(self.vertices.iter().copied());
+        self.lanes = HullLanes::of(&self.vertices, &self.faces, &self.loops);
         self
     }
 

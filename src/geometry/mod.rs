@@ -7,6 +7,7 @@ pub mod convex;
 pub mod convex_mesh;
 pub mod hull;
 pub mod kd_code;
+pub(crate) mod lanes;
 pub mod mesh;
 pub mod predicates;
 pub mod primitives;

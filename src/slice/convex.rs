@@ -10,6 +10,7 @@
 use super::clip::crossing;
 use super::edge_table::EdgeTable;
 use super::{Slice, SliceError, SliceOptions, slice_closed};
+use crate::geometry::lanes::HullLanes;
 use crate::geometry::predicates::{Side, check_plane, length_scale, plane_tolerance, side};
 use crate::geometry::{ConvexHull, Edge, Face, HullError, TriMesh};
 use crate::math::{Aabb, Plane};
@@ -375,15 +376,17 @@ fn make_hull(
         })
         .collect();
     let edges = pair_edges(&part.faces, &loops, vertices.len(), edge_table)?;
-    let hull = ConvexHull {
+    let mut hull = ConvexHull {
         aabb: Aabb::of_points(vertices.iter().copied()),
         vertices,
         faces: part.faces.clone(),
         loops,
         edges,
+        lanes: HullLanes::default(),
     };
     let is_polyhedron = hull.vertices.len() + hull.faces.len() == hull.edges.len() + 2;
     if is_polyhedron && hull.volume() > 0.0 {
+        hull.lanes = HullLanes::of(&hull.vertices, &hull.faces, &hull.loops);
         Ok(hull)
     } else {
         Err(Irregular)

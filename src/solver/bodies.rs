@@ -11,7 +11,7 @@ use super::spin::Spin;
 use crate::contact::BodyId;
 use crate::geometry::{ConvexMesh, KdBox};
 use crate::mass::{MassError, MassProperties};
-use crate::math::{Aabb, Pose, rotate};
+use crate::math::{Pose, rotate};
 use crate::slice::fracturable::Fracturable;
 use bevy_ecs::resource::Resource;
 use glam::{Mat3, Quat, Vec3};
@@ -73,13 +73,13 @@ pub struct Bodies {
     pub(crate) mass: Vec<MassProperties>,
     /// Inverse inertia tensor about the centre of mass, world axes, 1/(kg m2).
     pub(crate) inverse_inertia: Vec<Mat3>,
-    /// Tight box in the world; meaningless for half-spaces.
-    pub(crate) aabb: Vec<Aabb>,
     pub(crate) kd_box: Vec<Option<KdBox>>,
     /// Least extent of the hull's box, m: what slop and contact margin are relative to.
     pub(crate) least_extent: Vec<f32>,
     /// Largest distance of the hull from the centre of mass, m.
     radius: Vec<f32>,
+    /// Changes with shape, mass or material: what is kept about the body elsewhere is out of date then.
+    pub(crate) version: Vec<u32>,
     /// Slots whose mass properties are out of date.
     pub(crate) stale_mass: Vec<u32>,
     /// Slots whose mass properties the last mass phase computed.
@@ -397,6 +397,7 @@ impl Bodies {
         }
         self.set_fracturable(slot, info.fracturable);
         self.info[slot as usize] = Some(info);
+        self.renew_version(slot);
         if !same_mass {
             self.mark_shape_changed(slot);
         }
@@ -429,6 +430,7 @@ impl Bodies {
         self.kd_box[i] = aabb.map(KdBox::around);
         self.least_extent[i] = aabb.map_or(f32::INFINITY, |b| b.extents().min_element());
         self.stale_mass.push(slot);
+        self.renew_version(slot);
     }
 
     /// Takes a body out of the simulation, or lets it in again.
@@ -467,10 +469,16 @@ impl Bodies {
             self.halt(slot);
         }
         self.radius[i] = self.radius_about(slot, self.mass[i].centre);
+        self.renew_version(slot);
         self.place(slot, pose);
         self.refresh_world(slot);
         self.fresh_mass.push(slot);
         Ok(())
+    }
+
+    fn renew_version(&mut self, slot: u32) {
+        let version = &mut self.version[slot as usize];
+        *version = version.wrapping_add(1);
     }
 
     /// Largest distance of the body's hull from its centre of mass, m; 0 for half-spaces.
@@ -489,17 +497,13 @@ impl Bodies {
             .sqrt()
     }
 
-    /// Recomputes what follows from the pose: inverse inertia and box in the world.
+    /// Recomputes what follows from the pose: inverse inertia.
     pub(crate) fn refresh_world(&mut self, slot: u32) {
         let i = slot as usize;
         if self.velocity[i].inverse_mass > 0.0 {
             let m = &self.mass[i];
             let r = Mat3::from_quat(self.rotation[i] * m.principal_frame);
             self.inverse_inertia[i] = r * Mat3::from_diagonal(m.principal.recip()) * r.transpose();
-        }
-        let pose = self.pose(slot);
-        if let Some(mesh) = self.convex(slot) {
-            self.aabb[i] = world_box(mesh, &pose);
         }
     }
 
@@ -514,20 +518,10 @@ impl Bodies {
         self.motion.push(Motion::default());
         self.mass.push(MassProperties::default());
         self.inverse_inertia.push(Mat3::ZERO);
-        self.aabb.push(Aabb::EMPTY);
         self.kd_box.push(None);
         self.least_extent.push(0.0);
         self.radius.push(0.0);
+        self.version.push(0);
         slot
-    }
-}
-
-/// The world box of the eight corners of the hull's own box would be up to `sqrt(3)` too wide; this one is tight.
-fn world_box(mesh: &ConvexMesh, pose: &Pose) -> Aabb {
-    let m = Mat3::from_quat(pose.rotation);
-    let local = Aabb::of_points(mesh.hull().vertices().iter().map(|&v| m * v));
-    Aabb {
-        min: local.min + pose.position,
-        max: local.max + pose.position,
     }
 }

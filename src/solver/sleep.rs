@@ -247,24 +247,17 @@ impl Bodies {
         }
     }
 
-    /// Those of `pairs` that need a look in this step, in `awake`; without sleeping bodies that is all.
-    pub(crate) fn awake_pairs<'a>(
-        &self,
-        pairs: &'a [Pair],
-        awake: &'a mut Vec<Pair>,
-    ) -> &'a [Pair] {
+    /// Whether it matters if the bodies of a pair touch: one of them is awake, and if the other one sleeps, could wake it.
+    pub(crate) fn needs_look(&self, pair: Pair) -> bool {
         if self.sleep.asleep == 0 {
-            return pairs;
+            return true;
         }
-        let needs_look = |pair: &&Pair| match (self.is_asleep(pair.a), self.is_asleep(pair.b)) {
+        match (self.is_asleep(pair.a), self.is_asleep(pair.b)) {
             (false, false) => true,
             (true, true) => false,
             (true, false) => self.disturbs(pair.b),
             (false, true) => self.disturbs(pair.a),
-        };
-        awake.clear();
-        awake.extend(pairs.iter().filter(needs_look));
-        awake
+        }
     }
 
     /// Whether a touch of this body, which is awake, wakes: it is dynamic, or fixed and moves or was changed.
@@ -279,7 +272,7 @@ impl Bodies {
         body.linear != Vec3::ZERO || body.angular != Vec3::ZERO || self.sleep.is_stirred(slot)
     }
 
-    /// Wakes the sleeping bodies of `manifolds`, which were made for [`awake pairs`](Self::awake_pairs); whether there were
+    /// Wakes the sleeping bodies of `manifolds`, which were made for pairs that [need a look](Self::needs_look); whether there were
     /// any: their own pairs need a look then.
     pub(crate) fn wake_touched(&mut self, manifolds: &[Manifold]) -> bool {
         let before = self.sleep.asleep;

@@ -1,0 +1,96 @@
+//! Where a hull touches a half-space.
+
+use super::manifold::{Candidate, CornerKind, Patch, PatchPoint, reduce};
+use super::sat::{Found, MERGE, NarrowScratch};
+use crate::geometry::ConvexHull;
+use crate::geometry::lanes::lowest;
+use crate::math::{Plane, Pose, rotate};
+use glam::Vec3;
+
+/// Contact of a hull (A) with a half-space (B) whose surface is `plane`, given in the hull's frame.
+///
+/// The half-space is what lies below the plane; the patch's normal, from A to B, is minus the plane's. `on_b` is in the
+/// half-space's frame, whose pose in the hull's frame is `b_in_a`. `None` if the hull is higher than `margin` (m) above
+/// the plane, or if an argument is not finite.
+pub fn collide_half_space(
+    hull: &ConvexHull,
+    plane: Plane,
+    b_in_a: Pose,
+    margin: f32,
+    scratch: &mut NarrowScratch,
+) -> Option<Patch> {
+    match examine_half_space(hull, plane, b_in_a, margin, scratch) {
+        Found::Near(patch) if patch.count > 0 => Some(patch),
+        _ => None,
+    }
+}
+
+/// As [`collide_half_space`], which it does the work of, and says how far apart hull and half-space are.
+pub(crate) fn examine_half_space(
+    hull: &ConvexHull,
+    plane: Plane,
+    b_in_a: Pose,
+    margin: f32,
+    scratch: &mut NarrowScratch,
+) -> Found {
+    let mut patch = Patch {
+        normal: -plane.normal,
+        normal_in_b: Some(-rotate(b_in_a.rotation.inverse(), plane.normal)),
+        steady: f32::INFINITY,
+        ..Patch::default()
+    };
+    if !b_in_a.is_finite() || !margin.is_finite() {
+        return Found::Near(patch);
+    }
+    let (support, deepest) = lowest(hull.lanes.points.iter(), plane.normal);
+    let distance = deepest - plane.offset;
+    if !distance.is_finite() {
+        return Found::Near(patch);
+    }
+    if distance > margin {
+        return Found::Apart {
+            axis: -plane.normal,
+            distance,
+        };
+    }
+    let size = hull.aabb().diagonal();
+    let candidates = &mut scratch.polygon;
+    candidates.clear();
+    candidates.extend(
+        lowest_face(hull, support, &plane)
+            .iter()
+            .map(|&v| hull.vertices()[v as usize])
+            .map(|at| Candidate {
+                at,
+                separation: plane.distance(at),
+                kind: CornerKind::Incident,
+                leaves_on_cut: false,
+            })
+            .filter(|vertex| vertex.separation <= margin),
+    );
+    reduce(candidates, plane.normal, MERGE * size);
+    for vertex in candidates {
+        patch.push(PatchPoint {
+            on_a: vertex.at,
+            on_b: b_in_a.inverse_transform_point(vertex.at - vertex.separation * plane.normal),
+            separation: vertex.separation,
+            share_b: 0.0,
+            along: Vec3::ZERO,
+        });
+    }
+    Found::Near(patch)
+}
+
+/// Outline of the face that looks down most, of those at the lowest vertex: the one that a falling hull lands on. Vertices
+/// off it do not count, however large the margin, or four points would be spread over the whole height of a flat hull.
+fn lowest_face<'h>(hull: &'h ConvexHull, support: usize, plane: &Plane) -> &'h [u32] {
+    let mut best: (f32, &[u32]) = (f32::INFINITY, &[]);
+    for &face in hull.lanes.faces_around(support) {
+        let face = &hull.faces()[face as usize];
+        let height = plane.normal.dot(face.plane.normal);
+        if height < best.0 {
+            best = (height, hull.face_loop(face));
+        }
+    }
+    best.1
+}

@@ -1,0 +1,265 @@
+//! A hull as the narrow phase reads it: coordinates in lanes of four, and the faces around each vertex.
+//!
+//! Loops over the lanes have no branches and no order between lanes, so that the compiler makes vector instructions of
+//! them; each lane computes what a scalar loop would, to the last bit.
+
+use super::convex::Face;
+use crate::math::Aabb;
+use glam::{Mat3, Vec3};
+
+/// Lanes of a group.
+pub(crate) const LANES: usize = 4;
+
+/// Four points, m.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Points4 {
+    pub(crate) x: [f32; LANES],
+    pub(crate) y: [f32; LANES],
+    pub(crate) z: [f32; LANES],
+}
+
+impl Points4 {
+    /// One of the points.
+    pub(crate) fn get(&self, lane: usize) -> Vec3 {
+        Vec3::new(self.x[lane], self.y[lane], self.z[lane])
+    }
+
+    /// Writes one of the points.
+    pub(crate) fn set(&mut self, lane: usize, point: Vec3) {
+        (self.x[lane], self.y[lane], self.z[lane]) = point.into();
+    }
+
+    /// Coordinates along `axis`.
+    pub(crate) fn along(&self, axis: Vec3) -> [f32; LANES] {
+        let mut along = [0.0; LANES];
+        for l in 0..LANES {
+            along[l] = axis.x * self.x[l] + axis.y * self.y[l] + axis.z * self.z[l];
+        }
+        along
+    }
+}
+
+/// Point number `index` of a list of groups.
+pub(crate) fn point(groups: &[Points4], index: usize) -> Vec3 {
+    groups[index / LANES].get(index % LANES)
+}
+
+/// Groups of `points`; the last group is filled up with the first point, which changes no extreme.
+fn groups_of(points: impl ExactSizeIterator<Item = Vec3>, filler: Vec3) -> Vec<Points4> {
+    let mut groups = vec![Points4::default(); points.len().div_ceil(LANES)];
+    let padded = points.chain(std::iter::repeat(filler));
+    for (index, point) in padded.take(groups.len() * LANES).enumerate() {
+        groups[index / LANES].set(index % LANES, point);
+    }
+    groups
+}
+
+/// Four planes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Planes4 {
+    pub(crate) normals: Points4,
+    pub(crate) offset: [f32; LANES],
+}
+
+impl Planes4 {
+    /// Heights of a point above the planes, m.
+    pub(crate) fn heights(&self, point: Vec3) -> [f32; LANES] {
+        let mut heights = self.normals.along(point);
+        for l in 0..LANES {
+            heights[l] -= self.offset[l];
+        }
+        heights
+    }
+}
+
+/// Copies of a hull's numbers in the order in which loops want them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct HullLanes {
+    /// Vertices, filled up with the first one.
+    pub(crate) points: Vec<Points4>,
+    /// Planes of the faces, filled up with the first one.
+    pub(crate) planes: Vec<Planes4>,
+    /// Faces around each vertex, ascending, one vertex after the other.
+    faces_around: Vec<u32>,
+    /// Where each vertex's run begins in `faces_around`, and where the last one ends.
+    first_around: Vec<u32>,
+}
+
+impl HullLanes {
+    /// Copies of the numbers of a hull with at least one vertex and one face.
+    pub(crate) fn of(vertices: &[Vec3], faces: &[Face], loops: &[u32]) -> Self {
+        let mut lanes = Self {
+            points: groups_of(vertices.iter().copied(), vertices[0]),
+            ..Self::default()
+        };
+        let normals = groups_of(faces.iter().map(|f| f.plane.normal), faces[0].plane.normal);
+        lanes.planes.extend(normals.iter().map(|&normals| Planes4 {
+            normals,
+            offset: [faces[0].plane.offset; LANES],
+        }));
+        for (index, face) in faces.iter().enumerate() {
+            lanes.planes[index / LANES].offset[index % LANES] = face.plane.offset;
+        }
+        lanes.list_faces_around(vertices.len(), faces, loops);
+        lanes
+    }
+
+    /// Counting sort of all corners by vertex.
+    fn list_faces_around(&mut self, vertices: usize, faces: &[Face], loops: &[u32]) {
+        self.first_around.resize(vertices + 1, 0);
+        loops
+            .iter()
+            .for_each(|&v| self.first_around[v as usize + 1] += 1);
+        for v in 0..vertices {
+            self.first_around[v + 1] += self.first_around[v];
+        }
+        let mut next = self.first_around.clone();
+        self.faces_around.resize(loops.len(), 0);
+        for (index, face) in (0..).zip(faces) {
+            for &v in &loops[face.first as usize..][..face.count as usize] {
+                self.faces_around[next[v as usize] as usize] = index;
+                next[v as usize] += 1;
+            }
+        }
+    }
+
+    /// The faces that meet in a vertex, ascending.
+    pub(crate) fn faces_around(&self, vertex: usize) -> &[u32] {
+        let range = self.first_around[vertex] as usize..self.first_around[vertex + 1] as usize;
+        &self.faces_around[range]
+    }
+}
+
+/// The point with the smallest coordinate along `axis`, and that coordinate; the first one on a tie.
+///
+/// (0, infinity) if no coordinate is a number.
+pub(crate) fn lowest<'p>(groups: impl Iterator<Item = &'p Points4>, axis: Vec3) -> (usize, f32) {
+    let mut best = [f32::INFINITY; LANES];
+    let mut group_of = [0_u32; LANES];
+    for (number, group) in (0_u32..).zip(groups) {
+        let height = group.along(axis);
+        for l in 0..LANES {
+            let is_lower = height[l] < best[l];
+            best[l] = if is_lower { height[l] } else { best[l] };
+            group_of[l] = if is_lower { number } else { group_of[l] };
+        }
+    }
+    let mut found = (0, f32::INFINITY);
+    for l in 0..LANES {
+        let index = group_of[l] as usize * LANES + l;
+        if best[l] < found.1 || (best[l] == found.1 && index < found.0) {
+            found = (index, best[l]);
+        }
+    }
+    found
+}
+
+/// The smallest coordinate along `axis`; infinity if none is a number.
+pub(crate) fn lowest_height(groups: &[Points4], axis: Vec3) -> f32 {
+    let mut best = [f32::INFINITY; LANES];
+    for group in groups {
+        let height = group.along(axis);
+        for l in 0..LANES {
+            best[l] = if height[l] < best[l] {
+                height[l]
+            } else {
+                best[l]
+            };
+        }
+    }
+    best.into_iter().fold(f32::INFINITY, f32::min)
+}
+
+/// Fills `moved` with `points` in another frame.
+pub(crate) fn move_points(moved: &mut Vec<Points4>, points: &[Points4], turn: &Mat3, shift: Vec3) {
+    let rows = turn.transpose();
+    moved.clear();
+    moved.extend(points.iter().map(|group| {
+        let mut group = Points4 {
+            x: group.along(rows.x_axis),
+            y: group.along(rows.y_axis),
+            z: group.along(rows.z_axis),
+        };
+        for l in 0..LANES {
+            group.x[l] += shift.x;
+            group.y[l] += shift.y;
+            group.z[l] += shift.z;
+        }
+        group
+    }));
+}
+
+/// The box around points in another frame.
+pub(crate) fn bounds(points: &[Points4], turn: &Mat3, shift: Vec3) -> Aabb {
+    let rows = turn.transpose();
+    let (x, y, z) = (
+        range_along(points, rows.x_axis),
+        range_along(points, rows.y_axis),
+        range_along(points, rows.z_axis),
+    );
+    Aabb {
+        min: Vec3::new(x[0], y[0], z[0]) + shift,
+        max: Vec3::new(x[1], y[1], z[1]) + shift,
+    }
+}
+
+/// The smallest and the largest coordinate along `axis`.
+fn range_along(points: &[Points4], axis: Vec3) -> [f32; 2] {
+    let (mut least, mut most) = ([f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]);
+    for group in points {
+        let height = group.along(axis);
+        for l in 0..LANES {
+            least[l] = if height[l] < least[l] {
+                height[l]
+            } else {
+                least[l]
+            };
+            most[l] = if height[l] > most[l] {
+                height[l]
+            } else {
+                most[l]
+            };
+        }
+    }
+    [
+        least.into_iter().fold(f32::INFINITY, f32::min),
+        most.into_iter().fold(f32::NEG_INFINITY, f32::max),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::primitives::icosphere;
+
+    #[test]
+    fn lowest_point_is_the_first_of_the_scalar_loop() {
+        let hull = icosphere(1.0, 1).expect("a ball is valid");
+        let lanes = &hull.lanes;
+        for axis in [Vec3::X, Vec3::NEG_Y, Vec3::ONE, Vec3::new(0.3, -0.2, 0.7)] {
+            let heights = hull.vertices().iter().map(|v| axis.dot(*v));
+            let mut expected = (0, f32::INFINITY);
+            for (index, height) in heights.enumerate() {
+                if height < expected.1 {
+                    expected = (index, height);
+                }
+            }
+            assert_eq!(lowest(lanes.points.iter(), axis), expected);
+            assert_eq!(lowest_height(&lanes.points, axis), expected.1);
+        }
+        assert_eq!(lowest(lanes.points.iter(), Vec3::NAN), (0, f32::INFINITY));
+    }
+
+    #[test]
+    fn faces_around_a_vertex_are_those_whose_loops_name_it() {
+        let hull = icosphere(1.0, 1).expect("a ball is valid");
+        for vertex in 0..hull.vertices().len() {
+            let expected: Vec<u32> = (0..)
+                .zip(hull.faces())
+                .filter(|(_, face)| hull.face_loop(face).contains(&(vertex as u32)))
+                .map(|(index, _)| index)
+                .collect();
+            assert_eq!(hull.lanes.faces_around(vertex), expected);
+        }
+    }
+}
