@@ -157,6 +157,10 @@ pub fn update_pairs(
     bodies: &Bodies,
     ahead: Lookahead,
 ) {
+    // If all bodies were replaced, there may be fewer slots than the broad phase knows.
+    for slot in bodies.slots()..narrow.told.len() {
+        broadphase.set(slot, None, BOX_MARGIN);
+    }
     narrow.told.resize(bodies.slots(), None);
     for (slot, told) in (0..).zip(&mut narrow.told) {
         if bodies.is_asleep(slot) {
