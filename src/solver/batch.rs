@@ -12,7 +12,7 @@ use super::islands::Islands;
 use super::lanes::{F8, WIDTH};
 use super::momentum::Pace;
 use super::rows::{PointRows, Side};
-use super::schedule::{ContactOrder, Schedule};
+use super::schedule::{ContactOrder, Filling, Schedule};
 use super::spin::Spin;
 use crate::contact::manifold::Manifold;
 use glam::{Mat3, Quat};
@@ -68,6 +68,8 @@ pub struct Batch {
     pub places: Vec<(u32, Place)>,
     /// Blocks of its manifolds.
     pub blocks: Vec<Block>,
+    /// Parts of the blocks that share no body, if a team is to solve them.
+    pub stages: Vec<Range<usize>>,
     /// Points of its blocks.
     pub points: Vec<Point>,
     /// Blows of its points; none if nothing can hit.
@@ -115,7 +117,7 @@ pub(super) struct BatchScratch {
 }
 
 impl Batch {
-    /// Takes over the bodies and contacts of `islands`, which ask for the same.
+    /// Takes over the bodies and contacts of `islands`, which ask for the same; with a team, in stages.
     pub fn load(
         &mut self,
         islands: &Islands,
@@ -124,6 +126,7 @@ impl Batch {
         manifolds: &[Manifold],
         bodies: &Bodies,
         settings: &SubstepSettings,
+        has_team: bool,
     ) {
         self.clear();
         self.settings = settings.for_demand(demand);
@@ -132,7 +135,7 @@ impl Batch {
             self.load_bodies(&islands.slots[island.bodies.clone()], bodies);
         }
         self.add_idle_body();
-        self.place_manifolds(range.clone(), islands, manifolds);
+        self.place_manifolds(range.clone(), islands, manifolds, has_team);
         self.make_blocks();
         let mut first = 0;
         for (member, island) in islands.list[range.clone()].iter().enumerate() {
@@ -144,12 +147,33 @@ impl Batch {
             }
             first += pairs.len();
         }
+        if !self.stages.is_empty() {
+            self.copy_fixed_bodies();
+        }
         self.fill_blocks(manifolds);
         if demand.can_hit || self.settings.config.method == Method::Exact {
             self.blows.resize(self.points.len(), Blow::default());
         }
         let most_points = islands.list[range].iter().map(|i| i.points.len()).max();
         self.effort = Effort::new(&self.settings.config, most_points.unwrap_or(0));
+    }
+
+    /// Gives each block its own copies of the fixed bodies and of the idle one, so that blocks of a stage, which different
+    /// threads solve, write to different bodies.
+    fn copy_fixed_bodies(&mut self) {
+        for block in &mut self.blocks {
+            for number in block.bodies.iter_mut().flatten() {
+                let body = self.bodies[*number as usize];
+                if body.inverse_mass == 0.0 {
+                    let solid = self.solids[*number as usize];
+                    *number = self.bodies.len() as u32;
+                    self.bodies.push(body);
+                    self.solids.push(solid);
+                }
+            }
+        }
+        let count = self.bodies.len();
+        self.displacements.resize(count, SolverBody::default());
     }
 
     fn fill_blocks(&mut self, manifolds: &[Manifold]) {
@@ -166,12 +190,8 @@ impl Batch {
             source,
             config.lane_width,
         );
-        derive(
-            &mut self.blocks,
-            &mut self.points,
-            &self.solids,
-            config.lane_width,
-        );
+        let width = config.lane_width;
+        derive(&mut self.blocks, &mut self.points, &mut self.solids, width);
         let restitution = self.blocks.iter().flat_map(|block| block.restitution.0);
         self.has_restitution = restitution.fold(0.0, f32::max) > 0.0;
     }
@@ -179,6 +199,7 @@ impl Batch {
     fn clear(&mut self) {
         self.members.clear();
         self.places.clear();
+        self.stages.clear();
         self.blows.clear();
         self.slots.clear();
         self.bodies.clear();
@@ -216,21 +237,35 @@ impl Batch {
     }
 
     /// Gives each manifold a lane.
-    fn place_manifolds(&mut self, range: Range<usize>, islands: &Islands, manifolds: &[Manifold]) {
+    fn place_manifolds(
+        &mut self,
+        range: Range<usize>,
+        islands: &Islands,
+        manifolds: &[Manifold],
+        has_team: bool,
+    ) {
         let order = self.settings.config.order;
-        self.place_all(
-            range.clone(),
-            islands,
-            manifolds,
-            order == ContactOrder::Coloured,
-        );
+        let mut filling = match order {
+            ContactOrder::Coloured => Filling::ByColour,
+            ContactOrder::Automatic | ContactOrder::Kept => Filling::Densely,
+        };
+        self.place_all(range.clone(), islands, manifolds, filling);
         let least = self.places.len().div_ceil(WIDTH);
         if order == ContactOrder::Automatic && self.schedule.blocks() > 2 * least {
-            self.places.clear();
-            self.place_all(range, islands, manifolds, true);
+            filling = Filling::ByColour;
+            self.place_all(range.clone(), islands, manifolds, filling);
+        }
+        let is_for_team = has_team && self.settings.config.method != Method::Exact;
+        if is_for_team && filling == Filling::Densely {
+            // The same sweeps in the same order, whatever the filling.
+            filling = Filling::ByStage;
+            self.place_all(range, islands, manifolds, filling);
         }
         let places = self.places.iter_mut().map(|(_, place)| place);
         self.schedule.finish(places);
+        if is_for_team {
+            self.schedule.stages(&mut self.stages);
+        }
     }
 
     fn place_all(
@@ -238,9 +273,10 @@ impl Batch {
         range: Range<usize>,
         islands: &Islands,
         manifolds: &[Manifold],
-        by_colour: bool,
+        filling: Filling,
     ) {
-        self.schedule.begin(self.bodies.len(), by_colour);
+        self.places.clear();
+        self.schedule.begin(self.bodies.len(), filling);
         for (member, island) in self.members.iter().zip(&islands.list[range]) {
             let offset = member.bodies.start as u32;
             for at in island.manifolds.clone() {

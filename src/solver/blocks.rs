@@ -16,6 +16,7 @@ use super::lanes::{F8, Kernel, LaneWidth, Lanes, WIDTH, run};
 use super::rows::{PointRows, Side};
 use crate::contact::manifold::{ContactPoint, MAX_POINTS, Manifold};
 use glam::{Mat3, Vec3};
+use std::cell::Cell;
 use std::ops::Range;
 
 /// Marks a lane without a manifold.
@@ -356,11 +357,11 @@ pub fn fill(blocks: &mut [Block], points: &mut [Point], source: Source<'_>, widt
 }
 
 /// Computes masses and couplings of the points of blocks from anchors and inertias.
-pub fn derive(blocks: &mut [Block], points: &mut [Point], solids: &[Solid], width: LaneWidth) {
+pub fn derive(blocks: &mut [Block], points: &mut [Point], solids: &mut [Solid], width: LaneWidth) {
     let kernel = Derive {
         blocks,
         points,
-        solids,
+        solids: Cell::from_mut(solids).as_slice_of_cells(),
     };
     run(width, kernel);
 }
@@ -473,7 +474,7 @@ fn tangents<L: Lanes>(n: V3<L>) -> [V3<L>; 2] {
 struct Derive<'a> {
     blocks: &'a mut [Block],
     points: &'a mut [Point],
-    solids: &'a [Solid],
+    solids: &'a [Cell<Solid>],
 }
 
 impl Kernel for Derive<'_> {
@@ -508,7 +509,7 @@ impl Kernel for Derive<'_> {
 
 /// Copies masses and inertias of the bodies into a block.
 #[inline(always)]
-fn load_masses<L: Lanes>(block: &mut Block, solids: &[Solid]) {
+fn load_masses<L: Lanes>(block: &mut Block, solids: &[Cell<Solid>]) {
     for side in 0..2 {
         let [xx, yy, zz, xy, xz, yz, mass, _] = L::gather(solids, &block.bodies[side]);
         mass.store(&mut block.inverse_mass[side]);

@@ -5,6 +5,7 @@ use super::bodies::{Bodies, Motion, SolverBody};
 use super::demand::{Demand, Effort, SubstepSettings, Travel};
 use super::islands::Islands;
 use super::rows::{PointRows, Row};
+use super::team::Team;
 use crate::contact::manifold::Manifold;
 use crate::math::rotate_by;
 use bevy_tasks::ComputeTaskPool;
@@ -16,6 +17,9 @@ const BATCH: usize = 192;
 
 /// Manifolds from which it pays to ask other threads for help: about 100 us of work, ten times what they take to come.
 const WORTH_HELP: usize = 256;
+
+/// Manifolds of a batch from which all threads solve it together.
+const WORTH_A_TEAM: usize = 1500;
 
 /// Tasks for each thread, so that none waits long for the last one.
 const TASKS_PER_THREAD: usize = 4;
@@ -126,7 +130,8 @@ impl ContactSolver {
         self.batches.resize_with(count, Batch::default);
     }
 
-    /// Loads and solves the batches, on several threads if there is enough to do.
+    /// Loads and solves the batches, on several threads if there is enough to do: large ones one after the other by all
+    /// threads together, the others side by side.
     fn solve_batches(
         &mut self,
         manifolds: &[Manifold],
@@ -134,24 +139,56 @@ impl ContactSolver {
         settings: &SubstepSettings,
     ) {
         let (islands, demands) = (&self.islands, &self.demands);
-        let solve = |batches: &mut [Batch], ranges: &[Range<usize>]| {
-            for (batch, range) in batches.iter_mut().zip(ranges) {
-                let demand = &demands[range.start];
-                batch.load(islands, range.clone(), demand, manifolds, bodies, settings);
-                batch.solve(manifolds);
-            }
+        let solve = |batch: &mut Batch, range: &Range<usize>, team: Option<&Team>| {
+            let demand = &demands[range.start];
+            let has_team = team.is_some();
+            batch.load(
+                islands,
+                range.clone(),
+                demand,
+                manifolds,
+                bodies,
+                settings,
+                has_team,
+            );
+            batch.solve(manifolds, team);
         };
-        let pool = ComputeTaskPool::try_get()
-            .filter(|_| self.ranges.len() > 1 && self.islands.manifolds.len() >= WORTH_HELP);
-        let Some(pool) = pool else {
-            return solve(&mut self.batches, &self.ranges);
+        let batches = self.batches.iter_mut().zip(&self.ranges);
+        let pool = ComputeTaskPool::try_get();
+        let Some(pool) = pool.filter(|_| islands.manifolds.len() >= WORTH_HELP) else {
+            return batches.for_each(|(batch, range)| solve(batch, range, None));
         };
+        let size = |range: &Range<usize>| {
+            let list = &islands.list[range.clone()];
+            list.iter()
+                .map(|island| island.manifolds.len())
+                .sum::<usize>()
+        };
+        if self.ranges.iter().any(|range| size(range) >= WORTH_A_TEAM) {
+            let large = batches.filter(|(_, range)| size(range) >= WORTH_A_TEAM);
+            Team::lead(pool, |team| {
+                large.for_each(|(batch, range)| solve(batch, range, Some(team)));
+            });
+        }
+        let small = self.batches.iter_mut().zip(&self.ranges);
+        let mut small = small.filter(|(_, range)| size(range) < WORTH_A_TEAM);
         let tasks = TASKS_PER_THREAD * (pool.thread_num() + 1);
-        let size = self.ranges.len().div_ceil(tasks);
-        let parts = self.batches.chunks_mut(size).zip(self.ranges.chunks(size));
+        let share = islands.manifolds.len().div_ceil(tasks);
         pool.scope(|scope| {
-            for (batches, ranges) in parts {
-                scope.spawn(async move { solve(batches, ranges) });
+            while let Some(first) = small.next() {
+                let mut part = vec![first];
+                let mut total = size(part[0].1);
+                while total < share
+                    && let Some(next) = small.next()
+                {
+                    total += size(next.1);
+                    part.push(next);
+                }
+                scope.spawn(async move {
+                    for (batch, range) in part {
+                        solve(batch, range, None);
+                    }
+                });
             }
         });
     }

@@ -11,6 +11,7 @@
 use super::blocks::Solid;
 use super::bodies::SolverBody;
 use glam::Vec3;
+use std::cell::Cell;
 use std::ops::{Add, Div, Mul, Sub};
 
 /// Number of lanes of everything that is laid out for [`Lanes`].
@@ -55,9 +56,9 @@ pub trait Lanes:
     /// Eight rows of eight numbers, one row for each lane, as columns.
     fn columns(rows: &[F8; WIDTH]) -> [Self; 8];
     /// The rows that the lanes refer to, as columns.
-    fn gather<R: Row>(rows: &[R], index: &[u32; WIDTH]) -> [Self; 8];
+    fn gather<R: Row>(rows: &[Cell<R>], index: &[u32; WIDTH]) -> [Self; 8];
     /// Writes what [`gather`](Self::gather) reads. Lanes that share a row must hold the same numbers.
-    fn scatter<R: Row>(columns: [Self; 8], rows: &mut [R], index: &[u32; WIDTH]);
+    fn scatter<R: Row>(columns: [Self; 8], rows: &[Cell<R>], index: &[u32; WIDTH]);
 }
 
 /// Eight numbers that lie in a row in memory.
@@ -216,21 +217,21 @@ impl Lanes for Plain {
     }
 
     #[inline(always)]
-    fn gather<R: Row>(rows: &[R], index: &[u32; WIDTH]) -> [Self; 8] {
-        Self::columns(&index.map(|i| F8(rows[i as usize].numbers())))
+    fn gather<R: Row>(rows: &[Cell<R>], index: &[u32; WIDTH]) -> [Self; 8] {
+        Self::columns(&index.map(|i| F8(rows[i as usize].get().numbers())))
     }
 
     #[inline(always)]
-    fn scatter<R: Row>(columns: [Self; 8], rows: &mut [R], index: &[u32; WIDTH]) {
+    fn scatter<R: Row>(columns: [Self; 8], rows: &[Cell<R>], index: &[u32; WIDTH]) {
         for (lane, &i) in index.iter().enumerate() {
-            rows[i as usize] = R::of(columns.map(|column| column.0[lane]));
+            rows[i as usize].set(R::of(columns.map(|column| column.0[lane])));
         }
     }
 }
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
-    use super::{Add, Div, F8, Kernel, Lanes, Mul, Row, Sub, WIDTH};
+    use super::{Add, Cell, Div, F8, Kernel, Lanes, Mul, Row, Sub, WIDTH};
     use std::arch::x86_64::*;
 
     /// All that is inlined into this function may use AVX2.
@@ -321,7 +322,7 @@ mod x86 {
         }
 
         #[inline(always)]
-        fn gather<R: Row>(rows: &[R], index: &[u32; WIDTH]) -> [Self; 8] {
+        fn gather<R: Row>(rows: &[Cell<R>], index: &[u32; WIDTH]) -> [Self; 8] {
             Self::transpose([
                 Self::row(rows, index[0]),
                 Self::row(rows, index[1]),
@@ -335,20 +336,20 @@ mod x86 {
         }
 
         #[inline(always)]
-        fn scatter<R: Row>(columns: [Self; 8], rows: &mut [R], index: &[u32; WIDTH]) {
+        fn scatter<R: Row>(columns: [Self; 8], rows: &[Cell<R>], index: &[u32; WIDTH]) {
             let from = Self::transpose(columns);
             for lane in 0..WIDTH {
                 let mut numbers = F8::default();
                 from[lane].store(&mut numbers);
-                rows[index[lane] as usize] = R::of(numbers.0);
+                rows[index[lane] as usize].set(R::of(numbers.0));
             }
         }
     }
 
     impl Avx2 {
         #[inline(always)]
-        fn row<R: Row>(rows: &[R], index: u32) -> Self {
-            Self::load(&F8(rows[index as usize].numbers()))
+        fn row<R: Row>(rows: &[Cell<R>], index: u32) -> Self {
+            Self::load(&F8(rows[index as usize].get().numbers()))
         }
 
         /// Rows to columns, or back.
@@ -488,7 +489,7 @@ mod x86 {
         }
 
         #[inline(always)]
-        fn gather<R: Row>(rows: &[R], index: &[u32; WIDTH]) -> [Self; 8] {
+        fn gather<R: Row>(rows: &[Cell<R>], index: &[u32; WIDTH]) -> [Self; 8] {
             Self::transpose([
                 Self::row(rows, index[0]),
                 Self::row(rows, index[1]),
@@ -502,20 +503,20 @@ mod x86 {
         }
 
         #[inline(always)]
-        fn scatter<R: Row>(columns: [Self; 8], rows: &mut [R], index: &[u32; WIDTH]) {
+        fn scatter<R: Row>(columns: [Self; 8], rows: &[Cell<R>], index: &[u32; WIDTH]) {
             let from = Self::transpose(columns);
             for lane in 0..WIDTH {
                 let mut numbers = F8::default();
                 from[lane].store(&mut numbers);
-                rows[index[lane] as usize] = R::of(numbers.0);
+                rows[index[lane] as usize].set(R::of(numbers.0));
             }
         }
     }
 
     impl Sse2 {
         #[inline(always)]
-        fn row<R: Row>(rows: &[R], index: u32) -> Self {
-            Self::load(&F8(rows[index as usize].numbers()))
+        fn row<R: Row>(rows: &[Cell<R>], index: u32) -> Self {
+            Self::load(&F8(rows[index as usize].get().numbers()))
         }
 
         /// Rows to columns, or back: four quarters, two of which change places.

@@ -22,11 +22,13 @@ pub mod pgs;
 pub mod residual;
 pub mod rows;
 pub mod schedule;
+mod shift;
 pub mod sleep;
 pub mod soft_step;
 pub mod spin;
 pub mod substeps;
 pub mod sweep;
+pub mod team;
 
 pub use sleep::SleepConfig;
 

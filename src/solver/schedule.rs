@@ -2,6 +2,7 @@
 
 use super::blocks::Place;
 use super::lanes::WIDTH;
+use std::ops::Range;
 
 /// How manifolds are put into blocks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -20,18 +21,32 @@ pub enum ContactOrder {
 /// Colours, as bits of a mask; a manifold that finds none free gets a block of its own, behind all others.
 const COLOURS: usize = 31;
 
+/// Stage of those.
+const NO_COLOUR: u32 = u32::MAX;
+
+/// How a [`Schedule`] puts manifolds into blocks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Filling {
+    /// In their order, each into the first block that it may be in.
+    #[default]
+    Densely,
+    /// In their order too, but stage by stage: blocks of a stage share no body, at the price of some lanes.
+    ByStage,
+    /// By colour, which is the stage.
+    ByColour,
+}
+
 /// Places manifolds; buffers are reused.
 #[derive(Debug, Default)]
 pub struct Schedule {
-    by_colour: bool,
-    /// By body, in order: the first block behind all that hold it.
+    filling: Filling,
+    /// By body, in order: the first block or stage behind all that hold it.
     free_from: Vec<u32>,
     /// By body, coloured: the colours of its manifolds.
     taken: Vec<u32>,
-    /// By colour: the block that has a lane left, if any.
+    /// By stage: the block that has a lane left, if any.
     open: Vec<Option<u32>>,
-    /// By block: lanes in use, points of its largest manifold, and what it comes after the smaller of.
-    blocks: Vec<Filling>,
+    blocks: Vec<Draft>,
     /// By block: itself if it has a lane left, else a later block, on the way to the first that has.
     next: Vec<u32>,
     /// By block: its number among all blocks in the end.
@@ -40,26 +55,29 @@ pub struct Schedule {
 
 /// A block that is being filled.
 #[derive(Clone, Copy, Debug)]
-struct Filling {
+struct Draft {
+    /// Lanes in use.
     used: u16,
+    /// Points of its largest manifold.
     points: u16,
-    colour: u16,
+    stage: u32,
+    /// Its number before all are brought into their order.
+    number: u32,
 }
 
 impl Schedule {
     /// Forgets the blocks. `bodies` is how many bodies there are.
-    pub fn begin(&mut self, bodies: usize, by_colour: bool) {
-        self.by_colour = by_colour;
+    pub fn begin(&mut self, bodies: usize, filling: Filling) {
+        self.filling = filling;
         self.blocks.clear();
-        if by_colour {
+        self.open.clear();
+        self.next.clear();
+        if filling == Filling::ByColour {
             self.taken.clear();
             self.taken.resize(bodies, 0);
-            self.open.clear();
-            self.open.resize(COLOURS, None);
         } else {
             self.free_from.clear();
             self.free_from.resize(bodies, 0);
-            self.next.clear();
         }
     }
 
@@ -71,16 +89,16 @@ impl Schedule {
     /// The place of the next manifold, with `count` points, which joins these bodies; those that contacts do not move are
     /// `None`. The blocks are not numbered in their order yet, see [`finish`](Self::finish).
     pub fn place(&mut self, bodies: [Option<u32>; 2], count: u32) -> Place {
-        let block = if self.by_colour {
-            self.place_by_colour(bodies)
-        } else {
-            self.place_in_order(bodies)
+        let block = match self.filling {
+            Filling::Densely => self.place_densely(bodies),
+            Filling::ByStage => self.place_by_stage(bodies),
+            Filling::ByColour => self.place_by_colour(bodies),
         };
-        let filling = &mut self.blocks[block as usize];
-        let lane = filling.used;
-        filling.used += 1;
-        filling.points = filling.points.max(count as u16);
-        if usize::from(filling.used) == WIDTH {
+        let draft = &mut self.blocks[block as usize];
+        let lane = draft.used;
+        draft.used += 1;
+        draft.points = draft.points.max(count as u16);
+        if usize::from(draft.used) == WIDTH {
             self.close(block);
         }
         Place {
@@ -92,36 +110,41 @@ impl Schedule {
 
     /// A block has no lane left.
     fn close(&mut self, block: u32) {
-        let colour = usize::from(self.blocks[block as usize].colour);
-        if !self.by_colour {
+        if self.filling == Filling::Densely {
             self.next[block as usize] = block + 1;
-        } else if let Some(open) = self.open.get_mut(colour) {
+        } else if let Some(open) = self
+            .open
+            .get_mut(self.blocks[block as usize].stage as usize)
+        {
             *open = None;
         }
     }
 
     /// Brings the blocks into their order and numbers the places anew.
     pub fn finish<'a>(&mut self, places: impl Iterator<Item = &'a mut Place>) {
-        if !self.by_colour {
+        if self.filling == Filling::Densely {
             return;
         }
-        let mut first = [0_u32; COLOURS + 2];
-        for block in &self.blocks {
-            first[usize::from(block.colour) + 1] += 1;
-        }
-        for colour in 0..=COLOURS {
-            first[colour + 1] += first[colour];
-        }
+        self.blocks
+            .sort_unstable_by_key(|block| (block.stage, block.number));
         self.rank.clear();
-        for block in &self.blocks {
-            let rank = &mut first[usize::from(block.colour)];
-            self.rank.push(*rank);
-            *rank += 1;
+        self.rank.resize(self.blocks.len(), 0);
+        for (rank, block) in (0..).zip(&self.blocks) {
+            self.rank[block.number as usize] = rank;
         }
         for place in places {
             place.block = self.rank[place.block as usize];
         }
-        self.blocks.sort_by_key(|block| block.colour);
+    }
+
+    /// Puts ranges of blocks that share no body into `stages`, in their order. Not for dense filling.
+    pub fn stages(&self, stages: &mut Vec<Range<usize>>) {
+        let mut first = 0;
+        let same = |a: &Draft, b: &Draft| a.stage == b.stage && a.stage != NO_COLOUR;
+        for stage in self.blocks.chunk_by(same) {
+            stages.push(first..first + stage.len());
+            first += stage.len();
+        }
     }
 
     /// Of each block, the points of its largest manifold.
@@ -129,13 +152,37 @@ impl Schedule {
         self.blocks.iter().map(|block| usize::from(block.points))
     }
 
-    fn place_in_order(&mut self, bodies: [Option<u32>; 2]) -> u32 {
-        let bodies = || bodies.into_iter().flatten().map(|body| body as usize);
-        let earliest = bodies().map(|body| self.free_from[body]).max();
-        let block = self.open_from(earliest.unwrap_or(0));
-        for body in bodies() {
-            self.free_from[body] = block + 1;
+    fn place_densely(&mut self, bodies: [Option<u32>; 2]) -> u32 {
+        let block = self.open_from(self.earliest(bodies));
+        for body in bodies.into_iter().flatten() {
+            self.free_from[body as usize] = block + 1;
         }
+        block
+    }
+
+    fn place_by_stage(&mut self, bodies: [Option<u32>; 2]) -> u32 {
+        let stage = self.earliest(bodies);
+        for body in bodies.into_iter().flatten() {
+            self.free_from[body as usize] = stage + 1;
+        }
+        self.open_in(stage)
+    }
+
+    /// The first block or stage behind those that hold one of the bodies.
+    fn earliest(&self, bodies: [Option<u32>; 2]) -> u32 {
+        let bodies = bodies.into_iter().flatten();
+        let earliest = bodies.map(|body| self.free_from[body as usize]).max();
+        earliest.unwrap_or(0)
+    }
+
+    /// A block of a stage with a lane left.
+    fn open_in(&mut self, stage: u32) -> u32 {
+        let i = stage as usize;
+        if i >= self.open.len() {
+            self.open.resize(i + 1, None);
+        }
+        let block = self.open[i].unwrap_or_else(|| self.make_block(stage));
+        self.open[i] = Some(block);
         block
     }
 
@@ -158,27 +205,24 @@ impl Schedule {
     fn place_by_colour(&mut self, bodies: [Option<u32>; 2]) -> u32 {
         let bodies = || bodies.into_iter().flatten().map(|body| body as usize);
         let taken = bodies().fold(0, |taken, body| taken | self.taken[body]);
-        let colour = (!taken).trailing_zeros() as usize;
-        if colour >= COLOURS {
-            return self.make_block(COLOURS as u16);
+        let colour = (!taken).trailing_zeros();
+        if colour as usize >= COLOURS {
+            return self.make_block(NO_COLOUR);
         }
         for body in bodies() {
             self.taken[body] |= 1 << colour;
         }
-        if let Some(block) = self.open[colour] {
-            return block;
-        }
-        let block = self.make_block(colour as u16);
-        self.open[colour] = Some(block);
-        block
+        self.open_in(colour)
     }
 
-    fn make_block(&mut self, colour: u16) -> u32 {
-        self.blocks.push(Filling {
+    fn make_block(&mut self, stage: u32) -> u32 {
+        let number = self.blocks.len() as u32;
+        self.blocks.push(Draft {
             used: 0,
             points: 0,
-            colour,
+            stage,
+            number,
         });
-        self.blocks.len() as u32 - 1
+        number
     }
 }

@@ -17,12 +17,16 @@ use super::batch::{Batch, BatchScratch, MovingManifold};
 use super::blocks::{Place, Point, Solid, derive, vector};
 use super::bodies::SolverBody;
 use super::demand::{Effort, SubstepSettings};
+use super::shift::Shift;
 use super::soft_step::{self, Softness};
-use super::sweep::Contacts;
+use super::sweep::{Contacts, Pass};
+use super::team::{Shared, Team};
 use super::{Method, SolverConfig, exact};
 use crate::contact::manifold::{ContactPoint, Manifold};
 use crate::math::rotate_by;
 use glam::{Mat3, Quat};
+use std::cell::Cell;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Rebounds are solved until no row changes by more than this share of the fastest one.
 const REBOUND_TOLERANCE: f32 = 1e-5;
@@ -48,9 +52,16 @@ enum SweepKind {
     Relax,
 }
 
+/// Least blocks of a task: a microsecond of work, several times what handing it out takes.
+const LEAST_BLOCKS: usize = 4;
+
+fn cells<T>(list: &mut [T]) -> &[Cell<T>] {
+    Cell::from_mut(list).as_slice_of_cells()
+}
+
 impl Batch {
     /// Advances the batch by a step.
-    pub fn solve(&mut self, manifolds: &[Manifold]) {
+    pub fn solve(&mut self, manifolds: &[Manifold], team: Option<&Team>) {
         let settings = &{ self.settings };
         let mut effort = self.effort;
         let effort = &mut effort;
@@ -61,9 +72,9 @@ impl Batch {
             effort.begin(settings.config.substeps - substep);
             self.apply_gravity(settings);
             if self.can_hit() || settings.config.method == Method::Exact {
-                self.solve_substep(substep == 0, manifolds, effort);
+                self.solve_substep(substep == 0, manifolds, effort, team);
             } else {
-                self.solve_calm_substep(substep == 0, manifolds, effort);
+                self.solve_calm_substep(substep == 0, manifolds, effort, team);
             }
             self.turn_bodies(settings.h);
         }
@@ -75,40 +86,83 @@ impl Batch {
         !self.blows.is_empty()
     }
 
-    fn contacts(&mut self) -> Contacts<'_> {
-        self.contacts_and_displacements().0
+    /// Does a pass over all contacts, stage by stage if there is a team; returns the largest velocity change if it measures.
+    fn pass(&mut self, pass: Pass, team: Option<&Team>) -> f32 {
+        let Some(team) = team.filter(|_| !self.stages.is_empty()) else {
+            let mut contacts = Contacts {
+                blocks: &self.blocks,
+                points: &mut self.points,
+                first_point: 0,
+                blows: &self.blows,
+                bodies: cells(&mut self.bodies),
+                displacements: cells(&mut self.displacements),
+                friction: self.settings.config.friction_model,
+                width: self.settings.config.lane_width,
+            };
+            return contacts.pass(pass, &mut self.scratch.last_impulses);
+        };
+        self.pass_with(pass, team)
     }
 
-    fn contacts_and_displacements(&mut self) -> (Contacts<'_>, &[SolverBody]) {
-        let contacts = Contacts {
+    fn pass_with(&mut self, pass: Pass, team: &Team) -> f32 {
+        let config = &self.settings.config;
+        let work = Shift {
+            pass,
             blocks: &self.blocks,
-            points: &mut self.points,
+            points: Shared::new(&mut self.points),
             blows: &self.blows,
-            bodies: &mut self.bodies,
-            friction: self.settings.config.friction_model,
-            width: self.settings.config.lane_width,
+            bodies: Shared::new(&mut self.bodies),
+            displacements: Shared::new(&mut self.displacements),
+            last: Shared::new(&mut self.scratch.last_impulses),
+            friction: config.friction_model,
+            width: config.lane_width,
+            change: AtomicU32::new(0),
         };
-        (contacts, &self.displacements)
+        for stage in &self.stages {
+            let tasks = (stage.len() / LEAST_BLOCKS).clamp(1, team.threads());
+            if tasks == 1 {
+                work.run(stage.clone());
+            } else {
+                let size = stage.len().div_ceil(tasks);
+                team.run(tasks, &|task| {
+                    let first = stage.start + task * size;
+                    work.run(first.min(stage.end)..(first + size).min(stage.end));
+                });
+            }
+        }
+        f32::from_bits(work.change.load(Ordering::Relaxed))
     }
 
     /// A sub-step in which nothing hits anything.
-    fn solve_calm_substep(&mut self, first: bool, manifolds: &[Manifold], effort: &mut Effort) {
+    fn solve_calm_substep(
+        &mut self,
+        first: bool,
+        manifolds: &[Manifold],
+        effort: &mut Effort,
+        team: Option<&Team>,
+    ) {
         let settings = &{ self.settings };
         let config = &settings.config;
         let tolerance = self.tolerance(config, 0.0);
-        let (mut contacts, displacements) = self.contacts_and_displacements();
-        contacts.begin(displacements, &settings.feedback(), first);
+        let feedback = settings.feedback();
+        self.pass(Pass::Begin { feedback, first }, team);
         let solve = SweepKind::Solve(settings.softness());
-        self.sweep(config.sweeps, solve, config, tolerance, effort);
+        self.sweep(config.sweeps, solve, tolerance, effort, team);
         self.move_bodies(settings, manifolds);
-        self.relax(settings, tolerance, effort);
+        self.relax(settings, tolerance, effort, team);
     }
 
     /// From targets to the relaxed velocities of a sub-step.
-    fn solve_substep(&mut self, first: bool, manifolds: &[Manifold], effort: &mut Effort) {
+    fn solve_substep(
+        &mut self,
+        first: bool,
+        manifolds: &[Manifold],
+        effort: &mut Effort,
+        team: Option<&Team>,
+    ) {
         let settings = &{ self.settings };
         let config = &settings.config;
-        let fastest = self.set_targets(settings, first);
+        let fastest = self.set_targets(settings, first, team);
         let is_hit = fastest > 0.0 || self.is_hit(settings);
         if is_hit {
             self.save_impulses();
@@ -118,16 +172,16 @@ impl Batch {
             self.keep_free_velocities();
             self.solve_exactly(config, effort);
         } else {
-            self.contacts().apply_impulses();
+            self.pass(Pass::Warm, team);
             let solve = SweepKind::Solve(settings.softness());
-            self.sweep(config.sweeps, solve, config, tolerance, effort);
+            self.sweep(config.sweeps, solve, tolerance, effort, team);
         }
         self.move_bodies(settings, manifolds);
         if is_hit {
             // What follows acts where the bodies are now: blows are large enough to matter for the angular momentum.
             self.follow_motion(MOST_TURN / settings.h, manifolds);
         }
-        self.relax(settings, tolerance, effort);
+        self.relax(settings, tolerance, effort, team);
         if is_hit {
             // A blow says nothing about the next sub-step, what was before it does.
             self.restore_impulses();
@@ -142,9 +196,9 @@ impl Batch {
     }
 
     /// Fills the wanted velocities; returns the fastest rebound, scaled to a size of 1 m, m/s.
-    fn set_targets(&mut self, settings: &SubstepSettings, first: bool) -> f32 {
-        let (mut contacts, displacements) = self.contacts_and_displacements();
-        contacts.set_targets(displacements, &settings.feedback(), first);
+    fn set_targets(&mut self, settings: &SubstepSettings, first: bool, team: Option<&Team>) -> f32 {
+        let feedback = settings.feedback();
+        self.pass(Pass::Targets { feedback, first }, team);
         let mut fastest = 0.0_f32;
         if self.has_restitution {
             for i in 0..self.places.len() {
@@ -274,10 +328,11 @@ impl Batch {
             return self.take_impulses_of_rows();
         }
         self.bodies.copy_from_slice(&self.scratch.free);
-        let mut contacts = self.contacts();
-        contacts.apply_impulses();
+        self.pass(Pass::Warm, None);
+        let softness = Softness::HARD;
         for _ in 0..UNCERTIFIED_SWEEPS {
-            contacts.solve(&Softness::HARD, false);
+            let measure = false;
+            self.pass(Pass::Solve { softness, measure }, None);
         }
         effort.sweeps += UNCERTIFIED_SWEEPS;
         effort.hit_cap = true;
@@ -379,7 +434,13 @@ impl Batch {
         }
     }
 
-    fn relax(&mut self, settings: &SubstepSettings, tolerance: Option<f32>, effort: &mut Effort) {
+    fn relax(
+        &mut self,
+        settings: &SubstepSettings,
+        tolerance: Option<f32>,
+        effort: &mut Effort,
+        team: Option<&Team>,
+    ) {
         let config = &settings.config;
         if config.relax_sweeps == 0 {
             return;
@@ -390,9 +451,9 @@ impl Batch {
         self.sweep(
             config.relax_sweeps,
             SweepKind::Relax,
-            config,
             tolerance,
             effort,
+            team,
         );
     }
 
@@ -402,25 +463,26 @@ impl Batch {
         &mut self,
         least: u32,
         kind: SweepKind,
-        config: &SolverConfig,
         tolerance: Option<f32>,
         effort: &mut Effort,
+        team: Option<&Team>,
     ) {
+        let config = self.settings.config;
         let most = config.max_sweeps.min(least + effort.share());
         let (mut change, mut done) = (0.0, 0);
         self.scratch.pace.restart();
         while done < least || tolerance.is_some_and(|t| change > t) && done < most {
             let is_extra = done >= least;
             if is_extra {
-                self.go_on(config);
+                self.go_on(team);
             }
             done += 1;
             let measure = tolerance.is_some() && done >= least;
-            let mut contacts = self.contacts();
-            change = match kind {
-                SweepKind::Solve(softness) => contacts.solve(&softness, measure),
-                SweepKind::Relax => contacts.relax(measure),
+            let pass = match kind {
+                SweepKind::Solve(softness) => Pass::Solve { softness, measure },
+                SweepKind::Relax => Pass::Relax { measure },
             };
+            change = self.pass(pass, team);
             if is_extra {
                 self.scratch.pace.note(change);
             }
@@ -429,7 +491,7 @@ impl Batch {
     }
 
     /// Moves impulses and velocities on in the direction of their last change, or remembers them for the next time.
-    fn go_on(&mut self, config: &SolverConfig) {
+    fn go_on(&mut self, team: Option<&Team>) {
         let BatchScratch {
             pace,
             last_impulses,
@@ -449,15 +511,7 @@ impl Batch {
             body.angular = now.angular + weight * (now.angular - last.angular);
             *last = now;
         }
-        let mut contacts = Contacts {
-            blocks: &self.blocks,
-            points: &mut self.points,
-            blows: &self.blows,
-            bodies: &mut self.bodies,
-            friction: config.friction_model,
-            width: config.lane_width,
-        };
-        contacts.extrapolate(last_impulses, weight);
+        self.pass(Pass::Extrapolate { weight }, team);
     }
 
     /// Turns the bodies that spin, and their inertia with them.
@@ -490,7 +544,7 @@ impl Batch {
             }
         }
         let width = self.settings.config.lane_width;
-        derive(&mut self.blocks, &mut self.points, &self.solids, width);
+        derive(&mut self.blocks, &mut self.points, &mut self.solids, width);
     }
 
     fn follow_manifold(&mut self, moving: &MovingManifold, manifolds: &[Manifold]) {

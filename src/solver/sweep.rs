@@ -8,18 +8,23 @@ use super::blocks::{Block, Blow, Point, V3, load_six, symmetric};
 use super::bodies::SolverBody;
 use super::lanes::{F8, Kernel, LaneWidth, Lanes, run};
 use super::soft_step::Softness;
+use std::cell::Cell;
 
 /// What all loops run over.
 #[derive(Debug)]
 pub struct Contacts<'a> {
-    /// Blocks of manifolds; their points are `points` from `first_point` on.
+    /// Blocks of manifolds.
     pub blocks: &'a [Block],
     /// Points of the blocks.
     pub points: &'a mut [Point],
+    /// What the blocks call the first of these points.
+    pub first_point: usize,
     /// Blows of the points; empty where nothing hits.
     pub blows: &'a [Blow],
     /// Velocities that the numbers in the blocks refer to.
-    pub bodies: &'a mut [SolverBody],
+    pub bodies: &'a [Cell<SolverBody>],
+    /// Displacements of the bodies since the start of the step.
+    pub displacements: &'a [Cell<SolverBody>],
     /// Shape of the friction bound.
     pub friction: FrictionModel,
     /// Lanes of a register.
@@ -37,73 +42,94 @@ pub struct Feedback {
     pub most: f32,
 }
 
-impl Contacts<'_> {
+/// What is done to all contacts.
+#[derive(Clone, Copy, Debug)]
+pub enum Pass {
     /// Sets the wanted velocities from the displacements of the bodies since the start of the step. Of a sub-step that is not
     /// the `first`, the impulses of the one before are added to the total.
-    pub fn set_targets(&mut self, displacements: &[SolverBody], feedback: &Feedback, first: bool) {
-        let kernel = Prepare::<true, false> {
-            contacts: self,
-            displacements,
-            feedback,
-            first,
-        };
-        run(kernel.contacts.width, kernel);
-    }
-
+    Targets {
+        /// How overlap is pushed out.
+        feedback: Feedback,
+        /// Whether the step begins.
+        first: bool,
+    },
     /// Adds `M^-1 J^T lambda` of the impulses found in the points to the velocities: the warm start.
-    pub fn apply_impulses(&mut self) {
-        let kernel = Prepare::<false, true> {
-            contacts: self,
-            displacements: &[],
-            feedback: &Feedback {
-                h: 0.0,
-                rate: 0.0,
-                most: 0.0,
-            },
-            first: true,
-        };
-        run(kernel.contacts.width, kernel);
-    }
-
-    /// Both at once, in one pass.
-    pub fn begin(&mut self, displacements: &[SolverBody], feedback: &Feedback, first: bool) {
-        let kernel = Prepare::<true, true> {
-            contacts: self,
-            displacements,
-            feedback,
-            first,
-        };
-        run(kernel.contacts.width, kernel);
-    }
-
-    /// One sweep with position feedback, friction before the normal. With `measure`, returns the largest velocity change of a
-    /// row in units of its [speed scale](super::rows::PointRows::speed_scale), else 0.
-    pub fn solve(&mut self, softness: &Softness, measure: bool) -> f32 {
-        let sweep = Sweep {
-            softness: *softness,
-            ..Sweep::new(self, measure)
-        };
-        run(sweep.contacts.width, Solve(sweep))
-    }
-
-    /// One sweep without position feedback, the normal before friction; returns as [`solve`](Self::solve). Points that are
-    /// pushed stop, others may close their gap, impacts rebound.
-    pub fn relax(&mut self, measure: bool) -> f32 {
-        let sweep = Sweep::new(self, measure);
-        run(sweep.contacts.width, Relax(sweep))
-    }
-
+    Warm,
+    /// Both at once.
+    Begin {
+        /// How overlap is pushed out.
+        feedback: Feedback,
+        /// Whether the step begins.
+        first: bool,
+    },
+    /// One sweep with position feedback, friction before the normal. With `measure`, tells the largest velocity change of a row
+    /// in units of its [speed scale](super::rows::PointRows::speed_scale), else 0.
+    Solve {
+        /// Compliance.
+        softness: Softness,
+        /// Whether to measure.
+        measure: bool,
+    },
+    /// One sweep without position feedback, the normal before friction. Points that are pushed stop, others may close their
+    /// gap, impacts rebound.
+    Relax {
+        /// As in [`Solve`](Self::Solve).
+        measure: bool,
+    },
     /// Moves the impulses on from where they were to where they were going, by `weight` times their last change, and projects
-    /// them on what they may be; remembers where they are in `last`. The velocities are moved by the caller; only what the
-    /// projection takes away is taken out of them here.
-    pub fn extrapolate(&mut self, last: &mut [[F8; 3]], weight: f32) {
-        let kernel = Extrapolate {
-            contacts: self,
-            last,
-            weight,
-        };
-        run(kernel.contacts.width, kernel);
+    /// them on what they may be. The velocities are moved by the caller; only what the projection takes away is taken out of
+    /// them here.
+    Extrapolate {
+        /// Weight of the momentum.
+        weight: f32,
+    },
+}
+
+impl Contacts<'_> {
+    /// Does a pass; returns the largest velocity change if it is measured, else 0. `last`: where the impulses were before an
+    /// extrapolation, and then where they are; of no use to other passes.
+    pub fn pass(&mut self, pass: Pass, last: &mut [[F8; 3]]) -> f32 {
+        let width = self.width;
+        match pass {
+            Pass::Targets { feedback, first } => {
+                run(width, Prepare::<true, false>::new(self, feedback, first))
+            }
+            Pass::Warm => run(
+                width,
+                Prepare::<false, true>::new(self, Feedback::NONE, true),
+            ),
+            Pass::Begin { feedback, first } => {
+                run(width, Prepare::<true, true>::new(self, feedback, first))
+            }
+            Pass::Solve { softness, measure } => {
+                let contacts = self;
+                run(width, Solve(Sweep { contacts, measure }, softness))
+            }
+            Pass::Relax { measure } => {
+                let contacts = self;
+                run(width, Relax(Sweep { contacts, measure }))
+            }
+            Pass::Extrapolate { weight } => {
+                let contacts = self;
+                run(
+                    width,
+                    Extrapolate {
+                        contacts,
+                        last,
+                        weight,
+                    },
+                )
+            }
+        }
     }
+}
+
+impl Feedback {
+    const NONE: Self = Self {
+        h: 1.0,
+        rate: 0.0,
+        most: 0.0,
+    };
 }
 
 /// Two bodies in each lane.
@@ -113,7 +139,7 @@ struct Pair<L> {
 
 impl<L: Lanes> Pair<L> {
     #[inline(always)]
-    fn gather(bodies: &[SolverBody], block: &Block) -> Self {
+    fn gather(bodies: &[Cell<SolverBody>], block: &Block) -> Self {
         let [a, b] = &block.bodies;
         Self {
             columns: [L::gather(bodies, a), L::gather(bodies, b)],
@@ -121,7 +147,7 @@ impl<L: Lanes> Pair<L> {
     }
 
     #[inline(always)]
-    fn scatter(self, bodies: &mut [SolverBody], block: &Block) {
+    fn scatter(self, bodies: &[Cell<SolverBody>], block: &Block) {
         let [a, b] = self.columns;
         L::scatter(a, bodies, &block.bodies[0]);
         L::scatter(b, bodies, &block.bodies[1]);
@@ -258,31 +284,44 @@ fn project<L: Lanes>(model: FrictionModel, wish: [L; 2], radius: L) -> [L; 2] {
 /// Targets, warm start, or both.
 struct Prepare<'a, 'c, const TARGETS: bool, const WARM: bool> {
     contacts: &'a mut Contacts<'c>,
-    displacements: &'a [SolverBody],
-    feedback: &'a Feedback,
+    feedback: Feedback,
     first: bool,
 }
 
+impl<'a, 'c, const TARGETS: bool, const WARM: bool> Prepare<'a, 'c, TARGETS, WARM> {
+    fn new(contacts: &'a mut Contacts<'c>, feedback: Feedback, first: bool) -> Self {
+        Self {
+            contacts,
+            feedback,
+            first,
+        }
+    }
+}
+
 impl<const TARGETS: bool, const WARM: bool> Kernel for Prepare<'_, '_, TARGETS, WARM> {
-    type Output = ();
+    type Output = f32;
 
     #[inline(always)]
-    fn run<L: Lanes>(self) {
+    fn run<L: Lanes>(self) -> f32 {
         let Contacts {
             blocks,
             points,
+            first_point,
             bodies,
+            displacements,
             ..
         } = self.contacts;
         for block in blocks.iter() {
-            let points = &mut points[block.points.clone()];
+            let start = block.points.start - *first_point;
+            let points = &mut points[start..start + block.points.len()];
             if TARGETS {
-                targets::<L>(block, points, self.displacements, self.feedback, self.first);
+                targets::<L>(block, points, displacements, &self.feedback, self.first);
             }
             if WARM {
                 warm_start::<L>(block, points, bodies);
             }
         }
+        0.0
     }
 }
 
@@ -290,7 +329,7 @@ impl<const TARGETS: bool, const WARM: bool> Kernel for Prepare<'_, '_, TARGETS, 
 fn targets<L: Lanes>(
     block: &Block,
     points: &mut [Point],
-    displacements: &[SolverBody],
+    displacements: &[Cell<SolverBody>],
     feedback: &Feedback,
     first: bool,
 ) {
@@ -314,7 +353,7 @@ fn targets<L: Lanes>(
 }
 
 #[inline(always)]
-fn warm_start<L: Lanes>(block: &Block, points: &[Point], bodies: &mut [SolverBody]) {
+fn warm_start<L: Lanes>(block: &Block, points: &[Point], bodies: &[Cell<SolverBody>]) {
     let frame = Frame::<L>::load(block);
     let zero = V3([L::splat(0.0); 3]);
     let (mut linear, mut angular) = (zero, [zero; 2]);
@@ -335,25 +374,17 @@ fn warm_start<L: Lanes>(block: &Block, points: &[Point], bodies: &mut [SolverBod
 /// What the two sweeps have in common.
 struct Sweep<'a, 'c> {
     contacts: &'a mut Contacts<'c>,
-    softness: Softness,
     measure: bool,
 }
 
-impl<'a, 'c> Sweep<'a, 'c> {
-    fn new(contacts: &'a mut Contacts<'c>, measure: bool) -> Self {
-        Self {
-            contacts,
-            softness: Softness::HARD,
-            measure,
-        }
-    }
-
+impl Sweep<'_, '_> {
     /// Solves each point of each block by a rule.
     #[inline(always)]
     fn each_point<L: Lanes, R: Rule<L>>(self, rule: &R) -> f32 {
         let Contacts {
             blocks,
             points,
+            first_point,
             blows,
             bodies,
             friction: model,
@@ -366,7 +397,8 @@ impl<'a, 'c> Sweep<'a, 'c> {
             let friction = L::load(&block.friction);
             let mut pair = Pair::<L>::gather(bodies, block);
             let mut change = zero;
-            for i in block.points.clone() {
+            let start = block.points.start - *first_point;
+            for i in start..start + block.points.len() {
                 let point = &mut points[i];
                 let anchors = load_anchors(point);
                 let velocity = pair.relative(&anchors);
@@ -507,14 +539,14 @@ impl<L: Lanes> Rule<L> for Settling {
     }
 }
 
-struct Solve<'a, 'c>(Sweep<'a, 'c>);
+struct Solve<'a, 'c>(Sweep<'a, 'c>, Softness);
 
 impl Kernel for Solve<'_, '_> {
     type Output = f32;
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> f32 {
-        let softness = self.0.softness;
+        let softness = self.1;
         let rule = Feeding {
             mass_scale: L::splat(softness.mass_scale),
             keep: L::splat(1.0 - softness.release),
@@ -541,13 +573,14 @@ struct Extrapolate<'a, 'c> {
 }
 
 impl Kernel for Extrapolate<'_, '_> {
-    type Output = ();
+    type Output = f32;
 
     #[inline(always)]
-    fn run<L: Lanes>(self) {
+    fn run<L: Lanes>(self) -> f32 {
         let Contacts {
             blocks,
             points,
+            first_point,
             bodies,
             friction: model,
             ..
@@ -557,7 +590,8 @@ impl Kernel for Extrapolate<'_, '_> {
             let (frame, masses) = (Frame::<L>::load(block), Masses::load(block));
             let friction = L::load(&block.friction);
             let mut pair = Pair::<L>::gather(bodies, block);
-            for i in block.points.clone() {
+            let start = block.points.start - *first_point;
+            for i in start..start + block.points.len() {
                 let (point, last) = (&mut points[i], &mut self.last[i]);
                 let now: [L; 3] = load_three(&point.impulse);
                 let before: [L; 3] = load_three(last);
@@ -579,5 +613,6 @@ impl Kernel for Extrapolate<'_, '_> {
             }
             pair.scatter(bodies, block);
         }
+        0.0
     }
 }

@@ -1,0 +1,66 @@
+//! A pass over the contacts of a large batch, in parts that several threads do at a time.
+#![allow(
+    unsafe_code,
+    reason = "parts of one list are written by different threads"
+)]
+
+use super::FrictionModel;
+use super::blocks::{Block, Blow, Point};
+use super::bodies::SolverBody;
+use super::lanes::{F8, LaneWidth};
+use super::sweep::{Contacts, Pass};
+use super::team::Shared;
+use std::ops::Range;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+/// What all parts of a pass read and write.
+///
+/// Blocks of one stage share no body that is written with different numbers: movable ones are in one block of a stage at
+/// most, and fixed ones have a copy in each block (see [`Batch`](super::batch::Batch)). Each has its own points.
+pub(super) struct Shift<'a> {
+    pub(super) pass: Pass,
+    pub(super) blocks: &'a [Block],
+    pub(super) points: Shared<'a, Point>,
+    pub(super) blows: &'a [Blow],
+    pub(super) bodies: Shared<'a, SolverBody>,
+    pub(super) displacements: Shared<'a, SolverBody>,
+    pub(super) last: Shared<'a, [F8; 3]>,
+    pub(super) friction: FrictionModel,
+    pub(super) width: LaneWidth,
+    /// The largest velocity change so far, as bits: those of positive numbers are in the order of the numbers.
+    pub(super) change: AtomicU32,
+}
+
+impl Shift<'_> {
+    /// Does the pass for some blocks of a stage. Different threads must be given different blocks of the same stage.
+    pub(super) fn run(&self, blocks: Range<usize>) {
+        let blocks = &self.blocks[blocks];
+        let [Some(first), Some(last)] = [blocks.first(), blocks.last()] else {
+            return;
+        };
+        let range = first.points.start..last.points.end;
+        let has_last = matches!(self.pass, Pass::Extrapolate { .. });
+        let last_range = if has_last { range.clone() } else { 0..0 };
+        let blows = if self.blows.is_empty() {
+            self.blows
+        } else {
+            &self.blows[range.clone()]
+        };
+        // SAFETY: points follow their blocks, and no other thread has these blocks; of the bodies, blocks of one stage write
+        // different ones, see above. Displacements are not written.
+        let change = unsafe {
+            let mut contacts = Contacts {
+                blocks,
+                first_point: range.start,
+                points: self.points.part(range),
+                blows,
+                bodies: self.bodies.cells(),
+                displacements: self.displacements.cells(),
+                friction: self.friction,
+                width: self.width,
+            };
+            contacts.pass(self.pass, self.last.part(last_range))
+        };
+        self.change.fetch_max(change.to_bits(), Ordering::Relaxed);
+    }
+}

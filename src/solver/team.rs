@@ -1,0 +1,211 @@
+//! Threads that work through many short lists of tasks together, with almost nothing in between.
+//!
+//! A sweep over a large heap has a dozen stages of a few microseconds each, one after the other; to hand each to the task
+//! pool would take as long as the stage. So helpers come once for many stages: they look for tasks without rest, and the
+//! thread that leads never waits for a helper that has not taken a task. Without helpers it does all tasks itself.
+#![allow(
+    unsafe_code,
+    reason = "tasks borrow from the leader's stack, and write to parts of one list"
+)]
+
+use bevy_tasks::ComputeTaskPool;
+use std::cell::{Cell, UnsafeCell};
+use std::hint::spin_loop;
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
+
+/// A list of tasks: does the one with the given number.
+type Tasks<'a> = &'a (dyn Fn(usize) + Sync);
+
+/// Looks for a task without yielding, then with: a helper whose core is wanted elsewhere must let go of it.
+const SPINS: u32 = 2000;
+
+/// A leader and its helpers.
+pub struct Team {
+    /// The present list; written by the leader only while no task of it is left.
+    tasks: UnsafeCell<Tasks<'static>>,
+    /// Number of the list in the upper half, tasks that nobody has taken in the lower half.
+    left: AtomicU64,
+    /// Tasks of the present list that are done.
+    done: AtomicU32,
+    is_over: AtomicBool,
+    helpers: usize,
+}
+
+impl std::fmt::Debug for Team {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Team")
+            .field("helpers", &self.helpers)
+            .finish_non_exhaustive()
+    }
+}
+
+// SAFETY: `tasks` is written by the leader while `left` holds no task and all that were taken are done, so nobody reads
+// it then; helpers read it after they took a task from `left`, which the leader filled after writing.
+unsafe impl Sync for Team {}
+
+impl Team {
+    /// Leads a team of all threads of `pool` through `work`.
+    pub fn lead<R>(pool: &ComputeTaskPool, work: impl FnOnce(&Self) -> R) -> R {
+        let team = Self {
+            tasks: UnsafeCell::new(&|_| {}),
+            left: AtomicU64::new(0),
+            done: AtomicU32::new(0),
+            is_over: AtomicBool::new(false),
+            helpers: pool.thread_num(),
+        };
+        let mut result = None;
+        pool.scope(|scope| {
+            for _ in 0..team.helpers {
+                scope.spawn(async { team.help() });
+            }
+            // However the work ends, the helpers must go.
+            let _over = Dismissal(&team.is_over);
+            result = Some(work(&team));
+        });
+        result.expect("the scope has run")
+    }
+
+    /// Number of threads, the leader among them.
+    pub fn threads(&self) -> usize {
+        self.helpers + 1
+    }
+
+    /// Does tasks `0..count`, in any order and on any thread, and returns when all are done. For the leader only, and not
+    /// from within a task.
+    pub fn run(&self, count: usize, tasks: Tasks<'_>) {
+        let list = (self.left.load(Ordering::Relaxed) >> 32).wrapping_add(1);
+        self.done.store(0, Ordering::Relaxed);
+        // SAFETY: the list before is done, so nobody reads `tasks` (see `Sync`). That this one is borrowed for longer than it
+        // lives does not matter: it is called by those who took one of its tasks only, and this function does not return, nor
+        // unwind, before all of them are done.
+        unsafe { *self.tasks.get() = std::mem::transmute::<Tasks<'_>, Tasks<'static>>(tasks) };
+        let count = count as u32;
+        self.left
+            .store(list << 32 | u64::from(count), Ordering::Release);
+        let wait = WaitForAll { team: self, count };
+        while self.take_one() {}
+        drop(wait);
+    }
+
+    /// Looks for tasks until the leader is done.
+    fn help(&self) {
+        let mut idle = 0;
+        while !self.is_over.load(Ordering::Acquire) {
+            if self.take_one() {
+                idle = 0;
+            } else if idle < SPINS {
+                idle += 1;
+                spin_loop();
+            } else {
+                std::thread::yield_now();
+            }
+        }
+    }
+
+    /// Does a task that nobody has taken; whether there was one.
+    fn take_one(&self) -> bool {
+        let seen = self.left.load(Ordering::Acquire);
+        let count = seen as u32;
+        if count == 0 {
+            return false;
+        }
+        // The number of the list keeps this from taking a task of a later one.
+        let taken =
+            self.left
+                .compare_exchange_weak(seen, seen - 1, Ordering::Acquire, Ordering::Relaxed);
+        if taken.is_ok() {
+            // SAFETY: a task has been taken and is not done yet, so the leader does not write (see `Sync`).
+            let tasks = unsafe { *self.tasks.get() };
+            let _done = CountDone(&self.done);
+            tasks(count as usize - 1);
+        }
+        true
+    }
+}
+
+/// Sends the helpers away when dropped.
+struct Dismissal<'a>(&'a AtomicBool);
+
+impl Drop for Dismissal<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Release);
+    }
+}
+
+/// Counts a task as done when dropped, also if it panics.
+struct CountDone<'a>(&'a AtomicU32);
+
+impl Drop for CountDone<'_> {
+    fn drop(&mut self) {
+        self.0.fetch_add(1, Ordering::Release);
+    }
+}
+
+/// When dropped, does what is left of the present list and waits for those who have taken a task.
+struct WaitForAll<'a> {
+    team: &'a Team,
+    count: u32,
+}
+
+impl Drop for WaitForAll<'_> {
+    fn drop(&mut self) {
+        // Tasks that nobody will do any more, if the leader's own panicked.
+        let left = self.team.left.load(Ordering::Acquire);
+        let forgotten = self.team.left.swap(left >> 32 << 32, Ordering::AcqRel) as u32;
+        self.team.done.fetch_add(forgotten, Ordering::Release);
+        let mut spins = 0;
+        while self.team.done.load(Ordering::Acquire) < self.count {
+            if spins < SPINS {
+                spins += 1;
+                spin_loop();
+            } else {
+                std::thread::yield_now();
+            }
+        }
+    }
+}
+
+/// A list whose parts are written by different tasks.
+pub struct Shared<'a, T>(&'a [Cell<T>]);
+
+impl<T> std::fmt::Debug for Shared<'_, T> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Shared")
+            .field("len", &self.0.len())
+            .finish_non_exhaustive()
+    }
+}
+
+// SAFETY: cells are reached through `unsafe` functions only, whose callers promise that no two tasks use the same one.
+unsafe impl<T: Send> Sync for Shared<'_, T> {}
+
+impl<'a, T> Shared<'a, T> {
+    /// Shares a list.
+    pub fn new(list: &'a mut [T]) -> Self {
+        Self(Cell::from_mut(list).as_slice_of_cells())
+    }
+
+    /// All of the list.
+    ///
+    /// # Safety
+    /// While several threads hold it, no element that one of them writes may be touched by another.
+    pub unsafe fn cells(&self) -> &'a [Cell<T>] {
+        self.0
+    }
+
+    /// A part of the list.
+    ///
+    /// # Safety
+    /// Nothing else may touch this part as long as the result lives.
+    #[allow(
+        clippy::mut_from_ref,
+        reason = "that no two of these overlap is what the caller promises"
+    )]
+    pub unsafe fn part(&self, range: Range<usize>) -> &'a mut [T] {
+        let part = &self.0[range];
+        // SAFETY: `Cell<T>` has the layout of `T` and may be written through a shared reference; nothing else touches this
+        // part, as the caller promises.
+        unsafe { std::slice::from_raw_parts_mut(part.as_ptr().cast_mut().cast(), part.len()) }
+    }
+}
