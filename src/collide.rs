@@ -87,11 +87,14 @@ pub fn update_pairs(
     bodies: &Bodies,
     ahead: Lookahead,
 ) {
-    narrow.proxies.clear();
-    narrow
-        .proxies
-        .extend((0..bodies.slots() as u32).map(|slot| proxy(bodies, slot, ahead)));
-    broadphase.update(&narrow.proxies, BOX_MARGIN);
+    narrow.proxies.resize(bodies.slots(), None);
+    for (slot, kept) in (0..).zip(&mut narrow.proxies) {
+        if !bodies.is_asleep(slot) {
+            *kept = proxy(bodies, slot, ahead);
+        }
+    }
+    let may_change = |slot: usize| !bodies.is_asleep(slot as u32);
+    broadphase.update_some(&narrow.proxies, BOX_MARGIN, may_change);
 }
 
 fn proxy(bodies: &Bodies, slot: u32, ahead: Lookahead) -> Option<Proxy> {

@@ -40,7 +40,7 @@ pub mod prelude {
     pub use crate::contact::{BodyId, CollisionLayers};
     pub use crate::ecs::components::{
         AngularVelocity, BodyHandle, BodyProblem, BodyWarning, Fractured, LinearVelocity,
-        MassOverride,
+        MassOverride, Sleeping,
     };
     pub use crate::ecs::cut::SliceCommands;
     pub use crate::ecs::spawn::SpawnBody;
@@ -52,7 +52,7 @@ pub mod prelude {
     pub use crate::slice::fracturable::Fracturable;
     pub use crate::slice::pattern::FracturePattern;
     pub use crate::solver::bodies::{Bodies, BodyDesc, BodyError, RigidBody, Shape};
-    pub use crate::solver::{FrictionModel, Gravity, Method, SolverConfig};
+    pub use crate::solver::{FrictionModel, Gravity, Method, SleepConfig, SolverConfig};
     pub use crate::step::{
         Contacts, IslandReport, Simulation, StepError, StepReport, StepSettings,
     };

@@ -37,6 +37,8 @@ pub enum PhysicsSystems {
     Integrate,
     /// The contact cache takes the new multipliers and ages the rest.
     CacheAging,
+    /// Islands at rest fall asleep, if [`SleepConfig`](crate::solver::SleepConfig) says so.
+    Sleep,
     /// Bodies that were hit too hard, or are to be cut, become pieces.
     Fracture,
     /// Poses and velocities are written to the entities.
@@ -83,7 +85,9 @@ impl Plugin for CleavePlugin {
             .add_message::<BodyWarning>()
             .add_observer(gather::on_body_inserted)
             .add_observer(gather::on_body_discarded)
-            .add_observer(gather::on_part_removed);
+            .add_observer(gather::on_part_removed)
+            .add_observer(gather::on_sleeping_inserted)
+            .add_observer(gather::on_sleeping_removed);
         require_components(app);
         #[cfg(feature = "reflect")]
         crate::ecs::reflect::register_types(app);
@@ -118,6 +122,7 @@ fn add_phases(schedule: &mut Schedule) {
             Phase::Solve,
             Phase::Integrate,
             Phase::CacheAging,
+            Phase::Sleep,
             Phase::Fracture,
             Phase::Writeback,
         )
@@ -129,6 +134,7 @@ fn add_phases(schedule: &mut Schedule) {
             gather::register_bodies,
             gather::gather_changes,
             gather::gather_motion,
+            gather::settle_marked,
             cut::gather_requests,
             mass_properties,
             gather::publish_mass,
@@ -140,6 +146,7 @@ fn add_phases(schedule: &mut Schedule) {
         solve.in_set(Phase::Solve),
         integrate.in_set(Phase::Integrate),
         age_cache.in_set(Phase::CacheAging),
+        sleep.in_set(Phase::Sleep),
         (
             fracture,
             cut::report_refusals,
@@ -147,7 +154,12 @@ fn add_phases(schedule: &mut Schedule) {
         )
             .chain()
             .in_set(Phase::Fracture),
-        (scatter::scatter, scatter::report_problems)
+        (
+            scatter::unmark_woken,
+            scatter::scatter,
+            scatter::mark_asleep,
+            scatter::report_problems,
+        )
             .chain()
             .in_set(Phase::Writeback),
     ));
@@ -198,14 +210,14 @@ fn broadphase(
 }
 
 fn generate_contacts(
-    bodies: Res<Bodies>,
+    mut bodies: ResMut<Bodies>,
     mut contacts: ResMut<Contacts>,
     mut cache: ResMut<ContactCache>,
     settings: Settings,
     mut report: ResMut<StepReport>,
 ) {
     step::generate_contacts(
-        &bodies,
+        &mut bodies,
         &mut contacts,
         &mut cache,
         &settings.get(),
@@ -233,6 +245,22 @@ fn age_cache(
     settings: Settings,
 ) {
     step::age_cache(&bodies, &contacts, &mut cache, &settings.get());
+}
+
+fn sleep(
+    mut bodies: ResMut<Bodies>,
+    contacts: Res<Contacts>,
+    mut cache: ResMut<ContactCache>,
+    settings: Settings,
+    mut report: ResMut<StepReport>,
+) {
+    step::sleep(
+        &mut bodies,
+        &contacts,
+        &mut cache,
+        &settings.get(),
+        &mut report,
+    );
 }
 
 fn fracture(

@@ -9,11 +9,14 @@
 //! 4 solve              forces, manifolds -> rows -> impulses with w = A lambda - b, lo <= lambda <= hi
 //! 5 integrate          velocities       -> poses
 //! 6 cache aging        impulses         -> cache: hits reset, others one step older, stale ones evicted
-//! 7 fracture           impulses over the strength, cuts asked for -> pieces
+//! 7 sleep              velocities, poses -> islands at rest, left out from the next step on
+//! 8 fracture           impulses over the strength, cuts asked for -> pieces
 //! ```
+//!
+//! Sleeping bodies are woken in phase 3, where it is known who touches them; see [`sleep`](crate::solver::sleep).
 
 use crate::collide::{self, Lookahead};
-use crate::contact::broadphase::Broadphase;
+use crate::contact::broadphase::{Broadphase, Pair};
 use crate::contact::cache::{CacheStats, ContactCache};
 use crate::contact::manifold::Manifold;
 use crate::fracture::{CutError, CutRequest, Fractures, fracture_bodies};
@@ -32,6 +35,8 @@ use bevy_ecs::resource::Resource;
 pub struct Contacts {
     pub(crate) broadphase: Broadphase,
     pub(crate) narrow: collide::NarrowPhase,
+    /// Pairs that are not asleep.
+    awake_pairs: Vec<Pair>,
     pub(crate) manifolds: Vec<Manifold>,
     pub(crate) solver: ContactSolver,
     /// Rows of an island whose error is measured.
@@ -39,7 +44,8 @@ pub struct Contacts {
 }
 
 impl Contacts {
-    /// Manifolds of the last step with the impulses that were found, sorted by body ids.
+    /// Manifolds of the last step with the impulses that were found, sorted by body ids. Those of bodies that sleep are not
+    /// among them.
     pub fn manifolds(&self) -> &[Manifold] {
         &self.manifolds
     }
@@ -56,6 +62,10 @@ impl Contacts {
 pub struct StepReport {
     /// Bodies in the simulation.
     pub bodies: usize,
+    /// Dynamic bodies that are awake.
+    pub awake: usize,
+    /// Bodies that sleep.
+    pub asleep: usize,
     /// Pairs that the broad phase found.
     pub pairs: usize,
     /// Pairs that touch or nearly touch.
@@ -186,7 +196,9 @@ impl Simulation {
         solve(bodies, contacts, settings, report);
         integrate(bodies, report);
         age_cache(bodies, contacts, cache, settings);
+        sleep(bodies, contacts, cache, settings, report);
         fracture(bodies, contacts, cache, fractures);
+        bodies.forget_turned();
     }
 }
 
@@ -224,9 +236,9 @@ pub fn broadphase(
     report.pairs = contacts.broadphase.pairs().len();
 }
 
-/// Phase 3: manifolds of all pairs, and where the solver left off at the same points.
+/// Phase 3: manifolds of all pairs that are awake, and where the solver left off at the same points. Wakes what must.
 pub fn generate_contacts(
-    bodies: &Bodies,
+    bodies: &mut Bodies,
     contacts: &mut Contacts,
     cache: &mut ContactCache,
     settings: &StepSettings,
@@ -236,10 +248,24 @@ pub fn generate_contacts(
         broadphase,
         narrow,
         manifolds,
+        awake_pairs,
         ..
     } = contacts;
     let ahead = Lookahead::new(settings.h, settings.gravity.0);
-    narrow.collide(bodies, broadphase.pairs(), ahead, manifolds);
+    bodies.rouse(&settings.config.sleep, settings.gravity.0);
+    loop {
+        let pairs = bodies.awake_pairs(broadphase.pairs(), awake_pairs);
+        narrow.collide(bodies, pairs, ahead, manifolds);
+        // What was woken has pairs of its own, and may touch others that sleep.
+        if !bodies.wake_touched(manifolds) {
+            break;
+        }
+    }
+    bodies.end_rouse();
+    if !bodies.sleep.woken.is_empty() {
+        cache.unpark(&bodies.sleep.woken);
+        bodies.sleep.woken.clear();
+    }
     report.cache = if settings.config.warm_start {
         cache.warm_start(
             manifolds,
@@ -299,7 +325,26 @@ pub fn age_cache(
     );
 }
 
-/// Phase 7: bodies that were hit too hard or are to be cut become pieces.
+/// Phase 7: islands at rest fall asleep. Their multipliers are kept for when they wake.
+pub fn sleep(
+    bodies: &mut Bodies,
+    contacts: &Contacts,
+    cache: &mut ContactCache,
+    settings: &StepSettings,
+    report: &mut StepReport,
+) {
+    let Contacts {
+        solver, manifolds, ..
+    } = contacts;
+    bodies.fall_asleep(&settings.config.sleep, solver, manifolds, settings.h);
+    if !bodies.sleep.slept.is_empty() {
+        cache.park(&bodies.sleep.slept);
+    }
+    report.asleep = bodies.asleep();
+    report.awake = bodies.dynamic() - report.asleep;
+}
+
+/// Phase 8: bodies that were hit too hard or are to be cut become pieces.
 pub fn fracture(
     bodies: &mut Bodies,
     contacts: &Contacts,

@@ -127,12 +127,22 @@ impl Broadphase {
     ///
     /// `margin` (m): how far a new box reaches beyond the proxy's, at most a quarter of the proxy's longest edge.
     pub fn update(&mut self, proxies: &[Option<Proxy>], margin: f32) {
+        self.update_some(proxies, margin, |_| true);
+    }
+
+    /// The same, where the slots that are not `may_change` have the proxies of the last time.
+    pub fn update_some(
+        &mut self,
+        proxies: &[Option<Proxy>],
+        margin: f32,
+        may_change: impl Fn(usize) -> bool,
+    ) {
         let slots = proxies.len().max(self.kept.len());
         self.kept.resize(slots, None);
         self.is_renewed.clear();
         self.is_renewed.resize(slots, false);
         self.renewed.clear();
-        for slot in 0..slots {
+        for slot in (0..slots).filter(|&slot| may_change(slot)) {
             let proxy = proxies.get(slot).copied().flatten();
             self.update_slot(slot, proxy.filter(Proxy::is_usable), margin);
         }

@@ -98,6 +98,24 @@ impl Table {
         self.entries.clear();
     }
 
+    /// Entries of a pair.
+    fn of(&self, bodies: (BodyId, BodyId)) -> &[CacheEntry] {
+        let found = self.pairs.binary_search_by_key(&bodies, |pair| pair.bodies);
+        &self.entries[found.map_or(0..0, |i| self.pairs[i].range())]
+    }
+
+    /// Appends a pair of another table with its impulses scaled.
+    fn copy_pair(&mut self, other: &Table, pair: &PairRecord, scale: f32) {
+        let first = self.entries.len();
+        let entries = other.entries[pair.range()].iter();
+        self.entries.extend(entries.map(|entry| CacheEntry {
+            normal_impulse: scale * entry.normal_impulse,
+            friction_impulse: scale * entry.friction_impulse,
+            ..*entry
+        }));
+        self.close_pair(pair.bodies, first);
+    }
+
     /// Ends a pair whose entries have been pushed since `first`; a pair without entries is not recorded.
     fn close_pair(&mut self, bodies: (BodyId, BodyId), first: usize) {
         let count = (self.entries.len() - first) as u32;
@@ -109,6 +127,34 @@ impl Table {
             });
         }
     }
+}
+
+/// `to / from`, or zero if `from` is.
+fn ratio(to: f32, from: f32) -> f32 {
+    if from > 0.0 { to / from } else { 0.0 }
+}
+
+/// Moves the pairs of the bodies in `ids` (ascending) and scales their impulses. `spare` is for the use of this function.
+fn move_pairs(from: &mut Table, to: &mut Table, spare: &mut Table, ids: &[BodyId], scale: f32) {
+    let moves = |pair: &PairRecord| {
+        let (a, b) = pair.bodies;
+        ids.binary_search(&a).is_ok() || ids.binary_search(&b).is_ok()
+    };
+    spare.clear();
+    let mut rest = to.pairs.iter().peekable();
+    for pair in from.pairs.iter().filter(|pair| moves(pair)) {
+        while let Some(other) = rest.next_if(|other| other.bodies < pair.bodies) {
+            spare.copy_pair(to, other, 1.0);
+        }
+        spare.copy_pair(from, pair, scale);
+    }
+    rest.for_each(|other| spare.copy_pair(to, other, 1.0));
+    std::mem::swap(to, spare);
+    spare.clear();
+    for pair in from.pairs.iter().filter(|pair| !moves(pair)) {
+        spare.copy_pair(from, pair, 1.0);
+    }
+    std::mem::swap(from, spare);
 }
 
 /// How the points of a step were matched.
@@ -154,6 +200,9 @@ pub struct ContactCache {
     next: Table,
     /// Length of the step whose impulses are stored, s; 0 while there are none.
     h: f32,
+    /// Pairs that neither age nor are matched, and the length of the step that their impulses belong to, s.
+    parked: Table,
+    parked_h: f32,
 }
 
 impl ContactCache {
@@ -164,50 +213,74 @@ impl ContactCache {
 
     /// Number of entries.
     pub fn len(&self) -> usize {
-        self.current.entries.len()
+        self.current.entries.len() + self.parked.entries.len()
     }
 
     /// Whether there are no entries.
     pub fn is_empty(&self) -> bool {
-        self.current.entries.is_empty()
+        self.len() == 0
     }
 
     /// Forgets everything.
     pub fn clear(&mut self) {
         self.current.clear();
         self.next.clear();
+        self.parked.clear();
         self.h = 0.0;
     }
 
     /// Entries of a pair, `a < b`: those hit last first.
     pub fn entries_of(&self, a: BodyId, b: BodyId) -> impl Iterator<Item = &CacheEntry> {
-        let found = self
-            .current
-            .pairs
-            .binary_search_by_key(&(a, b), |pair| pair.bodies);
-        let range = found.map_or(0..0, |i| self.current.pairs[i].range());
-        self.current.entries[range].iter()
+        let tables = [&self.current, &self.parked];
+        tables.into_iter().flat_map(move |table| table.of((a, b)))
     }
 
-    /// Pairs that have entries, sorted.
+    /// Pairs that have entries and are not parked, sorted.
     pub fn pairs(&self) -> impl Iterator<Item = (BodyId, BodyId)> {
         self.current.pairs.iter().map(|pair| pair.bodies)
     }
 
     /// Forgets all contacts of the bodies for which `is_gone` says so, in one pass.
     pub fn remove_bodies(&mut self, is_gone: impl Fn(BodyId) -> bool) {
-        let Self { current, next, .. } = self;
-        next.clear();
-        for pair in &current.pairs {
-            if is_gone(pair.bodies.0) || is_gone(pair.bodies.1) {
-                continue;
+        let lives = |pair: &PairRecord| !is_gone(pair.bodies.0) && !is_gone(pair.bodies.1);
+        for table in [&mut self.current, &mut self.parked] {
+            self.next.clear();
+            for pair in table.pairs.iter().filter(|pair| lives(pair)) {
+                self.next.copy_pair(table, pair, 1.0);
             }
-            let first = next.entries.len();
-            next.entries
-                .extend_from_slice(&current.entries[pair.range()]);
-            next.close_pair(pair.bodies, first);
+            std::mem::swap(table, &mut self.next);
         }
-        std::mem::swap(current, next);
+    }
+
+    /// Sets aside all pairs of the bodies in `ids` (ascending): they neither age nor are matched until they are
+    /// [fetched](Self::unpark).
+    pub fn park(&mut self, ids: &[BodyId]) {
+        if self.parked.pairs.is_empty() {
+            self.parked_h = self.h;
+        }
+        let scale = ratio(self.parked_h, self.h);
+        let Self {
+            current,
+            next,
+            parked,
+            ..
+        } = self;
+        move_pairs(current, parked, next, ids, scale);
+    }
+
+    /// Takes back the pairs of the bodies in `ids` (ascending) as if they had been stored by the last step.
+    pub fn unpark(&mut self, ids: &[BodyId]) {
+        if self.current.pairs.is_empty() {
+            self.h = self.parked_h;
+        }
+        let scale = ratio(self.h, self.parked_h);
+        let Self {
+            current,
+            next,
+            parked,
+            ..
+        } = self;
+        move_pairs(parked, current, next, ids, scale);
     }
 
     /// Fills the impulses of all contact points: last step's where the contact persists, zero elsewhere.
@@ -226,7 +299,7 @@ impl ContactCache {
         debug_assert!(is_sorted(manifolds, ids));
         let mut stats = CacheStats::default();
         // No step before (or one of no length): entries are matched, multipliers start at zero.
-        let scale = if self.h > 0.0 { h / self.h } else { 0.0 };
+        let scale = ratio(h, self.h);
         let Table { pairs, entries } = &mut self.current;
         entries.iter_mut().for_each(|entry| entry.taken = false);
         let mut pairs = pairs.iter().peekable();

@@ -37,6 +37,16 @@ impl BodyHandle {
     }
 }
 
+/// The body sleeps: it rests, and no step touches it until something wakes it. Written by the plugin, and a filter for
+/// queries.
+///
+/// Remove it to wake the body and all that fell asleep with it. Insert or spawn it to let a body that rests fall asleep at
+/// the end of the next step, without waiting for [`SleepConfig::time`](crate::solver::SleepConfig::time); it is taken
+/// off again if the body or its island does not rest by then.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Component)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub struct Sleeping;
+
 /// A body became several. The parent entity is despawned when this is read.
 #[derive(Clone, Debug, PartialEq, Message)]
 pub struct Fractured {

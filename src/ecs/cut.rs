@@ -134,6 +134,7 @@ fn spawn_piece(world: &mut World, parent: Entity, slot: u32) -> Entity {
                 MassProperties,
                 MassOverride,
                 Fracturable,
+                Sleeping,
                 Children,
             )>();
         });

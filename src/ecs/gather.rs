@@ -9,6 +9,7 @@ use crate::mass::MassProperties;
 use crate::math::Pose;
 use crate::slice::fracturable::Fracturable;
 use crate::solver::bodies::{Bodies, BodyDesc, BodyError, RigidBody, Shape};
+use bevy_ecs::change_detection::ContiguousRef;
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
 use bevy_math::Vec3;
@@ -24,6 +25,8 @@ pub(crate) struct BodyQueue {
     left: Vec<(u32, BodyId)>,
     /// Entities that lost a component of their body.
     reduced: Vec<Entity>,
+    /// Entities that were marked as sleeping by somebody else.
+    marked: Vec<Entity>,
     /// Entities that could not become bodies, with the reason; tried again each step, warned about once.
     refused: Vec<(Entity, BodyError)>,
 }
@@ -89,6 +92,50 @@ pub(crate) fn on_part_removed(
     }
 }
 
+/// Observer: an entity was marked as sleeping; by the plugin, if its body sleeps already.
+pub(crate) fn on_sleeping_inserted(
+    insert: On<Insert<Sleeping>>,
+    handles: Query<&BodyHandle>,
+    bodies: Res<Bodies>,
+    mut queue: ResMut<BodyQueue>,
+) {
+    let body = handles.get(insert.entity).ok().and_then(|handle| handle.0);
+    if !body.is_some_and(|(slot, id)| bodies.is(slot, id) && bodies.is_asleep(slot)) {
+        queue.marked.push(insert.entity);
+    }
+}
+
+/// Observer: a sleeping body lost its mark; if it was not the plugin that saw it wake, this wakes it.
+pub(crate) fn on_sleeping_removed(
+    remove: On<Remove<Sleeping>>,
+    handles: Query<&BodyHandle>,
+    mut bodies: ResMut<Bodies>,
+) {
+    let body = handles.get(remove.entity).ok().and_then(|handle| handle.0);
+    if let Some((slot, _)) =
+        body.filter(|&(slot, id)| bodies.is(slot, id) && bodies.is_asleep(slot))
+    {
+        bodies.wake(slot);
+    }
+}
+
+/// System: bodies that were marked as sleeping need not wait for it.
+pub(crate) fn settle_marked(
+    mut queue: ResMut<BodyQueue>,
+    mut bodies: ResMut<Bodies>,
+    marked: Query<&BodyHandle, With<Sleeping>>,
+) {
+    for entity in queue.marked.drain(..) {
+        let body = marked.get(entity).ok().and_then(|handle| handle.0);
+        if let Some((slot, _)) = body.filter(|&(slot, id)| bodies.is(slot, id)) {
+            bodies.settle(slot);
+        }
+    }
+}
+
+/// An entity that is to become a body, and whether it is marked as sleeping.
+type Arrival = (&'static mut BodyHandle, Option<BodyParts>, Has<Sleeping>);
+
 /// System: frees the slots of bodies that left, gives slots to those that arrived.
 pub(crate) fn register_bodies(
     mut queue: ResMut<BodyQueue>,
@@ -96,7 +143,7 @@ pub(crate) fn register_bodies(
     mut entities: ResMut<BodyEntities>,
     mut cache: ResMut<ContactCache>,
     mut warnings: ResMut<Messages<BodyWarning>>,
-    mut parts: Query<(&mut BodyHandle, Option<BodyParts>), With<RigidBody>>,
+    mut parts: Query<Arrival, With<RigidBody>>,
 ) {
     remove_bodies(&mut queue.left, &mut bodies, &mut cache);
     if queue.arrived.is_empty() && queue.refused.is_empty() {
@@ -107,7 +154,7 @@ pub(crate) fn register_bodies(
     let arrived = arrived.into_iter().map(|entity| (entity, None));
     let earlier = earlier.into_iter().map(|(entity, why)| (entity, Some(why)));
     for (entity, known_problem) in earlier.chain(arrived) {
-        let Ok((mut handle, item)) = parts.get_mut(entity) else {
+        let Ok((mut handle, item, is_marked)) = parts.get_mut(entity) else {
             continue;
         };
         if handle.0.is_some() {
@@ -118,6 +165,9 @@ pub(crate) fn register_bodies(
                 let id = bodies.id(slot);
                 handle.0 = Some((slot, id));
                 entities.set(slot, id, entity, seen);
+                if is_marked {
+                    queue.marked.push(entity);
+                }
             }
             Err(_) if queue.refused.iter().any(|(known, _)| *known == entity) => {}
             Err(error) => {
@@ -184,18 +234,28 @@ fn pose_of(transform: &Transform) -> Result<Pose, BodyError> {
     Ok(Pose::new(transform.translation, transform.rotation))
 }
 
+/// What of a body's motion changed: what the plugin wrote itself does too, but bodies that sleep are not written.
+type MotionChanges = Or<(
+    Changed<Transform>,
+    Changed<LinearVelocity>,
+    Changed<AngularVelocity>,
+)>;
+
 /// System: poses and velocities that the user changed. A state that is not usable takes the body out until it is.
 pub(crate) fn gather_motion(
     mut bodies: ResMut<Bodies>,
     mut entities: ResMut<BodyEntities>,
     mut warnings: ResMut<Messages<BodyWarning>>,
-    motion: Query<(
-        Entity,
-        &BodyHandle,
-        &Transform,
-        &LinearVelocity,
-        &AngularVelocity,
-    )>,
+    motion: Query<
+        (
+            Entity,
+            &BodyHandle,
+            &Transform,
+            &LinearVelocity,
+            &AngularVelocity,
+        ),
+        MotionChanges,
+    >,
 ) {
     for (entity, handle, transform, linear, angular) in &motion {
         let Some((slot, _)) = handle.0.filter(|&(slot, id)| bodies.is(slot, id)) else {
@@ -248,15 +308,47 @@ type Changes = Or<(
     Changed<Fracturable>,
 )>;
 
+/// The same components, table by table.
+type ChangeTicks = (
+    Option<Ref<'static, ConvexMesh>>,
+    Option<Ref<'static, HalfSpace>>,
+    Option<Ref<'static, Density>>,
+    Option<Ref<'static, MassOverride>>,
+    Option<Ref<'static, Friction>>,
+    Option<Ref<'static, Restitution>>,
+    Option<Ref<'static, CollisionLayers>>,
+    Option<Ref<'static, Fracturable>>,
+);
+
+/// Whether any description changed: a pass over the ticks alone, which is much cheaper than to ask each entity.
+fn has_any_changed(ticks: &Query<ChangeTicks, With<BodyHandle>>) -> bool {
+    fn any<T>(column: Option<ContiguousRef<T>>) -> bool {
+        column.is_some_and(|column| {
+            let (_, ticks) = ContiguousRef::split(column);
+            // Without an early exit this is done for many at once.
+            ticks.is_changed_iter().fold(false, |any, one| any | one)
+        })
+    }
+    let Ok(mut tables) = ticks.contiguous_iter() else {
+        return true;
+    };
+    tables.any(|(a, b, c, d, e, f, g, h)| {
+        any(a) || any(b) || any(c) || any(d) || any(e) || any(f) || any(g) || any(h)
+    })
+}
+
 /// System: shapes, densities, materials and layers that the user changed. What is not usable is not taken over.
 pub(crate) fn gather_changes(
     mut queue: ResMut<BodyQueue>,
     mut bodies: ResMut<Bodies>,
     mut warnings: ResMut<Messages<BodyWarning>>,
+    ticks: Query<ChangeTicks, With<BodyHandle>>,
     changed: Query<Entity, (Changes, With<BodyHandle>)>,
     described: Query<(&BodyHandle, Option<BodyParts>)>,
 ) {
-    for entity in changed.iter().chain(queue.reduced.drain(..)) {
+    let has_changed = has_any_changed(&ticks);
+    let changed = has_changed.then(|| changed.iter()).into_iter().flatten();
+    for entity in changed.chain(queue.reduced.drain(..)) {
         let Ok((handle, parts)) = described.get(entity) else {
             continue;
         };

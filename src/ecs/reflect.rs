@@ -3,7 +3,7 @@
 //! The types themselves are plain data that only derive `Reflect`; that they are components and resources is said here,
 //! in the first layer that knows what these are.
 
-use super::components::{AngularVelocity, LinearVelocity, MassOverride};
+use super::components::{AngularVelocity, LinearVelocity, MassOverride, Sleeping};
 use crate::contact::CollisionLayers;
 use crate::contact::material::{Density, Friction, Restitution};
 use crate::fracture::Ledger;
@@ -31,6 +31,7 @@ pub(crate) fn register_types(app: &mut App) {
     component::<Restitution>(app);
     component::<CollisionLayers>(app);
     component::<Fracturable>(app);
+    component::<Sleeping>(app);
     resource::<Gravity>(app);
     resource::<SolverConfig>(app);
     resource::<StepReport>(app);

@@ -6,6 +6,7 @@
 pub use super::body::{BodyDesc, BodyError, RigidBody, Shape};
 
 use super::body::{BodyInfo, check_pose, check_velocity};
+use super::sleep::Sleep;
 use super::spin::Spin;
 use crate::contact::BodyId;
 use crate::geometry::{ConvexMesh, KdBox};
@@ -47,6 +48,8 @@ pub(crate) enum Status {
     Free,
     /// A body that moves and touches.
     Active,
+    /// A body that rests until something wakes it.
+    Asleep,
     /// A body with a state that is not finite: kept, but nothing else sees it.
     Frozen,
 }
@@ -83,6 +86,10 @@ pub struct Bodies {
     pub(crate) fresh_mass: Vec<u32>,
     /// Number of bodies that can break.
     fracturable: usize,
+    /// Number of dynamic bodies.
+    dynamic: usize,
+    /// Who rests, and what was changed since.
+    pub(crate) sleep: Sleep,
     free: Vec<u32>,
     next_id: u32,
     alive: usize,
@@ -132,7 +139,9 @@ impl Bodies {
         self.inverse_inertia[i] = Mat3::ZERO;
         self.info[i] = Some(info);
         self.fracturable += usize::from(self.info(slot).fracturable.is_some());
+        self.dynamic += usize::from(self.kind(slot) == RigidBody::Dynamic);
         self.mark_shape_changed(slot);
+        self.disturb(slot);
         Ok(slot)
     }
 
@@ -150,7 +159,9 @@ impl Bodies {
         if i >= self.slots() || self.status[i] == Status::Free {
             return;
         }
+        self.disturb(slot);
         self.fracturable -= usize::from(self.info(slot).fracturable.is_some());
+        self.dynamic -= usize::from(self.kind(slot) == RigidBody::Dynamic);
         self.status[i] = Status::Free;
         self.info[i] = None;
         self.velocity[i] = SolverBody::default();
@@ -173,12 +184,21 @@ impl Bodies {
 
     /// Whether the body takes part, that is, its state is finite.
     pub fn is_active(&self, slot: u32) -> bool {
-        self.status.get(slot as usize) == Some(&Status::Active)
+        matches!(
+            self.status.get(slot as usize),
+            Some(Status::Active | Status::Asleep)
+        )
     }
 
-    /// Whether the body takes part and is not static.
+    /// Whether the body takes part, is awake and not static.
     pub(crate) fn is_moving(&self, slot: u32) -> bool {
-        self.is_active(slot) && self.kind(slot) != RigidBody::Static
+        self.status.get(slot as usize) == Some(&Status::Active)
+            && self.kind(slot) != RigidBody::Static
+    }
+
+    /// Number of dynamic bodies.
+    pub(crate) fn dynamic(&self) -> usize {
+        self.dynamic
     }
 
     /// The rotation of a dynamic body that must be followed within a step of `step` seconds.
@@ -260,18 +280,24 @@ impl Bodies {
         self.contains(slot) && self.id(slot) == id
     }
 
-    /// Puts the body's frame somewhere else.
+    /// Puts the body's frame somewhere else, and wakes it and what rests on it, unless it is there already.
     ///
     /// # Errors
     /// [`BodyError`] if the pose is not finite or not a rotation; the body stays where it was then.
     pub fn set_pose(&mut self, slot: u32, pose: Pose) -> Result<(), BodyError> {
         check_pose(&pose)?;
+        if pose != self.pose(slot) {
+            self.disturb(slot);
+        } else if self.is_asleep(slot) {
+            return Ok(());
+        }
         self.place(slot, pose);
         self.refresh_world(slot);
         Ok(())
     }
 
     /// Sets velocity of the centre of mass (m/s) and angular velocity (rad/s), world axes. Static bodies stay at rest.
+    /// A body that sleeps wakes, unless both are zero.
     ///
     /// # Errors
     /// [`BodyError::NotFinite`]; the velocity stays as it was then.
@@ -283,6 +309,9 @@ impl Bodies {
     ) -> Result<(), BodyError> {
         check_velocity(linear, angular)?;
         if self.kind(slot) != RigidBody::Static {
+            if self.is_asleep(slot) && (linear, angular) != (Vec3::ZERO, Vec3::ZERO) {
+                self.wake(slot);
+            }
             let v = &mut self.velocity[slot as usize];
             (v.linear, v.angular) = (linear, angular);
         }
@@ -348,7 +377,8 @@ impl Bodies {
         self.fracturable > 0
     }
 
-    /// Takes over shape, density, material, layers and strength from `desc`, but neither pose nor velocity nor kind.
+    /// Takes over shape, density, material, layers and strength from `desc`, but neither pose nor velocity nor kind. Wakes
+    /// the body and what rests on it if that changes anything.
     ///
     /// # Errors
     /// [`BodyError`]; the body stays as it was then.
@@ -362,6 +392,9 @@ impl Bodies {
         if !same_mass {
             info.check_mass()?;
         }
+        if !same_mass || !info.touches_like(self.info(slot)) {
+            self.disturb(slot);
+        }
         self.set_fracturable(slot, info.fracturable);
         self.info[slot as usize] = Some(info);
         if !same_mass {
@@ -370,8 +403,11 @@ impl Bodies {
         Ok(())
     }
 
-    /// Makes a body breakable or unbreakable.
+    /// Makes a body breakable or unbreakable, and wakes it if that changes anything: its own weight may break it.
     pub fn set_fracturable(&mut self, slot: u32, fracturable: Option<Fracturable>) {
+        if self.is_asleep(slot) && self.info(slot).fracturable != fracturable {
+            self.wake(slot);
+        }
         self.fracturable += usize::from(fracturable.is_some());
         self.fracturable -= usize::from(self.info(slot).fracturable.is_some());
         self.info[slot as usize]
@@ -398,6 +434,11 @@ impl Bodies {
     /// Takes a body out of the simulation, or lets it in again.
     pub(crate) fn set_frozen(&mut self, slot: u32, frozen: bool) {
         debug_assert!(self.contains(slot), "no body to freeze");
+        let is_frozen = self.status[slot as usize] == Status::Frozen;
+        if frozen == is_frozen {
+            return;
+        }
+        self.disturb(slot);
         self.status[slot as usize] = if frozen {
             Status::Frozen
         } else {

@@ -205,6 +205,13 @@ impl BodyInfo {
         };
         same_shape && self.density == other.density && self.mass_override == other.mass_override
     }
+
+    /// Whether contacts of both are found and solved in the same way, given the same shape and mass.
+    pub(crate) fn touches_like(&self, other: &Self) -> bool {
+        self.friction == other.friction
+            && self.restitution == other.restitution
+            && self.layers == other.layers
+    }
 }
 
 pub(crate) fn check_pose(pose: &Pose) -> Result<(), BodyError> {

@@ -3,7 +3,8 @@
 //! [`bodies`] holds the flat arrays of state and [`body`] what goes into them. A step starts in [`contact_solver`]: it finds
 //! [`islands`], turns their contacts into [`rows`] of the problem that [`mlcp`] states, and runs the [`substeps`] of each,
 //! with [`soft_step`], [`pgs`] or [`exact`] as method and [`momentum`] where sweeps are many; [`spin`] is the free rotation in
-//! between. [`residual`] judges the result, and [`integrate`] puts the bodies where they got. Nothing here knows the ECS.
+//! between. [`residual`] judges the result, and [`integrate`] puts the bodies where they got; [`sleep`] leaves out what rests.
+//! Nothing here knows the ECS.
 
 pub mod batch;
 pub mod blocks;
@@ -21,10 +22,13 @@ pub mod pgs;
 pub mod residual;
 pub mod rows;
 pub mod schedule;
+pub mod sleep;
 pub mod soft_step;
 pub mod spin;
 pub mod substeps;
 pub mod sweep;
+
+pub use sleep::SleepConfig;
 
 use bevy_ecs::resource::Resource;
 use glam::Vec3;
@@ -117,6 +121,8 @@ pub struct SolverConfig {
     pub measure_error: bool,
     /// List the islands in the report; with `measure_error`, each with its own residual. Off by default.
     pub measure_islands: bool,
+    /// When islands at rest are left out of the step. Off by default.
+    pub sleep: SleepConfig,
 }
 
 impl SolverConfig {
@@ -154,7 +160,10 @@ impl SolverConfig {
             self.damping_ratio,
         ];
         let tolerance = self.tolerance.is_none_or(|t| t.is_finite() && t > 0.0);
-        self.substeps > 0 && tolerance && numbers.iter().all(|n| n.is_finite() && *n >= 0.0)
+        self.substeps > 0
+            && tolerance
+            && self.sleep.is_usable()
+            && numbers.iter().all(|n| n.is_finite() && *n >= 0.0)
     }
 }
 
@@ -181,6 +190,7 @@ impl Default for SolverConfig {
             lane_width: LaneWidth::Widest,
             measure_error: false,
             measure_islands: false,
+            sleep: SleepConfig::default(),
         }
     }
 }

@@ -1,0 +1,497 @@
+//! Sleep: islands that rest are left out of the step until something disturbs them.
+//!
+//! A whole island sleeps or none of it. It falls asleep when all its bodies have been slow and in place for a time
+//! and fixed bodies that rest bear its weight, so nothing sleeps in mid-air or on what moves. A sleeping body has no
+//! velocity and keeps its pose bit for bit; its pairs with sleeping and resting fixed bodies make no work.
+//!
+//! Two things wake an island: somebody changes one of its bodies, which [`Bodies`] notices in its setters and does at once;
+//! or something happens around it, which `rouse` and `wake_touched` find in the next step: a fixed
+//! body that bears it was changed or removed (*stirred*), gravity changed, or a body that moves came so close that they have
+//! a manifold. So no manifold that is solved ever joins a sleeping body.
+//!
+//! Islands are gone through in the order of their first manifolds, which is that of body ids; which islands sleep does
+//! not depend on the order in which things are found.
+
+use super::bodies::{Bodies, Motion, Status};
+use super::contact_solver::ContactSolver;
+use crate::contact::BodyId;
+use crate::contact::broadphase::Pair;
+use crate::contact::manifold::Manifold;
+use glam::{Quat, Vec3};
+
+/// When islands fall asleep.
+///
+/// Speeds and distances are shares of what is natural for a body's size, so that a scene and its model in another scale
+/// fall asleep alike: without gravity only what does not move at all rests.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub struct SleepConfig {
+    /// Whether islands fall asleep at all. Turning it off wakes all that sleep.
+    pub enabled: bool,
+    /// Fastest speed of a body at rest, its points' on account of rotation included, as a share of `sqrt(g L)` with its
+    /// least extent `L`: the speed after a fall by half of `L`.
+    pub speed: f32,
+    /// How far a body at rest may get from where it came to rest, as a share of its least extent. Tells rest from creep,
+    /// which is slow but goes on.
+    pub drift: f32,
+    /// How long all bodies of an island must have been at rest, s.
+    pub time: f32,
+}
+
+impl Default for SleepConfig {
+    fn default() -> Self {
+        Self {
+            enabled: false,
+            speed: 0.01,
+            drift: 5e-4,
+            time: 0.5,
+        }
+    }
+}
+
+impl SleepConfig {
+    /// The default limits, with sleeping on.
+    pub fn on() -> Self {
+        Self {
+            enabled: true,
+            ..Self::default()
+        }
+    }
+
+    /// Whether all numbers are finite and not negative.
+    pub fn is_usable(&self) -> bool {
+        let numbers = [self.speed, self.drift, self.time];
+        numbers.iter().all(|n| n.is_finite() && *n >= 0.0)
+    }
+}
+
+/// Share of an island's weight that fixed bodies must bear: less than one, because impulses of a step are not exactly
+/// those of rest.
+const BORNE: f32 = 0.5;
+
+/// Marks a slot that belongs to no island that may fall asleep.
+const NONE: u32 = u32::MAX;
+
+/// How long a body has been at rest, and where.
+#[derive(Clone, Copy, Debug, Default)]
+struct Rest {
+    /// s.
+    time: f32,
+    /// Centre of mass when the time began to count, m.
+    centre: Vec3,
+    rotation: Quat,
+}
+
+/// An island all of whose bodies rest.
+#[derive(Clone, Copy, Debug, Default)]
+struct Candidate {
+    /// Its number among the islands of the step.
+    island: usize,
+    /// Impulse of the step that keeps it at rest, N s.
+    weight: f32,
+    /// Impulse against gravity that it got from fixed bodies, N s.
+    borne: f32,
+    /// Whether a fixed body touches it.
+    is_held: bool,
+    /// Whether a fixed body touches it that moves.
+    is_carried: bool,
+}
+
+/// What [`Bodies`] knows of sleep; empty until the first step with sleeping on.
+#[derive(Debug, Default)]
+pub(crate) struct Sleep {
+    /// Whether changes of bodies are noted.
+    is_on: bool,
+    /// Number of bodies asleep.
+    pub(crate) asleep: usize,
+    /// Gravity under which the bodies fell asleep, m/s2.
+    gravity: Vec3,
+    /// By slot.
+    rest: Vec<Rest>,
+    /// By slot of a sleeping body: the next one of its island, in a ring.
+    next: Vec<u32>,
+    /// Slots of a fixed body and of a sleeping one that touches it.
+    supports: Vec<[u32; 2]>,
+    /// Slots of bodies that were added, removed or changed since the last step, as a list and as flags.
+    stirred: Vec<u32>,
+    is_stirred: Vec<bool>,
+    /// Bodies that fell asleep or woke, or were expected to, for those who mark entities.
+    turned: Vec<(u32, BodyId)>,
+    /// Ids of bodies that woke since their multipliers were last fetched.
+    pub(crate) woken: Vec<BodyId>,
+    /// Ids of bodies that fell asleep in this step, ascending.
+    pub(crate) slept: Vec<BodyId>,
+    candidates: Vec<Candidate>,
+    /// By slot: index of the candidate it belongs to.
+    candidate_of: Vec<u32>,
+}
+
+impl Sleep {
+    fn is_stirred(&self, slot: u32) -> bool {
+        self.is_stirred.get(slot as usize) == Some(&true)
+    }
+
+    /// Forgets how long the body in `slot` has been at rest.
+    fn reset(&mut self, slot: u32) {
+        if let Some(rest) = self.rest.get_mut(slot as usize) {
+            *rest = Rest::default();
+        }
+    }
+}
+
+impl Bodies {
+    /// Whether the body sleeps: it rests with its whole island, and no step touches it until something wakes it.
+    #[inline]
+    pub fn is_asleep(&self, slot: u32) -> bool {
+        self.status.get(slot as usize) == Some(&Status::Asleep)
+    }
+
+    /// Number of bodies that sleep.
+    pub fn asleep(&self) -> usize {
+        self.sleep.asleep
+    }
+
+    /// Wakes the body and all that fell asleep in one island with it; of a fixed body, all that rests on it. A body that
+    /// is awake stays so for at least [`SleepConfig::time`]. Changes by other methods of [`Bodies`] do this by themselves.
+    pub fn wake(&mut self, slot: u32) {
+        if !self.is_asleep(slot) {
+            self.sleep.reset(slot);
+            self.stir(slot);
+            return;
+        }
+        let mut member = slot;
+        loop {
+            let i = member as usize;
+            self.status[i] = Status::Active;
+            self.sleep.reset(member);
+            self.sleep.asleep -= 1;
+            self.sleep.woken.push(self.ids[i]);
+            self.sleep.turned.push((member, self.ids[i]));
+            member = self.sleep.next[i];
+            if member == slot {
+                return;
+            }
+        }
+    }
+
+    /// Lets the body fall asleep without waiting for [`SleepConfig::time`], at the end of the next step: if it is at rest by
+    /// the limits of [`SleepConfig`] then, and so are all bodies of its island. For scenes that start at rest.
+    pub fn settle(&mut self, slot: u32) {
+        if self.is_asleep(slot) {
+            return;
+        }
+        let i = slot as usize;
+        let needed = self.sleep.rest.len().max(i + 1);
+        self.sleep.rest.resize(needed, Rest::default());
+        self.sleep.rest[i] = Rest {
+            time: f32::INFINITY,
+            ..self.rest_here(slot)
+        };
+        self.sleep.turned.push((slot, self.ids[i]));
+    }
+
+    /// Slots and ids of bodies that fell asleep or woke since [`forget_turned`](Self::forget_turned), some perhaps both, or
+    /// were expected to.
+    pub(crate) fn turned(&self) -> &[(u32, BodyId)] {
+        &self.sleep.turned
+    }
+
+    /// Forgets who fell asleep and woke.
+    pub(crate) fn forget_turned(&mut self) {
+        self.sleep.turned.clear();
+    }
+
+    /// Notes that a body was added, removed or changed: what sleeps on it wakes in the next step.
+    pub(crate) fn stir(&mut self, slot: u32) {
+        if !self.sleep.is_on || self.sleep.is_stirred(slot) {
+            return;
+        }
+        let slots = self.slots();
+        self.sleep.is_stirred.resize(slots, false);
+        self.sleep.is_stirred[slot as usize] = true;
+        self.sleep.stirred.push(slot);
+    }
+
+    /// Wakes the body if it sleeps, and what sleeps on it.
+    pub(crate) fn disturb(&mut self, slot: u32) {
+        self.wake(slot);
+        self.stir(slot);
+    }
+
+    /// Wakes what lost its support or its reason to rest since the last step. Before the contacts of a step are found.
+    pub(crate) fn rouse(&mut self, config: &SleepConfig, gravity: Vec3) {
+        if !config.enabled && !self.sleep.is_on {
+            return;
+        }
+        if !config.enabled || self.sleep.gravity != gravity {
+            self.wake_all();
+        }
+        self.sleep.is_on = config.enabled;
+        self.sleep.gravity = gravity;
+        if self.sleep.stirred.is_empty() {
+            return;
+        }
+        for index in 0..self.sleep.supports.len() {
+            let [fixed, body] = self.sleep.supports[index];
+            if self.sleep.is_stirred(fixed) && self.is_asleep(body) {
+                self.wake(body);
+            }
+        }
+    }
+
+    fn wake_all(&mut self) {
+        for slot in 0..self.slots() as u32 {
+            if self.is_asleep(slot) {
+                self.wake(slot);
+            }
+        }
+    }
+
+    /// Those of `pairs` that need a look in this step, in `awake`; without sleeping bodies that is all.
+    pub(crate) fn awake_pairs<'a>(
+        &self,
+        pairs: &'a [Pair],
+        awake: &'a mut Vec<Pair>,
+    ) -> &'a [Pair] {
+        if self.sleep.asleep == 0 {
+            return pairs;
+        }
+        let needs_look = |pair: &&Pair| match (self.is_asleep(pair.a), self.is_asleep(pair.b)) {
+            (false, false) => true,
+            (true, true) => false,
+            (true, false) => self.disturbs(pair.b),
+            (false, true) => self.disturbs(pair.a),
+        };
+        awake.clear();
+        awake.extend(pairs.iter().filter(needs_look));
+        awake
+    }
+
+    /// Whether a touch of this body, which is awake, wakes: it is dynamic, or fixed and moves or was changed.
+    fn disturbs(&self, slot: u32) -> bool {
+        let body = &self.velocity[slot as usize];
+        body.inverse_mass > 0.0 || self.is_displaced(slot)
+    }
+
+    /// Whether a fixed body moves, or was changed since the last step.
+    fn is_displaced(&self, slot: u32) -> bool {
+        let body = &self.velocity[slot as usize];
+        body.linear != Vec3::ZERO || body.angular != Vec3::ZERO || self.sleep.is_stirred(slot)
+    }
+
+    /// Wakes the sleeping bodies of `manifolds`, which were made for [`awake pairs`](Self::awake_pairs); whether there were
+    /// any: their own pairs need a look then.
+    pub(crate) fn wake_touched(&mut self, manifolds: &[Manifold]) -> bool {
+        let before = self.sleep.asleep;
+        if before == 0 {
+            return false;
+        }
+        for slot in manifolds.iter().flat_map(|m| [m.a, m.b]) {
+            if self.is_asleep(slot) {
+                self.wake(slot);
+            }
+        }
+        self.sleep.asleep < before
+    }
+
+    /// Ends the look for what must wake: everybody has seen what was stirred. The ids in `sleep.woken` are sorted then.
+    pub(crate) fn end_rouse(&mut self) {
+        let Self { sleep, status, .. } = self;
+        for slot in sleep.stirred.drain(..) {
+            sleep.is_stirred[slot as usize] = false;
+        }
+        if !sleep.woken.is_empty() {
+            sleep.woken.sort_unstable();
+            sleep
+                .supports
+                .retain(|&[_, body]| status[body as usize] == Status::Asleep);
+        }
+    }
+
+    /// Rest that begins now.
+    fn rest_here(&self, slot: u32) -> Rest {
+        Rest {
+            time: 0.0,
+            centre: self.centre[slot as usize],
+            rotation: self.rotation[slot as usize],
+        }
+    }
+
+    /// Counts for how long each body has been at rest, after a step of `h` seconds.
+    fn count_rest(&mut self, config: &SleepConfig, h: f32) {
+        let slots = self.slots();
+        let gravity = self.sleep.gravity.length();
+        self.sleep.rest.resize(slots, Rest::default());
+        for slot in 0..slots as u32 {
+            let i = slot as usize;
+            if self.status[i] != Status::Active || self.velocity[i].inverse_mass == 0.0 {
+                continue;
+            }
+            if self.is_slow(slot, config, gravity) && self.is_in_place(slot, config) {
+                self.sleep.rest[i].time += h;
+            } else {
+                self.sleep.rest[i] = self.rest_here(slot);
+            }
+        }
+    }
+
+    /// Whether a body is slower than the limit for its size.
+    fn is_slow(&self, slot: u32, config: &SleepConfig, gravity: f32) -> bool {
+        let (body, r) = (&self.velocity[slot as usize], self.radius(slot));
+        let speed_squared = body.linear.length_squared() + r * r * body.angular.length_squared();
+        let natural = gravity * self.least_extent[slot as usize];
+        speed_squared <= config.speed * config.speed * natural
+    }
+
+    /// Whether a body is where it was when its rest began.
+    fn is_in_place(&self, slot: u32, config: &SleepConfig) -> bool {
+        let i = slot as usize;
+        let rest = &self.sleep.rest[i];
+        let turn = rest.rotation.inverse() * self.rotation[i];
+        // The vector part has half the angle's length, for small angles.
+        let way =
+            self.centre[i].distance(rest.centre) + 2.0 * self.radius(slot) * turn.xyz().length();
+        way <= config.drift * self.least_extent[i]
+    }
+
+    /// Puts islands to sleep that have been at rest for long enough, after a step of `h` seconds; `manifolds` are those that
+    /// `solver` has solved. Their ids are in `sleep.slept` then.
+    pub(crate) fn fall_asleep(
+        &mut self,
+        config: &SleepConfig,
+        solver: &ContactSolver,
+        manifolds: &[Manifold],
+        h: f32,
+    ) {
+        self.sleep.slept.clear();
+        if !self.sleep.is_on {
+            return;
+        }
+        self.count_rest(config, h);
+        self.find_candidates(config, solver, h);
+        if self.sleep.candidates.is_empty() {
+            return;
+        }
+        self.weigh_supports(manifolds);
+        let mut next = 0;
+        for (number, island) in solver.islands().enumerate() {
+            let Some(candidate) = self.sleep.candidates.get(next) else {
+                break;
+            };
+            if candidate.island == number {
+                next += 1;
+                let is_borne = candidate.borne >= BORNE * candidate.weight;
+                if is_borne && candidate.is_held && !candidate.is_carried {
+                    self.put_to_sleep(island.slots);
+                }
+            }
+        }
+        self.keep_supports(manifolds);
+    }
+
+    /// Lists the islands all of whose bodies have been at rest for long enough.
+    fn find_candidates(&mut self, config: &SleepConfig, solver: &ContactSolver, h: f32) {
+        let Self {
+            sleep,
+            velocity,
+            mass,
+            ..
+        } = self;
+        let pull = h * sleep.gravity.length();
+        sleep.candidates.clear();
+        sleep.candidate_of.resize(velocity.len(), NONE);
+        for (number, island) in solver.islands().enumerate() {
+            let dynamic = || {
+                let slots = island.slots.iter().map(|&slot| slot as usize);
+                slots.filter(|&i| velocity[i].inverse_mass > 0.0)
+            };
+            if !dynamic().all(|i| sleep.rest[i].time >= config.time) {
+                continue;
+            }
+            let index = sleep.candidates.len() as u32;
+            dynamic().for_each(|i| sleep.candidate_of[i] = index);
+            sleep.candidates.push(Candidate {
+                island: number,
+                weight: pull * dynamic().map(|i| mass[i].mass).sum::<f32>(),
+                ..Candidate::default()
+            });
+        }
+    }
+
+    /// Adds up what fixed bodies bear of each candidate.
+    fn weigh_supports(&mut self, manifolds: &[Manifold]) {
+        let up = -self.sleep.gravity.normalize_or_zero();
+        for m in manifolds {
+            let Some((fixed, body, sign)) = self.support(m) else {
+                continue;
+            };
+            let Some(&index) = self.sleep.candidate_of.get(body as usize) else {
+                continue;
+            };
+            if index == NONE {
+                continue;
+            }
+            let is_displaced = self.is_displaced(fixed);
+            let on_b = m.points().iter();
+            let on_b =
+                on_b.map(|p| p.normal_impulse * m.normal.dot(up) + p.friction_impulse.dot(up));
+            let candidate = &mut self.sleep.candidates[index as usize];
+            candidate.borne += sign * on_b.sum::<f32>();
+            candidate.is_held = true;
+            candidate.is_carried |= is_displaced;
+        }
+    }
+
+    /// Of a manifold between a fixed and a dynamic body: their slots, and the sign of its impulses on the dynamic one.
+    fn support(&self, m: &Manifold) -> Option<(u32, u32, f32)> {
+        let moves = |slot: u32| self.velocity[slot as usize].inverse_mass > 0.0;
+        match (moves(m.a), moves(m.b)) {
+            (false, true) => Some((m.a, m.b, 1.0)),
+            (true, false) => Some((m.b, m.a, -1.0)),
+            _ => None,
+        }
+    }
+
+    /// Stops the dynamic ones of an island's bodies and links them to a ring.
+    fn put_to_sleep(&mut self, slots: &[u32]) {
+        let count = self.slots();
+        self.sleep.next.resize(count, NONE);
+        let (mut first, mut last) = (NONE, NONE);
+        for &slot in slots {
+            let i = slot as usize;
+            if self.velocity[i].inverse_mass == 0.0 {
+                continue;
+            }
+            self.halt(slot);
+            self.motion[i] = Motion {
+                shift: Vec3::ZERO,
+                rotation: self.rotation[i],
+            };
+            self.status[i] = Status::Asleep;
+            self.sleep.asleep += 1;
+            self.sleep.turned.push((slot, self.ids[i]));
+            self.sleep.slept.push(self.ids[i]);
+            match last {
+                NONE => first = slot,
+                last => self.sleep.next[last as usize] = slot,
+            }
+            last = slot;
+        }
+        self.sleep.next[last as usize] = first;
+    }
+
+    /// Remembers which fixed bodies bear those that fell asleep, and forgets the candidates.
+    fn keep_supports(&mut self, manifolds: &[Manifold]) {
+        for m in manifolds {
+            let Some((fixed, body, _)) = self.support(m) else {
+                continue;
+            };
+            let was_candidate = self.sleep.candidate_of[body as usize] != NONE;
+            if was_candidate && self.is_asleep(body) {
+                self.sleep.supports.push([fixed, body]);
+            }
+        }
+        self.sleep.candidate_of.fill(NONE);
+        self.sleep.slept.sort_unstable();
+    }
+}
