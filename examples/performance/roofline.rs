@@ -184,8 +184,7 @@ impl Kernel for Transposes<'_> {
         let Batch { blocks, bodies, .. } = self.0;
         for block in blocks.iter() {
             let [a, b] = &block.bodies;
-            let columns = [L::gather(bodies, a), L::gather(bodies, b)];
-            let [of_a, of_b] = columns.map(|columns| columns.map(|column| column + L::splat(0.0)));
+            let (of_a, of_b) = (L::gather(bodies, a), L::gather(bodies, b));
             L::scatter(of_a, bodies, a);
             L::scatter(of_b, bodies, b);
         }
