@@ -1,0 +1,23 @@
+//! Hashes of the states that the scenes end in; see the head of the test for when they may change, and how.
+
+use crate::scene::Scene;
+
+/// Hash of the last state of each scene.
+#[rustfmt::skip]
+pub(crate) const GOLDEN: [(Scene, u64); 3] = [
+    (Scene::BreakingPile, 0x40e50d50a5523fa3),
+    (Scene::Pyramid, 0x6b89cee49e61291f),
+    (Scene::Mixed, 0x4472d7cf1b619894),
+];
+
+/// Prints the constant anew.
+pub(crate) fn print(hashes: &[(Scene, u64)]) {
+    println!(
+        "pub(crate) const GOLDEN: [(Scene, u64); {}] = [",
+        hashes.len()
+    );
+    for (scene, hash) in hashes {
+        println!("    (Scene::{scene:?}, 0x{hash:016x}),");
+    }
+    println!("];");
+}
