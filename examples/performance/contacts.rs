@@ -3,7 +3,7 @@
 use crate::H;
 use bevy_cleave::contact::manifold::Manifold;
 use bevy_cleave::prelude::*;
-use bevy_cleave::solver::batch::Batch;
+use bevy_cleave::solver::batch::{Batch, Step};
 use bevy_cleave::solver::demand::{Demand, SubstepSettings};
 use bevy_cleave::solver::islands::Islands;
 use bevy_cleave::solver::lanes::LaneWidth;
@@ -71,16 +71,14 @@ impl Source {
             ..Default::default()
         };
         let all = 0..self.islands.list.len();
-        let bodies = &self.simulation.bodies;
-        batch.load(
-            &self.islands,
-            all,
-            &demand,
-            &self.manifolds,
-            bodies,
-            &self.settings(),
-            false,
-        );
+        let step = Step {
+            islands: &self.islands,
+            manifolds: &self.manifolds,
+            bodies: &self.simulation.bodies,
+            settings: &self.settings(),
+            has_team: false,
+        };
+        batch.load(&step, all, &demand);
     }
 
     /// A batch that is ready to be swept over.

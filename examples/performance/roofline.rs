@@ -155,7 +155,7 @@ impl Scene {
         let bodies = self.batch.bodies.len();
         let moved = blocks * size_of::<Block>() + rows * (size_of::<Point>() + DIRTY);
         let of_bodies = blocks * 2 * 2 * WIDTH * size_of::<SolverBody>();
-        let [solve @ .., relax, transposes] = self.times.map(|times| least_and_median(times));
+        let [solve @ .., relax, transposes] = self.times.map(least_and_median);
         Measured {
             name: self.name,
             points: self.points,

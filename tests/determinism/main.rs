@@ -7,6 +7,7 @@
 //! `GOLDEN=print cargo test --release --test determinism -- --nocapture` prints the constants of `golden.rs` anew. They may
 //! change only together with a deliberate change of the method, which the commit names: a change that is meant to make
 //! the same thing faster, or a different machine, must leave them as they are.
+#![allow(clippy::print_stdout, reason = "figures are told with --nocapture")]
 
 #[path = "../scenes/mod.rs"]
 mod heaps;

@@ -116,8 +116,10 @@ impl Run {
             let pool = TaskPoolBuilder::new().num_threads(self.threads);
             ComputeTaskPool::get_or_init(|| pool.build());
         }
-        let mut simulation = Simulation::default();
-        simulation.config = self.config();
+        let mut simulation = Simulation {
+            config: self.config(),
+            ..Default::default()
+        };
         if self.driver == Driver::RecycledSlots {
             use_and_leave_slots(&mut simulation);
         }
