@@ -123,6 +123,10 @@ impl Told {
 
 /// What is known of the pairs from step to step, and buffers.
 #[derive(Debug, Default)]
+#[allow(
+    clippy::vec_box,
+    reason = "states change their order, and are copied less often in boxes"
+)]
 pub struct NarrowPhase {
     /// What the broad phase was told of each slot.
     told: Vec<Option<Told>>,

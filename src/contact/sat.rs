@@ -327,6 +327,10 @@ struct Axes {
 
 impl Axes {
     /// `Err` if a face separates the hulls, `None` if nothing is comparable. `middles` points from A's middle to B's.
+    #[allow(
+        clippy::result_large_err,
+        reason = "what it holds is the answer, and goes up one call"
+    )]
     fn find(
         a: &ConvexHull,
         b: &ConvexHull,

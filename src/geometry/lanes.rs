@@ -32,6 +32,7 @@ impl Points4 {
     /// Coordinates along `axis`.
     pub(crate) fn along(&self, axis: Vec3) -> [f32; LANES] {
         let mut along = [0.0; LANES];
+        #[allow(clippy::needless_range_loop, reason = "three arrays side by side")]
         for l in 0..LANES {
             along[l] = axis.x * self.x[l] + axis.y * self.y[l] + axis.z * self.z[l];
         }
@@ -65,6 +66,7 @@ impl Planes4 {
     /// Heights of a point above the planes, m.
     pub(crate) fn heights(&self, point: Vec3) -> [f32; LANES] {
         let mut heights = self.normals.along(point);
+        #[allow(clippy::needless_range_loop, reason = "three arrays side by side")]
         for l in 0..LANES {
             heights[l] -= self.offset[l];
         }
@@ -138,6 +140,7 @@ pub(crate) fn lowest<'p>(groups: impl Iterator<Item = &'p Points4>, axis: Vec3) 
     let mut group_of = [0_u32; LANES];
     for (number, group) in (0_u32..).zip(groups) {
         let height = group.along(axis);
+        #[allow(clippy::needless_range_loop, reason = "three arrays side by side")]
         for l in 0..LANES {
             let is_lower = height[l] < best[l];
             best[l] = if is_lower { height[l] } else { best[l] };
@@ -159,6 +162,7 @@ pub(crate) fn lowest_height(groups: &[Points4], axis: Vec3) -> f32 {
     let mut best = [f32::INFINITY; LANES];
     for group in groups {
         let height = group.along(axis);
+        #[allow(clippy::needless_range_loop, reason = "three arrays side by side")]
         for l in 0..LANES {
             best[l] = if height[l] < best[l] {
                 height[l]
@@ -180,6 +184,7 @@ pub(crate) fn move_points(moved: &mut Vec<Points4>, points: &[Points4], turn: &M
             y: group.along(rows.y_axis),
             z: group.along(rows.z_axis),
         };
+        #[allow(clippy::needless_range_loop, reason = "three arrays side by side")]
         for l in 0..LANES {
             group.x[l] += shift.x;
             group.y[l] += shift.y;
@@ -208,6 +213,7 @@ fn range_along(points: &[Points4], axis: Vec3) -> [f32; 2] {
     let (mut least, mut most) = ([f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]);
     for group in points {
         let height = group.along(axis);
+        #[allow(clippy::needless_range_loop, reason = "three arrays side by side")]
         for l in 0..LANES {
             least[l] = if height[l] < least[l] {
                 height[l]

@@ -57,6 +57,21 @@ pub struct Member {
     pub extent: f32,
 }
 
+/// What batches are loaded from.
+#[derive(Clone, Copy, Debug)]
+pub struct Step<'a> {
+    /// All islands.
+    pub islands: &'a Islands,
+    /// All manifolds.
+    pub manifolds: &'a [Manifold],
+    /// All bodies.
+    pub bodies: &'a Bodies,
+    /// The sub-steps of an island that asks for nothing.
+    pub settings: &'a SubstepSettings,
+    /// Whether several threads are to solve the batch together, in stages.
+    pub has_team: bool,
+}
+
 /// Islands with all that their sub-steps read and write; buffers are reused from step to step.
 #[derive(Debug, Default)]
 pub struct Batch {
@@ -117,17 +132,15 @@ pub(super) struct BatchScratch {
 }
 
 impl Batch {
-    /// Takes over the bodies and contacts of `islands`, which ask for the same; with a team, in stages.
-    pub fn load(
-        &mut self,
-        islands: &Islands,
-        range: Range<usize>,
-        demand: &Demand,
-        manifolds: &[Manifold],
-        bodies: &Bodies,
-        settings: &SubstepSettings,
-        has_team: bool,
-    ) {
+    /// Takes over the bodies and contacts of the islands in `range`, which ask for the same.
+    pub fn load(&mut self, step: &Step, range: Range<usize>, demand: &Demand) {
+        let Step {
+            islands,
+            manifolds,
+            bodies,
+            settings,
+            has_team,
+        } = *step;
         self.clear();
         self.settings = settings.for_demand(demand);
         self.islands = range.clone();

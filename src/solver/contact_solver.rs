@@ -1,6 +1,6 @@
 //! From manifolds and bodies to new velocities, motions and impulses, batch of islands by batch.
 
-use super::batch::{Batch, side};
+use super::batch::{Batch, Step, side};
 use super::bodies::{Bodies, Motion, SolverBody};
 use super::demand::{Demand, Effort, SubstepSettings, Travel};
 use super::islands::Islands;
@@ -141,16 +141,14 @@ impl ContactSolver {
         let (islands, demands) = (&self.islands, &self.demands);
         let solve = |batch: &mut Batch, range: &Range<usize>, team: Option<&Team>| {
             let demand = &demands[range.start];
-            let has_team = team.is_some();
-            batch.load(
+            let step = Step {
                 islands,
-                range.clone(),
-                demand,
                 manifolds,
                 bodies,
                 settings,
-                has_team,
-            );
+                has_team: team.is_some(),
+            };
+            batch.load(&step, range.clone(), demand);
             batch.solve(manifolds, team);
         };
         let batches = self.batches.iter_mut().zip(&self.ranges);

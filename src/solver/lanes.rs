@@ -10,7 +10,6 @@
 
 use super::blocks::Solid;
 use super::bodies::SolverBody;
-use glam::Vec3;
 use std::cell::Cell;
 use std::ops::{Add, Div, Mul, Sub};
 
@@ -93,21 +92,19 @@ impl Row for Solid {
     }
 }
 
+// As one piece: built from its parts, a row would be written in pieces and read as a whole soon after, for which the
+// processor has to wait until the pieces are in the cache.
 impl Row for SolverBody {
     #[inline(always)]
     fn numbers(&self) -> [f32; 8] {
-        let (v, w) = (self.linear, self.angular);
-        [v.x, v.y, v.z, self.inverse_mass, w.x, w.y, w.z, self.unused]
+        // SAFETY: a `SolverBody` is eight `f32` in the order of its fields (`repr(C)`, 32 bytes, so no padding).
+        unsafe { std::mem::transmute::<Self, [f32; 8]>(*self) }
     }
 
     #[inline(always)]
-    fn of([x, y, z, inverse_mass, p, q, r, unused]: [f32; 8]) -> Self {
-        Self {
-            linear: Vec3::new(x, y, z),
-            inverse_mass,
-            angular: Vec3::new(p, q, r),
-            unused,
-        }
+    fn of(numbers: [f32; 8]) -> Self {
+        // SAFETY: as above, and any eight `f32` are a `SolverBody`.
+        unsafe { std::mem::transmute::<[f32; 8], Self>(numbers) }
     }
 }
 

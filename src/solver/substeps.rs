@@ -87,7 +87,7 @@ impl Batch {
     }
 
     /// Does a pass over all contacts, stage by stage if there is a team; returns the largest velocity change if it measures.
-    fn pass(&mut self, pass: Pass, team: Option<&Team>) -> f32 {
+    pub fn pass(&mut self, pass: Pass, team: Option<&Team>) -> f32 {
         let Some(team) = team.filter(|_| !self.stages.is_empty()) else {
             let mut contacts = Contacts {
                 blocks: &self.blocks,

@@ -1,0 +1,99 @@
+//! Contacts of a scene in one batch, for what runs over blocks.
+
+use crate::H;
+use bevy_cleave::contact::manifold::Manifold;
+use bevy_cleave::prelude::*;
+use bevy_cleave::solver::batch::{Batch, Step};
+use bevy_cleave::solver::demand::{Demand, SubstepSettings};
+use bevy_cleave::solver::islands::Islands;
+use bevy_cleave::solver::lanes::LaneWidth;
+use bevy_cleave::solver::sweep::Pass;
+
+/// A simulation of `bodies` after some steps.
+pub(crate) fn settled(bodies: Vec<BodyDesc>, config: SolverConfig, steps: u32) -> Simulation {
+    let mut simulation = Simulation {
+        config,
+        ..Default::default()
+    };
+    for desc in bodies {
+        simulation.bodies.insert(desc).expect("usable");
+    }
+    (0..steps).for_each(|_| simulation.step(H));
+    simulation
+}
+
+/// Four sub-steps, as many for every island, no sweeps beyond those.
+pub(crate) fn four_substeps() -> SolverConfig {
+    SolverConfig {
+        substeps: 4,
+        max_substeps: 4,
+        tolerance: None,
+        ..Default::default()
+    }
+}
+
+/// What a batch is loaded from.
+pub(crate) struct Source {
+    simulation: Simulation,
+    manifolds: Vec<Manifold>,
+    islands: Islands,
+}
+
+impl Source {
+    pub(crate) fn new(simulation: Simulation) -> Self {
+        let manifolds = simulation.contacts.manifolds().to_vec();
+        let mut islands = Islands::default();
+        islands.find(&manifolds, &simulation.bodies);
+        Self {
+            simulation,
+            manifolds,
+            islands,
+        }
+    }
+
+    /// Contact points of all islands.
+    pub(crate) fn points(&self) -> usize {
+        self.islands
+            .list
+            .iter()
+            .map(|island| island.points.len())
+            .sum()
+    }
+
+    fn settings(&self) -> SubstepSettings {
+        SubstepSettings::new(four_substeps(), self.simulation.gravity.0, H)
+    }
+
+    /// Loads all islands into one batch.
+    pub(crate) fn load(&self, batch: &mut Batch) {
+        let demand = Demand {
+            substeps: 4,
+            ..Default::default()
+        };
+        let all = 0..self.islands.list.len();
+        let step = Step {
+            islands: &self.islands,
+            manifolds: &self.manifolds,
+            bodies: &self.simulation.bodies,
+            settings: &self.settings(),
+            has_team: false,
+        };
+        batch.load(&step, all, &demand);
+    }
+
+    /// A batch that is ready to be swept over.
+    pub(crate) fn batch(&self) -> Batch {
+        let mut batch = Batch::default();
+        self.load(&mut batch);
+        let feedback = self.settings().feedback();
+        let first = true;
+        batch.pass(Pass::Begin { feedback, first }, None);
+        batch
+    }
+}
+
+/// Does a pass over the contacts of a batch with registers of the given width.
+pub(crate) fn pass(batch: &mut Batch, width: LaneWidth, pass: Pass) {
+    batch.settings.config.lane_width = width;
+    batch.pass(pass, None);
+}

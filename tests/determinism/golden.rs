@@ -1,0 +1,23 @@
+//! Hashes of the states that the scenes end in; see the head of the test for when they may change, and how.
+
+use crate::scene::Scene;
+
+/// Hash of the last state of each scene.
+#[rustfmt::skip]
+pub(crate) const GOLDEN: [(Scene, u64); 3] = [
+    (Scene::BreakingPile, 0xa471ab758f893956),
+    (Scene::Pyramid, 0x7ca534c397372eb2),
+    (Scene::Mixed, 0x0ddc04e86ffd39ed),
+];
+
+/// Prints the constant anew.
+pub(crate) fn print(hashes: &[(Scene, u64)]) {
+    println!(
+        "pub(crate) const GOLDEN: [(Scene, u64); {}] = [",
+        hashes.len()
+    );
+    for (scene, hash) in hashes {
+        println!("    (Scene::{scene:?}, 0x{hash:016x}),");
+    }
+    println!("];");
+}

@@ -1,0 +1,123 @@
+//! The same bits whatever the number of threads, the lanes, the slots, the entities and the tables they lie in.
+//!
+//! Task pools are one for the whole process, so every run is a process of its own: the test program starts itself with
+//! [`one_run`] as the only test, and reads the hash that it prints.
+//!
+//! # Golden hashes
+//! `GOLDEN=print cargo test --release --test determinism -- --nocapture` prints the constants of `golden.rs` anew. They may
+//! change only together with a deliberate change of the method, which the commit names: a change that is meant to make
+//! the same thing faster, or a different machine, must leave them as they are.
+#![allow(clippy::print_stdout, reason = "figures are told with --nocapture")]
+
+#[path = "../scenes/mod.rs"]
+mod heaps;
+#[path = "../scenes/structures.rs"]
+mod structures;
+
+mod golden;
+mod run;
+mod scene;
+
+use bevy_cleave::solver::lanes::LaneWidth;
+use golden::GOLDEN;
+use run::{Driver, Run};
+use scene::Scene;
+use std::sync::LazyLock;
+
+/// The run that all others are held against.
+const PLAIN: Run = Run {
+    scene: Scene::BreakingPile,
+    driver: Driver::Plain,
+    threads: 0,
+    lanes: LaneWidth::Widest,
+};
+
+/// Hash of [`PLAIN`], run once.
+static EXPECTED: LazyLock<u64> = LazyLock::new(|| PLAIN.hash_of_child());
+
+/// Runs the scene in other ways and compares the hashes.
+fn assert_same(runs: &[Run]) {
+    for run in runs {
+        assert_eq!(run.hash_of_child(), *EXPECTED, "{run:?} against {PLAIN:?}");
+    }
+}
+
+#[test]
+#[ignore = "what a child process runs; needs to be told what"]
+fn one_run() {
+    run::print_hash();
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_bits() {
+    assert_same(&[1, 2, 4, 8].map(|threads| Run { threads, ..PLAIN }));
+}
+
+#[test]
+fn any_number_of_lanes_gives_the_same_bits() {
+    let (four, one) = (LaneWidth::Four, LaneWidth::One);
+    assert_same(
+        &[(four, 0), (four, 4), (one, 2)].map(|(lanes, threads)| Run {
+            lanes,
+            threads,
+            ..PLAIN
+        }),
+    );
+}
+
+/// Runs the scene by another driver.
+fn assert_driver(driver: Driver, threads: usize) {
+    assert_same(&[Run {
+        driver,
+        threads,
+        ..PLAIN
+    }]);
+}
+
+#[test]
+fn recycled_slots_give_the_same_bits() {
+    assert_driver(Driver::RecycledSlots, 4);
+}
+
+#[test]
+fn plugin_gives_the_same_bits() {
+    assert_driver(Driver::Plugin, 1);
+}
+
+#[test]
+fn recycled_entities_give_the_same_bits() {
+    assert_driver(Driver::RecycledEntities, 2);
+}
+
+#[test]
+fn entities_in_other_tables_give_the_same_bits() {
+    assert_driver(Driver::ManyTables, 2);
+}
+
+#[test]
+fn entities_made_in_the_opposite_order_give_the_same_bits() {
+    assert_driver(Driver::EntitiesBackwards, 4);
+}
+
+#[test]
+fn golden_hashes_have_not_changed() {
+    let found = Scene::ALL.map(|scene| match scene {
+        Scene::BreakingPile => (scene, *EXPECTED),
+        _ => (scene, Run { scene, ..PLAIN }.hash_of_child()),
+    });
+    if std::env::var("GOLDEN").is_ok_and(|value| value == "print") {
+        return golden::print(&found);
+    }
+    for ((scene, hash), (_, golden)) in found.iter().zip(&GOLDEN) {
+        assert_eq!(
+            hash, golden,
+            "{scene:?} has other bits: 0x{hash:016x}, golden 0x{golden:016x}. Only a deliberate change of the method may \
+             do that; then renew `golden.rs` as the head of this test says, and name the change in the commit"
+        );
+    }
+}
+
+#[test]
+fn golden_hashes_cover_all_scenes() {
+    assert_eq!(GOLDEN.map(|(scene, _)| scene), Scene::ALL);
+}

@@ -1,0 +1,323 @@
+//! One run of a scene: in a process of its own, by the plain step or by the plugin.
+
+use crate::scene::{Events, Scene};
+use bevy_app::{App, TaskPoolOptions, TaskPoolPlugin, TaskPoolThreadAssignmentPolicy};
+use bevy_cleave::prelude::*;
+use bevy_cleave::solver::lanes::LaneWidth;
+use bevy_ecs::prelude::*;
+use bevy_tasks::{ComputeTaskPool, TaskPoolBuilder};
+use bevy_time::Time;
+use bevy_transform::components::Transform;
+use std::process::Command;
+use std::time::Duration;
+
+/// Names the run to a child process.
+const VARIABLE: &str = "CLEAVE_DETERMINISM_RUN";
+
+/// What a child prints before its hash.
+const MARK: &str = "state hash ";
+
+/// Length of a step, s.
+fn step_length() -> Duration {
+    Duration::from_secs_f64(1.0 / 60.0)
+}
+
+/// What makes the steps, and how bodies come to where they are in memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Driver {
+    /// [`Simulation`], slots in the order of ids.
+    Plain,
+    /// [`Simulation`] in slots that others left in another order.
+    RecycledSlots,
+    /// The plugin.
+    Plugin,
+    /// The plugin with entities and slots that others left in another order.
+    RecycledEntities,
+    /// The plugin with entities in many tables.
+    ManyTables,
+    /// The plugin with entities that were made in the opposite order, before they got their components.
+    EntitiesBackwards,
+}
+
+/// A way to run a scene.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Run {
+    pub(crate) scene: Scene,
+    pub(crate) driver: Driver,
+    /// Threads of the task pool; 0 for no pool.
+    pub(crate) threads: usize,
+    pub(crate) lanes: LaneWidth,
+}
+
+impl Run {
+    /// Makes the run in a child process; the hash of its last state.
+    pub(crate) fn hash_of_child(&self) -> u64 {
+        let program = std::env::current_exe().expect("a test program has a path");
+        let output = Command::new(program)
+            .args(["--ignored", "--exact", "one_run", "--nocapture"])
+            .env(VARIABLE, format!("{self:?}"))
+            .output()
+            .expect("the test program can be started");
+        let text = String::from_utf8_lossy(&output.stdout);
+        assert!(
+            output.status.success(),
+            "{self:?}: {text}{}",
+            String::from_utf8_lossy(&output.stderr)
+        );
+        let hash = text.split(MARK).nth(1).and_then(|rest| rest.get(..16));
+        u64::from_str_radix(hash.expect("the child prints its hash"), 16).expect("hexadecimal")
+    }
+
+    /// All ways there are.
+    fn all() -> impl Iterator<Item = Self> {
+        use Driver::*;
+        let drivers = [
+            Plain,
+            RecycledSlots,
+            Plugin,
+            RecycledEntities,
+            ManyTables,
+            EntitiesBackwards,
+        ];
+        let widths = [LaneWidth::Widest, LaneWidth::Four, LaneWidth::One];
+        Scene::ALL.into_iter().flat_map(move |scene| {
+            drivers.into_iter().flat_map(move |driver| {
+                (0..=8).flat_map(move |threads| {
+                    widths.into_iter().map(move |lanes| Self {
+                        scene,
+                        driver,
+                        threads,
+                        lanes,
+                    })
+                })
+            })
+        })
+    }
+
+    fn hash(&self) -> u64 {
+        let (bodies, events) = match self.driver {
+            Driver::Plain | Driver::RecycledSlots => self.step_plainly(),
+            _ => self.step_plugin(),
+        };
+        let events = events.of(&bodies);
+        self.scene.check(&events);
+        hash(&bodies)
+    }
+
+    fn config(&self) -> SolverConfig {
+        SolverConfig {
+            lane_width: self.lanes,
+            ..self.scene.config()
+        }
+    }
+
+    fn step_plainly(&self) -> (Bodies, Events) {
+        if self.threads > 0 {
+            let pool = TaskPoolBuilder::new().num_threads(self.threads);
+            ComputeTaskPool::get_or_init(|| pool.build());
+        }
+        let mut simulation = Simulation {
+            config: self.config(),
+            ..Default::default()
+        };
+        if self.driver == Driver::RecycledSlots {
+            use_and_leave_slots(&mut simulation);
+        }
+        for desc in self.scene.bodies() {
+            simulation.bodies.insert(desc).expect("usable");
+        }
+        let mut events = Events::default();
+        for _ in 0..self.scene.steps() {
+            simulation.step(step_length().as_secs_f32());
+            events.add(&simulation.fractures, &simulation.report);
+        }
+        (simulation.bodies, events)
+    }
+
+    fn step_plugin(&self) -> (Bodies, Events) {
+        let mut app = self.app();
+        self.spawn(app.world_mut());
+        let mut events = Events::default();
+        for _ in 0..self.scene.steps() {
+            step(app.world_mut());
+            events.add(app.world().resource(), app.world().resource());
+        }
+        let bodies = app.world_mut().remove_resource::<Bodies>();
+        (bodies.expect("the plugin has bodies"), events)
+    }
+
+    fn app(&self) -> App {
+        let mut app = App::new();
+        let compute = TaskPoolThreadAssignmentPolicy {
+            min_threads: self.threads,
+            max_threads: self.threads,
+            percent: 1.0,
+            on_thread_spawn: None,
+            on_thread_destroy: None,
+        };
+        let task_pool_options = TaskPoolOptions {
+            compute,
+            ..Default::default()
+        };
+        app.add_plugins((
+            TaskPoolPlugin { task_pool_options },
+            CleavePlugin::default(),
+        ))
+        .init_resource::<Time>();
+        app.world_mut().insert_resource(self.config());
+        app.finish();
+        app.cleanup();
+        app
+    }
+
+    fn spawn(&self, world: &mut World) {
+        let descs = self.scene.bodies();
+        match self.driver {
+            Driver::EntitiesBackwards => {
+                let empty = descs.iter().map(|_| world.spawn_empty().id());
+                let entities: Vec<Entity> = empty.collect();
+                for (i, (desc, &entity)) in descs.iter().zip(entities.iter().rev()).enumerate() {
+                    mark(&mut world.entity_mut(entity), i);
+                    insert(&mut world.entity_mut(entity), desc);
+                }
+            }
+            driver => {
+                if driver == Driver::RecycledEntities {
+                    use_and_leave_entities(world);
+                }
+                for (i, desc) in descs.into_iter().enumerate() {
+                    let entity = world.spawn_body(desc);
+                    if driver == Driver::ManyTables {
+                        mark(&mut world.entity_mut(entity), i);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// One step of the plugin, without the rest of an update.
+fn step(world: &mut World) {
+    world.resource_mut::<Time>().advance_by(step_length());
+    world.run_schedule(PhysicsSchedule);
+}
+
+/// Numbers below `count` in another order: every seventh, round and round. `count` must not be a multiple of 7.
+fn shuffled(count: usize) -> impl Iterator<Item = usize> {
+    (0..count).map(move |i| 7 * i % count)
+}
+
+/// Bodies that come before those of the scene and go again.
+const EARLIER: usize = 101;
+
+/// A small body at its own place.
+fn earlier(i: usize) -> BodyDesc {
+    let shape = ConvexMesh::cuboid(0.1, 0.1, 0.1).expect("valid size");
+    BodyDesc::dynamic(shape, glam::Vec3::new(i as f32, 50.0, 0.0))
+}
+
+fn use_and_leave_slots(simulation: &mut Simulation) {
+    let insert = |i| simulation.bodies.insert(earlier(i)).expect("usable");
+    let slots: Vec<u32> = (0..EARLIER).map(insert).collect();
+    simulation.step(step_length().as_secs_f32());
+    shuffled(EARLIER).for_each(|i| simulation.bodies.remove(slots[i]));
+}
+
+fn use_and_leave_entities(world: &mut World) {
+    let spawn = |i| world.spawn_body(earlier(i));
+    let entities: Vec<Entity> = (0..EARLIER).map(spawn).collect();
+    step(world);
+    shuffled(EARLIER).for_each(|i| assert!(world.despawn(entities[i])));
+}
+
+#[derive(Component, Clone)]
+struct First;
+
+#[derive(Component, Clone)]
+struct Second;
+
+#[derive(Component, Clone)]
+struct Third;
+
+/// Puts the entity into one of eight tables.
+fn mark(entity: &mut EntityWorldMut<'_>, i: usize) {
+    if i & 1 > 0 {
+        entity.insert(First);
+    }
+    if i & 2 > 0 {
+        entity.insert(Second);
+    }
+    if i & 4 > 0 {
+        entity.insert(Third);
+    }
+}
+
+/// Makes a body of an entity: the components that the scenes use.
+fn insert(entity: &mut EntityWorldMut<'_>, desc: &BodyDesc) {
+    match &desc.shape {
+        Shape::Convex(mesh) => entity.insert(mesh.clone()),
+        Shape::HalfSpace(half_space) => entity.insert(*half_space),
+    };
+    if let Some(fracturable) = desc.fracturable {
+        entity.insert(fracturable);
+    }
+    let transform = Transform {
+        translation: desc.pose.position,
+        rotation: desc.pose.rotation,
+        ..Transform::IDENTITY
+    };
+    entity.insert((
+        desc.kind,
+        transform,
+        LinearVelocity(desc.linear_velocity),
+        AngularVelocity(desc.angular_velocity),
+        (Density(desc.density), desc.friction, desc.restitution),
+    ));
+}
+
+impl Events {
+    fn add(&mut self, fractures: &Fractures, report: &StepReport) {
+        self.fractures += fractures.done.len();
+        self.manifolds = self.manifolds.max(report.manifolds);
+    }
+
+    fn of(mut self, bodies: &Bodies) -> Self {
+        self.lowest = f32::INFINITY;
+        let dynamic = |&slot: &u32| bodies.kind(slot) == RigidBody::Dynamic;
+        for slot in bodies.iter().filter(dynamic) {
+            self.speed = self.speed.max(bodies.velocity(slot).0.length());
+            self.lowest = self.lowest.min(bodies.centre_of_mass(slot).y);
+        }
+        self
+    }
+}
+
+/// FNV-1a over positions, rotations and velocities of all bodies in the order of their ids.
+///
+/// Fowler, Noll, Vo, "FNV Hash Algorithm", 1991; 64 bits.
+fn hash(bodies: &Bodies) -> u64 {
+    let mut slots: Vec<u32> = bodies.iter().collect();
+    slots.sort_unstable_by_key(|&slot| bodies.id(slot));
+    let numbers = slots.into_iter().flat_map(|slot| {
+        let (pose, (v, omega)) = (bodies.pose(slot), bodies.velocity(slot));
+        let parts = [
+            &pose.position.to_array()[..],
+            &pose.rotation.to_array(),
+            &v.to_array(),
+            &omega.to_array(),
+        ];
+        parts.concat()
+    });
+    let bytes = numbers.flat_map(|x| x.to_bits().to_le_bytes());
+    bytes.fold(0xcbf2_9ce4_8422_2325, |hash: u64, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+    })
+}
+
+/// Makes the run that the environment names and prints its hash.
+pub(crate) fn print_hash() {
+    let name = std::env::var(VARIABLE).unwrap_or_default();
+    let run = Run::all().find(|run| format!("{run:?}") == name);
+    let run = run.unwrap_or_else(|| panic!("{VARIABLE} names no run: {name:?}"));
+    println!("{MARK}{:016x}", run.hash());
+}

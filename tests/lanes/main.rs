@@ -1,0 +1,15 @@
+//! Lanes, blocks and the schedule that fills them: the same bits for every width, and what a sweep row by row does.
+//!
+//! `.ci/run` also runs this file under valgrind: it is the test of the `unsafe` code in `solver/lanes.rs`.
+
+#[path = "../dice/mod.rs"]
+mod dice;
+
+mod blocks;
+mod operations;
+mod schedule;
+
+use bevy_cleave::solver::lanes::LaneWidth;
+
+/// All widths; the first one is what the others are held against.
+const WIDTHS: [LaneWidth; 3] = [LaneWidth::One, LaneWidth::Four, LaneWidth::Widest];
