@@ -346,7 +346,7 @@ pub struct Source<'a> {
     pub slop: f32,
 }
 
-/// Fills blocks, whose bodies and manifolds are known, and their points; masses come with [`derive`].
+/// Fills blocks, whose bodies and manifolds are known, and their points; masses come with [`derive()`].
 pub fn fill(blocks: &mut [Block], points: &mut [Point], source: Source<'_>, width: LaneWidth) {
     let kernel = Fill {
         blocks,

@@ -52,12 +52,54 @@ pub trait Lanes:
     fn sqrt(self) -> Self;
     /// `yes` in lanes where `self > bound`, else `no`.
     fn if_above(self, bound: Self, yes: Self, no: Self) -> Self;
+    /// Eight rows, one of each lane, as columns; or columns as rows.
+    fn transpose(rows: [Self; 8]) -> [Self; 8];
+
     /// Eight rows of eight numbers, one row for each lane, as columns.
-    fn columns(rows: &[F8; WIDTH]) -> [Self; 8];
+    #[inline(always)]
+    fn columns(rows: &[F8; WIDTH]) -> [Self; 8] {
+        Self::transpose([
+            Self::load(&rows[0]),
+            Self::load(&rows[1]),
+            Self::load(&rows[2]),
+            Self::load(&rows[3]),
+            Self::load(&rows[4]),
+            Self::load(&rows[5]),
+            Self::load(&rows[6]),
+            Self::load(&rows[7]),
+        ])
+    }
+
     /// The rows that the lanes refer to, as columns.
-    fn gather<R: Row>(rows: &[Cell<R>], index: &[u32; WIDTH]) -> [Self; 8];
+    #[inline(always)]
+    fn gather<R: Row>(rows: &[Cell<R>], index: &[u32; WIDTH]) -> [Self; 8] {
+        Self::transpose([
+            read(rows, index[0]),
+            read(rows, index[1]),
+            read(rows, index[2]),
+            read(rows, index[3]),
+            read(rows, index[4]),
+            read(rows, index[5]),
+            read(rows, index[6]),
+            read(rows, index[7]),
+        ])
+    }
+
     /// Writes what [`gather`](Self::gather) reads. Lanes that share a row must hold the same numbers.
-    fn scatter<R: Row>(columns: [Self; 8], rows: &[Cell<R>], index: &[u32; WIDTH]);
+    #[inline(always)]
+    fn scatter<R: Row>(columns: [Self; 8], rows: &[Cell<R>], index: &[u32; WIDTH]) {
+        let from = Self::transpose(columns);
+        for lane in 0..WIDTH {
+            let mut numbers = F8::default();
+            from[lane].store(&mut numbers);
+            rows[index[lane] as usize].set(R::of(numbers.0));
+        }
+    }
+}
+
+#[inline(always)]
+fn read<R: Row, L: Lanes>(rows: &[Cell<R>], index: u32) -> L {
+    L::load(&F8(rows[index as usize].get().numbers()))
 }
 
 /// Eight numbers that lie in a row in memory.
@@ -209,26 +251,14 @@ impl Lanes for Plain {
     }
 
     #[inline(always)]
-    fn columns(rows: &[F8; WIDTH]) -> [Self; 8] {
+    fn transpose(rows: [Self; 8]) -> [Self; 8] {
         std::array::from_fn(|column| Self(rows.map(|row| row.0[column])))
-    }
-
-    #[inline(always)]
-    fn gather<R: Row>(rows: &[Cell<R>], index: &[u32; WIDTH]) -> [Self; 8] {
-        Self::columns(&index.map(|i| F8(rows[i as usize].get().numbers())))
-    }
-
-    #[inline(always)]
-    fn scatter<R: Row>(columns: [Self; 8], rows: &[Cell<R>], index: &[u32; WIDTH]) {
-        for (lane, &i) in index.iter().enumerate() {
-            rows[i as usize].set(R::of(columns.map(|column| column.0[lane])));
-        }
     }
 }
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
-    use super::{Add, Cell, Div, F8, Kernel, Lanes, Mul, Row, Sub, WIDTH};
+    use super::{Add, Div, F8, Kernel, Lanes, Mul, Sub};
     use std::arch::x86_64::*;
 
     /// All that is inlined into this function may use AVX2.
@@ -304,52 +334,6 @@ mod x86 {
             })
         }
 
-        #[inline(always)]
-        fn columns(rows: &[F8; WIDTH]) -> [Self; 8] {
-            Self::transpose([
-                Self::load(&rows[0]),
-                Self::load(&rows[1]),
-                Self::load(&rows[2]),
-                Self::load(&rows[3]),
-                Self::load(&rows[4]),
-                Self::load(&rows[5]),
-                Self::load(&rows[6]),
-                Self::load(&rows[7]),
-            ])
-        }
-
-        #[inline(always)]
-        fn gather<R: Row>(rows: &[Cell<R>], index: &[u32; WIDTH]) -> [Self; 8] {
-            Self::transpose([
-                Self::row(rows, index[0]),
-                Self::row(rows, index[1]),
-                Self::row(rows, index[2]),
-                Self::row(rows, index[3]),
-                Self::row(rows, index[4]),
-                Self::row(rows, index[5]),
-                Self::row(rows, index[6]),
-                Self::row(rows, index[7]),
-            ])
-        }
-
-        #[inline(always)]
-        fn scatter<R: Row>(columns: [Self; 8], rows: &[Cell<R>], index: &[u32; WIDTH]) {
-            let from = Self::transpose(columns);
-            for lane in 0..WIDTH {
-                let mut numbers = F8::default();
-                from[lane].store(&mut numbers);
-                rows[index[lane] as usize].set(R::of(numbers.0));
-            }
-        }
-    }
-
-    impl Avx2 {
-        #[inline(always)]
-        fn row<R: Row>(rows: &[Cell<R>], index: u32) -> Self {
-            Self::load(&F8(rows[index as usize].get().numbers()))
-        }
-
-        /// Rows to columns, or back.
         #[inline(always)]
         fn transpose([a, b, c, d, e, f, g, h]: [Self; 8]) -> [Self; 8] {
             let [a, b, c, d, e, f, g, h] = transpose_avx2([a.0, b.0, c.0, d.0, e.0, f.0, g.0, h.0]);
@@ -471,52 +455,6 @@ mod x86 {
             )
         }
 
-        #[inline(always)]
-        fn columns(rows: &[F8; WIDTH]) -> [Self; 8] {
-            Self::transpose([
-                Self::load(&rows[0]),
-                Self::load(&rows[1]),
-                Self::load(&rows[2]),
-                Self::load(&rows[3]),
-                Self::load(&rows[4]),
-                Self::load(&rows[5]),
-                Self::load(&rows[6]),
-                Self::load(&rows[7]),
-            ])
-        }
-
-        #[inline(always)]
-        fn gather<R: Row>(rows: &[Cell<R>], index: &[u32; WIDTH]) -> [Self; 8] {
-            Self::transpose([
-                Self::row(rows, index[0]),
-                Self::row(rows, index[1]),
-                Self::row(rows, index[2]),
-                Self::row(rows, index[3]),
-                Self::row(rows, index[4]),
-                Self::row(rows, index[5]),
-                Self::row(rows, index[6]),
-                Self::row(rows, index[7]),
-            ])
-        }
-
-        #[inline(always)]
-        fn scatter<R: Row>(columns: [Self; 8], rows: &[Cell<R>], index: &[u32; WIDTH]) {
-            let from = Self::transpose(columns);
-            for lane in 0..WIDTH {
-                let mut numbers = F8::default();
-                from[lane].store(&mut numbers);
-                rows[index[lane] as usize].set(R::of(numbers.0));
-            }
-        }
-    }
-
-    impl Sse2 {
-        #[inline(always)]
-        fn row<R: Row>(rows: &[Cell<R>], index: u32) -> Self {
-            Self::load(&F8(rows[index as usize].get().numbers()))
-        }
-
-        /// Rows to columns, or back: four quarters, two of which change places.
         #[inline(always)]
         fn transpose([a, b, c, d, e, f, g, h]: [Self; 8]) -> [Self; 8] {
             let [p, q, r, s] = transpose_sse2([a.0, b.0, c.0, d.0]);
