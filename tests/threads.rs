@@ -4,7 +4,39 @@ mod scenes;
 
 use bevy_cleave::prelude::*;
 use bevy_tasks::{ComputeTaskPool, TaskPoolBuilder};
+use glam::Vec3;
 use scenes::pile;
+
+/// A block of 16 x 4 x 16 cubes that touch each other, let go with a blow in the middle: one island of 3000 manifolds, which
+/// threads solve together. Positions and velocities after 20 steps.
+fn run_large() -> Vec<[u32; 6]> {
+    let mut simulation = Simulation::default();
+    let floor = BodyDesc::floor(HalfSpace { normal: Vec3::Y });
+    simulation.bodies.insert(floor).expect("usable");
+    let cube = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("valid size");
+    for i in 0..16 * 4 * 16 {
+        let at = Vec3::new(
+            (i % 16) as f32,
+            (i / 256) as f32 + 0.5,
+            (i / 16 % 16) as f32,
+        );
+        let mut desc = BodyDesc::dynamic(cube.clone(), at);
+        if i == 136 {
+            desc.linear_velocity = Vec3::new(2.0, 5.0, 1.0);
+        }
+        simulation.bodies.insert(desc).expect("usable");
+    }
+    for _ in 0..20 {
+        simulation.step(1.0 / 60.0);
+    }
+    let islands = simulation.contacts.solver().islands();
+    let largest = islands.map(|island| island.contacts).max();
+    assert!(
+        largest.is_some_and(|contacts| contacts > 6000),
+        "{largest:?}"
+    );
+    bits(&simulation)
+}
 
 /// Positions and velocities after 60 steps of a pile with far more pairs than one task takes, some breaking.
 fn run() -> Vec<[u32; 6]> {
@@ -25,6 +57,10 @@ fn run() -> Vec<[u32; 6]> {
         broken += simulation.fractures.done.len();
     }
     assert!(broken > 0 && simulation.report.pairs > 500);
+    bits(&simulation)
+}
+
+fn bits(simulation: &Simulation) -> Vec<[u32; 6]> {
     let bodies = &simulation.bodies;
     let state = |slot| (bodies.centre_of_mass(slot), bodies.velocity(slot).0);
     let parts = bodies
@@ -40,7 +76,7 @@ fn one_thread_and_four_give_the_same_bits() {
         ComputeTaskPool::try_get().is_none(),
         "the first run has no pool"
     );
-    let alone = run();
+    let alone = [run(), run_large()];
     ComputeTaskPool::get_or_init(|| TaskPoolBuilder::new().num_threads(4).build());
-    assert!(alone == run());
+    assert!(alone == [run(), run_large()]);
 }

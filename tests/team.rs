@@ -1,0 +1,62 @@
+//! Threads that share short lists of tasks: each task is done once, whatever the number of helpers.
+
+use bevy_cleave::solver::team::{Shared, Team};
+use bevy_tasks::{ComputeTaskPool, TaskPoolBuilder};
+use std::sync::atomic::{AtomicU32, Ordering};
+
+fn pool() -> &'static ComputeTaskPool {
+    ComputeTaskPool::get_or_init(|| TaskPoolBuilder::new().num_threads(3).build())
+}
+
+#[test]
+fn each_task_of_many_short_lists_is_done_once_and_in_its_list() {
+    let done: Vec<AtomicU32> = (0..64).map(|_| AtomicU32::new(0)).collect();
+    let lists = Team::lead(pool(), |team| {
+        assert_eq!(team.threads(), 4);
+        for list in 0..20_000_u32 {
+            let count = (list % 65) as usize;
+            team.run(count, &|task| {
+                // What the list before left: so none of its tasks is still running, and none was left out.
+                let before = done[task].fetch_add(1, Ordering::Relaxed);
+                let full_rounds = list / 65 * (64 - task as u32);
+                let in_this_round = (list % 65).saturating_sub(task as u32 + 1);
+                assert_eq!(before, full_rounds + in_this_round);
+            });
+        }
+        20_000
+    });
+    assert_eq!(lists, 20_000);
+}
+
+#[test]
+#[allow(unsafe_code, reason = "each task writes to a part of its own")]
+fn tasks_write_to_parts_of_one_list() {
+    let mut list = vec![0_u64; 1000];
+    let shared = Shared::new(&mut list);
+    Team::lead(pool(), |team| {
+        for round in 0..100 {
+            team.run(10, &|task| {
+                // SAFETY: no two tasks have the same part.
+                let part = unsafe { shared.part(100 * task..100 * (task + 1)) };
+                part.iter_mut().for_each(|x| *x += round * task as u64);
+            });
+        }
+    });
+    let sum = (0..100).sum::<u64>();
+    assert!((0..1000).all(|i| list[i] == sum * (i as u64 / 100)));
+}
+
+#[test]
+fn a_panic_in_a_task_reaches_the_leader_after_the_others_are_done() {
+    let done = AtomicU32::new(0);
+    let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+        Team::lead(pool(), |team| {
+            team.run(50, &|task| {
+                assert_ne!(task, 20, "asked for");
+                done.fetch_add(1, Ordering::Relaxed);
+            });
+        });
+    }));
+    assert!(outcome.is_err());
+    assert!(done.load(Ordering::Relaxed) <= 49);
+}
