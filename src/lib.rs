@@ -52,7 +52,9 @@ pub mod prelude {
     pub use crate::slice::fracturable::Fracturable;
     pub use crate::slice::pattern::FracturePattern;
     pub use crate::solver::bodies::{Bodies, BodyDesc, BodyError, RigidBody, Shape};
-    pub use crate::solver::{FrictionModel, Gravity, Method, SleepConfig, SolverConfig};
+    pub use crate::solver::{
+        ContactOrder, FrictionModel, Gravity, LaneWidth, Method, SleepConfig, SolverConfig,
+    };
     pub use crate::step::{
         Contacts, IslandReport, Simulation, StepError, StepReport, StepSettings,
     };

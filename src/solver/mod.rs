@@ -1,9 +1,11 @@
 //! One mixed linear complementarity problem, and the methods that solve it.
 //!
 //! [`bodies`] holds the flat arrays of state and [`body`] what goes into them. A step starts in [`contact_solver`]: it finds
-//! [`islands`], turns their contacts into [`rows`] of the problem that [`mlcp`] states, and runs the [`substeps`] of each,
-//! with [`soft_step`], [`pgs`] or [`exact`] as method and [`momentum`] where sweeps are many; [`spin`] is the free rotation in
-//! between. [`residual`] judges the result, and [`integrate`] puts the bodies where they got; [`sleep`] leaves out what rests.
+//! [`islands`] and what they [`demand`], loads them into [`batch`]es, whose contacts lie in [`blocks`] by a [`schedule`], and
+//! runs the [`substeps`] of each: [`sweep`]s with [`soft_step`] contacts in [`lanes`], or [`exact`]; [`momentum`] where sweeps
+//! are many, [`spin`] for the free rotation in between, a [`team`] of threads where a batch is large. [`mlcp`] states the problem,
+//! [`rows`] and [`pgs`] say it row by row. [`residual`] judges the result, and [`integrate`] puts the bodies where they got;
+//! [`sleep`] leaves out what rests.
 //! Nothing here knows the ECS.
 
 pub mod batch;
@@ -30,12 +32,12 @@ pub mod substeps;
 pub mod sweep;
 pub mod team;
 
+pub use lanes::LaneWidth;
+pub use schedule::ContactOrder;
 pub use sleep::SleepConfig;
 
 use bevy_ecs::resource::Resource;
 use glam::Vec3;
-use lanes::LaneWidth;
-use schedule::ContactOrder;
 
 /// Acceleration that acts on every dynamic body, m/s2.
 #[derive(Clone, Copy, Debug, PartialEq, Resource)]
