@@ -57,6 +57,9 @@ pub struct Member {
     pub extent: f32,
 }
 
+/// Blocks of a stage, on average, from which a team is faster than one thread with fuller blocks.
+const WIDE_STAGE: usize = 16;
+
 /// What batches are loaded from.
 #[derive(Clone, Copy, Debug)]
 pub struct Step<'a> {
@@ -268,11 +271,14 @@ impl Batch {
             filling = Filling::ByColour;
             self.place_all(range.clone(), islands, manifolds, filling);
         }
-        let is_for_team = has_team && self.settings.config.method != Method::Exact;
+        let mut is_for_team = has_team && self.settings.config.method != Method::Exact;
         if is_for_team && filling == Filling::Densely {
-            // The same sweeps in the same order, whatever the filling.
-            filling = Filling::ByStage;
-            self.place_all(range, islands, manifolds, filling);
+            // The same sweeps in the same order, whatever the filling; worth it where stages are wide.
+            self.place_all(range.clone(), islands, manifolds, Filling::ByStage);
+            if self.schedule.blocks() < WIDE_STAGE * self.schedule.stage_count() {
+                is_for_team = false;
+                self.place_all(range, islands, manifolds, filling);
+            }
         }
         let places = self.places.iter_mut().map(|(_, place)| place);
         self.schedule.finish(places);

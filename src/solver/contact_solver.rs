@@ -162,14 +162,17 @@ impl ContactSolver {
                 .map(|island| island.manifolds.len())
                 .sum::<usize>()
         };
-        if self.ranges.iter().any(|range| size(range) >= WORTH_A_TEAM) {
-            let large = batches.filter(|(_, range)| size(range) >= WORTH_A_TEAM);
+        // Where bodies move, most of the work is done body by body, and helpers would only look on.
+        let is_for_team =
+            |range: &Range<usize>| size(range) >= WORTH_A_TEAM && !demands[range.start].can_hit;
+        if self.ranges.iter().any(is_for_team) {
+            let large = batches.filter(|(_, range)| is_for_team(range));
             Team::lead(pool, |team| {
                 large.for_each(|(batch, range)| solve(batch, range, Some(team)));
             });
         }
         let small = self.batches.iter_mut().zip(&self.ranges);
-        let mut small = small.filter(|(_, range)| size(range) < WORTH_A_TEAM);
+        let mut small = small.filter(|(_, range)| !is_for_team(range));
         let tasks = TASKS_PER_THREAD * (pool.thread_num() + 1);
         let share = islands.manifolds.len().div_ceil(tasks);
         pool.scope(|scope| {

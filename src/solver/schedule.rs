@@ -147,6 +147,11 @@ impl Schedule {
         }
     }
 
+    /// Number of stages; not for dense filling.
+    pub fn stage_count(&self) -> usize {
+        self.open.len()
+    }
+
     /// Of each block, the points of its largest manifold.
     pub fn points_of_blocks(&self) -> impl ExactSizeIterator<Item = usize> {
         self.blocks.iter().map(|block| usize::from(block.points))

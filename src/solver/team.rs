@@ -20,6 +20,9 @@ type Tasks<'a> = &'a (dyn Fn(usize) + Sync);
 /// Looks for a task without yielding, then with: a helper whose core is wanted elsewhere must let go of it.
 const SPINS: u32 = 2000;
 
+/// Pauses between two looks for a task, some 100 ns.
+const PAUSES: u32 = 4;
+
 /// A leader and its helpers.
 pub struct Team {
     /// The present list; written by the leader only while no task of it is left.
@@ -96,7 +99,8 @@ impl Team {
                 idle = 0;
             } else if idle < SPINS {
                 idle += 1;
-                spin_loop();
+                // Long pauses: a core's other thread may be the leader's.
+                (0..PAUSES).for_each(|_| spin_loop());
             } else {
                 std::thread::yield_now();
             }
