@@ -322,7 +322,7 @@ pub(super) fn symmetric<L: Lanes>(m: &[L; 6], v: V3<L>) -> V3<L> {
 }
 
 #[inline(always)]
-pub(super) fn load_six<L: Lanes>(from: &[F8; 6]) -> [L; 6] {
+fn load_six<L: Lanes>(from: &[F8; 6]) -> [L; 6] {
     [
         L::load(&from[0]),
         L::load(&from[1]),
@@ -331,6 +331,11 @@ pub(super) fn load_six<L: Lanes>(from: &[F8; 6]) -> [L; 6] {
         L::load(&from[4]),
         L::load(&from[5]),
     ]
+}
+
+#[inline(always)]
+pub(super) fn load_anchors<L: Lanes>(point: &Point) -> [V3<L>; 2] {
+    [V3::load(&point.anchors[0]), V3::load(&point.anchors[1])]
 }
 
 /// What blocks are filled from.
@@ -484,20 +489,18 @@ impl Kernel for Derive<'_> {
     fn run<L: Lanes>(self) {
         for block in self.blocks {
             load_masses::<L>(block, self.solids);
-            let pair = MassOfPair::<L>::load(block);
+            let pair = Masses::<L>::load(block);
+            let mass = pair.mass[0] + pair.mass[1];
             let normal = V3::<L>::load(&block.normal);
             let (t1, t2) = (V3::load(&block.tangents[0]), V3::load(&block.tangents[1]));
             for point in &mut self.points[block.points.clone()] {
-                let arms = [
-                    V3::<L>::load(&point.anchors[0]),
-                    V3::load(&point.anchors[1]),
-                ];
+                let arms = load_anchors(point);
                 let along_normal = pair.turns(&arms, normal);
                 let of_normal = pair.effect(&arms, normal, &along_normal);
                 let of_t1 = pair.effect(&arms, t1, &pair.turns(&arms, t1));
                 let of_t2 = pair.effect(&arms, t2, &pair.turns(&arms, t2));
-                inverse(pair.mass + of_normal).store(&mut point.normal_mass);
-                inverse(pair.mass + of_t1.max(of_t2)).store(&mut point.tangent_mass);
+                inverse(mass + of_normal).store(&mut point.normal_mass);
+                inverse(mass + of_t1.max(of_t2)).store(&mut point.tangent_mass);
                 let of_both = pair.effect(&arms, t1, &along_normal);
                 of_both.store(&mut point.coupling[0]);
                 let of_both = pair.effect(&arms, t2, &along_normal);
@@ -530,19 +533,20 @@ fn inverse<L: Lanes>(x: L) -> L {
     x.if_above(zero, L::splat(1.0) / x, zero)
 }
 
-/// Two bodies in each lane.
-struct MassOfPair<L> {
-    /// Sum of the inverse masses, 1/kg.
-    mass: L,
-    inertia: [[L; 6]; 2],
+/// Inverse masses and inertias of two bodies in each lane.
+pub(super) struct Masses<L> {
+    pub(super) mass: [L; 2],
+    pub(super) inertia: [[L; 6]; 2],
 }
 
-impl<L: Lanes> MassOfPair<L> {
+impl<L: Lanes> Masses<L> {
     #[inline(always)]
-    fn load(block: &Block) -> Self {
-        let [a, b] = &block.inverse_mass;
+    pub(super) fn load(block: &Block) -> Self {
         Self {
-            mass: L::load(a) + L::load(b),
+            mass: [
+                L::load(&block.inverse_mass[0]),
+                L::load(&block.inverse_mass[1]),
+            ],
             inertia: [
                 load_six(&block.inverse_inertia[0]),
                 load_six(&block.inverse_inertia[1]),

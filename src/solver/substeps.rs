@@ -304,15 +304,11 @@ impl Batch {
     /// Solves to rounding from the free velocities. What cannot be certified (there may be no solution with friction) is not
     /// used: sweeps, which never gain energy, have the word then.
     fn solve_exactly(&mut self, config: &SolverConfig, effort: &mut Effort) {
+        let mut rows = std::mem::take(&mut self.scratch.rows);
+        rows.clear();
+        self.collect_rows(0..self.places.len(), 0, &mut rows);
         let scratch = &mut self.scratch;
-        scratch.rows.clear();
-        for &(_, place) in &self.places {
-            let (block, lane) = (&self.blocks[place.block as usize], place.lane as usize);
-            let count = place.count as usize;
-            let points = &self.points[block.points.clone()][..count];
-            let rows = points.iter().map(|point| point.rows(lane, block, 0.0));
-            scratch.rows.extend(rows);
-        }
+        scratch.rows = rows;
         scratch.inertia.clear();
         let inertia = self.solids.iter().map(Solid::inverse_inertia);
         scratch.inertia.extend(inertia);

@@ -4,7 +4,7 @@
 //! its own velocity right while all others rest, clipped to their bounds.
 
 use super::FrictionModel;
-use super::blocks::{Block, Blow, Point, V3, load_six, symmetric};
+use super::blocks::{Block, Blow, Masses, Point, V3, load_anchors, symmetric};
 use super::bodies::SolverBody;
 use super::lanes::{F8, Kernel, LaneWidth, Lanes, run};
 use super::soft_step::Softness;
@@ -180,6 +180,13 @@ impl<L: Lanes> Pair<L> {
         b.minus(a)
     }
 
+    /// Adds an impulse on B at the ends of the anchors, and its opposite on A.
+    #[inline(always)]
+    fn push(&mut self, masses: &Masses<L>, anchors: &[V3<L>; 2], impulse: V3<L>) {
+        let angular = [anchors[0].cross(impulse), anchors[1].cross(impulse)];
+        self.apply(masses, impulse, angular);
+    }
+
     /// Adds an impulse on B, and its opposite on A, with the angular impulses about the centres of mass.
     #[inline(always)]
     fn apply(&mut self, masses: &Masses<L>, impulse: V3<L>, angular: [V3<L>; 2]) {
@@ -197,12 +204,6 @@ impl<L: Lanes> Pair<L> {
             self.angular(1).plus(turn_b),
         );
     }
-}
-
-/// Inverse masses and inertias of two bodies in each lane.
-struct Masses<L> {
-    mass: [L; 2],
-    inertia: [[L; 6]; 2],
 }
 
 /// Normal and tangents in each lane.
@@ -227,27 +228,6 @@ impl<L: Lanes> Frame<L> {
         let friction = d1.times(t1).plus(d2.times(t2));
         self.normal.times(normal).plus(friction)
     }
-}
-
-impl<L: Lanes> Masses<L> {
-    #[inline(always)]
-    fn load(block: &Block) -> Self {
-        Self {
-            mass: [
-                L::load(&block.inverse_mass[0]),
-                L::load(&block.inverse_mass[1]),
-            ],
-            inertia: [
-                load_six(&block.inverse_inertia[0]),
-                load_six(&block.inverse_inertia[1]),
-            ],
-        }
-    }
-}
-
-#[inline(always)]
-fn load_anchors<L: Lanes>(point: &Point) -> [V3<L>; 2] {
-    [V3::load(&point.anchors[0]), V3::load(&point.anchors[1])]
 }
 
 #[inline(always)]
@@ -422,9 +402,7 @@ impl Sweep<'_, '_> {
                 if self.measure {
                     change = change.max(largest_change(point, delta));
                 }
-                let impulse = frame.impulse(delta);
-                let angular = [anchors[0].cross(impulse), anchors[1].cross(impulse)];
-                pair.apply(&masses, impulse, angular);
+                pair.push(&masses, &anchors, frame.impulse(delta));
             }
             pair.scatter(bodies, block);
             if self.measure {
@@ -606,10 +584,7 @@ impl Kernel for Extrapolate<'_, '_> {
                 store_three(now, last);
                 store_three(new, &mut point.impulse);
                 let taken = [normal - wish[0], t1 - wish[1], t2 - wish[2]];
-                let impulse = frame.impulse(taken);
-                let anchors = load_anchors(point);
-                let angular = [anchors[0].cross(impulse), anchors[1].cross(impulse)];
-                pair.apply(&masses, impulse, angular);
+                pair.push(&masses, &load_anchors(point), frame.impulse(taken));
             }
             pair.scatter(bodies, block);
         }
