@@ -4,6 +4,7 @@ mod app;
 mod scenes;
 
 use app::{app, bits, step_length};
+use bevy_app::{App, Last};
 use bevy_cleave::prelude::*;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
@@ -125,4 +126,76 @@ fn bodies_without_anything_else_have_all_defaults() {
         entity.get::<LinearVelocity>().expect("required").0.y < 0.0,
         "it falls"
     );
+}
+
+fn height_in_simulation(app: &App, entity: Entity) -> f32 {
+    let handle = app.world().get::<BodyHandle>(entity).expect("a body");
+    let (slot, _) = handle.get().expect("takes part");
+    app.world().resource::<Bodies>().pose(slot).position.y
+}
+
+#[test]
+fn a_body_put_back_where_it_was_spawned_is_there() {
+    let mut app = app();
+    let mesh = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("valid");
+    let start = Transform::from_xyz(0.0, 3.0, 0.0);
+    let body = app
+        .world_mut()
+        .spawn((RigidBody::Dynamic, mesh, start))
+        .id();
+    for _ in 0..10 {
+        app.update();
+    }
+    assert!(height_in_simulation(&app, body) < 2.9, "it falls");
+    let mut entity = app.world_mut().entity_mut(body);
+    *entity.get_mut::<Transform>().expect("a body") = start;
+    entity.get_mut::<LinearVelocity>().expect("a body").0 = glam::Vec3::ZERO;
+    app.update();
+    let fall = 3.0 - height_in_simulation(&app, body);
+    assert!((0.0..0.01).contains(&fall), "fell {fall} m in one step");
+}
+
+#[test]
+fn a_change_between_gathering_and_writing_back_is_taken_over_in_the_next_step() {
+    let mut app = app();
+    let mesh = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("valid");
+    let wall = app.world_mut().spawn((RigidBody::Static, mesh)).id();
+    app.update();
+    app.add_systems(
+        PhysicsSchedule,
+        (move |mut walls: Query<&mut Transform>| {
+            let mut wall = walls.get_mut(wall).expect("there");
+            if wall.translation.y == 0.0 {
+                wall.translation.y = 4.0;
+            }
+        })
+        .after(PhysicsSystems::Solve)
+        .before(PhysicsSystems::Integrate),
+    );
+    app.update();
+    assert_eq!(height_in_simulation(&app, wall), 0.0, "gathered before");
+    app.update();
+    assert_eq!(height_in_simulation(&app, wall), 4.0);
+}
+
+#[test]
+fn only_bodies_that_move_are_marked_as_changed() {
+    #[derive(Resource, Default)]
+    struct Moved(Vec<Entity>);
+
+    let mut app = app();
+    let mesh = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("valid");
+    let body = |kind, x| (kind, mesh.clone(), Transform::from_xyz(x, 0.0, 0.0));
+    let falling = app.world_mut().spawn(body(RigidBody::Dynamic, 0.0)).id();
+    app.world_mut().spawn(body(RigidBody::Static, 5.0));
+    app.world_mut().spawn(body(RigidBody::Kinematic, 10.0));
+    app.init_resource::<Moved>().add_systems(
+        Last,
+        |mut moved: ResMut<Moved>, changed: Query<Entity, Changed<Transform>>| {
+            moved.0 = changed.iter().collect();
+        },
+    );
+    app.update();
+    app.update();
+    assert_eq!(app.world().resource::<Moved>().0, [falling]);
 }

@@ -5,6 +5,7 @@ use crate::fracture::{CutError, Ledger};
 use crate::mass::MassProperties;
 use crate::math::Plane;
 use crate::solver::bodies::BodyError;
+use bevy_ecs::change_detection::Tick;
 use bevy_ecs::prelude::*;
 use bevy_math::Vec3;
 use bevy_transform::components::Transform;
@@ -82,13 +83,15 @@ pub enum BodyProblem {
     Cut(#[from] CutError),
 }
 
-/// Entities of the bodies, by slot, and the last pose written to each.
+/// Entities of the bodies, by slot, and what is needed to tell the user's changes from the plugin's own.
 #[derive(Debug, Default, Resource)]
 pub(crate) struct BodyEntities {
     /// With the id of the body, because a slot may have been given to another body since.
     entity: Vec<Option<(BodyId, Entity)>>,
-    /// Transform as last written or read; what differs from it was changed by the user.
+    /// Transform as last read from the user.
     pub(crate) seen: Vec<Transform>,
+    /// Tick of the last write-back: components that bear it were written by the plugin.
+    pub(crate) written: Tick,
 }
 
 impl BodyEntities {

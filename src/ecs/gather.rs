@@ -1,6 +1,7 @@
 //! Components into flat arrays: new bodies, removed bodies, and what the user changed since the last step.
 
 use super::components::*;
+use super::scatter::transform_of;
 use crate::contact::cache::ContactCache;
 use crate::contact::material::{Density, Friction, Restitution};
 use crate::contact::{BodyId, CollisionLayers};
@@ -9,7 +10,7 @@ use crate::mass::MassProperties;
 use crate::math::Pose;
 use crate::slice::fracturable::Fracturable;
 use crate::solver::bodies::{Bodies, BodyDesc, BodyError, RigidBody, Shape};
-use bevy_ecs::change_detection::ContiguousRef;
+use bevy_ecs::change_detection::{ContiguousRef, Tick};
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
 use bevy_math::Vec3;
@@ -234,47 +235,52 @@ fn pose_of(transform: &Transform) -> Result<Pose, BodyError> {
     Ok(Pose::new(transform.translation, transform.rotation))
 }
 
-/// What of a body's motion changed: what the plugin wrote itself does too, but bodies that sleep are not written.
-type MotionChanges = Or<(
-    Changed<Transform>,
-    Changed<LinearVelocity>,
-    Changed<AngularVelocity>,
-)>;
+/// What the user may have changed of a body's motion, table by table.
+type Motion = (
+    Entity,
+    &'static BodyHandle,
+    Ref<'static, Transform>,
+    Ref<'static, LinearVelocity>,
+    Ref<'static, AngularVelocity>,
+);
 
 /// System: poses and velocities that the user changed. A state that is not usable takes the body out until it is.
+///
+/// What the plugin wrote itself bears the tick of its own system and is passed over without a look at the values.
 pub(crate) fn gather_motion(
     mut bodies: ResMut<Bodies>,
     mut entities: ResMut<BodyEntities>,
     mut warnings: ResMut<Messages<BodyWarning>>,
-    motion: Query<
-        (
-            Entity,
-            &BodyHandle,
-            &Transform,
-            &LinearVelocity,
-            &AngularVelocity,
-        ),
-        MotionChanges,
-    >,
+    motion: Query<Motion>,
 ) {
-    for (entity, handle, transform, linear, angular) in &motion {
-        let Some((slot, _)) = handle.0.filter(|&(slot, id)| bodies.is(slot, id)) else {
-            continue;
-        };
-        match read_motion(
-            &mut bodies,
-            &mut entities.seen[slot as usize],
-            slot,
-            transform,
-            linear.0,
-            angular.0,
-        ) {
-            Ok(()) => bodies.set_frozen(slot, false),
-            Err(error) => {
-                if bodies.is_active(slot) {
-                    warn(&mut warnings, entity, error);
+    let own = entities.written;
+    // All of these components are stored in tables, so there is a slice for each.
+    let tables = motion.contiguous_iter().ok().into_iter().flatten();
+    for (entity, handle, transform, linear, angular) in tables {
+        let (last_run, this_run) = (transform.last_run_tick(), transform.this_run_tick());
+        let by_user = |tick: Tick| tick != own && tick.is_newer_than(last_run, this_run);
+        let ticks = [
+            transform.changed_ticks_slice(),
+            linear.changed_ticks_slice(),
+            angular.changed_ticks_slice(),
+        ];
+        for (row, handle) in handle.iter().enumerate() {
+            if !ticks.iter().any(|column| by_user(column[row])) {
+                continue;
+            }
+            let Some((slot, _)) = handle.0.filter(|&(slot, id)| bodies.is(slot, id)) else {
+                continue;
+            };
+            let velocity = (linear[row].0, angular[row].0);
+            let seen = &mut entities.seen[slot as usize];
+            match read_motion(&mut bodies, seen, slot, &transform[row], velocity) {
+                Ok(()) => bodies.set_frozen(slot, false),
+                Err(error) => {
+                    if bodies.is_active(slot) {
+                        warn(&mut warnings, entity[row], error);
+                    }
+                    bodies.set_frozen(slot, true);
                 }
-                bodies.set_frozen(slot, true);
             }
         }
     }
@@ -285,11 +291,15 @@ fn read_motion(
     seen: &mut Transform,
     slot: u32,
     transform: &Transform,
-    linear: Vec3,
-    angular: Vec3,
+    (linear, angular): (Vec3, Vec3),
 ) -> Result<(), BodyError> {
     bodies.set_velocity(slot, linear, angular)?;
-    if transform != seen {
+    let last = match bodies.kind(slot) {
+        // Never written: what was read last may differ by rounding from the pose about the centre of mass.
+        RigidBody::Static => *seen,
+        _ => transform_of(bodies.pose(slot)),
+    };
+    if *transform != last {
         bodies.set_pose(slot, pose_of(transform)?)?;
         *seen = *transform;
     }

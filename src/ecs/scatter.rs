@@ -2,10 +2,15 @@
 
 use super::components::*;
 use crate::contact::BodyId;
+use crate::math::Pose;
 use crate::solver::bodies::{Bodies, RigidBody};
 use crate::step::StepReport;
+use bevy_ecs::change_detection::{ContiguousComponentTicksMut, ContiguousMut};
 use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemChangeTick;
+use bevy_math::Vec3;
 use bevy_transform::components::Transform;
+use std::panic::Location;
 
 /// System: takes the mark from the entities whose bodies woke, or never fell asleep, so that they are written again.
 pub(crate) fn unmark_woken(
@@ -42,39 +47,91 @@ pub(crate) fn mark_asleep(
     bodies.forget_turned();
 }
 
+/// What the plugin writes of a body's motion, table by table.
+type Motion = (
+    &'static BodyHandle,
+    &'static mut Transform,
+    &'static mut LinearVelocity,
+    &'static mut AngularVelocity,
+);
+
 /// System: writes pose and velocity to the entities whose bodies moved. `Transform` is written, never read back: the
 /// pose of record is the centre of mass in [`Bodies`].
 pub(crate) fn scatter(
     bodies: Res<Bodies>,
     mut entities: ResMut<BodyEntities>,
-    mut motion: Query<
-        (
-            &BodyHandle,
-            &mut Transform,
-            &mut LinearVelocity,
-            &mut AngularVelocity,
-        ),
-        Without<Sleeping>,
-    >,
+    mut motion: Query<Motion, Without<Sleeping>>,
+    tick: SystemChangeTick,
 ) {
-    for (handle, mut transform, mut linear, mut angular) in &mut motion {
-        let is_alive = |&(slot, id): &(u32, BodyId)| bodies.is(slot, id) && bodies.is_active(slot);
-        let Some((slot, _)) = handle.0.filter(is_alive) else {
-            continue;
-        };
-        let (v, omega) = bodies.velocity(slot);
-        linear.set_if_neq(LinearVelocity(v));
-        angular.set_if_neq(AngularVelocity(omega));
-        if bodies.kind(slot) == RigidBody::Static {
-            continue;
+    entities.written = tick.this_run();
+    // All of these components are stored in tables, so there is a slice for each.
+    let tables = motion.contiguous_iter_mut().ok().into_iter().flatten();
+    for (handles, transforms, linear, angular) in tables {
+        let mut transforms = Column::new(transforms);
+        let mut linear = Column::new(linear);
+        let mut angular = Column::new(angular);
+        for (row, handle) in handles.iter().enumerate() {
+            let is_alive =
+                |&(slot, id): &(u32, BodyId)| bodies.is(slot, id) && bodies.is_active(slot);
+            let Some((slot, _)) = handle.0.filter(is_alive) else {
+                continue;
+            };
+            let (v, omega) = bodies.velocity(slot);
+            linear.set(row, LinearVelocity(v));
+            angular.set(row, AngularVelocity(omega));
+            if bodies.kind(slot) != RigidBody::Static {
+                transforms.set(row, transform_of(bodies.pose(slot)));
+            }
         }
-        let pose = bodies.pose(slot);
-        transform.set_if_neq(Transform {
-            translation: pose.position,
-            rotation: pose.rotation,
-            scale: transform.scale,
-        });
-        entities.seen[slot as usize] = *transform;
+    }
+}
+
+/// The `Transform` of a body, which is never scaled.
+pub(super) fn transform_of(pose: Pose) -> Transform {
+    Transform {
+        translation: pose.position,
+        rotation: pose.rotation,
+        scale: Vec3::ONE,
+    }
+}
+
+/// The values of one component in one table with the ticks of their last changes.
+struct Column<'w, T> {
+    values: &'w mut [T],
+    ticks: ContiguousComponentTicksMut<'w>,
+    has_changed: bool,
+}
+
+impl<'w, T: PartialEq> Column<'w, T> {
+    fn new(column: ContiguousMut<'w, T>) -> Self {
+        let (values, ticks) = ContiguousMut::bypass_change_detection_split(column);
+        Self {
+            values,
+            ticks,
+            has_changed: false,
+        }
+    }
+
+    /// Writes `value`, and notes it as a change if it is one.
+    fn set(&mut self, row: usize, value: T) {
+        if self.values[row] != value {
+            self.values[row] = value;
+            let this_run = self.ticks.this_run();
+            self.ticks.changed_mut()[row] = this_run;
+            self.ticks
+                .changed_by_mut()
+                .map(|by| by[row] = Location::caller());
+            self.has_changed = true;
+        }
+    }
+}
+
+impl<T> Drop for Column<'_, T> {
+    /// The table's own mark of a change can only be set along with ticks, of which none are left to set.
+    fn drop(&mut self) {
+        if self.has_changed {
+            self.ticks.reborrow().slice(0..0).mark_all_as_changed();
+        }
     }
 }
 
