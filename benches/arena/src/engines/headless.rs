@@ -1,6 +1,8 @@
 //! The app around a physics plugin, the same for every engine that is one: a clock and a pool of threads, nothing else.
 
 use bevy_app::{App, TaskPoolOptions, TaskPoolPlugin, TaskPoolThreadAssignmentPolicy};
+use bevy_ecs::schedule::{Schedules, SingleThreadedExecutor};
+use bevy_tasks::ComputeTaskPool;
 use bevy_time::{TimePlugin, TimeUpdateStrategy};
 use std::time::Duration;
 
@@ -29,7 +31,15 @@ pub(super) fn app(dt: f32, pool_threads: usize) -> App {
 }
 
 /// Ends the building of the app; the first tick of the clock is empty.
+///
+/// Without threads in the pool its schedules run on the calling thread: to hand systems to a pool that nobody else serves
+/// would only add to the time of every engine that is a plugin.
 pub(super) fn start(app: &mut App) {
+    if ComputeTaskPool::get().thread_num() == 0 {
+        for (_, schedule) in app.world_mut().resource_mut::<Schedules>().iter_mut() {
+            schedule.set_executor(SingleThreadedExecutor::new());
+        }
+    }
     app.finish();
     app.cleanup();
     app.update();
