@@ -15,7 +15,7 @@ pub struct ContactPoint {
     pub anchor_a: Vec3,
     /// From B's centre of mass to the same point, world axes, m.
     pub anchor_b: Vec3,
-    /// Gap along the normal, m; negative where the bodies overlap.
+    /// Gap along the normal, m; negative where the bodies overlap. Where they are bonded, how far they have come apart since.
     pub separation: f32,
     /// Cell of the point in A's box.
     pub code_a: KdCode,

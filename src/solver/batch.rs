@@ -14,6 +14,7 @@ use super::momentum::Pace;
 use super::rows::{PointRows, Side};
 use super::schedule::{ContactOrder, Filling, Schedule};
 use super::spin::Spin;
+use super::ties::Tie;
 use crate::contact::manifold::Manifold;
 use glam::{Mat3, Quat};
 use std::ops::Range;
@@ -92,6 +93,8 @@ pub struct Batch {
     pub points: Vec<Point>,
     /// Blows of its points; none if nothing can hit.
     pub blows: Vec<Blow>,
+    /// Bonds of its points; none if nothing is bonded.
+    pub ties: Vec<Tie>,
     /// Slots of its bodies.
     pub slots: Vec<u32>,
     /// Velocities of its bodies, and of one that nothing happens to, for the lanes that are not used.
@@ -217,6 +220,7 @@ impl Batch {
         self.places.clear();
         self.stages.clear();
         self.blows.clear();
+        self.ties.clear();
         self.slots.clear();
         self.bodies.clear();
         self.displacements.clear();
@@ -395,7 +399,7 @@ impl Batch {
             let (block, lane) = (&self.blocks[place.block as usize], place.lane as usize);
             for i in block.points.clone().take(place.count as usize) {
                 let rebound = self.blows.get(i).map_or(0.0, |blow| blow.rebound.0[lane]);
-                let mut point = self.points[i].rows(lane, block, rebound);
+                let mut point = self.points[i].rows(lane, block, self.ties.get(i), rebound);
                 point.bodies = point.bodies.map(|body| body - first_body);
                 rows.push(point);
             }

@@ -14,6 +14,7 @@
 use super::bodies::SolverBody;
 use super::lanes::{F8, Kernel, LaneWidth, Lanes, WIDTH, run};
 use super::rows::{PointRows, Side};
+use super::ties::Tie;
 use crate::contact::manifold::{ContactPoint, MAX_POINTS, Manifold};
 use glam::{Mat3, Vec3};
 use std::cell::Cell;
@@ -208,7 +209,8 @@ impl Block {
 }
 
 impl Point {
-    /// Velocity of B against A along the normal of a lane, m/s. Of displacements, how far B moved against A, m.
+    /// Velocity of B against A along the normal of a lane, or another direction, m/s. Of displacements, how far B moved
+    /// against A, m.
     pub fn normal_velocity(&self, lane: usize, normal: Vec3, [a, b]: [&SolverBody; 2]) -> f32 {
         let [to_a, to_b] = [0, 1].map(|k| vector(&self.anchors[k], lane));
         normal.dot(b.linear - a.linear) + to_b.cross(normal).dot(b.angular)
@@ -231,7 +233,7 @@ impl Point {
     }
 
     /// The point of a lane as rows.
-    pub fn rows(&self, lane: usize, block: &Block, rebound: f32) -> PointRows {
+    pub fn rows(&self, lane: usize, block: &Block, tie: Option<&Tie>, rebound: f32) -> PointRows {
         let anchors = [0, 1].map(|k| vector(&self.anchors[k], lane));
         let mut rows = PointRows {
             bodies: block.pair(lane),
@@ -242,11 +244,16 @@ impl Point {
             speed_scale: block.speed_scale.0[lane],
             rebound,
             total: self.total.0[lane],
+            adhesion: tie.map_or(0.0, |tie| tie.adhesion.0[lane]),
+            shear: tie.map_or(0.0, |tie| tie.shear.0[lane]),
             ..PointRows::default()
         };
         rows.set_geometry(vector(&block.normal, lane), anchors, block.sides(lane));
         rows.set_impulses(self.impulse.map(|lanes| lanes.0[lane]));
         rows.normal.wanted = self.wanted.0[lane];
+        for (k, row) in rows.tangents.iter_mut().enumerate() {
+            row.wanted = tie.map_or(0.0, |tie| tie.wanted[k].0[lane]);
+        }
         rows
     }
 

@@ -6,6 +6,7 @@ use super::demand::{Demand, Effort, SubstepSettings, Travel};
 use super::islands::Islands;
 use super::rows::{PointRows, Row};
 use super::team::Team;
+use super::ties::BondedManifold;
 use crate::contact::manifold::Manifold;
 use crate::math::rotate_by;
 use bevy_tasks::ComputeTaskPool;
@@ -36,6 +37,8 @@ pub struct ContactSolver {
     batches: Vec<Batch>,
     /// By slot: whether a batch moves the body.
     is_solved: Vec<bool>,
+    /// Those of the manifolds that are bonded, ascending.
+    pub(crate) bonded: Vec<BondedManifold>,
 }
 
 /// An island after the solve.
@@ -103,6 +106,7 @@ impl ContactSolver {
         self.move_free_bodies(bodies, settings);
         for batch in &self.batches[..self.ranges.len()] {
             batch.store_impulses(manifolds);
+            batch.judge_bonds(&mut self.bonded);
         }
     }
 
@@ -138,7 +142,7 @@ impl ContactSolver {
         bodies: &Bodies,
         settings: &SubstepSettings,
     ) {
-        let (islands, demands) = (&self.islands, &self.demands);
+        let (islands, demands, bonded) = (&self.islands, &self.demands, &self.bonded);
         let solve = |batch: &mut Batch, range: &Range<usize>, team: Option<&Team>| {
             let demand = &demands[range.start];
             let step = Step {
@@ -149,6 +153,7 @@ impl ContactSolver {
                 has_team: team.is_some(),
             };
             batch.load(&step, range.clone(), demand);
+            batch.tie(bonded, manifolds);
             batch.solve(manifolds, team);
         };
         let batches = self.batches.iter_mut().zip(&self.ranges);
@@ -219,7 +224,7 @@ impl ContactSolver {
                 for point in manifold.points() {
                     let anchors = [point.anchor_a, point.anchor_b];
                     let row = Row::new(manifold.normal, anchors, sides);
-                    load = load.max(point.normal_impulse * row.diagonal);
+                    load = load.max((point.normal_impulse * row.diagonal).abs());
                 }
                 demand.load = demand.load.max(load / extent);
             }

@@ -15,9 +15,9 @@
 //!   w_i <= 0  and  lambda_i = hi_i             (sliding the other way)
 //! ```
 //!
-//! A normal row has `lo = 0, hi = inf`; an equality row `lo = -inf, hi = inf`; a friction row `-mu lambda_n` and
-//! `mu lambda_n` with the normal impulse of its point (box), or the pair of friction rows is kept in the disc of that
-//! radius. The bounds follow the current `lambda_n`.
+//! A normal row has `lo = 0, hi = inf`, one of a bond `lo = -adhesion`; an equality row `lo = -inf, hi = inf`; a friction
+//! row `-mu lambda_n` and `mu lambda_n` with the normal impulse of its point (box), or the pair of friction rows is kept in
+//! the disc of that radius; a bond adds its shear strength to the radius. The bounds follow the current `lambda_n`.
 //!
 //! # References
 //! Stewart and Trinkle 1996 and Anitescu and Potra 1997 for the velocity-level problem; Erleben, "Stable, Robust, and

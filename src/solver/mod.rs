@@ -2,7 +2,7 @@
 //!
 //! [`bodies`] holds the flat arrays of state and [`body`] what goes into them. A step starts in [`contact_solver`]: it finds
 //! [`islands`] and what they [`demand`], loads them into [`batch`]es, whose contacts lie in [`blocks`] by a [`schedule`], and
-//! runs the [`substeps`] of each: [`sweep`]s with [`soft_step`] contacts in [`lanes`], or [`exact`]; [`momentum`] where sweeps
+//! runs the [`substeps`] of each: [`sweep`]s with [`soft_step`] contacts in [`lanes`], or [`exact`]; [`ties`] where bodies are bonded, [`momentum`] where sweeps
 //! are many, [`spin`] for the free rotation in between, a [`team`] of threads where a batch is large. [`mlcp`] states the problem,
 //! [`rows`] and [`pgs`] say it row by row. [`residual`] judges the result, and [`integrate`] puts the bodies where they got;
 //! [`sleep`] leaves out what rests.
@@ -31,6 +31,7 @@ pub mod spin;
 pub mod substeps;
 pub mod sweep;
 pub mod team;
+pub mod ties;
 
 pub use lanes::LaneWidth;
 pub use schedule::ContactOrder;

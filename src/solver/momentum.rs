@@ -187,8 +187,8 @@ impl<F: FnMut(&mut [PointRows], &mut [SolverBody]) -> f32> Contacts for PointCon
     #[inline]
     fn place(&mut self, contact: usize, wish: [f32; 3]) {
         let point = &mut self.rows[contact];
-        let normal = wish[0].max(0.0);
-        let radius = point.friction * normal;
+        let normal = wish[0].max(point.least_normal());
+        let radius = point.friction_bound(normal);
         let wished = Vec2::new(wish[1], wish[2]);
         let tangents = match self.friction_model {
             FrictionModel::Disc => mlcp::project_to_disc(wished, radius),

@@ -72,12 +72,16 @@ pub trait ContactRows {
     fn has_friction(&self) -> bool;
     /// Impulse of a row, N s.
     fn impulse(&self, row: usize) -> Self::Real;
-    /// Velocity along a row at present, m/s.
+    /// Velocity along a row at present, m/s; of a tangent, less the wanted one.
     fn velocity(&self, row: usize) -> Self::Real;
     /// `1 / A_ii`, kg.
     fn effective_mass(&self, row: usize) -> Self::Real;
     /// Where the normal impulse should be if it had no bound, N s.
     fn normal_wish(&self) -> Self::Real;
+    /// Lower bound of the normal impulse, N s: zero unless it may pull.
+    fn least_normal(&self) -> Self::Real {
+        Self::Real::ZERO
+    }
     /// Bounds of a tangent's impulse, N s.
     fn bounds(&self, row: usize) -> [Self::Real; 2];
     /// Changes a row's impulse; returns by how much that changes the row's velocity, m/s.
@@ -126,7 +130,8 @@ pub fn relax<C: ContactRows>(contact: &mut C, friction: impl Fn(&mut C) -> C::Re
         change = friction(contact);
     }
     let wish = contact.normal_wish();
-    contact.move_to(0, wish.max(C::Real::ZERO)).max(change)
+    let least = contact.least_normal();
+    contact.move_to(0, wish.max(least)).max(change)
 }
 
 /// The impulse with which the velocity along a row is zero, all others being as they are.
@@ -183,7 +188,7 @@ impl ContactRows for PointOnBodies<'_> {
 
     #[inline]
     fn has_friction(&self) -> bool {
-        self.point.friction > 0.0
+        self.point.has_friction()
     }
 
     #[inline]
@@ -193,7 +198,11 @@ impl ContactRows for PointOnBodies<'_> {
 
     #[inline]
     fn velocity(&self, row: usize) -> f32 {
-        self.row(row).velocity(self.a, self.b)
+        let velocity = self.row(row).velocity(self.a, self.b);
+        match row {
+            0 => velocity,
+            row => velocity - self.point.tangents[row - 1].wanted,
+        }
     }
 
     #[inline]
@@ -208,8 +217,13 @@ impl ContactRows for PointOnBodies<'_> {
     }
 
     #[inline]
+    fn least_normal(&self) -> f32 {
+        self.point.least_normal()
+    }
+
+    #[inline]
     fn bounds(&self, _: usize) -> [f32; 2] {
-        let bound = self.point.friction * self.point.normal.impulse;
+        let bound = self.point.friction_bound(self.point.normal.impulse);
         [-bound, bound]
     }
 

@@ -38,7 +38,7 @@ impl ResidualSum {
         let movable = bodies.iter().filter(|b| b.inverse_mass > 0.0);
         sum.mass = movable.map(|b| 1.0 / f64::from(b.inverse_mass)).sum();
         // No contact of an island needs to carry more than all that its contacts carry together.
-        let cap = rows.iter().map(|p| f64::from(p.normal.impulse)).sum();
+        let cap = rows.iter().map(|p| f64::from(p.normal.impulse.abs())).sum();
         for point in rows {
             sum.add_point(point, bodies, config, cap);
         }
@@ -82,19 +82,18 @@ impl ResidualSum {
         let normal = &point.normal;
         let impulse = f64::from(normal.impulse);
         let w = f64::from(normal.velocity(a, b) - wanted_velocity(point, config));
-        let r = mlcp::natural_map(impulse, w, f64::from(normal.diagonal), 0.0, f64::INFINITY);
+        let least = f64::from(point.least_normal());
+        let r = mlcp::natural_map(impulse, w, f64::from(normal.diagonal), least, f64::INFINITY);
         self.natural_map += r * r;
         self.approach = self.approach.max(-w);
-        self.gap += w.max(0.0) * impulse + (-w).max(0.0) * (cap - impulse).max(0.0);
+        self.gap += w.max(0.0) * (impulse - least) + (-w).max(0.0) * (cap - impulse).max(0.0);
         for row in point.rows() {
             let impulse = f64::from(row.impulse);
             self.scale += impulse * impulse * f64::from(row.diagonal);
         }
-        if point.friction > 0.0 {
-            let slip = point
-                .tangents
-                .each_ref()
-                .map(|row| f64::from(row.velocity(a, b)));
+        if point.has_friction() {
+            let slip = |row: &Row| f64::from(row.velocity(a, b) - wanted_slip(point, row, config));
+            let slip = point.tangents.each_ref().map(slip);
             self.add_friction(point, slip, config.friction_model);
         }
     }
@@ -104,7 +103,7 @@ impl ResidualSum {
         let of =
             |value: fn(&Row) -> f32| point.tangents.each_ref().map(|row| f64::from(value(row)));
         let (impulse, diagonal) = (of(|row| row.impulse), of(|row| row.diagonal));
-        let bound = f64::from(point.friction * point.normal.impulse);
+        let bound = f64::from(point.friction_bound(point.normal.impulse));
         match model {
             FrictionModel::Disc => {
                 let (impulse, w) = (DVec2::from_array(impulse), DVec2::from_array(w));
@@ -125,9 +124,25 @@ impl ResidualSum {
 
 /// The normal velocity that the last word on a point was about, m/s.
 fn wanted_velocity(point: &PointRows, config: &SolverConfig) -> f32 {
-    if config.method == Method::SoftStep && config.relax_sweeps > 0 {
-        soft_step::relaxed_velocity(point.rebound, point.normal.impulse, point.normal.wanted)
-    } else {
+    if !is_relaxed(config) {
         point.normal.wanted
+    } else if point.is_bonded() {
+        0.0
+    } else {
+        soft_step::relaxed_velocity(point.rebound, point.normal.impulse, point.normal.wanted)
     }
+}
+
+/// The same along one of its tangents.
+fn wanted_slip(point: &PointRows, row: &Row, config: &SolverConfig) -> f32 {
+    if point.is_bonded() && is_relaxed(config) {
+        0.0
+    } else {
+        row.wanted
+    }
+}
+
+/// Whether the last sweep was one without position feedback.
+fn is_relaxed(config: &SolverConfig) -> bool {
+    config.method == Method::SoftStep && config.relax_sweeps > 0
 }

@@ -100,12 +100,16 @@ pub struct Side {
 pub struct PointRows {
     /// Numbers of the two bodies within the island.
     pub bodies: [u32; 2],
-    /// Along the normal; its impulse is not negative.
+    /// Along the normal; its impulse is not below `-adhesion`.
     pub normal: Row,
     /// Along the two tangents.
     pub tangents: [Row; 2],
     /// Coefficient of friction.
     pub friction: f32,
+    /// Largest tensile impulse that a bond bears here, 0 where there is none; N s.
+    pub adhesion: f32,
+    /// What friction may be beyond the coefficient times the normal impulse, on account of a bond; N s.
+    pub shear: f32,
     /// Coefficient of restitution.
     pub restitution: f32,
     /// Gap along the normal less what displacements of the bodies add to it, m.
@@ -140,6 +144,8 @@ impl PointRows {
             normal: Row::default(),
             tangents: [Row::default(); 2],
             friction: manifold.friction,
+            adhesion: 0.0,
+            shear: 0.0,
             restitution: manifold.restitution,
             separation: point.separation,
             slop: slop * extent,
@@ -159,7 +165,7 @@ impl PointRows {
     }
 
     /// Points the rows along the normal and its tangents at the ends of the anchors; wanted velocity and impulses stay.
-    /// Without friction the tangents are left empty.
+    /// Without friction and bond the tangents are left empty.
     pub fn set_geometry(&mut self, normal: Vec3, anchors: [Vec3; 2], sides: [Side; 2]) {
         let geometry = |row: &mut Row, direction| {
             *row = Row {
@@ -169,12 +175,35 @@ impl PointRows {
             };
         };
         geometry(&mut self.normal, normal);
-        if self.friction > 0.0 {
+        if self.has_friction() {
             let directions = tangents(normal);
             for (row, direction) in self.tangents.iter_mut().zip(directions) {
                 geometry(row, direction);
             }
         }
+    }
+
+    /// Whether the tangents take part.
+    pub fn has_friction(&self) -> bool {
+        self.friction > 0.0 || self.shear > 0.0
+    }
+
+    /// Whether a bond holds the point.
+    pub fn is_bonded(&self) -> bool {
+        self.adhesion > 0.0
+    }
+
+    /// Lower bound of the normal impulse, N s.
+    #[inline]
+    pub fn least_normal(&self) -> f32 {
+        // Not `-adhesion`, which would be the other zero where there is no bond.
+        0.0 - self.adhesion
+    }
+
+    /// Bound of the friction impulse with a normal impulse, N s.
+    #[inline]
+    pub fn friction_bound(&self, normal: f32) -> f32 {
+        self.friction * normal.max(0.0) + self.shear
     }
 
     /// All three rows.

@@ -9,6 +9,7 @@ use super::blocks::{Block, Blow, Point};
 use super::bodies::SolverBody;
 use super::lanes::{F8, LaneWidth};
 use super::sweep::{Contacts, Pass};
+use super::ties::Tie;
 use super::team::Shared;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -21,6 +22,9 @@ pub(super) struct Shift<'a> {
     pub(super) pass: Pass,
     pub(super) blocks: &'a [Block],
     pub(super) points: Shared<'a, Point>,
+    /// Of the points; empty where nothing is bonded.
+    pub(super) ties: Shared<'a, Tie>,
+    pub(super) has_ties: bool,
     pub(super) blows: &'a [Blow],
     pub(super) bodies: Shared<'a, SolverBody>,
     pub(super) displacements: Shared<'a, SolverBody>,
@@ -46,20 +50,25 @@ impl Shift<'_> {
         } else {
             &self.blows[range.clone()]
         };
-        // SAFETY: points follow their blocks, and no other thread has these blocks; of the bodies, blocks of one stage write
+        // SAFETY: points and their ties follow their blocks, and no other thread has these blocks; of the bodies, blocks of one stage write
         // different ones, see above. Displacements are not written.
         let change = unsafe {
             let mut contacts = Contacts {
                 blocks,
                 first_point: range.start,
-                points: self.points.part(range),
+                points: self.points.part(range.clone()),
                 blows,
                 bodies: self.bodies.cells(),
                 displacements: self.displacements.cells(),
                 friction: self.friction,
                 width: self.width,
             };
-            contacts.pass(self.pass, self.last.part(last_range))
+            let last = self.last.part(last_range);
+            if self.has_ties {
+                contacts.pass_tied(self.pass, last, self.ties.part(range))
+            } else {
+                contacts.pass(self.pass, last)
+            }
         };
         self.change.fetch_max(change.to_bits(), Ordering::Relaxed);
     }

@@ -99,7 +99,12 @@ impl Batch {
                 friction: self.settings.config.friction_model,
                 width: self.settings.config.lane_width,
             };
-            return contacts.pass(pass, &mut self.scratch.last_impulses);
+            let last = &mut self.scratch.last_impulses;
+            return if self.ties.is_empty() {
+                contacts.pass(pass, last)
+            } else {
+                contacts.pass_tied(pass, last, &mut self.ties)
+            };
         };
         self.pass_with(pass, team)
     }
@@ -110,6 +115,8 @@ impl Batch {
             pass,
             blocks: &self.blocks,
             points: Shared::new(&mut self.points),
+            has_ties: !self.ties.is_empty(),
+            ties: Shared::new(&mut self.ties),
             blows: &self.blows,
             bodies: Shared::new(&mut self.bodies),
             displacements: Shared::new(&mut self.displacements),
@@ -353,6 +360,11 @@ impl Batch {
         let mut difference = 0.0_f32;
         for (i, point) in self.points.iter_mut().enumerate() {
             for (lane, wanted) in point.wanted.0.iter_mut().enumerate() {
+                let tie = self.ties.get_mut(i);
+                if let Some(tie) = tie.filter(|tie| tie.adhesion.0[lane] > 0.0) {
+                    difference = difference.max(tie.relax(lane, wanted));
+                    continue;
+                }
                 let rebound = self.blows.get(i).map_or(0.0, |blow| blow.rebound.0[lane]);
                 let relaxed =
                     soft_step::relaxed_velocity(rebound, point.impulse[0].0[lane], *wanted);
@@ -414,7 +426,8 @@ impl Batch {
         is_pushed.resize(self.bodies.len(), false);
         for block in self.blocks.iter() {
             for point in &self.points[block.points.clone()] {
-                for lane in (0..block.used).filter(|&lane| point.impulse[0].0[lane] > 0.0) {
+                let is_held = |&lane: &usize| point.impulse[0].0[lane].abs() > 0.0;
+                for lane in (0..block.used).filter(is_held) {
                     for body in block.pair(lane) {
                         is_pushed[body as usize] = true;
                     }
@@ -550,8 +563,9 @@ impl Batch {
         let [i, j] = pair.map(|b| b as usize);
         let q = [&self.displacements[i], &self.displacements[j]];
         let block = &self.blocks[moving.place.block as usize];
-        let points = &mut self.points[block.points.clone()];
-        for (to, point) in points.iter_mut().zip(manifold.points()) {
+        let range = block.points.clone();
+        let points = &mut self.points[range.clone()];
+        for (i, (to, point)) in range.zip(points.iter_mut().zip(manifold.points())) {
             let mut anchors = [turns[0] * point.anchor_a, turns[1] * point.anchor_b];
             let between = (q[1].linear - q[0].linear) + (anchors[1] - point.anchor_b)
                 - (anchors[0] - point.anchor_a);
@@ -562,6 +576,9 @@ impl Batch {
             }
             let gap = point.separation + manifold.normal.dot(between);
             to.follow(lane, manifold.normal, anchors, gap, q);
+            if let Some(tie) = self.ties.get_mut(i) {
+                tie.follow(lane, block, to, between, q);
+            }
         }
     }
 

@@ -2,12 +2,15 @@
 //!
 //! Projected Gauss-Seidel on velocities, as [`pgs`](super::pgs) states it row by row: a point gets the impulses that make
 //! its own velocity right while all others rest, clipped to their bounds.
+//!
+//! Kernels come twice: for points that only push, and with `TIED` for blocks some of whose lanes are [bonded](super::ties).
 
 use super::FrictionModel;
 use super::blocks::{Block, Blow, Masses, Point, V3, load_anchors, symmetric};
 use super::bodies::SolverBody;
 use super::lanes::{F8, Kernel, LaneWidth, Lanes, run};
 use super::soft_step::Softness;
+use super::ties::Tie;
 use std::cell::Cell;
 
 /// What all loops run over.
@@ -89,36 +92,60 @@ impl Contacts<'_> {
     /// Does a pass; returns the largest velocity change if it is measured, else 0. `last`: where the impulses were before an
     /// extrapolation, and then where they are; of no use to other passes.
     pub fn pass(&mut self, pass: Pass, last: &mut [[F8; 3]]) -> f32 {
+        self.run::<false>(pass, last, &mut [])
+    }
+
+    /// Does a pass with bonds: `ties` are those of the points.
+    pub fn pass_tied(&mut self, pass: Pass, last: &mut [[F8; 3]], ties: &mut [Tie]) -> f32 {
+        self.run::<true>(pass, last, ties)
+    }
+
+    fn run<const TIED: bool>(
+        &mut self,
+        pass: Pass,
+        last: &mut [[F8; 3]],
+        ties: &mut [Tie],
+    ) -> f32 {
         let width = self.width;
+        let contacts = self;
         match pass {
             Pass::Targets { feedback, first } => {
-                run(width, Prepare::<true, false>::new(self, feedback, first))
+                let prepare = Prepare::<true, false, TIED>::new(contacts, ties, feedback, first);
+                run(width, prepare)
             }
-            Pass::Warm => run(
-                width,
-                Prepare::<false, true>::new(self, Feedback::NONE, true),
-            ),
+            Pass::Warm => {
+                let none = Feedback::NONE;
+                let prepare = Prepare::<false, true, TIED>::new(contacts, ties, none, true);
+                run(width, prepare)
+            }
             Pass::Begin { feedback, first } => {
-                run(width, Prepare::<true, true>::new(self, feedback, first))
+                let prepare = Prepare::<true, true, TIED>::new(contacts, ties, feedback, first);
+                run(width, prepare)
             }
             Pass::Solve { softness, measure } => {
-                let contacts = self;
-                run(width, Solve(Sweep { contacts, measure }, softness))
+                let sweep = Sweep::<TIED> {
+                    contacts,
+                    ties,
+                    measure,
+                };
+                run(width, Solve(sweep, softness))
             }
             Pass::Relax { measure } => {
-                let contacts = self;
-                run(width, Relax(Sweep { contacts, measure }))
+                let sweep = Sweep::<TIED> {
+                    contacts,
+                    ties,
+                    measure,
+                };
+                run(width, Relax(sweep))
             }
             Pass::Extrapolate { weight } => {
-                let contacts = self;
-                run(
-                    width,
-                    Extrapolate {
-                        contacts,
-                        last,
-                        weight,
-                    },
-                )
+                let extrapolate = Extrapolate::<TIED> {
+                    contacts,
+                    ties,
+                    last,
+                    weight,
+                };
+                run(width, extrapolate)
             }
         }
     }
@@ -262,23 +289,34 @@ fn project<L: Lanes>(model: FrictionModel, wish: [L; 2], radius: L) -> [L; 2] {
 }
 
 /// Targets, warm start, or both.
-struct Prepare<'a, 'c, const TARGETS: bool, const WARM: bool> {
+struct Prepare<'a, 'c, const TARGETS: bool, const WARM: bool, const TIED: bool> {
     contacts: &'a mut Contacts<'c>,
+    ties: &'a mut [Tie],
     feedback: Feedback,
     first: bool,
 }
 
-impl<'a, 'c, const TARGETS: bool, const WARM: bool> Prepare<'a, 'c, TARGETS, WARM> {
-    fn new(contacts: &'a mut Contacts<'c>, feedback: Feedback, first: bool) -> Self {
+impl<'a, 'c, const TARGETS: bool, const WARM: bool, const TIED: bool>
+    Prepare<'a, 'c, TARGETS, WARM, TIED>
+{
+    fn new(
+        contacts: &'a mut Contacts<'c>,
+        ties: &'a mut [Tie],
+        feedback: Feedback,
+        first: bool,
+    ) -> Self {
         Self {
             contacts,
+            ties,
             feedback,
             first,
         }
     }
 }
 
-impl<const TARGETS: bool, const WARM: bool> Kernel for Prepare<'_, '_, TARGETS, WARM> {
+impl<const TARGETS: bool, const WARM: bool, const TIED: bool> Kernel
+    for Prepare<'_, '_, TARGETS, WARM, TIED>
+{
     type Output = f32;
 
     #[inline(always)]
@@ -293,9 +331,14 @@ impl<const TARGETS: bool, const WARM: bool> Kernel for Prepare<'_, '_, TARGETS, 
         } = self.contacts;
         for block in blocks.iter() {
             let start = block.points.start - *first_point;
-            let points = &mut points[start..start + block.points.len()];
+            let range = start..start + block.points.len();
+            let points = &mut points[range.clone()];
             if TARGETS {
                 targets::<L>(block, points, displacements, &self.feedback, self.first);
+            }
+            if TARGETS && TIED {
+                let ties = &mut self.ties[range];
+                tie_targets::<L>(block, points, ties, displacements, &self.feedback);
             }
             if WARM {
                 warm_start::<L>(block, points, bodies);
@@ -332,6 +375,36 @@ fn targets<L: Lanes>(
     }
 }
 
+/// Targets of bonded lanes: what has opened, been pressed in or slid goes back at the rate at which overlap is pushed out.
+#[inline(always)]
+fn tie_targets<L: Lanes>(
+    block: &Block,
+    points: &mut [Point],
+    ties: &mut [Tie],
+    displacements: &[Cell<SolverBody>],
+    feedback: &Feedback,
+) {
+    let moved = Pair::<L>::gather(displacements, block);
+    let frame = Frame::<L>::load(block);
+    let (zero, rate) = (L::splat(0.0), L::splat(feedback.rate));
+    let (most, least) = (L::splat(feedback.most), L::splat(-feedback.most));
+    let back = |way: L| (zero - rate * way).min(most).max(least);
+    for (point, tie) in points.iter_mut().zip(ties) {
+        let adhesion = L::load(&tie.adhesion);
+        let shift = moved.relative(&load_anchors(point));
+        let gap = L::load(&point.separation) + frame.normal.dot(shift);
+        adhesion
+            .if_above(zero, back(gap), L::load(&point.wanted))
+            .store(&mut point.wanted);
+        for k in 0..2 {
+            let slide = L::load(&tie.slide[k]) + frame.tangents[k].dot(shift);
+            adhesion
+                .if_above(zero, back(slide), zero)
+                .store(&mut tie.wanted[k]);
+        }
+    }
+}
+
 #[inline(always)]
 fn warm_start<L: Lanes>(block: &Block, points: &[Point], bodies: &[Cell<SolverBody>]) {
     let frame = Frame::<L>::load(block);
@@ -352,12 +425,13 @@ fn warm_start<L: Lanes>(block: &Block, points: &[Point], bodies: &[Cell<SolverBo
 }
 
 /// What the two sweeps have in common.
-struct Sweep<'a, 'c> {
+struct Sweep<'a, 'c, const TIED: bool> {
     contacts: &'a mut Contacts<'c>,
+    ties: &'a mut [Tie],
     measure: bool,
 }
 
-impl Sweep<'_, '_> {
+impl<const TIED: bool> Sweep<'_, '_, TIED> {
     /// Solves each point of each block by a rule.
     #[inline(always)]
     fn each_point<L: Lanes, R: Rule<L>>(self, rule: &R) -> f32 {
@@ -382,7 +456,7 @@ impl Sweep<'_, '_> {
                 let point = &mut points[i];
                 let anchors = load_anchors(point);
                 let velocity = pair.relative(&anchors);
-                let mut state = State {
+                let mut state = State::<L, TIED> {
                     velocity: [
                         frame.normal.dot(velocity),
                         frame.tangents[0].dot(velocity),
@@ -393,7 +467,7 @@ impl Sweep<'_, '_> {
                         Some(blow) => L::load(&blow.rebound),
                         None => zero,
                     },
-                    friction,
+                    bounds: Bounds::load(friction, self.ties.get(i)),
                     model: *model,
                     point,
                 };
@@ -415,6 +489,68 @@ impl Sweep<'_, '_> {
     }
 }
 
+/// What the impulses of a point are kept within: `lambda_n >= -adhesion`, `|lambda_t| <= mu max(lambda_n, 0) + shear`.
+///
+/// The last two and the wanted velocities along the tangents are zero in lanes without a bond.
+struct Bounds<L, const TIED: bool> {
+    friction: L,
+    adhesion: L,
+    shear: L,
+    wanted: [L; 2],
+}
+
+impl<L: Lanes, const TIED: bool> Bounds<L, TIED> {
+    #[inline(always)]
+    fn load(friction: L, tie: Option<&Tie>) -> Self {
+        let zero = L::splat(0.0);
+        match tie.filter(|_| TIED) {
+            Some(tie) => Self {
+                friction,
+                adhesion: L::load(&tie.adhesion),
+                shear: L::load(&tie.shear),
+                wanted: [L::load(&tie.wanted[0]), L::load(&tie.wanted[1])],
+            },
+            None => Self {
+                friction,
+                adhesion: zero,
+                shear: zero,
+                wanted: [zero; 2],
+            },
+        }
+    }
+
+    /// The nearest normal impulse to `wish`.
+    #[inline(always)]
+    fn normal(&self, wish: L) -> L {
+        let zero = L::splat(0.0);
+        if TIED {
+            wish.max(zero - self.adhesion)
+        } else {
+            wish.max(zero)
+        }
+    }
+
+    /// Bound of friction with a normal impulse.
+    #[inline(always)]
+    fn radius(&self, normal: L) -> L {
+        if TIED {
+            self.friction * normal.max(L::splat(0.0)) + self.shear
+        } else {
+            self.friction * normal
+        }
+    }
+
+    /// `yes` in bonded lanes, else `no`.
+    #[inline(always)]
+    fn if_bonded(&self, yes: L, no: L) -> L {
+        if TIED {
+            self.adhesion.if_above(L::splat(0.0), yes, no)
+        } else {
+            no
+        }
+    }
+}
+
 /// The largest velocity change of a row of a point by impulses that have changed by `delta`.
 #[inline(always)]
 fn largest_change<L: Lanes>(point: &Point, delta: [L; 3]) -> L {
@@ -426,22 +562,22 @@ fn largest_change<L: Lanes>(point: &Point, delta: [L; 3]) -> L {
 }
 
 /// A point that is being solved.
-struct State<'p, L> {
+struct State<'p, L, const TIED: bool> {
     /// Along normal and tangents, m/s.
     velocity: [L; 3],
     /// Along normal and tangents, N s.
     impulse: [L; 3],
     rebound: L,
-    friction: L,
+    bounds: Bounds<L, TIED>,
     model: FrictionModel,
     point: &'p Point,
 }
 
-impl<L: Lanes> State<'_, L> {
-    /// Moves the normal impulse to `wish`, or to 0; returns the change. The tangents see it.
+impl<L: Lanes, const TIED: bool> State<'_, L, TIED> {
+    /// Moves the normal impulse to `wish`, or to its bound; returns the change. The tangents see it.
     #[inline(always)]
     fn move_normal(&mut self, wish: L) -> L {
-        let new = wish.max(L::splat(0.0));
+        let new = self.bounds.normal(wish);
         let delta = new - self.impulse[0];
         self.impulse[0] = new;
         let [to_t1, to_t2] = &self.point.coupling;
@@ -450,17 +586,20 @@ impl<L: Lanes> State<'_, L> {
         delta
     }
 
-    /// Solves friction within the bound of the present normal impulse; returns the changes. The normal sees them.
+    /// The friction that stops the point.
     #[inline(always)]
-    fn move_tangents(&mut self) -> [L; 2] {
+    fn stopping_friction(&self) -> [L; 2] {
         let mass = L::load(&self.point.tangent_mass);
-        let [normal, t1, t2] = self.impulse;
+        let [_, t1, t2] = self.impulse;
         let [_, v1, v2] = self.velocity;
-        let new = project(
-            self.model,
-            [t1 - v1 * mass, t2 - v2 * mass],
-            self.friction * normal,
-        );
+        [t1 - v1 * mass, t2 - v2 * mass]
+    }
+
+    /// Moves friction to `wish`, within the bound of the present normal impulse; returns the changes. The normal sees them.
+    #[inline(always)]
+    fn move_tangents(&mut self, wish: [L; 2]) -> [L; 2] {
+        let [normal, t1, t2] = self.impulse;
+        let new = project(self.model, wish, self.bounds.radius(normal));
         let delta = [new[0] - t1, new[1] - t2];
         [self.impulse[1], self.impulse[2]] = new;
         let [from_t1, from_t2] = &self.point.coupling;
@@ -473,7 +612,7 @@ impl<L: Lanes> State<'_, L> {
 /// What a sweep does to a point.
 trait Rule<L> {
     /// Changes the impulses of a point; returns by how much.
-    fn solve(&self, state: &mut State<'_, L>) -> [L; 3];
+    fn solve<const TIED: bool>(&self, state: &mut State<'_, L, TIED>) -> [L; 3];
 }
 
 /// With position feedback, friction before the normal.
@@ -482,17 +621,39 @@ struct Feeding<L> {
     keep: L,
 }
 
+impl<L: Lanes> Feeding<L> {
+    /// Friction that stops the point or, where it is bonded, takes it back as softly as the normal does.
+    #[inline(always)]
+    fn friction<const TIED: bool>(&self, state: &State<'_, L, TIED>) -> [L; 2] {
+        let stopping = state.stopping_friction();
+        if !TIED {
+            return stopping;
+        }
+        let mass = L::load(&state.point.tangent_mass);
+        let back = |k: usize| {
+            let correction = (state.velocity[k + 1] - state.bounds.wanted[k]) * mass;
+            self.keep * state.impulse[k + 1] - self.mass_scale * correction
+        };
+        [
+            state.bounds.if_bonded(back(0), stopping[0]),
+            state.bounds.if_bonded(back(1), stopping[1]),
+        ]
+    }
+}
+
 impl<L: Lanes> Rule<L> for Feeding<L> {
     #[inline(always)]
-    fn solve(&self, state: &mut State<'_, L>) -> [L; 3] {
+    fn solve<const TIED: bool>(&self, state: &mut State<'_, L, TIED>) -> [L; 3] {
         let (one, below_zero) = (L::splat(1.0), L::splat(-f32::MIN_POSITIVE));
-        let [t1, t2] = state.move_tangents();
+        let friction = self.friction(state);
+        let [t1, t2] = state.move_tangents(friction);
         let wanted = L::load(&state.point.wanted);
         let mass = L::load(&state.point.normal_mass);
         let correction = (state.velocity[0] - wanted) * mass;
-        // A gap is to be closed at a negative velocity; only what overlaps gives way.
-        let scale = wanted.if_above(below_zero, self.mass_scale, one);
-        let keep = wanted.if_above(below_zero, self.keep, one);
+        // A gap is to be closed at a negative velocity; only what overlaps gives way, or what is bonded.
+        let overlaps = state.bounds.if_bonded(one, wanted);
+        let scale = overlaps.if_above(below_zero, self.mass_scale, one);
+        let keep = overlaps.if_above(below_zero, self.keep, one);
         let wish = keep * state.impulse[0] - scale * correction;
         [state.move_normal(wish), t1, t2]
     }
@@ -504,22 +665,23 @@ struct Settling;
 
 impl<L: Lanes> Rule<L> for Settling {
     #[inline(always)]
-    fn solve(&self, state: &mut State<'_, L>) -> [L; 3] {
+    fn solve<const TIED: bool>(&self, state: &mut State<'_, L, TIED>) -> [L; 3] {
         let zero = L::splat(0.0);
         let closing = L::load(&state.point.wanted).min(zero);
-        let at_rest = state.impulse[0].if_above(zero, zero, closing);
+        let may_close = state.impulse[0].if_above(zero, zero, closing);
+        let at_rest = state.bounds.if_bonded(zero, may_close);
         let target = state.rebound.if_above(zero, state.rebound, at_rest);
         let mass = L::load(&state.point.normal_mass);
         let wish = state.impulse[0] - (state.velocity[0] - target) * mass;
         let normal = state.move_normal(wish);
-        let [t1, t2] = state.move_tangents();
+        let [t1, t2] = state.move_tangents(state.stopping_friction());
         [normal, t1, t2]
     }
 }
 
-struct Solve<'a, 'c>(Sweep<'a, 'c>, Softness);
+struct Solve<'a, 'c, const TIED: bool>(Sweep<'a, 'c, TIED>, Softness);
 
-impl Kernel for Solve<'_, '_> {
+impl<const TIED: bool> Kernel for Solve<'_, '_, TIED> {
     type Output = f32;
 
     #[inline(always)]
@@ -533,9 +695,9 @@ impl Kernel for Solve<'_, '_> {
     }
 }
 
-struct Relax<'a, 'c>(Sweep<'a, 'c>);
+struct Relax<'a, 'c, const TIED: bool>(Sweep<'a, 'c, TIED>);
 
-impl Kernel for Relax<'_, '_> {
+impl<const TIED: bool> Kernel for Relax<'_, '_, TIED> {
     type Output = f32;
 
     #[inline(always)]
@@ -544,13 +706,14 @@ impl Kernel for Relax<'_, '_> {
     }
 }
 
-struct Extrapolate<'a, 'c> {
+struct Extrapolate<'a, 'c, const TIED: bool> {
     contacts: &'a mut Contacts<'c>,
+    ties: &'a [Tie],
     last: &'a mut [[F8; 3]],
     weight: f32,
 }
 
-impl Kernel for Extrapolate<'_, '_> {
+impl<const TIED: bool> Kernel for Extrapolate<'_, '_, TIED> {
     type Output = f32;
 
     #[inline(always)]
@@ -563,7 +726,7 @@ impl Kernel for Extrapolate<'_, '_> {
             friction: model,
             ..
         } = self.contacts;
-        let (zero, weight) = (L::splat(0.0), L::splat(self.weight));
+        let weight = L::splat(self.weight);
         for block in blocks.iter() {
             let (frame, masses) = (Frame::<L>::load(block), Masses::load(block));
             let friction = L::load(&block.friction);
@@ -578,8 +741,9 @@ impl Kernel for Extrapolate<'_, '_> {
                     now[1] + weight * (now[1] - before[1]),
                     now[2] + weight * (now[2] - before[2]),
                 ];
-                let normal = wish[0].max(zero);
-                let [t1, t2] = project(*model, [wish[1], wish[2]], friction * normal);
+                let bounds = Bounds::<L, TIED>::load(friction, self.ties.get(i));
+                let normal = bounds.normal(wish[0]);
+                let [t1, t2] = project(*model, [wish[1], wish[2]], bounds.radius(normal));
                 let new = [normal, t1, t2];
                 store_three(now, last);
                 store_three(new, &mut point.impulse);

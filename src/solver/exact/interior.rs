@@ -305,9 +305,9 @@ impl Interior {
     /// stay as far inside as they were. For coupled rows, after each step.
     pub(super) fn follow(&mut self, rows: &mut Rows, lambda: &mut [f64]) {
         let d = rows.per_contact;
-        for (c, mu) in rows.friction.iter().enumerate() {
+        for c in 0..rows.friction.len() {
             let (first, tangents) = (c * d, c * d + 1..(c + 1) * d);
-            let bound = mu * lambda[first];
+            let bound = rows.friction_bound(c, lambda[first]);
             let share = over(bound, rows.hi[first + 1]);
             // The slack of a disc is an area.
             let of_slack = if rows.law == Law::Disc { share } else { 1.0 };

@@ -224,8 +224,12 @@ impl ExactScratch {
                 self.lambda.push(f64::from(row.impulse));
             }
             self.rows.friction.push(f64::from(point.friction));
+            self.rows.cohesion.push(f64::from(point.shear));
         }
         self.rows.finish();
+        for (lo, point) in self.rows.lo.iter_mut().step_by(3).zip(points) {
+            *lo = f64::from(point.least_normal());
+        }
     }
 
     /// Adds `M^-1 J^T lambda` to the velocities, and forgets the numbering.

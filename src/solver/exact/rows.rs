@@ -28,6 +28,8 @@ pub(super) struct Rows {
     pub(super) diagonal: Vec<f64>,
     /// Coefficient of friction of each contact.
     pub(super) friction: Vec<f64>,
+    /// What the friction of each contact may be beyond that times the normal multiplier, N s.
+    pub(super) cohesion: Vec<f64>,
     /// Bounds; for a disc, `hi` of both tangents is the radius.
     pub(super) lo: Vec<f64>,
     pub(super) hi: Vec<f64>,
@@ -77,6 +79,7 @@ impl Rows {
             &mut self.free,
             &mut self.diagonal,
             &mut self.friction,
+            &mut self.cohesion,
             &mut self.lo,
             &mut self.hi,
             &mut self.compliance,
@@ -108,6 +111,12 @@ impl Rows {
             self.lo.resize(self.free.len(), 0.0);
             self.hi.resize(self.free.len(), f64::INFINITY);
         }
+        self.cohesion.resize(self.friction.len(), 0.0);
+    }
+
+    /// Bound of a contact's friction with a normal multiplier.
+    pub(super) fn friction_bound(&self, contact: usize, normal: f64) -> f64 {
+        self.friction[contact] * normal.max(0.0) + self.cohesion[contact]
     }
 
     /// Rows that are bounded by themselves.
@@ -145,8 +154,8 @@ impl Rows {
             return;
         }
         let d = self.per_contact;
-        for (c, mu) in self.friction.iter().enumerate() {
-            let bound = mu * lambda[c * d].max(0.0);
+        for c in 0..self.friction.len() {
+            let bound = self.friction_bound(c, lambda[c * d]);
             self.lo[c * d + 1..(c + 1) * d].fill(-bound);
             self.hi[c * d + 1..(c + 1) * d].fill(bound);
         }

@@ -1,0 +1,179 @@
+//! Bonds as rows: points at which two bodies hold each other until their load reaches a strength.
+//!
+//! A bonded point has the three rows of a contact with other bounds, `lambda_n >= -adhesion` and
+//! `|lambda_t| <= mu max(lambda_n, 0) + shear`, and wants to be where it was when the bond was made: along the normal and the
+//! tangents, what it has moved by goes back as softly as overlap does; see [`soft_step`](super::soft_step). A sweep after
+//! the motion holds it still. So a bond below its strength is a fixed joint of up to four points.
+//!
+//! A point that bears all it can gives way at that load, and has given way for good once it is farther off than what the
+//! maker of the bond allows: a cohesive zone of constant stress. What an iteration on its way to the solution does to a bond
+//! for a sub-step does not break it.
+//!
+//! # References
+//! Dugdale, "Yielding of steel sheets containing slits", J. Mech. Phys. Solids 8, 1960 (the cohesive zone); Catto, "Soft
+//! Constraints", GDC 2011.
+
+use super::FrictionModel;
+use super::batch::Batch;
+use super::blocks::{Block, Place, Point, vector};
+use super::bodies::SolverBody;
+use super::lanes::F8;
+use crate::contact::BodyId;
+use crate::contact::manifold::{MAX_POINTS, Manifold};
+use glam::{Vec2, Vec3};
+
+/// Share of its bound from which an impulse counts as being at it.
+const AT_BOUND: f32 = 0.999;
+
+/// A manifold whose bodies are bonded.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct BondedManifold {
+    /// Index of the manifold.
+    pub manifold: u32,
+    /// Its bodies.
+    pub bodies: (BodyId, BodyId),
+    /// Largest tension of each point, N.
+    pub tension: f32,
+    /// Largest shear force of each point without pressure, N.
+    pub shear: f32,
+    /// How far B has moved against A at each point since the bond was made, world axes, m.
+    pub displacement: [Vec3; MAX_POINTS],
+    /// How far the point that is farthest off, of those that bear all they can, has opened or slid at the end of the step, m.
+    pub yielded: f32,
+}
+
+/// What a point needs where manifolds are bonded; all zero in lanes of those that are not.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Tie {
+    /// Largest tensile impulse of a sub-step, N s.
+    pub adhesion: F8,
+    /// What friction may be beyond `mu lambda_n` in a sub-step, N s.
+    pub shear: F8,
+    /// How far B was off along the tangents at the start of the step, m.
+    pub start: [F8; 2],
+    /// How far B is off along the tangents, less what displacements of the bodies add to it, m.
+    pub slide: [F8; 2],
+    /// Velocities along the tangents that the point should have, m/s.
+    pub wanted: [F8; 2],
+}
+
+impl Tie {
+    /// Ties a lane; `h` is the length of a sub-step, s.
+    fn load(&mut self, lane: usize, block: &Block, bond: &BondedManifold, off: Vec3, h: f32) {
+        self.adhesion.0[lane] = h * bond.tension;
+        self.shear.0[lane] = h * bond.shear;
+        for (k, tangent) in block.tangents.iter().enumerate() {
+            self.start[k].0[lane] = vector(tangent, lane).dot(off);
+            self.slide[k].0[lane] = self.start[k].0[lane];
+        }
+    }
+
+    /// After the anchors of the point have moved: B has gone `between` against A since the start of the step, m.
+    pub fn follow(
+        &mut self,
+        lane: usize,
+        block: &Block,
+        point: &Point,
+        between: Vec3,
+        displacements: [&SolverBody; 2],
+    ) {
+        for (k, tangent) in block.tangents.iter().enumerate() {
+            let tangent = vector(tangent, lane);
+            let shift = point.normal_velocity(lane, tangent, displacements);
+            self.slide[k].0[lane] = self.start[k].0[lane] + tangent.dot(between) - shift;
+        }
+    }
+
+    /// Has the bond of a lane hold still, where it was to go back; returns the largest change of a wanted velocity, m/s.
+    /// `normal`: the one along the normal.
+    pub fn relax(&mut self, lane: usize, normal: &mut f32) -> f32 {
+        let [t1, t2] = self
+            .wanted
+            .each_mut()
+            .map(|wanted| std::mem::take(&mut wanted.0[lane]).abs());
+        std::mem::take(normal).abs().max(t1).max(t2)
+    }
+
+    /// How far the point has opened or slid where it bears all it can; 0 where it bears less, m.
+    fn yielded(
+        &self,
+        lane: usize,
+        block: &Block,
+        point: &Point,
+        displacements: [&SolverBody; 2],
+        model: FrictionModel,
+    ) -> f32 {
+        let shift = |direction| point.normal_velocity(lane, direction, displacements);
+        let [normal, t1, t2] = point.impulse.map(|lanes| lanes.0[lane]);
+        let mut yielded = 0.0_f32;
+        if -normal >= AT_BOUND * self.adhesion.0[lane] {
+            let opening = point.separation.0[lane] + shift(vector(&block.normal, lane));
+            yielded = yielded.max(opening);
+        }
+        let radius = block.friction.0[lane] * normal.max(0.0) + self.shear.0[lane];
+        let friction = match model {
+            FrictionModel::Disc => Vec2::new(t1, t2).length(),
+            FrictionModel::Box => t1.abs().max(t2.abs()),
+        };
+        if friction >= AT_BOUND * radius {
+            let slide = [0, 1].map(|k| {
+                self.slide[k].0[lane] + shift(vector(&block.tangents[k], lane))
+            });
+            yielded = yielded.max(Vec2::from(slide).length());
+        }
+        yielded
+    }
+}
+
+impl Batch {
+    /// Ties those of its manifolds that are in the list, which is sorted by manifolds.
+    pub fn tie(&mut self, bonded: &[BondedManifold], manifolds: &[Manifold]) {
+        if bonded.is_empty() {
+            return;
+        }
+        let share = 1.0 / self.settings.config.substeps as f32;
+        for i in 0..self.places.len() {
+            let (index, place) = self.places[i];
+            let Ok(at) = bonded.binary_search_by_key(&index, |bond| bond.manifold) else {
+                continue;
+            };
+            self.ties.resize(self.points.len(), Tie::default());
+            let bond = &bonded[at];
+            let (block, lane) = (&self.blocks[place.block as usize], place.lane as usize);
+            let points = manifolds[index as usize].points();
+            for (k, (off, from)) in bond.displacement.iter().zip(points).enumerate() {
+                let at = block.points.start + k;
+                self.ties[at].load(lane, block, bond, *off, self.settings.h);
+                // Shear of a bond needs no friction, without which this was left out.
+                for (row, tangent) in block.tangents.iter().enumerate() {
+                    let along = vector(tangent, lane).dot(share * from.friction_impulse);
+                    self.points[at].impulse[row + 1].0[lane] = along;
+                }
+            }
+        }
+    }
+
+    /// Notes in the list how far its bonds have given way.
+    pub fn judge_bonds(&self, bonded: &mut [BondedManifold]) {
+        if self.ties.is_empty() {
+            return;
+        }
+        for &(index, place) in &self.places {
+            if let Ok(at) = bonded.binary_search_by_key(&index, |bond| bond.manifold) {
+                bonded[at].yielded = self.yielded(place);
+            }
+        }
+    }
+
+    /// How far the farthest point of a manifold that bears all it can is off, m.
+    fn yielded(&self, place: Place) -> f32 {
+        let (block, lane) = (&self.blocks[place.block as usize], place.lane as usize);
+        let displacements = block.pair(lane).map(|body| &self.displacements[body as usize]);
+        let model = self.settings.config.friction_model;
+        let of_point = |at: usize| {
+            self.ties[at].yielded(lane, block, &self.points[at], displacements, model)
+        };
+        let points = block.points.clone().take(place.count as usize);
+        points.map(of_point).fold(0.0, f32::max)
+    }
+}
