@@ -485,7 +485,7 @@ fn examine_pair(
 }
 
 /// `a_from_b`, from the difference of the centres of mass, which is exact far from the origin too.
-fn relative_pose(bodies: &Bodies, a: u32, b: u32) -> Pose {
+pub(crate) fn relative_pose(bodies: &Bodies, a: u32, b: u32) -> Pose {
     let (i, j) = (a as usize, b as usize);
     let a_from_world = bodies.rotation[i].inverse();
     let rotation = a_from_world * bodies.rotation[j];

@@ -5,8 +5,8 @@
 //! ```text
 //! 1 mass properties    changed shapes   -> mass, centre, inertia
 //! 2 broadphase         boxes            -> pairs, sorted by body id
-//! 3 contact generation pairs, hulls     -> manifolds; multipliers from the cache
-//! 4 solve              forces, manifolds -> rows -> impulses with w = A lambda - b, lo <= lambda <= hi
+//! 3 contact generation pairs, hulls     -> manifolds; multipliers from the cache; which manifolds are bonded
+//! 4 solve              forces, manifolds -> rows -> impulses with w = A lambda - b, lo <= lambda <= hi; bonds break
 //! 5 integrate          velocities       -> poses
 //! 6 cache aging        impulses         -> cache: hits reset, others one step older, stale ones evicted
 //! 7 sleep              velocities, poses -> islands at rest, left out from the next step on
@@ -19,7 +19,7 @@ use crate::collide::{self, Lookahead};
 use crate::contact::broadphase::Broadphase;
 use crate::contact::cache::{CacheStats, ContactCache};
 use crate::contact::manifold::Manifold;
-use crate::fracture::{CutError, CutRequest, Fractures, fracture_bodies};
+use crate::fracture::{Bond, BondError, Bonds, CutError, CutRequest, Fractures, fracture_bodies};
 use crate::math::Plane;
 use crate::solver::bodies::{Bodies, BodyError};
 use crate::solver::contact_solver::ContactSolver;
@@ -128,6 +128,8 @@ pub struct Simulation {
     pub cache: ContactCache,
     /// Cuts asked for and made.
     pub fractures: Fractures,
+    /// What holds bodies together.
+    pub bonds: Bonds,
     /// Gravity.
     pub gravity: Gravity,
     /// How contacts are solved.
@@ -170,6 +172,24 @@ impl Simulation {
         Ok(())
     }
 
+    /// Bonds the bodies in two slots as they lie now.
+    ///
+    /// # Errors
+    /// [`BondError`]; nothing changes then.
+    pub fn bond(&mut self, a: u32, b: u32, bond: Bond) -> Result<(), BondError> {
+        self.bonds.bond(&mut self.bodies, a, b, bond)
+    }
+
+    /// Bonds all of the given bodies that touch face to face over their common areas with a tensile and shear strength
+    /// (Pa); the number of bonds made. See [`Bonds::bond_neighbours`].
+    ///
+    /// # Errors
+    /// [`BondError`]; no bonds are made then.
+    pub fn bond_neighbours(&mut self, slots: &[u32], strength: f32) -> Result<usize, BondError> {
+        self.bonds
+            .bond_neighbours(&mut self.bodies, slots, strength)
+    }
+
     /// Advances the simulation by `h` seconds. Does nothing unless the settings are usable.
     pub fn step(&mut self, h: f32) {
         let Self {
@@ -177,6 +197,7 @@ impl Simulation {
             contacts,
             cache,
             fractures,
+            bonds,
             report,
             ..
         } = self;
@@ -191,7 +212,9 @@ impl Simulation {
         mass_properties(bodies, report);
         broadphase(bodies, contacts, settings, report);
         generate_contacts(bodies, contacts, cache, settings, report);
+        attach_bonds(bodies, contacts, bonds);
         solve(bodies, contacts, settings, report);
+        break_bonds(bodies, contacts, bonds);
         integrate(bodies, report);
         age_cache(bodies, contacts, cache, settings);
         sleep(bodies, contacts, cache, settings, report);
@@ -277,6 +300,14 @@ pub fn generate_contacts(
     report.contacts = manifolds.iter().map(|m| m.count as usize).sum();
 }
 
+/// The end of phase 3: manifolds of bonded pairs hold.
+pub fn attach_bonds(bodies: &Bodies, contacts: &mut Contacts, bonds: &mut Bonds) {
+    let Contacts {
+        solver, manifolds, ..
+    } = contacts;
+    bonds.attach(bodies, manifolds, &mut solver.bonded);
+}
+
 /// Phase 4: forces, then impulses that keep the bodies apart.
 pub fn solve(
     bodies: &mut Bodies,
@@ -295,6 +326,11 @@ pub fn solve(
     solver.solve(manifolds, bodies, &substeps);
     report_islands(contacts, &config, report);
     report.error = energy_before.map(|before| measure_error(bodies, contacts, settings, before));
+}
+
+/// The end of phase 4: bonds that were loaded beyond their strength break.
+pub fn break_bonds(bodies: &mut Bodies, contacts: &Contacts, bonds: &mut Bonds) {
+    bonds.break_overloaded(bodies, &contacts.solver.bonded);
 }
 
 /// Phase 5: poses from velocities. A body that would stop being finite is stopped where it is, and reported.

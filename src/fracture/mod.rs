@@ -5,9 +5,12 @@
 //! `v_i = v + omega x r_i`, `omega_i = omega`, which conserves momentum, angular momentum and energy exactly; the
 //! [`Ledger`] shows the rounding.
 
+pub mod bonds;
 mod impact;
 mod ledger;
+mod shared_area;
 
+pub use bonds::{Bond, BondError, Bonds, BrokenBond};
 pub use ledger::{Ledger, Totals};
 
 use crate::contact::BodyId;

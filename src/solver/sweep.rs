@@ -100,12 +100,7 @@ impl Contacts<'_> {
         self.run::<true>(pass, last, ties)
     }
 
-    fn run<const TIED: bool>(
-        &mut self,
-        pass: Pass,
-        last: &mut [[F8; 3]],
-        ties: &mut [Tie],
-    ) -> f32 {
+    fn run<const TIED: bool>(&mut self, pass: Pass, last: &mut [[F8; 3]], ties: &mut [Tie]) -> f32 {
         let width = self.width;
         let contacts = self;
         match pass {

@@ -116,9 +116,8 @@ impl Tie {
             FrictionModel::Box => t1.abs().max(t2.abs()),
         };
         if friction >= AT_BOUND * radius {
-            let slide = [0, 1].map(|k| {
-                self.slide[k].0[lane] + shift(vector(&block.tangents[k], lane))
-            });
+            let slide =
+                [0, 1].map(|k| self.slide[k].0[lane] + shift(vector(&block.tangents[k], lane)));
             yielded = yielded.max(Vec2::from(slide).length());
         }
         yielded
@@ -168,11 +167,12 @@ impl Batch {
     /// How far the farthest point of a manifold that bears all it can is off, m.
     fn yielded(&self, place: Place) -> f32 {
         let (block, lane) = (&self.blocks[place.block as usize], place.lane as usize);
-        let displacements = block.pair(lane).map(|body| &self.displacements[body as usize]);
+        let displacements = block
+            .pair(lane)
+            .map(|body| &self.displacements[body as usize]);
         let model = self.settings.config.friction_model;
-        let of_point = |at: usize| {
-            self.ties[at].yielded(lane, block, &self.points[at], displacements, model)
-        };
+        let of_point =
+            |at: usize| self.ties[at].yielded(lane, block, &self.points[at], displacements, model);
         let points = block.points.clone().take(place.count as usize);
         points.map(of_point).fold(0.0, f32::max)
     }

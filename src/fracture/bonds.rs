@@ -1,0 +1,442 @@
+//! Bonds: bodies that hold together face to face until their load reaches a strength, so that what is built of pieces
+//! cracks along its joints without being cut.
+//!
+//! A bond lets the contact of its pair pull: each point of the manifold bears up to its share of strength times area in
+//! tension and in shear, and returns to where it was when the bond was made; see [`ties`](crate::solver::ties). Where a
+//! point that bears all it can has opened or slid by [`BREAKING_SHARE`] of the smaller body's least extent, or where the
+//! bodies have come too far apart to touch, the bond is broken for good, and the pair is an ordinary contact.
+//!
+//! The load is shared by at most four points at the rim of the common face. So a rectangular face of depth `d` bears a
+//! bending moment of `strength area d / 2`, three times that of an elastic beam whose stress at the rim is the strength.
+//!
+//! Bonds hold where contacts do: the bodies must touch, their layers must let them, and one of them must be dynamic. They
+//! go with their bodies; those of a body that is cut go with it. All methods of the solver bear them.
+
+use super::shared_area;
+use crate::collide::relative_pose;
+use crate::contact::BodyId;
+use crate::contact::manifold::{MAX_POINTS, Manifold};
+use crate::math::{Plane, Pose, rotate};
+use crate::solver::bodies::{Bodies, RigidBody, Shape};
+use crate::solver::ties::BondedManifold;
+use bevy_ecs::resource::Resource;
+use glam::Vec3;
+
+/// How far a point that bears all it can may open or slide before the bond is broken, as a share of the smaller body's
+/// least extent. The energy that breaking takes is strength times area times this way.
+pub const BREAKING_SHARE: f32 = 1e-3;
+
+/// Largest gap between faces that count as touching, as a share of the smaller body's least extent.
+const TOUCHING_SHARE: f32 = 0.01;
+
+/// Least area that is worth a bond, as a share of the square of the smaller body's least extent: more than rounding makes
+/// of two edges that touch.
+const LEAST_AREA: f32 = 1e-3;
+
+/// What holds two bodies together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bond {
+    /// Tensile strength, Pa. `f32::MAX` for a joint that does not break.
+    pub strength: f32,
+    /// Shear strength without pressure, Pa; pressure adds friction to it.
+    pub shear_strength: f32,
+    /// Bonded area, m2.
+    pub area: f32,
+}
+
+impl Bond {
+    /// As strong in shear as in tension.
+    pub fn new(strength: f32, area: f32) -> Self {
+        Self {
+            strength,
+            shear_strength: strength,
+            area,
+        }
+    }
+
+    fn check(&self) -> Result<(), BondError> {
+        let is_usable = |x: f32| x.is_finite() && x > 0.0;
+        if let Some(strength) = [self.strength, self.shear_strength]
+            .into_iter()
+            .find(|&s| !is_usable(s))
+        {
+            return Err(BondError::Strength { strength });
+        }
+        if !is_usable(self.area) {
+            return Err(BondError::Area { area: self.area });
+        }
+        Ok(())
+    }
+}
+
+/// Why a bond was not made.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum BondError {
+    /// There is no such body.
+    #[error("there is no such body")]
+    NoBody,
+    /// A body cannot be bonded to itself.
+    #[error("a body cannot be bonded to itself")]
+    SameBody,
+    /// Neither body is dynamic.
+    #[error("neither of the two bodies is dynamic")]
+    NothingMoves,
+    /// A strength is not finite and positive.
+    #[error("a strength of {strength} Pa is not finite and positive")]
+    Strength {
+        /// Pa.
+        strength: f32,
+    },
+    /// The area is not finite and positive.
+    #[error("an area of {area} m2 is not finite and positive")]
+    Area {
+        /// m2.
+        area: f32,
+    },
+}
+
+/// A bond that is no more.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BrokenBond {
+    /// Its bodies, by id.
+    pub bodies: (BodyId, BodyId),
+    /// Their slots, in the same order.
+    pub slots: [u32; 2],
+    /// What it was.
+    pub bond: Bond,
+}
+
+/// A bond with its bodies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Joint {
+    /// Ascending.
+    bodies: (BodyId, BodyId),
+    slots: [u32; 2],
+    bond: Bond,
+    /// Pose of B in A's frame when the bond was made.
+    b_in_a: Pose,
+    /// Loosened joints wait for the next contacts of their pair, whose impulses from the step before may still pull.
+    is_loose: bool,
+}
+
+/// All bonds of a simulation.
+#[derive(Debug, Default, Resource)]
+pub struct Bonds {
+    /// Sorted by bodies.
+    joints: Vec<Joint>,
+    /// Bonds that broke in the last step.
+    pub broken: Vec<BrokenBond>,
+}
+
+impl Bonds {
+    /// Number of bonds.
+    pub fn len(&self) -> usize {
+        self.joints.iter().filter(|joint| !joint.is_loose).count()
+    }
+
+    /// Whether there are no bonds.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Slots of the two bodies of each bond, and the bond, in order of the bodies' ids.
+    pub fn iter(&self) -> impl Iterator<Item = ([u32; 2], &Bond)> {
+        let joints = self.joints.iter().filter(|joint| !joint.is_loose);
+        joints.map(|joint| (joint.slots, &joint.bond))
+    }
+
+    /// The bond between the bodies in two slots.
+    pub fn get(&self, bodies: &Bodies, a: u32, b: u32) -> Option<&Bond> {
+        if !(bodies.contains(a) && bodies.contains(b)) {
+            return None;
+        }
+        let joint = &self.joints[self.find(names(bodies, a, b)).ok()?];
+        (!joint.is_loose).then_some(&joint.bond)
+    }
+
+    /// Bonds the bodies in two slots as they lie now, in place of a bond that they have. Wakes both.
+    ///
+    /// # Errors
+    /// [`BondError`]; nothing changes then.
+    pub fn bond(
+        &mut self,
+        bodies: &mut Bodies,
+        a: u32,
+        b: u32,
+        bond: Bond,
+    ) -> Result<(), BondError> {
+        let joint = Joint::new(bodies, a, b, bond)?;
+        match self.find(joint.bodies) {
+            Ok(at) => self.joints[at] = joint,
+            Err(at) => self.joints.insert(at, joint),
+        }
+        [a, b].into_iter().for_each(|slot| bodies.wake(slot));
+        Ok(())
+    }
+
+    /// Bonds all of the given bodies that touch face to face over their common areas with a tensile and shear strength
+    /// (Pa), in place of bonds that they have; the number of bonds made. Wakes them.
+    ///
+    /// Faces touch if they are parallel to within a degree, and no farther apart than a hundredth of the smaller body's
+    /// least extent. Pairs neither of which is dynamic are left out.
+    ///
+    /// # Errors
+    /// [`BondError`]; no bonds are made then.
+    pub fn bond_neighbours(
+        &mut self,
+        bodies: &mut Bodies,
+        slots: &[u32],
+        strength: f32,
+    ) -> Result<usize, BondError> {
+        Bond::new(strength, 1.0).check()?;
+        if slots.iter().any(|&slot| !bodies.contains(slot)) {
+            return Err(BondError::NoBody);
+        }
+        let mut made = Vec::new();
+        for [a, b] in close_pairs(bodies, slots) {
+            if let Some(area) = touching_area(bodies, a, b) {
+                made.push(Joint::new(bodies, a, b, Bond::new(strength, area))?);
+            }
+        }
+        for slot in made.iter().flat_map(|joint| joint.slots) {
+            bodies.wake(slot);
+        }
+        let count = made.len();
+        // New ones first, so that of two for one pair the new one stays.
+        made.append(&mut self.joints);
+        made.sort_by_key(|joint| joint.bodies);
+        made.dedup_by_key(|joint| joint.bodies);
+        self.joints = made;
+        Ok(count)
+    }
+
+    /// Takes the bond between the bodies in two slots away, and wakes them; whether there was one.
+    pub fn unbond(&mut self, bodies: &mut Bodies, a: u32, b: u32) -> bool {
+        if self.get(bodies, a, b).is_none() {
+            return false;
+        }
+        if let Ok(at) = self.find(names(bodies, a, b)) {
+            self.joints[at].is_loose = true;
+        }
+        [a, b].into_iter().for_each(|slot| bodies.wake(slot));
+        true
+    }
+
+    fn find(&self, bodies: (BodyId, BodyId)) -> Result<usize, usize> {
+        self.joints
+            .binary_search_by_key(&bodies, |joint| joint.bodies)
+    }
+
+    /// Before the solve: finds the manifolds of the bonds, and notes in `bonded` what they bear and how far they are off.
+    /// Bonds whose bodies are gone go, those whose bodies are apart are broken.
+    pub(crate) fn attach(
+        &mut self,
+        bodies: &Bodies,
+        manifolds: &mut [Manifold],
+        bonded: &mut Vec<BondedManifold>,
+    ) {
+        let Self { joints, broken } = self;
+        broken.clear();
+        bonded.clear();
+        if joints.is_empty() {
+            return;
+        }
+        let name = |m: &Manifold| (bodies.id(m.a), bodies.id(m.b));
+        let mut manifolds = (0..).zip(manifolds).peekable();
+        joints.retain(|joint| {
+            while manifolds.next_if(|(_, m)| name(m) < joint.bodies).is_some() {}
+            let found = manifolds.next_if(|(_, m)| name(m) == joint.bodies);
+            match found {
+                _ if !joint.is_alive(bodies) => false,
+                Some((_, manifold)) if joint.is_loose => {
+                    forget_pull(manifold);
+                    false
+                }
+                Some((index, manifold)) => {
+                    bonded.push(joint.hold(bodies, index, manifold));
+                    true
+                }
+                None if joint.is_out_of_sight(bodies) => true,
+                None => {
+                    if !joint.is_loose {
+                        broken.push(joint.broken());
+                    }
+                    false
+                }
+            }
+        });
+    }
+
+    /// After the solve: breaks the bonds that have given way. What slept on their bodies wakes.
+    pub(crate) fn break_overloaded(&mut self, bodies: &mut Bodies, bonded: &[BondedManifold]) {
+        for held in bonded.iter().filter(|held| held.yielded > 0.0) {
+            let Ok(at) = self.find(held.bodies) else {
+                continue;
+            };
+            let joint = &mut self.joints[at];
+            if held.yielded > BREAKING_SHARE * smaller_extent(bodies, joint.slots) {
+                joint.is_loose = true;
+                self.broken.push(joint.broken());
+                joint.slots.into_iter().for_each(|slot| bodies.wake(slot));
+            }
+        }
+    }
+}
+
+impl Joint {
+    fn new(bodies: &Bodies, a: u32, b: u32, bond: Bond) -> Result<Self, BondError> {
+        bond.check()?;
+        if !(bodies.contains(a) && bodies.contains(b)) {
+            return Err(BondError::NoBody);
+        }
+        if a == b {
+            return Err(BondError::SameBody);
+        }
+        if !can_move(bodies, a, b) {
+            return Err(BondError::NothingMoves);
+        }
+        let (a, b) = if bodies.id(a) < bodies.id(b) {
+            (a, b)
+        } else {
+            (b, a)
+        };
+        Ok(Self {
+            bodies: (bodies.id(a), bodies.id(b)),
+            slots: [a, b],
+            bond,
+            b_in_a: relative_pose(bodies, a, b),
+            is_loose: false,
+        })
+    }
+
+    fn is_alive(&self, bodies: &Bodies) -> bool {
+        let [a, b] = self.slots;
+        bodies.is(a, self.bodies.0) && bodies.is(b, self.bodies.1)
+    }
+
+    /// Whether the pair has no manifold because one of the bodies takes no part in the step.
+    fn is_out_of_sight(&self, bodies: &Bodies) -> bool {
+        let is_out = |slot: u32| bodies.is_asleep(slot) || !bodies.is_active(slot);
+        self.slots.into_iter().any(is_out)
+    }
+
+    fn broken(&self) -> BrokenBond {
+        BrokenBond {
+            bodies: self.bodies,
+            slots: self.slots,
+            bond: self.bond,
+        }
+    }
+
+    /// Makes the contact of the pair one that holds: gaps are counted from where the bond was made, nothing rebounds.
+    fn hold(&self, bodies: &Bodies, index: u32, manifold: &mut Manifold) -> BondedManifold {
+        let mut displacement = [Vec3::ZERO; MAX_POINTS];
+        manifold.restitution = 0.0;
+        let normal = manifold.normal;
+        for (off, point) in displacement.iter_mut().zip(manifold.points_mut()) {
+            *off = self.displacement(bodies, [point.anchor_a, point.anchor_b]);
+            point.separation = normal.dot(*off);
+        }
+        let share = self.bond.area / manifold.count.max(1) as f32;
+        BondedManifold {
+            manifold: index,
+            bodies: self.bodies,
+            tension: self.bond.strength * share,
+            shear: self.bond.shear_strength * share,
+            displacement,
+            yielded: 0.0,
+        }
+    }
+
+    /// How far what is now at the ends of the anchors of B has moved against what is there of A, world axes, m.
+    fn displacement(&self, bodies: &Bodies, anchors: [Vec3; 2]) -> Vec3 {
+        let slots = self.slots.map(|slot| slot as usize);
+        let [at_a, at_b] = [0, 1].map(|k| {
+            let to_body = bodies.rotation[slots[k]].inverse();
+            rotate(to_body, anchors[k]) + bodies.mass[slots[k]].centre
+        });
+        let before = self.b_in_a.transform_point(at_b);
+        rotate(bodies.rotation[slots[0]], at_a - before)
+    }
+}
+
+/// Takes from a contact's impulses what only a bond can bear.
+fn forget_pull(manifold: &mut Manifold) {
+    let friction = manifold.friction;
+    for point in manifold.points_mut() {
+        point.normal_impulse = point.normal_impulse.max(0.0);
+        let bound = friction * point.normal_impulse;
+        point.friction_impulse = point.friction_impulse.clamp_length_max(bound);
+    }
+}
+
+fn names(bodies: &Bodies, a: u32, b: u32) -> (BodyId, BodyId) {
+    let [a, b] = [a, b].map(|slot| bodies.id(slot));
+    (a.min(b), a.max(b))
+}
+
+fn can_move(bodies: &Bodies, a: u32, b: u32) -> bool {
+    [a, b]
+        .into_iter()
+        .any(|slot| bodies.kind(slot) == RigidBody::Dynamic)
+}
+
+/// Lesser of the least extents of two bodies, m.
+fn smaller_extent(bodies: &Bodies, slots: [u32; 2]) -> f32 {
+    let [a, b] = slots.map(|slot| bodies.least_extent[slot as usize]);
+    a.min(b)
+}
+
+/// Pairs of the bodies that may touch, in no particular order: a sweep along x over their boxes.
+fn close_pairs(bodies: &Bodies, slots: &[u32]) -> Vec<[u32; 2]> {
+    let reach = |slot: u32| {
+        let pose = bodies.pose(slot);
+        let Some(mesh) = bodies.convex(slot) else {
+            return [Vec3::NEG_INFINITY, Vec3::INFINITY];
+        };
+        let margin = TOUCHING_SHARE * bodies.least_extent[slot as usize];
+        let corners = mesh.hull().vertices().iter();
+        let corners = corners.map(|v| pose.transform_point(*v));
+        corners.fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[min, max], v| {
+            [min.min(v - margin), max.max(v + margin)]
+        })
+    };
+    let mut boxes: Vec<_> = slots.iter().map(|&slot| (slot, reach(slot))).collect();
+    boxes.sort_by(|(a, [l, _]), (b, [r, _])| l.x.total_cmp(&r.x).then(a.cmp(b)));
+    boxes.dedup_by_key(|(slot, _)| *slot);
+    let mut pairs = Vec::new();
+    for (i, (a, [min, max])) in boxes.iter().enumerate() {
+        let next = boxes[i + 1..].iter();
+        for (b, [other_min, other_max]) in next.take_while(|(_, [other, _])| other.x <= max.x) {
+            if other_min.cmple(*max).all() && min.cmple(*other_max).all() {
+                pairs.push([*a, *b]);
+            }
+        }
+    }
+    pairs
+}
+
+/// Area over which two bodies touch face to face; `None` if it is too small for a bond or nothing of the two can move.
+fn touching_area(bodies: &Bodies, a: u32, b: u32) -> Option<f32> {
+    if !can_move(bodies, a, b) {
+        return None;
+    }
+    let extent = smaller_extent(bodies, [a, b]);
+    let gap = TOUCHING_SHARE * extent;
+    let area = match (&bodies.info(a).shape, &bodies.info(b).shape) {
+        (Shape::Convex(first), Shape::Convex(second)) => {
+            let b_in_a = relative_pose(bodies, a, b);
+            shared_area::of_hulls(first.hull(), second.hull(), &b_in_a, gap)
+        }
+        (Shape::Convex(mesh), Shape::HalfSpace(half_space)) => {
+            let b_in_a = relative_pose(bodies, a, b);
+            let normal = rotate(b_in_a.rotation, half_space.normal);
+            let plane = Plane::through(b_in_a.position, normal);
+            shared_area::on_half_space(mesh.hull(), &plane, gap)
+        }
+        (Shape::HalfSpace(_), Shape::Convex(_)) => return touching_area(bodies, b, a),
+        (Shape::HalfSpace(_), Shape::HalfSpace(_)) => 0.0,
+    };
+    (area > LEAST_AREA * extent * extent).then_some(area)
+}

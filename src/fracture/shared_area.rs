@@ -1,0 +1,92 @@
+//! Area over which two bodies touch face to face.
+
+use crate::geometry::ConvexHull;
+use crate::geometry::convex::Face;
+use crate::math::{Plane, Pose, rotate};
+use glam::Vec3;
+
+/// Cosine of the largest angle between two faces that touch flatly: 1 degree.
+const FLAT: f32 = 0.999_848;
+
+/// Area of the faces of `a` and `b` that lie on each other with a gap or overlap of at most `gap` (m), m2.
+///
+/// `b_in_a` is the pose of B in A's frame.
+pub(super) fn of_hulls(a: &ConvexHull, b: &ConvexHull, b_in_a: &Pose, gap: f32) -> f32 {
+    let mut area = 0.0;
+    for face in b.faces() {
+        let outline = || {
+            let corners = b.face_loop(face).iter();
+            corners.map(|&v| b_in_a.transform_point(b.vertices()[v as usize]))
+        };
+        let normal = rotate(b_in_a.rotation, face.plane.normal);
+        for other in a.faces() {
+            if lies_on(&other.plane, normal, outline(), gap) {
+                area += area_of(&overlap(outline().collect(), a, other));
+            }
+        }
+    }
+    area
+}
+
+/// Area of the faces of a hull that lie on a half-space, whose surface is `plane` in the hull's frame, m2.
+pub(super) fn on_half_space(hull: &ConvexHull, plane: &Plane, gap: f32) -> f32 {
+    let outline = |face: &Face| {
+        let corners = hull.face_loop(face).iter();
+        corners.map(|&v| hull.vertices()[v as usize])
+    };
+    let faces = hull.faces().iter();
+    let lying = faces.filter(|face| lies_on(plane, face.plane.normal, outline(face), gap));
+    lying
+        .map(|face| area_of(&outline(face).collect::<Vec<_>>()))
+        .sum()
+}
+
+/// Whether a face with this normal and outline is opposed to a plane and within `gap` of it.
+fn lies_on(plane: &Plane, normal: Vec3, mut outline: impl Iterator<Item = Vec3>, gap: f32) -> bool {
+    plane.normal.dot(normal) <= -FLAT && outline.any(|at| plane.distance(at).abs() <= gap)
+}
+
+/// What of a convex polygon lies within the outline of a face, seen along the face's normal: Sutherland and Hodgman's
+/// clipping.
+fn overlap(mut polygon: Vec<Vec3>, hull: &ConvexHull, face: &Face) -> Vec<Vec3> {
+    let outline = hull.face_loop(face);
+    let corner = |i: usize| hull.vertices()[outline[i % outline.len()] as usize];
+    for i in 0..outline.len() {
+        let (from, to) = (corner(i), corner(i + 1));
+        let outward = (to - from).cross(face.plane.normal);
+        polygon = behind(&polygon, |at| outward.dot(at - from));
+    }
+    polygon
+}
+
+/// What of a polygon has no positive height.
+fn behind(polygon: &[Vec3], height: impl Fn(Vec3) -> f32) -> Vec<Vec3> {
+    let mut kept = Vec::with_capacity(polygon.len() + 1);
+    let Some(&last) = polygon.last() else {
+        return kept;
+    };
+    let (mut from, mut from_height) = (last, height(last));
+    for &to in polygon {
+        let to_height = height(to);
+        if (from_height > 0.0) != (to_height > 0.0) {
+            kept.push(from + (to - from) * (from_height / (from_height - to_height)));
+        }
+        if to_height <= 0.0 {
+            kept.push(to);
+        }
+        (from, from_height) = (to, to_height);
+    }
+    kept
+}
+
+/// Area of a plane polygon, m2.
+fn area_of(polygon: &[Vec3]) -> f32 {
+    let Some(&first) = polygon.first() else {
+        return 0.0;
+    };
+    let corners = polygon.windows(2);
+    let twice: Vec3 = corners
+        .map(|pair| (pair[0] - first).cross(pair[1] - first))
+        .sum();
+    0.5 * twice.length()
+}
