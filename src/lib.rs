@@ -38,9 +38,10 @@ pub mod prelude {
     pub use crate::contact::cache::ContactCache;
     pub use crate::contact::material::{CombineRule, Density, Friction, Restitution};
     pub use crate::contact::{BodyId, CollisionLayers};
+    pub use crate::ecs::bond::BondCommands;
     pub use crate::ecs::components::{
-        AngularVelocity, BodyHandle, BodyProblem, BodyWarning, Fractured, LinearVelocity,
-        MassOverride, Sleeping,
+        AngularVelocity, BodyHandle, BodyProblem, BodyWarning, BondBroken, Fractured,
+        LinearVelocity, MassOverride, Sleeping,
     };
     pub use crate::ecs::cut::SliceCommands;
     pub use crate::ecs::spawn::SpawnBody;

@@ -4,8 +4,8 @@ use crate::contact::CollisionLayers;
 use crate::contact::cache::ContactCache;
 use crate::contact::material::{Density, Friction, Restitution};
 use crate::ecs::components::*;
-use crate::ecs::{cut, gather, scatter};
-use crate::fracture::Fractures;
+use crate::ecs::{bond, cut, gather, scatter};
+use crate::fracture::{Bonds, Fractures};
 use crate::mass::MassProperties;
 use crate::solver::bodies::{Bodies, RigidBody};
 use crate::solver::{Gravity, SolverConfig};
@@ -29,9 +29,9 @@ pub enum PhysicsSystems {
     MassProperties,
     /// Pairs of bodies that may touch.
     Broadphase,
-    /// Where pairs touch; multipliers from the cache.
+    /// Where pairs touch, and which of them are bonded; multipliers from the cache.
     ContactGeneration,
-    /// Forces and contact impulses.
+    /// Forces and contact impulses; bonds that they overload break.
     Solve,
     /// Poses from velocities.
     Integrate,
@@ -75,13 +75,16 @@ impl Plugin for CleavePlugin {
             .init_resource::<Contacts>()
             .init_resource::<ContactCache>()
             .init_resource::<Fractures>()
+            .init_resource::<Bonds>()
             .init_resource::<Gravity>()
             .init_resource::<SolverConfig>()
             .init_resource::<StepReport>()
             .init_resource::<BodyEntities>()
             .init_resource::<gather::BodyQueue>()
             .init_resource::<cut::SliceRequests>()
+            .init_resource::<bond::BondRequests>()
             .add_message::<Fractured>()
+            .add_message::<BondBroken>()
             .add_message::<BodyWarning>()
             .add_observer(gather::on_body_inserted)
             .add_observer(gather::on_body_discarded)
@@ -141,14 +144,19 @@ fn add_phases(schedule: &mut Schedule) {
             gather::gather_motion,
             gather::settle_marked,
             cut::gather_requests,
+            bond::gather_requests,
             mass_properties,
             gather::publish_mass,
         )
             .chain()
             .in_set(Phase::MassProperties),
         broadphase.in_set(Phase::Broadphase),
-        generate_contacts.in_set(Phase::ContactGeneration),
-        solve.in_set(Phase::Solve),
+        (generate_contacts, attach_bonds)
+            .chain()
+            .in_set(Phase::ContactGeneration),
+        (solve, break_bonds, bond::report_broken)
+            .chain()
+            .in_set(Phase::Solve),
         integrate.in_set(Phase::Integrate),
         age_cache.in_set(Phase::CacheAging),
         sleep.in_set(Phase::Sleep),
@@ -237,6 +245,14 @@ fn solve(
     mut report: ResMut<StepReport>,
 ) {
     step::solve(&mut bodies, &mut contacts, &settings.get(), &mut report);
+}
+
+fn attach_bonds(bodies: Res<Bodies>, mut contacts: ResMut<Contacts>, mut bonds: ResMut<Bonds>) {
+    step::attach_bonds(&bodies, &mut contacts, &mut bonds);
+}
+
+fn break_bonds(mut bodies: ResMut<Bodies>, contacts: Res<Contacts>, mut bonds: ResMut<Bonds>) {
+    step::break_bonds(&mut bodies, &contacts, &mut bonds);
 }
 
 fn integrate(mut bodies: ResMut<Bodies>, mut report: ResMut<StepReport>) {

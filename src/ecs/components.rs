@@ -1,7 +1,7 @@
 //! Components and messages that a user of the plugin meets.
 
 use crate::contact::BodyId;
-use crate::fracture::{CutError, Ledger};
+use crate::fracture::{Bond, BondError, CutError, Ledger};
 use crate::mass::MassProperties;
 use crate::math::Plane;
 use crate::solver::bodies::BodyError;
@@ -61,6 +61,15 @@ pub struct Fractured {
     pub ledger: Ledger,
 }
 
+/// Two bodies that were bonded came apart, or their load passed the strength of the bond. Sent once; a bond does not heal.
+#[derive(Clone, Copy, Debug, PartialEq, Message)]
+pub struct BondBroken {
+    /// The entities that are no longer bonded; the one whose body was made first comes first.
+    pub entities: [Entity; 2],
+    /// The bond that they had.
+    pub bond: Bond,
+}
+
 /// Something about one entity is not usable. The rest of the scene goes on as if the entity were not there.
 ///
 /// Sent once when the problem appears; it is also logged as a warning.
@@ -81,6 +90,9 @@ pub enum BodyProblem {
     /// A cut of it was refused.
     #[error("the cut was not made: {0}")]
     Cut(#[from] CutError),
+    /// A bond was not made.
+    #[error("the bond was not made: {0}")]
+    Bond(#[from] BondError),
 }
 
 /// Entities of the bodies, by slot, and what is needed to tell the user's changes from the plugin's own.

@@ -2,8 +2,9 @@
 //!
 //! This is the first layer that knows entities, queries and commands. [`gather`] brings entities and what users changed
 //! into [`Bodies`](crate::solver::bodies::Bodies), [`scatter`] writes poses and velocities back, [`cut`] turns cuts
-//! into entities.
+//! into entities, and [`bond`] holds entities together.
 
+pub mod bond;
 pub mod components;
 pub mod cut;
 pub mod gather;

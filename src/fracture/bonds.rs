@@ -116,6 +116,8 @@ struct Joint {
     bond: Bond,
     /// Pose of B in A's frame when the bond was made.
     b_in_a: Pose,
+    /// Whether no step has seen the joint yet.
+    is_new: bool,
     /// Loosened joints wait for the next contacts of their pair, whose impulses from the step before may still pull.
     is_loose: bool,
 }
@@ -244,7 +246,7 @@ impl Bonds {
         }
         let name = |m: &Manifold| (bodies.id(m.a), bodies.id(m.b));
         let mut manifolds = (0..).zip(manifolds).peekable();
-        joints.retain(|joint| {
+        joints.retain_mut(|joint| {
             while manifolds.next_if(|(_, m)| name(m) < joint.bodies).is_some() {}
             let found = manifolds.next_if(|(_, m)| name(m) == joint.bodies);
             match found {
@@ -255,6 +257,7 @@ impl Bonds {
                 }
                 Some((index, manifold)) => {
                     bonded.push(joint.hold(bodies, index, manifold));
+                    joint.is_new = false;
                     true
                 }
                 None if joint.is_out_of_sight(bodies) => true,
@@ -306,6 +309,7 @@ impl Joint {
             slots: [a, b],
             bond,
             b_in_a: relative_pose(bodies, a, b),
+            is_new: true,
             is_loose: false,
         })
     }
@@ -344,6 +348,7 @@ impl Joint {
             bodies: self.bodies,
             tension: self.bond.strength * share,
             shear: self.bond.shear_strength * share,
+            is_new: self.is_new,
             displacement,
             yielded: 0.0,
         }

@@ -6,7 +6,7 @@ use super::demand::{Demand, Effort, SubstepSettings, Travel};
 use super::islands::Islands;
 use super::rows::{PointRows, Row};
 use super::team::Team;
-use super::ties::BondedManifold;
+use super::ties::{BondedManifold, is_new_bond};
 use crate::contact::manifold::Manifold;
 use crate::math::rotate_by;
 use bevy_tasks::ComputeTaskPool;
@@ -210,7 +210,8 @@ impl ContactSolver {
         let mut demand = Demand::default();
         let has_load = settings.depends_on_load();
         for at in self.islands.list[island].manifolds.clone() {
-            let manifold = &manifolds[self.islands.manifolds[at] as usize];
+            let index = self.islands.manifolds[at];
+            let manifold = &manifolds[index as usize];
             let slots = [manifold.a as usize, manifold.b as usize];
             let extents = slots.map(|i| bodies.least_extent[i]);
             let extent = extents[0].min(extents[1]);
@@ -225,6 +226,9 @@ impl ContactSolver {
                     let anchors = [point.anchor_a, point.anchor_b];
                     let row = Row::new(manifold.normal, anchors, sides);
                     load = load.max((point.normal_impulse * row.diagonal).abs());
+                }
+                if is_new_bond(&self.bonded, index) {
+                    load = f32::INFINITY;
                 }
                 demand.load = demand.load.max(load / extent);
             }

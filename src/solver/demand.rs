@@ -20,6 +20,7 @@ const FAST_SWEEPS: u32 = 256;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Demand {
     /// Largest velocity that a contact gave its effective mass in the last step, over the smaller body's least extent, 1/s.
+    /// Infinite where a bond is new: what it will bear must be found before it gives way.
     pub load: f32,
     /// Whether two bodies are so fast that they may pass through each other in the step.
     pub is_fast: bool,

@@ -36,10 +36,18 @@ pub struct BondedManifold {
     pub tension: f32,
     /// Largest shear force of each point without pressure, N.
     pub shear: f32,
+    /// Whether the bond was made since the last step: nobody knows yet what it will bear.
+    pub is_new: bool,
     /// How far B has moved against A at each point since the bond was made, world axes, m.
     pub displacement: [Vec3; MAX_POINTS],
     /// How far the point that is farthest off, of those that bear all they can, has opened or slid at the end of the step, m.
     pub yielded: f32,
+}
+
+/// Whether a manifold is in the list, which is sorted by manifolds, with a bond that was made since the last step.
+pub fn is_new_bond(bonded: &[BondedManifold], manifold: u32) -> bool {
+    let found = bonded.binary_search_by_key(&manifold, |bond| bond.manifold);
+    found.is_ok_and(|at| bonded[at].is_new)
 }
 
 /// What a point needs where manifolds are bonded; all zero in lanes of those that are not.

@@ -1,0 +1,128 @@
+//! Bonds between entities: requests from commands, and messages of what broke.
+
+use super::components::*;
+use crate::contact::BodyId;
+use crate::fracture::{Bond, BondError, Bonds};
+use crate::solver::bodies::Bodies;
+use bevy_ecs::prelude::*;
+
+/// Bonding on request.
+pub trait BondCommands {
+    /// Bonds the bodies of two entities as they lie before the next step, in place of a bond that they have.
+    ///
+    /// [`BondBroken`] tells when it breaks. Bonds of a body that is despawned or cut go without a message. A bond that
+    /// cannot be made sends a [`BodyWarning`] about `a` with the reason.
+    fn bond(&mut self, a: Entity, b: Entity, bond: Bond);
+
+    /// Bonds all of these entities that touch face to face over their common areas, with a tensile and shear strength in
+    /// Pa; see [`Bonds::bond_neighbours`]. Entities that have no body are left out with a [`BodyWarning`].
+    fn bond_neighbours(&mut self, entities: impl IntoIterator<Item = Entity>, strength: f32);
+
+    /// Takes the bond between two entities away, if they have one.
+    fn unbond(&mut self, a: Entity, b: Entity);
+}
+
+impl BondCommands for Commands<'_, '_> {
+    fn bond(&mut self, a: Entity, b: Entity, bond: Bond) {
+        self.queue(BondRequest::Pair(a, b, bond).enqueue());
+    }
+
+    fn bond_neighbours(&mut self, entities: impl IntoIterator<Item = Entity>, strength: f32) {
+        let entities = entities.into_iter().collect();
+        self.queue(BondRequest::Neighbours(entities, strength).enqueue());
+    }
+
+    fn unbond(&mut self, a: Entity, b: Entity) {
+        self.queue(BondRequest::Release(a, b).enqueue());
+    }
+}
+
+/// What a command asked for.
+#[derive(Debug)]
+enum BondRequest {
+    Pair(Entity, Entity, Bond),
+    Neighbours(Vec<Entity>, f32),
+    Release(Entity, Entity),
+}
+
+impl BondRequest {
+    /// The command that puts it into the queue.
+    fn enqueue(self) -> impl Command {
+        move |world: &mut World| {
+            if let Some(mut requests) = world.get_resource_mut::<BondRequests>() {
+                requests.0.push(self);
+            }
+        }
+    }
+}
+
+/// What commands asked for since the last step, in order.
+#[derive(Debug, Default, Resource)]
+pub(crate) struct BondRequests(Vec<BondRequest>);
+
+/// System: makes and takes away the bonds that were asked for, once the entities have bodies.
+pub(crate) fn gather_requests(
+    mut requests: ResMut<BondRequests>,
+    mut bodies: ResMut<Bodies>,
+    mut bonds: ResMut<Bonds>,
+    mut warnings: ResMut<Messages<BodyWarning>>,
+    handles: Query<&BodyHandle>,
+) {
+    let slot_of = |bodies: &Bodies, entity: Entity| {
+        let handle = handles.get(entity).ok().and_then(|handle| handle.0);
+        let body = handle.filter(|&(slot, id)| bodies.is(slot, id));
+        body.map(|(slot, _)| slot).ok_or(BondError::NoBody)
+    };
+    for request in requests.0.drain(..) {
+        let (entity, outcome) = match request {
+            BondRequest::Pair(a, b, bond) => {
+                let slots = slot_of(&bodies, a).and_then(|i| Ok((i, slot_of(&bodies, b)?)));
+                (
+                    a,
+                    slots.and_then(|(i, j)| bonds.bond(&mut bodies, i, j, bond)),
+                )
+            }
+            BondRequest::Release(a, b) => {
+                if let (Ok(i), Ok(j)) = (slot_of(&bodies, a), slot_of(&bodies, b)) {
+                    bonds.unbond(&mut bodies, i, j);
+                }
+                continue;
+            }
+            BondRequest::Neighbours(entities, strength) => {
+                let mut slots = Vec::with_capacity(entities.len());
+                for &entity in &entities {
+                    match slot_of(&bodies, entity) {
+                        Ok(slot) => slots.push(slot),
+                        Err(error) => warn(&mut warnings, entity, error),
+                    }
+                }
+                let Some(&first) = entities.first() else {
+                    continue;
+                };
+                let made = bonds.bond_neighbours(&mut bodies, &slots, strength);
+                (first, made.map(|_| ()))
+            }
+        };
+        if let Err(error) = outcome {
+            warn(&mut warnings, entity, error);
+        }
+    }
+}
+
+/// System: tells which bonds broke. Bonds of bodies without entities break in silence.
+pub(crate) fn report_broken(
+    bonds: Res<Bonds>,
+    entities: Res<BodyEntities>,
+    mut messages: MessageWriter<BondBroken>,
+) {
+    for broken in &bonds.broken {
+        let [i, j] = broken.slots;
+        let (a, b): (BodyId, BodyId) = broken.bodies;
+        if let (Some(a), Some(b)) = (entities.of(i, a), entities.of(j, b)) {
+            messages.write(BondBroken {
+                entities: [a, b],
+                bond: broken.bond,
+            });
+        }
+    }
+}
