@@ -10,7 +10,7 @@ use super::blocks::{Block, Blow, Masses, Point, V3, load_anchors, symmetric};
 use super::bodies::SolverBody;
 use super::lanes::{F8, Kernel, LaneWidth, Lanes, run};
 use super::soft_step::Softness;
-use super::ties::Tie;
+use super::ties::{RATE, Tie};
 use std::cell::Cell;
 
 /// What all loops run over.
@@ -370,7 +370,7 @@ fn targets<L: Lanes>(
     }
 }
 
-/// Targets of bonded lanes: what has opened, been pressed in or slid goes back at the rate at which overlap is pushed out.
+/// Targets of bonded lanes: what has opened, been pressed in or slid goes back.
 #[inline(always)]
 fn tie_targets<L: Lanes>(
     block: &Block,
@@ -381,7 +381,7 @@ fn tie_targets<L: Lanes>(
 ) {
     let moved = Pair::<L>::gather(displacements, block);
     let frame = Frame::<L>::load(block);
-    let (zero, rate) = (L::splat(0.0), L::splat(feedback.rate));
+    let (zero, rate) = (L::splat(0.0), L::splat(RATE * feedback.rate));
     let (most, least) = (L::splat(feedback.most), L::splat(-feedback.most));
     let back = |way: L| (zero - rate * way).min(most).max(least);
     for (point, tie) in points.iter_mut().zip(ties) {
@@ -462,7 +462,7 @@ impl<const TIED: bool> Sweep<'_, '_, TIED> {
                         Some(blow) => L::load(&blow.rebound),
                         None => zero,
                     },
-                    bounds: Bounds::load(friction, self.ties.get(i)),
+                    bounds: Bounds::load(friction, self.ties.get(i)).widened(rule.reserve()),
                     model: *model,
                     point,
                 };
@@ -511,6 +511,20 @@ impl<L: Lanes, const TIED: bool> Bounds<L, TIED> {
                 shear: zero,
                 wanted: [zero; 2],
             },
+        }
+    }
+
+    /// The bounds with `reserve` times the strength of bonds.
+    #[inline(always)]
+    fn widened(self, reserve: L) -> Self {
+        if TIED {
+            Self {
+                adhesion: self.adhesion * reserve,
+                shear: self.shear * reserve,
+                ..self
+            }
+        } else {
+            self
         }
     }
 
@@ -606,6 +620,8 @@ impl<L: Lanes, const TIED: bool> State<'_, L, TIED> {
 
 /// What a sweep does to a point.
 trait Rule<L> {
+    /// What bonds may bear, as a multiple of their strength.
+    fn reserve(&self) -> L;
     /// Changes the impulses of a point; returns by how much.
     fn solve<const TIED: bool>(&self, state: &mut State<'_, L, TIED>) -> [L; 3];
 }
@@ -614,6 +630,7 @@ trait Rule<L> {
 struct Feeding<L> {
     mass_scale: L,
     keep: L,
+    reserve: L,
 }
 
 impl<L: Lanes> Feeding<L> {
@@ -638,6 +655,11 @@ impl<L: Lanes> Feeding<L> {
 
 impl<L: Lanes> Rule<L> for Feeding<L> {
     #[inline(always)]
+    fn reserve(&self) -> L {
+        self.reserve
+    }
+
+    #[inline(always)]
     fn solve<const TIED: bool>(&self, state: &mut State<'_, L, TIED>) -> [L; 3] {
         let (one, below_zero) = (L::splat(1.0), L::splat(-f32::MIN_POSITIVE));
         let friction = self.friction(state);
@@ -659,6 +681,11 @@ impl<L: Lanes> Rule<L> for Feeding<L> {
 struct Settling;
 
 impl<L: Lanes> Rule<L> for Settling {
+    #[inline(always)]
+    fn reserve(&self) -> L {
+        L::splat(1.0)
+    }
+
     #[inline(always)]
     fn solve<const TIED: bool>(&self, state: &mut State<'_, L, TIED>) -> [L; 3] {
         let zero = L::splat(0.0);
@@ -685,6 +712,7 @@ impl<const TIED: bool> Kernel for Solve<'_, '_, TIED> {
         let rule = Feeding {
             mass_scale: L::splat(softness.mass_scale),
             keep: L::splat(1.0 - softness.release),
+            reserve: L::splat(softness.reserve()),
         };
         self.0.each_point::<L, _>(&rule)
     }

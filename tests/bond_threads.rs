@@ -1,0 +1,55 @@
+//! Bonds on one thread and on several. A file of its own, because the task pool is one for the whole process.
+
+use bevy_cleave::prelude::*;
+use bevy_tasks::{ComputeTaskPool, TaskPoolBuilder};
+use glam::Vec3;
+
+/// Length of a step, s.
+const H: f32 = 1.0 / 60.0;
+
+/// A block of 16 x 4 x 16 bonded cubes that stands with its first column of 16 on a fixed beam: one calm island that threads
+/// solve together, while the bonds near the beam break. Positions, velocities and which bonds broke when.
+fn run() -> (Vec<[u32; 6]>, Vec<(u32, [u32; 2])>) {
+    let mut simulation = Simulation::default();
+    let cube = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("valid size");
+    let beam = ConvexMesh::cuboid(8.0, 1.0, 16.0).expect("valid size");
+    let mut beam = BodyDesc::dynamic(beam, Vec3::new(3.5, -0.5, 7.5));
+    beam.kind = RigidBody::Static;
+    simulation.bodies.insert(beam).expect("usable");
+    let slots: Vec<u32> = (0..16 * 4 * 16)
+        .map(|i| {
+            let at = [i % 16, i / 256, i / 16 % 16].map(|k| k as f32);
+            let desc = BodyDesc::dynamic(cube.clone(), Vec3::from(at) + 0.5 * Vec3::Y);
+            simulation.bodies.insert(desc).expect("usable")
+        })
+        .collect();
+    simulation.bond_neighbours(&slots, 6e4).expect("usable");
+    let mut broken = Vec::new();
+    let mut largest = 0;
+    for step in 0..30 {
+        simulation.step(H);
+        broken.extend(simulation.bonds.broken.iter().map(|b| (step, b.slots)));
+        let islands = simulation.contacts.solver().islands();
+        largest = largest.max(islands.map(|island| island.contacts).max().unwrap_or(0));
+    }
+    assert!(largest > 6000, "{largest} contacts are one island");
+    assert!(!broken.is_empty(), "bonds are meant to break");
+    assert!(!simulation.bonds.is_empty(), "not all of them");
+    let state = |&slot: &u32| {
+        let x = simulation.bodies.centre_of_mass(slot);
+        let (v, _) = simulation.bodies.velocity(slot);
+        [x.x, x.y, x.z, v.x, v.y, v.z].map(f32::to_bits)
+    };
+    (slots.iter().map(state).collect(), broken)
+}
+
+#[test]
+fn bonds_hold_and_break_with_the_same_bits_on_one_thread_and_on_four() {
+    assert!(
+        ComputeTaskPool::try_get().is_none(),
+        "the first run has no pool"
+    );
+    let alone = run();
+    ComputeTaskPool::get_or_init(|| TaskPoolBuilder::new().num_threads(4).build());
+    assert!(alone == run());
+}
