@@ -8,6 +8,7 @@
 pub mod bonds;
 mod impact;
 mod ledger;
+mod neighbours;
 mod shared_area;
 
 pub use bonds::{Bond, BondError, Bonds, BrokenBond};

@@ -10,7 +10,7 @@ use super::blocks::{Block, Blow, Masses, Point, V3, load_anchors, symmetric};
 use super::bodies::SolverBody;
 use super::lanes::{F8, Kernel, LaneWidth, Lanes, run};
 use super::soft_step::Softness;
-use super::ties::{RATE, Tie};
+use super::ties::{Bounds, RATE, Tie};
 use std::cell::Cell;
 
 /// What all loops run over.
@@ -481,82 +481,6 @@ impl<const TIED: bool> Sweep<'_, '_, TIED> {
         let mut lanes = F8::default();
         largest.store(&mut lanes);
         lanes.0.into_iter().fold(0.0, f32::max)
-    }
-}
-
-/// What the impulses of a point are kept within: `lambda_n >= -adhesion`, `|lambda_t| <= mu max(lambda_n, 0) + shear`.
-///
-/// The last two and the wanted velocities along the tangents are zero in lanes without a bond.
-struct Bounds<L, const TIED: bool> {
-    friction: L,
-    adhesion: L,
-    shear: L,
-    wanted: [L; 2],
-}
-
-impl<L: Lanes, const TIED: bool> Bounds<L, TIED> {
-    #[inline(always)]
-    fn load(friction: L, tie: Option<&Tie>) -> Self {
-        let zero = L::splat(0.0);
-        match tie.filter(|_| TIED) {
-            Some(tie) => Self {
-                friction,
-                adhesion: L::load(&tie.adhesion),
-                shear: L::load(&tie.shear),
-                wanted: [L::load(&tie.wanted[0]), L::load(&tie.wanted[1])],
-            },
-            None => Self {
-                friction,
-                adhesion: zero,
-                shear: zero,
-                wanted: [zero; 2],
-            },
-        }
-    }
-
-    /// The bounds with `reserve` times the strength of bonds.
-    #[inline(always)]
-    fn widened(self, reserve: L) -> Self {
-        if TIED {
-            Self {
-                adhesion: self.adhesion * reserve,
-                shear: self.shear * reserve,
-                ..self
-            }
-        } else {
-            self
-        }
-    }
-
-    /// The nearest normal impulse to `wish`.
-    #[inline(always)]
-    fn normal(&self, wish: L) -> L {
-        let zero = L::splat(0.0);
-        if TIED {
-            wish.max(zero - self.adhesion)
-        } else {
-            wish.max(zero)
-        }
-    }
-
-    /// Bound of friction with a normal impulse.
-    #[inline(always)]
-    fn radius(&self, normal: L) -> L {
-        if TIED {
-            self.friction * normal.max(L::splat(0.0)) + self.shear
-        } else {
-            self.friction * normal
-        }
-    }
-
-    /// `yes` in bonded lanes, else `no`.
-    #[inline(always)]
-    fn if_bonded(&self, yes: L, no: L) -> L {
-        if TIED {
-            self.adhesion.if_above(L::splat(0.0), yes, no)
-        } else {
-            no
-        }
     }
 }
 

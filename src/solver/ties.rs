@@ -17,7 +17,7 @@ use super::FrictionModel;
 use super::batch::Batch;
 use super::blocks::{Block, Place, Point, vector};
 use super::bodies::SolverBody;
-use super::lanes::F8;
+use super::lanes::{F8, Lanes};
 use crate::contact::BodyId;
 use crate::contact::manifold::{MAX_POINTS, Manifold};
 use glam::{Vec2, Vec3};
@@ -133,6 +133,81 @@ impl Tie {
             yielded = yielded.max(Vec2::from(slide).length());
         }
         yielded
+    }
+}
+
+/// What the impulses of a point are kept within, in each lane. Without `TIED` there are no bonds, and nothing of them is computed.
+pub(super) struct Bounds<L, const TIED: bool> {
+    friction: L,
+    adhesion: L,
+    shear: L,
+    /// Along the tangents, m/s.
+    pub(super) wanted: [L; 2],
+}
+
+impl<L: Lanes, const TIED: bool> Bounds<L, TIED> {
+    #[inline(always)]
+    pub(super) fn load(friction: L, tie: Option<&Tie>) -> Self {
+        let zero = L::splat(0.0);
+        match tie.filter(|_| TIED) {
+            Some(tie) => Self {
+                friction,
+                adhesion: L::load(&tie.adhesion),
+                shear: L::load(&tie.shear),
+                wanted: [L::load(&tie.wanted[0]), L::load(&tie.wanted[1])],
+            },
+            None => Self {
+                friction,
+                adhesion: zero,
+                shear: zero,
+                wanted: [zero; 2],
+            },
+        }
+    }
+
+    /// The bounds with `reserve` times the strength of bonds.
+    #[inline(always)]
+    pub(super) fn widened(self, reserve: L) -> Self {
+        if TIED {
+            Self {
+                adhesion: self.adhesion * reserve,
+                shear: self.shear * reserve,
+                ..self
+            }
+        } else {
+            self
+        }
+    }
+
+    /// The nearest normal impulse to `wish`.
+    #[inline(always)]
+    pub(super) fn normal(&self, wish: L) -> L {
+        let zero = L::splat(0.0);
+        if TIED {
+            wish.max(zero - self.adhesion)
+        } else {
+            wish.max(zero)
+        }
+    }
+
+    /// Bound of friction with a normal impulse.
+    #[inline(always)]
+    pub(super) fn radius(&self, normal: L) -> L {
+        if TIED {
+            self.friction * normal.max(L::splat(0.0)) + self.shear
+        } else {
+            self.friction * normal
+        }
+    }
+
+    /// `yes` in bonded lanes, else `no`.
+    #[inline(always)]
+    pub(super) fn if_bonded(&self, yes: L, no: L) -> L {
+        if TIED {
+            self.adhesion.if_above(L::splat(0.0), yes, no)
+        } else {
+            no
+        }
     }
 }
 

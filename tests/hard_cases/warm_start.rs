@@ -157,6 +157,7 @@ impl Runner {
             gravity,
             config,
             report,
+            ..
         } = &mut self.simulation;
         let settings = &StepSettings {
             gravity: *gravity,

@@ -1,0 +1,68 @@
+//! Which bodies touch face to face.
+
+use super::bonds::{can_move, smaller_extent};
+use super::shared_area;
+use crate::collide::relative_pose;
+use crate::math::{Plane, rotate};
+use crate::solver::bodies::{Bodies, Shape};
+use glam::Vec3;
+
+/// Largest gap between faces that count as touching, as a share of the smaller body's least extent.
+const TOUCHING_SHARE: f32 = 0.01;
+
+/// Least area that is worth a bond, as a share of the square of the smaller body's least extent: more than rounding makes
+/// of two edges that touch.
+const LEAST_AREA: f32 = 1e-3;
+
+/// Pairs of the bodies that may touch, in no particular order: a sweep along x over their boxes.
+pub(super) fn close_pairs(bodies: &Bodies, slots: &[u32]) -> Vec<[u32; 2]> {
+    let reach = |slot: u32| {
+        let pose = bodies.pose(slot);
+        let Some(mesh) = bodies.convex(slot) else {
+            return [Vec3::NEG_INFINITY, Vec3::INFINITY];
+        };
+        let margin = TOUCHING_SHARE * bodies.least_extent[slot as usize];
+        let corners = mesh.hull().vertices().iter();
+        let corners = corners.map(|v| pose.transform_point(*v));
+        corners.fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[min, max], v| {
+            [min.min(v - margin), max.max(v + margin)]
+        })
+    };
+    let mut boxes: Vec<_> = slots.iter().map(|&slot| (slot, reach(slot))).collect();
+    boxes.sort_by(|(a, [l, _]), (b, [r, _])| l.x.total_cmp(&r.x).then(a.cmp(b)));
+    boxes.dedup_by_key(|(slot, _)| *slot);
+    let mut pairs = Vec::new();
+    for (i, (a, [min, max])) in boxes.iter().enumerate() {
+        let next = boxes[i + 1..].iter();
+        for (b, [other_min, other_max]) in next.take_while(|(_, [other, _])| other.x <= max.x) {
+            if other_min.cmple(*max).all() && min.cmple(*other_max).all() {
+                pairs.push([*a, *b]);
+            }
+        }
+    }
+    pairs
+}
+
+/// Area over which two bodies touch face to face; `None` if it is too small for a bond or nothing of the two can move.
+pub(super) fn touching_area(bodies: &Bodies, a: u32, b: u32) -> Option<f32> {
+    if !can_move(bodies, a, b) {
+        return None;
+    }
+    let extent = smaller_extent(bodies, [a, b]);
+    let gap = TOUCHING_SHARE * extent;
+    let area = match (&bodies.info(a).shape, &bodies.info(b).shape) {
+        (Shape::Convex(first), Shape::Convex(second)) => {
+            let b_in_a = relative_pose(bodies, a, b);
+            shared_area::of_hulls(first.hull(), second.hull(), &b_in_a, gap)
+        }
+        (Shape::Convex(mesh), Shape::HalfSpace(half_space)) => {
+            let b_in_a = relative_pose(bodies, a, b);
+            let normal = rotate(b_in_a.rotation, half_space.normal);
+            let plane = Plane::through(b_in_a.position, normal);
+            shared_area::on_half_space(mesh.hull(), &plane, gap)
+        }
+        (Shape::HalfSpace(_), Shape::Convex(_)) => return touching_area(bodies, b, a),
+        (Shape::HalfSpace(_), Shape::HalfSpace(_)) => 0.0,
+    };
+    (area > LEAST_AREA * extent * extent).then_some(area)
+}
