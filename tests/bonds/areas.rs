@@ -45,8 +45,8 @@ fn a_face_on_another_turned_about_the_normal_shares_an_octagon() {
     // A square of 1 m on one turned by 45 degrees: area 2 (sqrt 2 - 1).
     let slab = || ConvexMesh::cuboid(1.0, 0.4, 1.0).expect("valid size");
     let mut upper = BodyDesc::dynamic(slab(), 0.4 * Vec3::Y);
-    let half = std::f32::consts::FRAC_PI_8;
-    upper.pose.rotation = Quat::from_xyzw(0.0, half.sin(), 0.0, half.cos());
+    // The tangent of half the angle is sqrt 2 - 1.
+    upper.pose.rotation = Quat::from_xyzw(0.0, 2.0_f32.sqrt() - 1.0, 0.0, 1.0).normalize();
     let (mut simulation, slots) = simulation([BodyDesc::dynamic(slab(), Vec3::ZERO), upper]);
     assert_eq!(simulation.bond_neighbours(&slots, 1.0), Ok(1));
     let expected = 2.0 * (2.0_f32.sqrt() - 1.0);
