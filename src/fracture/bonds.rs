@@ -9,6 +9,8 @@
 //! The load is shared by at most four points at the rim of the common face. So a rectangular face of depth `d` bears a
 //! bending moment of `strength area d / 2`, three times that of an elastic beam whose stress at the rim is the strength.
 //!
+//! Bodies that turn about each other need 1.5 times the strength that keeps them on their circle.
+//!
 //! Bonds hold where contacts do: the bodies must touch, their layers must let them, and one of them must be dynamic. They
 //! go with their bodies; those of a body that is cut go with it. All methods of the solver bear them.
 

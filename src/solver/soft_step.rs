@@ -20,11 +20,6 @@
 
 use super::SolverConfig;
 
-/// Reserve of bonds for position feedback. Two bodies that turn about each other leave their circle along its tangents by
-/// `omega^2 r h^2 / 2` in a sub-step; to get back takes half as much impulse as to stay on it. Relax sweeps, which keep to the
-/// strength, take it back again.
-const RESERVE: f32 = 2.0;
-
 /// Coefficients of soft contacts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Softness {
@@ -54,11 +49,6 @@ impl Softness {
             mass_scale: a2 / (1.0 + a2),
             release: 1.0 / (1.0 + a2),
         }
-    }
-
-    /// What bonds may bear while positions are corrected, as a multiple of their strength.
-    pub fn reserve(&self) -> f32 {
-        if *self == Self::HARD { 1.0 } else { RESERVE }
     }
 }
 

@@ -462,7 +462,7 @@ impl<const TIED: bool> Sweep<'_, '_, TIED> {
                         Some(blow) => L::load(&blow.rebound),
                         None => zero,
                     },
-                    bounds: Bounds::load(friction, self.ties.get(i)).widened(rule.reserve()),
+                    bounds: Bounds::load(friction, self.ties.get(i)),
                     model: *model,
                     point,
                 };
@@ -544,8 +544,6 @@ impl<L: Lanes, const TIED: bool> State<'_, L, TIED> {
 
 /// What a sweep does to a point.
 trait Rule<L> {
-    /// What bonds may bear, as a multiple of their strength.
-    fn reserve(&self) -> L;
     /// Changes the impulses of a point; returns by how much.
     fn solve<const TIED: bool>(&self, state: &mut State<'_, L, TIED>) -> [L; 3];
 }
@@ -554,7 +552,6 @@ trait Rule<L> {
 struct Feeding<L> {
     mass_scale: L,
     keep: L,
-    reserve: L,
 }
 
 impl<L: Lanes> Feeding<L> {
@@ -579,11 +576,6 @@ impl<L: Lanes> Feeding<L> {
 
 impl<L: Lanes> Rule<L> for Feeding<L> {
     #[inline(always)]
-    fn reserve(&self) -> L {
-        self.reserve
-    }
-
-    #[inline(always)]
     fn solve<const TIED: bool>(&self, state: &mut State<'_, L, TIED>) -> [L; 3] {
         let (one, below_zero) = (L::splat(1.0), L::splat(-f32::MIN_POSITIVE));
         let friction = self.friction(state);
@@ -605,11 +597,6 @@ impl<L: Lanes> Rule<L> for Feeding<L> {
 struct Settling;
 
 impl<L: Lanes> Rule<L> for Settling {
-    #[inline(always)]
-    fn reserve(&self) -> L {
-        L::splat(1.0)
-    }
-
     #[inline(always)]
     fn solve<const TIED: bool>(&self, state: &mut State<'_, L, TIED>) -> [L; 3] {
         let zero = L::splat(0.0);
@@ -636,7 +623,6 @@ impl<const TIED: bool> Kernel for Solve<'_, '_, TIED> {
         let rule = Feeding {
             mass_scale: L::splat(softness.mass_scale),
             keep: L::splat(1.0 - softness.release),
-            reserve: L::splat(softness.reserve()),
         };
         self.0.each_point::<L, _>(&rule)
     }
