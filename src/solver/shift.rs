@@ -50,8 +50,8 @@ impl Shift<'_> {
         } else {
             &self.blows[range.clone()]
         };
-        // SAFETY: points and their ties follow their blocks, and no other thread has these blocks; of the bodies, blocks of one stage write
-        // different ones, see above. Displacements are not written.
+        // SAFETY: points and their ties follow their blocks, and no other thread has these blocks; of the bodies, blocks of
+        // one stage write different ones, see above. Displacements are not written.
         let change = unsafe {
             let mut contacts = Contacts {
                 blocks,

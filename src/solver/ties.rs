@@ -26,8 +26,8 @@ use crate::contact::BodyId;
 use crate::contact::manifold::{MAX_POINTS, Manifold};
 use glam::{Vec2, Vec3};
 
-/// Rate at which bonded points go back to their places, as a share of that at which overlap is pushed out. At the full rate walls of
-/// bricks never come to rest: after 10 s one of 64 moves by 2 mm/s, with half of it by 1 um/s.
+/// Rate at which bonded points go back to their places, as a share of that at which overlap is pushed out. At the full
+/// rate walls of bricks never come to rest: after 10 s one of 64 bricks moves at 2 mm/s, with half of it at 1 um/s.
 pub(super) const RATE: f32 = 0.5;
 
 /// Share of its bound from which an impulse counts as being at it.
