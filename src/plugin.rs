@@ -27,21 +27,23 @@ pub struct PhysicsSchedule;
 pub enum PhysicsSystems {
     /// Entities and what changed about them become bodies; mass, centre and inertia of changed shapes.
     MassProperties,
+    /// Bodies that are to be cut become pieces.
+    Cut,
     /// Pairs of bodies that may touch.
     Broadphase,
     /// Where pairs touch; multipliers from the cache.
     ContactGeneration,
     /// Forces and contact impulses.
     Solve,
+    /// Bodies that were hit with more than they bear become pieces, and their islands are solved anew.
+    Fracture,
     /// Poses from velocities.
     Integrate,
     /// The contact cache takes the new multipliers and ages the rest.
     CacheAging,
     /// Islands at rest fall asleep, if [`SleepConfig`](crate::solver::SleepConfig) says so.
     Sleep,
-    /// Bodies that were hit too hard, or are to be cut, become pieces.
-    Fracture,
-    /// Poses and velocities are written to the entities.
+    /// Pieces become entities, and poses and velocities are written to all.
     Writeback,
 }
 
@@ -122,13 +124,14 @@ fn add_phases(schedule: &mut Schedule) {
     schedule.configure_sets(
         (
             Phase::MassProperties,
+            Phase::Cut,
             Phase::Broadphase,
             Phase::ContactGeneration,
             Phase::Solve,
+            Phase::Fracture,
             Phase::Integrate,
             Phase::CacheAging,
             Phase::Sleep,
-            Phase::Fracture,
             Phase::Writeback,
         )
             .chain()
@@ -140,26 +143,22 @@ fn add_phases(schedule: &mut Schedule) {
             gather::gather_changes,
             gather::gather_motion,
             gather::settle_marked,
-            cut::gather_requests,
             mass_properties,
             gather::publish_mass,
         )
             .chain()
             .in_set(Phase::MassProperties),
+        (cut::gather_requests, make_cuts).chain().in_set(Phase::Cut),
         broadphase.in_set(Phase::Broadphase),
         generate_contacts.in_set(Phase::ContactGeneration),
         solve.in_set(Phase::Solve),
+        fracture.in_set(Phase::Fracture),
         integrate.in_set(Phase::Integrate),
         age_cache.in_set(Phase::CacheAging),
         sleep.in_set(Phase::Sleep),
         (
-            fracture,
             cut::report_refusals,
             cut::spawn_pieces.run_if(cut::anything_broke),
-        )
-            .chain()
-            .in_set(Phase::Fracture),
-        (
             scatter::unmark_woken,
             scatter::scatter,
             scatter::mark_asleep,
@@ -268,11 +267,28 @@ fn sleep(
     );
 }
 
-fn fracture(
+fn make_cuts(
     mut bodies: ResMut<Bodies>,
-    contacts: Res<Contacts>,
     mut cache: ResMut<ContactCache>,
     mut fractures: ResMut<Fractures>,
 ) {
-    step::fracture(&mut bodies, &contacts, &mut cache, &mut fractures);
+    step::cut(&mut bodies, &mut cache, &mut fractures);
+}
+
+fn fracture(
+    mut bodies: ResMut<Bodies>,
+    mut contacts: ResMut<Contacts>,
+    mut cache: ResMut<ContactCache>,
+    mut fractures: ResMut<Fractures>,
+    settings: Settings,
+    mut report: ResMut<StepReport>,
+) {
+    step::fracture(
+        &mut bodies,
+        &mut contacts,
+        &mut cache,
+        &mut fractures,
+        &settings.get(),
+        &mut report,
+    );
 }

@@ -1,11 +1,16 @@
 //! Bodies that break: which ones, through which planes, and what becomes of their motion.
 //!
-//! A body breaks when the contact impulses of one step pass its strength, or when a cut is asked for. It is cut in its
-//! own frame; each piece becomes a body about its own centre of mass and moves as that part of the parent did:
+//! Cuts that were asked for are made at the start of a step. A body that is hit with more than it bears breaks in the very
+//! step: the solver gives up its island, the part of the impulses that the body bears acts on it and on what hit it, and
+//! the island is solved anew with the pieces. So what hit it goes on with the rest of its momentum, and nothing bounces off
+//! a pane that is not there any more. Only a blow that comes anew breaks a body: a load that it stands may last for ever.
+//!
+//! A body is cut in its own frame; each piece becomes a body about its own centre of mass and moves as that part of the parent did:
 //! `v_i = v + omega x r_i`, `omega_i = omega`, which conserves momentum, angular momentum and energy exactly; the
 //! [`Ledger`] shows the rounding.
 
 mod impact;
+mod inheritance;
 mod ledger;
 
 pub use ledger::{Ledger, Totals};
@@ -22,6 +27,7 @@ use crate::slice::{Piece, SliceError, SliceOptions, cut_by_planes};
 use crate::solver::bodies::{Bodies, BodyDesc, BodyError, RigidBody, Shape};
 use bevy_ecs::resource::Resource;
 use glam::Quat;
+use inheritance::{Line, hand_down};
 use smallvec::SmallVec;
 
 /// Why a cut that was asked for was not made. The body is left as it was.
@@ -92,18 +98,20 @@ pub struct Fracture {
     pub parent_slot: u32,
     /// Slots of the pieces.
     pub pieces: SmallVec<[u32; 8]>,
+    /// Their ids. A piece that broke in the same step is gone, and is the parent of a later fracture.
+    pub ids: SmallVec<[BodyId; 8]>,
     /// The planes, world frame.
     pub planes: SmallVec<[Plane; 8]>,
     /// Before and after.
     pub ledger: Ledger,
 }
 
-/// Cuts asked for, and what the last fracture phase did.
+/// Cuts asked for, and what broke in the last step.
 #[derive(Debug, Default, Resource)]
 pub struct Fractures {
-    /// Cuts to make in the next fracture phase, in order; several on one body cut its pieces too.
+    /// Cuts to make at the start of the next step, in order; several on one body cut its pieces too.
     pub requests: Vec<CutRequest>,
-    /// Fractures of the last step, in order of the parents' ids.
+    /// Fractures of the last step: the cuts, then what its impulses broke; both in order of the parents' ids.
     pub done: Vec<Fracture>,
     /// Cuts of the last step that were not made.
     pub refused: Vec<(CutRequest, CutError)>,
@@ -116,35 +124,93 @@ struct Breaking {
     slot: u32,
     planes: SmallVec<[Plane; 8]>,
     requests: SmallVec<[CutRequest; 2]>,
+    /// Share of the impulses of the step that the body bears before it breaks.
+    borne: f32,
 }
 
-/// Breaks all bodies whose strength was passed or that are to be cut.
+/// Makes the cuts that were asked for.
 ///
-/// Pieces get slots, parents lose theirs; the parents' cache entries go. Results are in `fractures`.
-pub fn fracture_bodies(
+/// Pieces get slots, parents lose theirs, and the parents' multipliers go to the pieces. Results are in `fractures`.
+pub fn make_cuts(fractures: &mut Fractures, bodies: &mut Bodies, cache: &mut ContactCache) {
+    fractures.done.clear();
+    fractures.refused.clear();
+    if fractures.requests.is_empty() {
+        return;
+    }
+    collect_requests(fractures, bodies);
+    for breaking in &fractures.breaking {
+        bodies.wake(breaking.slot);
+    }
+    bodies.unpark_woken(cache);
+    break_bodies(fractures, bodies, cache);
+}
+
+/// Breaks the bodies whose solve was given up because they were hit with more than they bear.
+///
+/// `manifolds` hold the impulses until then. They act on the bodies of `is_waiting` as far as what breaks bears them; the
+/// rest is for the pieces. Results are added to `fractures`.
+pub fn break_overloaded(
     fractures: &mut Fractures,
     bodies: &mut Bodies,
     manifolds: &[Manifold],
     cache: &mut ContactCache,
+    is_waiting: impl Fn(u32) -> bool,
 ) {
-    fractures.done.clear();
-    fractures.refused.clear();
-    collect_requests(fractures, bodies);
-    collect_impacts(fractures, bodies, manifolds);
+    impact::sum_impulses(&mut fractures.impacts, bodies, manifolds);
+    for slot in 0..bodies.slots() as u32 {
+        if is_waiting(slot)
+            && let Some(limit) = bodies.limit(slot)
+        {
+            let sum = &fractures.impacts[slot as usize];
+            if let Some(borne) = sum.borne(&limit) {
+                let planes = sum.planes(bodies, slot);
+                // If it cannot be broken, it has to bear everything.
+                bodies.is_overloaded[slot as usize] = true;
+                fractures.breaking.push(Breaking {
+                    slot,
+                    planes,
+                    requests: SmallVec::new(),
+                    borne,
+                });
+            }
+        }
+    }
+    impact::apply_borne(&fractures.breaking, bodies, manifolds);
+    break_bodies(fractures, bodies, cache);
+}
+
+/// Notes which bodies have got through the step although its impulses were more than they bear.
+pub fn note_loads(fractures: &mut Fractures, bodies: &mut Bodies, manifolds: &[Manifold]) {
+    if !bodies.any_fracturable() {
+        return;
+    }
+    impact::sum_impulses(&mut fractures.impacts, bodies, manifolds);
+    for (slot, sum) in (0..).zip(&fractures.impacts) {
+        if let Some(fracturable) = bodies.fracturable(slot) {
+            bodies.is_overloaded[slot as usize] = sum.impulse() > fracturable.strength;
+        }
+    }
+}
+
+fn break_bodies(fractures: &mut Fractures, bodies: &mut Bodies, cache: &mut ContactCache) {
     let mut breaking = std::mem::take(&mut fractures.breaking);
     breaking.sort_by_key(|b| bodies.id(b.slot));
+    let mut lines = Vec::new();
     for entry in breaking.drain(..) {
+        let line = Line::of(bodies, entry.slot);
         match break_body(bodies, &entry) {
-            Ok(fracture) => fractures.done.push(fracture),
+            Ok(fracture) => {
+                lines.push((line, fracture.pieces.clone()));
+                fractures.done.push(fracture);
+            }
             Err(error) => fractures
                 .refused
                 .extend(entry.requests.iter().map(|&r| (r, error.clone()))),
         }
     }
     fractures.breaking = breaking;
-    if !fractures.done.is_empty() {
-        let done = &fractures.done;
-        cache.remove_bodies(|id| done.binary_search_by_key(&id, |f| f.parent).is_ok());
+    if !lines.is_empty() {
+        hand_down(&lines, bodies, cache);
     }
 }
 
@@ -178,22 +244,6 @@ fn check_request(request: &CutRequest, bodies: &Bodies) -> Result<(), CutError> 
     Ok(())
 }
 
-/// Adds the bodies whose contact impulses of this step exceed their strength.
-fn collect_impacts(fractures: &mut Fractures, bodies: &Bodies, manifolds: &[Manifold]) {
-    if !bodies.any_fracturable() {
-        return;
-    }
-    impact::sum_impulses(&mut fractures.impacts, bodies.slots(), manifolds);
-    for (slot, sum) in (0..).zip(&fractures.impacts) {
-        let planes = impact::planes_of_impact(bodies, slot, sum);
-        if !planes.is_empty() {
-            breaking_of(&mut fractures.breaking, slot)
-                .planes
-                .extend(planes);
-        }
-    }
-}
-
 /// The entry of the body in `slot`, made if it is not there yet.
 fn breaking_of(breaking: &mut Vec<Breaking>, slot: u32) -> &mut Breaking {
     let index = breaking.iter().position(|b| b.slot == slot);
@@ -202,6 +252,7 @@ fn breaking_of(breaking: &mut Vec<Breaking>, slot: u32) -> &mut Breaking {
             slot,
             planes: SmallVec::new(),
             requests: SmallVec::new(),
+            borne: 0.0,
         });
         breaking.len() - 1
     });
@@ -222,6 +273,9 @@ fn break_body(bodies: &mut Bodies, breaking: &Breaking) -> Result<Fracture, CutE
     }
     let least_volume = f64::from(fracturable.map_or(0.0, |f| f.least_volume));
     let large_enough = |piece: &Piece| piece.volume > least_volume;
+    // A blow that broke the body may break its pieces too; a load that it stood may not.
+    let is_cut = !breaking.requests.is_empty();
+    let stands = is_cut && bodies.is_overloaded[slot as usize];
     let world_from_body = bodies.pose(slot);
     let about = bodies.centre_of_mass(slot).as_dvec3();
     let mut ledger = Ledger::default();
@@ -237,6 +291,7 @@ fn break_body(bodies: &mut Bodies, breaking: &Breaking) -> Result<Fracture, CutE
         match keep.then(|| bodies.insert_with_mass(desc)) {
             Some(Ok(piece_slot)) => {
                 ledger.after.add_body(bodies, piece_slot, about);
+                bodies.is_overloaded[piece_slot as usize] = stands;
                 kept.push(piece_slot);
             }
             Some(Err(_)) | None => {
@@ -252,6 +307,7 @@ fn break_body(bodies: &mut Bodies, breaking: &Breaking) -> Result<Fracture, CutE
     let fracture = Fracture {
         parent: bodies.id(slot),
         parent_slot: slot,
+        ids: kept.iter().map(|&piece| bodies.id(piece)).collect(),
         pieces: kept,
         planes: breaking
             .planes

@@ -60,7 +60,7 @@ fn cells<T>(list: &mut [T]) -> &[Cell<T>] {
 }
 
 impl Batch {
-    /// Advances the batch by a step.
+    /// Advances the batch by a step, or gives up when a body of it breaks.
     pub fn solve(&mut self, manifolds: &[Manifold], team: Option<&Team>) {
         let settings = &{ self.settings };
         let mut effort = self.effort;
@@ -77,6 +77,11 @@ impl Batch {
                 self.solve_calm_substep(substep == 0, manifolds, effort, team);
             }
             self.turn_bodies(settings.h);
+            let is_last = substep + 1 == settings.config.substeps;
+            if (is_last || self.can_hit()) && self.is_overloaded() {
+                self.is_broken = true;
+                break;
+            }
         }
         self.effort = *effort;
     }

@@ -164,6 +164,7 @@ impl Runner {
             h: H,
         };
         step::mass_properties(bodies, report);
+        step::cut(bodies, cache, fractures);
         step::broadphase(bodies, contacts, settings, report);
         if self.start == Start::Feature {
             step::generate_contacts(bodies, contacts, &mut ContactCache::new(), settings, report);
@@ -186,9 +187,9 @@ impl Runner {
             self.before
                 .extend(points.map(|point| known(bodies, m, point)));
         }
+        step::fracture(bodies, contacts, cache, fractures, settings, report);
         step::integrate(bodies, report);
         step::age_cache(bodies, contacts, cache, settings);
-        step::fracture(bodies, contacts, cache, fractures);
     }
 }
 
