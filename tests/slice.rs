@@ -349,6 +349,7 @@ fn cap_takes_the_chosen_colour() {
     let red = Vec4::new(1.0, 0.0, 0.0, 1.0);
     let options = SliceOptions {
         cap_colour: Some(red),
+        ..SliceOptions::default()
     };
     let plain = primitives::cuboid(1.0, 1.0, 1.0).unwrap().to_mesh();
     let plane = Plane {

@@ -215,6 +215,7 @@ fn break_body(bodies: &mut Bodies, breaking: &Breaking) -> Result<Fracture, CutE
     let fracturable = bodies.fracturable(slot).copied();
     let options = SliceOptions {
         cap_colour: fracturable.and_then(|f| f.cut_colour),
+        ..SliceOptions::default()
     };
     let pieces = cut_by_planes(mesh.hull(), mesh.visual(), &breaking.planes, options)?;
     if pieces.len() < 2 {
