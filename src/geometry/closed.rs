@@ -1,66 +1,108 @@
-//! Whether a surface is closed, in one pass over its edges.
+//! Whether a surface is closed, in one pass over its edges, and remembering that it is.
 
-/// Counts directed edges by their end with the smaller number, keeping its working memory.
+use std::sync::OnceLock;
+
+/// Marks the end of a list.
+const NONE: u32 = u32::MAX;
+
+/// Entries looked at per edge, on average, before the lists count as too long: where thousands of edges meet at one
+/// vertex, sorting is faster.
+const PATIENCE: usize = 32;
+
+/// Set once a mesh was found closed, or was made so. No part of the mesh's value: all are equal.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct KnownClosed(OnceLock<()>);
+
+impl KnownClosed {
+    pub(crate) fn set(&self) {
+        self.0.get_or_init(|| ());
+    }
+
+    pub(crate) fn is_set(&self) -> bool {
+        self.0.get().is_some()
+    }
+
+    /// Forgets it.
+    pub(crate) fn clear(&mut self) {
+        self.0.take();
+    }
+}
+
+impl PartialEq for KnownClosed {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+/// One undirected edge, in the list of its end with the smaller number.
+#[derive(Clone, Copy, Debug)]
+struct Entry {
+    high: u32,
+    /// Directions in which the edge was seen: 1 upwards, 2 downwards.
+    seen: u32,
+    next: u32,
+}
+
+/// Pairs directed edges with their reverses, keeping its working memory.
 ///
-/// Edges are sorted into one list per vertex (a counting sort), so the time is linear in the number of triangles while
-/// few edges meet at each vertex, and never worse than sorting them all.
+/// Each vertex heads a list of its edges to vertices of larger number; there are about three.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct EdgeCensus {
-    /// By vertex: where its list begins; while it is filled, where the next edge goes.
-    starts: Vec<u32>,
-    /// Twice the end with the larger number, plus one if the edge begins there.
-    edges: Vec<u32>,
+    heads: Vec<u32>,
+    entries: Vec<Entry>,
 }
 
 impl EdgeCensus {
     /// Whether each directed edge of `triangles` occurs exactly once and so does its reverse.
     ///
-    /// `topology` numbers the positions of the vertices, all below `count`.
+    /// `topology` numbers the positions of the vertices, all below `count`. A `false` may also mean that the lists got too
+    /// long: only a sort can tell then.
     pub(crate) fn is_closed(
         &mut self,
         triangles: &[[u32; 3]],
         topology: &[u32],
         count: usize,
     ) -> bool {
-        // What an edge and a place in the lists are packed into must hold them.
-        if count > u32::MAX as usize / 2 || triangles.len() > u32::MAX as usize / 3 {
-            return false;
-        }
-        self.starts.clear();
-        self.starts.resize(count + 1, 0);
+        self.heads.clear();
+        self.heads.resize(count, NONE);
+        self.entries.clear();
+        let edges = 3 * triangles.len();
+        self.entries.reserve(edges / 2 + 1);
+        let mut patience = PATIENCE * edges;
         for corners in triangles {
             let [a, b, c] = corners.map(|v| topology[v as usize]);
-            for low in [a.min(b), b.min(c), c.min(a)] {
-                self.starts[low as usize + 1] += 1;
+            let is_first_time = self.see(a, b, &mut patience)
+                && self.see(b, c, &mut patience)
+                && self.see(c, a, &mut patience);
+            if !is_first_time {
+                return false;
             }
         }
-        // Shifted by one entry: filling a list moves its start to the start of the next.
-        let mut sum = 0;
-        for start in &mut self.starts {
-            sum += *start;
-            *start = sum;
-        }
-        self.fill(triangles, topology);
-        let mut first = 0;
-        self.starts[..count].iter().all(|&end| {
-            let list = &mut self.edges[first..end as usize];
-            first = end as usize;
-            list.sort_unstable();
-            let is_paired = |pair: &[u32]| matches!(*pair, [a, b] if a % 2 == 0 && b == a + 1);
-            list.chunks(2).all(is_paired)
-        })
+        // Each entry was seen once or twice; twice on average means that all were.
+        2 * self.entries.len() == edges
     }
 
-    fn fill(&mut self, triangles: &[[u32; 3]], topology: &[u32]) {
-        self.edges.clear();
-        self.edges.resize(3 * triangles.len(), 0);
-        for corners in triangles {
-            let [a, b, c] = corners.map(|v| topology[v as usize]);
-            for (from, to) in [(a, b), (b, c), (c, a)] {
-                let place = &mut self.starts[from.min(to) as usize];
-                self.edges[*place as usize] = 2 * from.max(to) + u32::from(from > to);
-                *place += 1;
+    /// Notes the edge from `from` to `to`; whether it is the first time.
+    #[inline]
+    fn see(&mut self, from: u32, to: u32, patience: &mut usize) -> bool {
+        let (low, high) = (from.min(to), from.max(to));
+        let seen = 1 + u32::from(from > to);
+        let head = &mut self.heads[low as usize];
+        let mut at = *head;
+        while let Some(entry) = self.entries.get_mut(at as usize) {
+            if entry.high == high {
+                let is_first_time = entry.seen & seen == 0;
+                entry.seen |= seen;
+                return is_first_time;
+            }
+            at = entry.next;
+            *patience -= 1;
+            if *patience == 0 {
+                return false;
             }
         }
+        let next = std::mem::replace(head, self.entries.len() as u32);
+        self.entries.push(Entry { high, seen, next });
+        true
     }
 }

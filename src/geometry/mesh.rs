@@ -1,6 +1,6 @@
 //! `TriMesh`: triangles with per-vertex attributes, and what can be wrong with them.
 
-use super::EdgeCensus;
+use super::{EdgeCensus, KnownClosed};
 use crate::math::{Aabb, Pose, rotate};
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
@@ -19,6 +19,7 @@ pub struct TriMesh {
     pub(crate) triangles: Vec<[u32; 3]>,
     pub(crate) materials: Vec<u16>,
     pub(crate) topology: Vec<u32>,
+    pub(crate) known_closed: KnownClosed,
 }
 
 /// Why a mesh was refused.
@@ -234,7 +235,8 @@ impl TriMesh {
     }
 
     /// Checks that the surface is closed: over [`topology`](Self::topology), each directed edge occurs exactly once and
-    /// so does its reverse.
+    /// so does its reverse. A mesh remembers that it was found closed, and so do its copies; parts of a cut know from the
+    /// start.
     ///
     /// # Errors
     /// [`MeshError::Open`] or [`MeshError::NonManifold`], whose `from` and `to` are vertex indices.
@@ -244,11 +246,14 @@ impl TriMesh {
 
     /// As [`check_closed`](Self::check_closed), in the memory of `census`.
     pub(crate) fn check_closed_with(&self, census: &mut EdgeCensus) -> Result<(), MeshError> {
-        if census.is_closed(&self.triangles, &self.topology, self.topology_count()) {
-            Ok(())
-        } else {
-            self.find_open_edge()
+        if self.known_closed.is_set() {
+            return Ok(());
         }
+        if !census.is_closed(&self.triangles, &self.topology, self.topology_count()) {
+            self.find_open_edge()?;
+        }
+        self.known_closed.set();
+        Ok(())
     }
 
     /// How many numbers of positions there are room for: the largest plus one.

@@ -13,7 +13,7 @@ pub mod mesh;
 pub mod predicates;
 pub mod primitives;
 
-pub(crate) use closed::EdgeCensus;
+pub(crate) use closed::{EdgeCensus, KnownClosed};
 pub use convex::{ConvexHull, Edge, Face, HullDefect, HullError};
 pub use convex_mesh::{ConvexMesh, HalfSpace};
 pub use hull::convex_hull_triangles;

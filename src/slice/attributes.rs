@@ -14,6 +14,7 @@ pub(super) fn clear(mesh: &mut TriMesh) {
         triangles,
         materials,
         topology,
+        known_closed,
     } = mesh;
     positions.clear();
     normals.clear();
@@ -22,6 +23,7 @@ pub(super) fn clear(mesh: &mut TriMesh) {
     triangles.clear();
     materials.clear();
     topology.clear();
+    known_closed.clear();
 }
 
 /// Appends to `target` a vertex on the edge from vertex `a` to vertex `b` of `source`, the fraction `t` of the way.
@@ -118,37 +120,51 @@ impl MeanVertex {
     }
 }
 
-/// Appends the vertices `chosen` of `source` with all their attributes, but without topology numbers.
-pub(super) fn extend_chosen(mesh: &mut TriMesh, source: &TriMesh, chosen: &[u32]) {
-    extend(&mut mesh.positions, &source.positions, chosen);
-    extend(&mut mesh.normals, &source.normals, chosen);
-    extend(&mut mesh.colours, &source.colours, chosen);
-    extend(&mut mesh.uvs, &source.uvs, chosen);
-}
-
-fn extend<T: Copy>(target: &mut Vec<T>, source: &[T], chosen: &[u32]) {
-    if !source.is_empty() {
-        target.extend(chosen.iter().map(|&vertex| source[vertex as usize]));
+/// Appends the vertices `chosen` of `old` and the first `count` of `new`, with those attributes that `old` has, but
+/// without topology numbers. Room for `more` vertices is made as well.
+pub(super) fn extend_chosen(
+    mesh: &mut TriMesh,
+    old: &TriMesh,
+    chosen: &[u32],
+    new: &TriMesh,
+    [count, more]: [usize; 2],
+) {
+    fn extend<T: Copy>(
+        target: &mut Vec<T>,
+        old: &[T],
+        chosen: &[u32],
+        new: &[T],
+        [count, more]: [usize; 2],
+    ) {
+        if !old.is_empty() {
+            target.reserve(chosen.len() + count + more);
+            target.extend(chosen.iter().map(|&vertex| old[vertex as usize]));
+            target.extend_from_slice(&new[..count]);
+        }
     }
-}
-
-/// Appends the first `count` vertices of `source` with all their attributes, but without topology numbers.
-pub(super) fn extend_first(mesh: &mut TriMesh, source: &TriMesh, count: usize) {
-    let first = |length: usize| ..count.min(length);
-    let TriMesh {
-        positions,
-        normals,
-        colours,
-        uvs,
-        ..
-    } = source;
-    mesh.positions
-        .extend_from_slice(&positions[first(positions.len())]);
-    mesh.normals
-        .extend_from_slice(&normals[first(normals.len())]);
-    mesh.colours
-        .extend_from_slice(&colours[first(colours.len())]);
-    mesh.uvs.extend_from_slice(&uvs[first(uvs.len())]);
+    let counts = [count, more];
+    extend(
+        &mut mesh.positions,
+        &old.positions,
+        chosen,
+        &new.positions,
+        counts,
+    );
+    extend(
+        &mut mesh.normals,
+        &old.normals,
+        chosen,
+        &new.normals,
+        counts,
+    );
+    extend(
+        &mut mesh.colours,
+        &old.colours,
+        chosen,
+        &new.colours,
+        counts,
+    );
+    extend(&mut mesh.uvs, &old.uvs, chosen, &new.uvs, counts);
 }
 
 /// What the vertices of one cap have in common.

@@ -74,6 +74,8 @@ struct Ring {
 struct Turn {
     corner: u32,
     turn: i32,
+    /// Place in the plane's frame, m.
+    point: DVec2,
 }
 
 impl CapFill {
@@ -407,7 +409,11 @@ impl Filler<'_> {
     fn clip_ears(&mut self, corners: impl Iterator<Item = u32>, orientation: f64) {
         let mut polygon = std::mem::take(&mut self.cap.polygon);
         polygon.clear();
-        polygon.extend(corners.map(|corner| Turn { corner, turn: 0 }));
+        polygon.extend(corners.map(|corner| Turn {
+            corner,
+            turn: 0,
+            point: self.cap.point(corner),
+        }));
         for place in 0..polygon.len() {
             self.update_turn(&mut polygon, place, orientation);
         }
@@ -473,16 +479,19 @@ impl Filler<'_> {
         }
         let ear = around(polygon, place);
         let [a, b, c] = ear.map(|corner| self.cap.point(corner));
+        let (low, high) = (a.min(b).min(c), a.max(b).max(c));
         let side = |p: DVec2, q: DVec2, r: DVec2| orientation * (q - p).perp_dot(r - p);
-        let mut others = polygon.iter().filter(|p| p.turn <= 0);
-        !others.any(|other| {
-            let p = self.cap.point(other.corner);
+        !polygon.iter().any(|other| {
+            let p = other.point;
+            let is_near = p.x >= low.x && p.x <= high.x && p.y >= low.y && p.y <= high.y;
+            if !is_near || other.turn > 0 || ear.contains(&other.corner) {
+                return false;
+            }
             let inner = side(a, b, p).min(side(b, c, p)).min(side(c, a, p));
-            let is_inside = match kind {
+            match kind {
                 Ear::Good => inner >= 0.0,
                 Ear::Flat | Ear::Any => inner > 0.0,
-            };
-            is_inside && !ear.contains(&other.corner)
+            }
         })
     }
 

@@ -19,9 +19,6 @@ const BELOW: u8 = 1;
 const ABOVE: u8 = 2;
 const ON: u8 = 4;
 
-/// Indices of the two parts in arrays of two.
-pub(super) const PARTS: [usize; 2] = [0, 1];
-
 /// What a plane does to a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
@@ -76,8 +73,6 @@ pub(super) struct Clip {
     pub(super) old_topology_count: u32,
     /// Side of each old vertex, as a bit.
     sides: Vec<u8>,
-    /// Parts that use an old vertex, as bits.
-    pub(super) used: Vec<u8>,
     /// Triangles of the input that are on one side.
     pub(super) whole: [Vec<u32>; 2],
     /// Triangles that are parts of cut ones.
@@ -135,42 +130,35 @@ impl Clip {
         Verdict::Cut
     }
 
-    /// Sorts the triangles by the sides of their corners and marks who uses which vertex; returns all sides found.
+    /// Sorts the triangles by the sides of their corners; returns all sides found.
     fn sort_triangles(&mut self, mesh: &TriMesh) -> u8 {
-        /// By side: the parts that may have a corner there.
-        const PARTS_AT: [u8; 5] = [0, BELOW, ABOVE, 0, BELOW | ABOVE];
-        self.used.clear();
-        self.used.resize(mesh.positions.len(), 0);
         self.mixed.clear();
         self.touching.clear();
         for whole in &mut self.whole {
             whole.clear();
             whole.resize(mesh.triangles.len(), 0);
         }
-        let (mut count, mut found) = ([0; 2], 0);
+        let sides = self.sides.as_slice();
+        let [below, above] = self.whole.each_mut().map(Vec::as_mut_slice);
+        let (mut below_count, mut above_count, mut found) = (0, 0, 0);
         for (triangle, corners) in (0..).zip(&mesh.triangles) {
-            let sides = corners.map(|vertex| self.sides[vertex as usize]);
-            let [a, b, c] = sides;
+            let [a, b, c] = corners.map(|vertex| sides[vertex as usize]);
             let all = a | b | c;
             found |= all;
             let parts = all & (BELOW | ABOVE);
             // Written always and counted where it belongs, which no processor has to guess.
-            for part in PARTS {
-                self.whole[part][count[part]] = triangle;
-                count[part] += usize::from(parts == 1 << part);
-            }
-            for (&vertex, side) in corners.iter().zip(sides) {
-                self.used[vertex as usize] |= parts & PARTS_AT[side as usize];
-            }
+            below[below_count] = triangle;
+            below_count += usize::from(parts == BELOW);
+            above[above_count] = triangle;
+            above_count += usize::from(parts == ABOVE);
             if parts == 0 || parts == BELOW | ABOVE {
                 self.mixed.push(triangle);
             } else if (a & b | b & c | c & a) & ON != 0 {
                 self.touching.push(triangle);
             }
         }
-        for (whole, count) in self.whole.iter_mut().zip(count) {
-            whole.truncate(count);
-        }
+        self.whole[0].truncate(below_count);
+        self.whole[1].truncate(above_count);
         found
     }
 
@@ -222,9 +210,6 @@ impl Clip {
         self.on_triangles.push(key);
         let is_below = facing > 0.0;
         self.whole[usize::from(!is_below)].push(triangle);
-        for vertex in corners {
-            self.used[vertex as usize] |= if is_below { BELOW } else { ABOVE };
-        }
         self.pair_on_edges(mesh, corners, is_below);
     }
 

@@ -133,24 +133,20 @@ impl MeshSlicer {
         part: &mut TriMesh,
     ) {
         attributes::clear(part);
-        self.numbers.choose(&self.clip, index);
-        self.reserve(index, mesh, part);
-        let on_cut_edges = self.clip.cut_vertices;
-        attributes::extend_chosen(part, mesh, &self.numbers.chosen);
-        attributes::extend_first(part, &self.clip.new, on_cut_edges);
-        let old = self
-            .numbers
-            .chosen
-            .iter()
-            .map(|&v| mesh.topology[v as usize]);
-        let new = self.clip.new.topology[..on_cut_edges].iter().copied();
+        self.collect_triangles(index, mesh, part);
+        let counts = [self.clip.cut_vertices, self.cap.corners.len()];
+        let (chosen, new) = (&self.numbers.chosen, &self.clip.new);
+        attributes::extend_chosen(part, mesh, chosen, new, counts);
         let topology = &mut self.numbers.topology;
+        topology.reset(self.clip.topology_count as usize);
+        part.topology.reserve(part.positions.len() + counts[1]);
+        let of_old = chosen.iter().map(|&vertex| mesh.topology[vertex as usize]);
+        let of_new = new.topology[..counts[0]].iter().copied();
         part.topology
-            .extend(old.chain(new).map(|number| topology.of(number)));
+            .extend(of_old.chain(of_new).map(|number| topology.of(number)));
         if options.cap_colour.is_some() && mesh.colours.is_empty() {
             part.colours.resize(part.positions.len(), Vec4::ONE);
         }
-        self.collect_triangles(index, mesh, part);
         let first = self.collect_cap_vertices(index, mesh, plane, options, part);
         let cap = self.cap.triangles.iter().map(|t| t.map(|c| first + c));
         if index == 0 {
@@ -159,20 +155,31 @@ impl MeshSlicer {
             part.triangles.extend(cap.map(|[a, b, c]| [a, c, b]));
         }
         self.collect_materials(index, mesh, options.cap_material, part);
+        part.known_closed.set();
     }
 
-    fn collect_triangles(&self, index: usize, mesh: &TriMesh, part: &mut TriMesh) {
-        let clip = &self.clip;
-        let vertex = &self.numbers.vertex;
-        let whole = clip.whole[index].iter();
+    fn collect_triangles(&mut self, index: usize, mesh: &TriMesh, part: &mut TriMesh) {
+        let (whole, cut) = (&self.clip.whole[index], &self.clip.cut[index]);
+        part.triangles
+            .reserve(whole.len() + cut.len() + self.cap.triangles.len());
+        let numbers = &mut self.numbers;
+        numbers.reset(mesh.positions.len());
         part.triangles.extend(
-            whole.map(|&t| mesh.triangles[t as usize].map(|corner| vertex[corner as usize])),
+            whole
+                .iter()
+                .map(|&t| mesh.triangles[t as usize].map(|corner| numbers.of(corner))),
         );
-        let first_new = self.numbers.chosen.len() as u32;
-        part.triangles.extend(clip.cut[index].iter().map(|cut| {
+        let old_vertices = self.clip.old_vertices;
+        for corner in cut.iter().flat_map(|cut| cut.corners) {
+            if corner < old_vertices {
+                numbers.of(corner);
+            }
+        }
+        let first_new = numbers.chosen.len() as u32;
+        part.triangles.extend(cut.iter().map(|cut| {
             cut.corners
-                .map(|corner| match corner.checked_sub(clip.old_vertices) {
-                    None => vertex[corner as usize],
+                .map(|corner| match corner.checked_sub(old_vertices) {
+                    None => numbers.of(corner),
                     Some(new) => first_new + new,
                 })
         }));
@@ -224,57 +231,37 @@ impl MeshSlicer {
         part.materials
             .resize(part.triangles.len(), cap_material.unwrap_or(0));
     }
-
-    /// Makes room for one part at once.
-    fn reserve(&self, index: usize, mesh: &TriMesh, part: &mut TriMesh) {
-        let (clip, cap) = (&self.clip, &self.cap);
-        let triangles = clip.whole[index].len() + clip.cut[index].len() + cap.triangles.len();
-        let vertices = self.numbers.chosen.len() + clip.new.positions.len() + cap.corners.len();
-        part.triangles.reserve(triangles);
-        part.positions.reserve(vertices);
-        part.topology.reserve(vertices);
-        if !mesh.normals.is_empty() {
-            part.normals.reserve(vertices);
-        }
-        if !mesh.colours.is_empty() {
-            part.colours.reserve(vertices);
-        }
-        if !mesh.uvs.is_empty() {
-            part.uvs.reserve(vertices);
-        }
-    }
 }
 
-/// What the vertices of the input are called in a part.
+/// What the vertices of the input are called in a part: numbers in the order in which they are first asked for.
 #[derive(Clone, Debug, Default)]
 struct Numbers {
-    /// The old vertices that the part has.
+    /// By old vertex.
+    table: Vec<u32>,
+    /// The old vertices that have numbers, in order.
     chosen: Vec<u32>,
-    /// By old vertex: its place in `chosen`; for one that is not chosen, anything.
-    vertex: Vec<u32>,
     topology: Renumber,
 }
 
 impl Numbers {
-    /// Chooses the old vertices that part number `index` uses.
-    fn choose(&mut self, clip: &Clip, index: usize) {
-        let count = clip.used.len();
-        self.vertex.clear();
-        self.vertex.resize(count, 0);
+    fn reset(&mut self, count: usize) {
+        self.table.clear();
+        self.table.resize(count, UNUSED);
         self.chosen.clear();
-        self.chosen.resize(count + 1, 0);
-        let mut chosen = 0;
-        for (old, (number, used)) in (0..).zip(self.vertex.iter_mut().zip(&clip.used)) {
-            self.chosen[chosen] = old;
-            *number = chosen as u32;
-            chosen += usize::from(used >> index & 1);
+    }
+
+    #[inline]
+    fn of(&mut self, old: u32) -> u32 {
+        let entry = &mut self.table[old as usize];
+        if *entry == UNUSED {
+            *entry = self.chosen.len() as u32;
+            self.chosen.push(old);
         }
-        self.chosen.truncate(chosen);
-        self.topology.reset(clip.topology_count as usize);
+        *entry
     }
 }
 
-/// New numbers in the order in which old ones are first asked for.
+/// New numbers for positions, in the order in which old ones are first asked for.
 #[derive(Clone, Debug, Default)]
 struct Renumber {
     table: Vec<u32>,
