@@ -122,7 +122,7 @@ fn spawn_piece(world: &mut World, parent: Entity, slot: u32) -> Entity {
         *bodies.mass(slot),
         BodyHandle(Some((slot, id))),
     );
-    let fracturable = bodies.fracturable(slot).copied();
+    let fracturable = bodies.fracturable(slot).cloned();
     // What is cloned must not carry the parent's body, or observers would take the clone for the parent.
     let piece = world
         .entity_mut(parent)

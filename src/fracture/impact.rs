@@ -2,7 +2,7 @@
 
 use crate::contact::manifold::Manifold;
 use crate::math::rotate;
-use crate::slice::pattern::{Impact, Planes};
+use crate::slice::{Cutting, Impact};
 use crate::solver::bodies::{Bodies, RigidBody};
 use glam::Vec3;
 
@@ -40,17 +40,13 @@ pub(super) fn sum_impulses(sums: &mut Vec<ImpulseSum>, slots: usize, manifolds: 
     }
 }
 
-/// The planes (body's frame) that the impulses break the body in `slot` by; none if it bears them.
-pub(super) fn planes_of_impact(bodies: &Bodies, slot: u32, sum: &ImpulseSum) -> Planes {
-    let Some(fracturable) = bodies.fracturable(slot) else {
-        return Planes::new();
-    };
+/// How the impulses break the body in `slot`; nothing if it bears them.
+pub(super) fn cutting_of_impact(bodies: &Bodies, slot: u32, sum: &ImpulseSum) -> Option<Cutting> {
+    let fracturable = bodies.fracturable(slot)?;
     let breaks = sum.total > fracturable.strength
         && bodies.kind(slot) == RigidBody::Dynamic
         && bodies.is_active(slot);
-    let Some(mesh) = bodies.convex(slot).filter(|_| breaks) else {
-        return Planes::new();
-    };
+    let mesh = bodies.convex(slot).filter(|_| breaks)?;
     let to_body = bodies.pose(slot).rotation.inverse();
     // Squeezed from opposite sides, the impulses cancel; any direction across the body is as good as another then.
     let direction = rotate(to_body, sum.impulse).normalize_or(Vec3::Y);
@@ -58,7 +54,8 @@ pub(super) fn planes_of_impact(bodies: &Bodies, slot: u32, sum: &ImpulseSum) -> 
         point: rotate(to_body, sum.moment / sum.total) + bodies.mass(slot).centre,
         normal: direction,
         impulse: sum.total,
+        // What an impulse through the centre of mass takes from a body that it stops: J^2 / (2 m).
+        energy: 0.5 * sum.total * sum.total * bodies.mass(slot).inverse_mass(),
     };
-    let seed = fracturable.seed;
-    fracturable.pattern.planes(&impact, mesh.hull(), seed)
+    fracturable.cutting(&impact, mesh.hull())
 }

@@ -18,7 +18,7 @@ use crate::geometry::predicates::check_plane;
 use crate::mass::VolumeIntegrals;
 use crate::math::{Plane, Pose, rotate};
 use crate::slice::fracturable::Fracturable;
-use crate::slice::{Piece, SliceError, SliceOptions, cut_by_planes};
+use crate::slice::{Cutting, Piece, PieceCutter, SliceError, SliceOptions};
 use crate::solver::bodies::{Bodies, BodyDesc, BodyError, RigidBody, Shape};
 use bevy_ecs::resource::Resource;
 use glam::Quat;
@@ -92,7 +92,7 @@ pub struct Fracture {
     pub parent_slot: u32,
     /// Slots of the pieces.
     pub pieces: SmallVec<[u32; 8]>,
-    /// The planes, world frame.
+    /// The planes, world frame; of a body that broke into cells, only those of cuts on request.
     pub planes: SmallVec<[Plane; 8]>,
     /// Before and after.
     pub ledger: Ledger,
@@ -115,6 +115,8 @@ pub struct Fractures {
 struct Breaking {
     slot: u32,
     planes: SmallVec<[Plane; 8]>,
+    /// Cells that the body breaks into before the planes cut them.
+    cells: Option<Cutting>,
     requests: SmallVec<[CutRequest; 2]>,
 }
 
@@ -185,11 +187,13 @@ fn collect_impacts(fractures: &mut Fractures, bodies: &Bodies, manifolds: &[Mani
     }
     impact::sum_impulses(&mut fractures.impacts, bodies.slots(), manifolds);
     for (slot, sum) in (0..).zip(&fractures.impacts) {
-        let planes = impact::planes_of_impact(bodies, slot, sum);
-        if !planes.is_empty() {
-            breaking_of(&mut fractures.breaking, slot)
-                .planes
-                .extend(planes);
+        let Some(cutting) = impact::cutting_of_impact(bodies, slot, sum) else {
+            continue;
+        };
+        let entry = breaking_of(&mut fractures.breaking, slot);
+        match cutting {
+            Cutting::Planes(planes) => entry.planes.extend(planes),
+            cells => entry.cells = Some(cells),
         }
     }
 }
@@ -201,6 +205,7 @@ fn breaking_of(breaking: &mut Vec<Breaking>, slot: u32) -> &mut Breaking {
         breaking.push(Breaking {
             slot,
             planes: SmallVec::new(),
+            cells: None,
             requests: SmallVec::new(),
         });
         breaking.len() - 1
@@ -212,16 +217,12 @@ fn breaking_of(breaking: &mut Vec<Breaking>, slot: u32) -> &mut Breaking {
 fn break_body(bodies: &mut Bodies, breaking: &Breaking) -> Result<Fracture, CutError> {
     let slot = breaking.slot;
     let mesh = bodies.convex(slot).ok_or(CutError::NotDynamic)?.clone();
-    let fracturable = bodies.fracturable(slot).copied();
-    let options = SliceOptions {
-        cap_colour: fracturable.and_then(|f| f.cut_colour),
-        ..SliceOptions::default()
-    };
-    let pieces = cut_by_planes(mesh.hull(), mesh.visual(), &breaking.planes, options)?;
+    let fracturable = bodies.fracturable(slot).cloned();
+    let pieces = pieces_of(&mesh, fracturable.as_ref(), breaking)?;
     if pieces.len() < 2 {
         return Err(CutError::Missed);
     }
-    let least_volume = f64::from(fracturable.map_or(0.0, |f| f.least_volume));
+    let least_volume = f64::from(fracturable.as_ref().map_or(0.0, |f| f.least_volume));
     let large_enough = |piece: &Piece| piece.volume > least_volume;
     let world_from_body = bodies.pose(slot);
     let about = bodies.centre_of_mass(slot).as_dvec3();
@@ -231,7 +232,7 @@ fn break_body(bodies: &mut Bodies, breaking: &Breaking) -> Result<Fracture, CutE
     for piece in pieces {
         let integrals = VolumeIntegrals::of_hull(&piece.hull);
         let keep = large_enough(&piece);
-        let inherited = fracturable.and_then(|f| f.for_piece(kept.len()));
+        let inherited = fracturable.as_ref().and_then(|f| f.for_piece(kept.len()));
         let desc = piece_desc(bodies, slot, piece, &integrals, inherited);
         let dropped = Totals::of_piece(&desc, &integrals, about);
         // A piece whose mass or inertia no f32 can hold is as good as too small.
@@ -263,6 +264,30 @@ fn break_body(bodies: &mut Bodies, breaking: &Breaking) -> Result<Fracture, CutE
     };
     bodies.remove(slot);
     Ok(fracture)
+}
+
+/// The pieces of one body, in its frame: cells first, then what the planes make of them.
+fn pieces_of(
+    mesh: &ConvexMesh,
+    fracturable: Option<&Fracturable>,
+    breaking: &Breaking,
+) -> Result<Vec<Piece>, SliceError> {
+    let options = SliceOptions {
+        cap_colour: fracturable.and_then(|f| f.cut_colour),
+        cap_material: fracturable.and_then(|f| f.cut_material),
+        ..SliceOptions::default()
+    };
+    // A cut on request is made whatever the limit.
+    let most = match fracturable {
+        Some(fracturable) if breaking.requests.is_empty() => fracturable.most_pieces.into(),
+        _ => usize::MAX,
+    };
+    let mut cutter = PieceCutter::default();
+    let whole = Cutting::Planes(SmallVec::new());
+    let cells = breaking.cells.as_ref().unwrap_or(&whole);
+    let mut pieces = cutter.cut(mesh.hull(), mesh.visual(), cells, most, options)?;
+    cutter.cut_pieces(&mut pieces, &breaking.planes, most, options)?;
+    Ok(pieces)
 }
 
 /// The body that a piece becomes: in a frame about its own centroid, moving as that part of the parent did.

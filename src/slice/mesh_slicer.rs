@@ -137,13 +137,9 @@ impl MeshSlicer {
         let counts = [self.clip.cut_vertices, self.cap.corners.len()];
         let (chosen, new) = (&self.numbers.chosen, &self.clip.new);
         attributes::extend_chosen(part, mesh, chosen, new, counts);
-        let topology = &mut self.numbers.topology;
-        topology.reset(self.clip.topology_count as usize);
         part.topology.reserve(part.positions.len() + counts[1]);
-        let of_old = chosen.iter().map(|&vertex| mesh.topology[vertex as usize]);
-        let of_new = new.topology[..counts[0]].iter().copied();
-        part.topology
-            .extend(of_old.chain(of_new).map(|number| topology.of(number)));
+        self.numbers
+            .extend_topology(part, mesh, &new.topology[..counts[0]]);
         if options.cap_colour.is_some() && mesh.colours.is_empty() {
             part.colours.resize(part.positions.len(), Vec4::ONE);
         }
@@ -207,7 +203,7 @@ impl MeshSlicer {
         let first = part.positions.len() as u32;
         for &vertex in &self.cap.corners {
             let (source, place) = self.clip.find(mesh, vertex);
-            let topology = self.numbers.topology.of(source.topology[place]);
+            let topology = self.numbers.topology_of(source.topology[place]);
             attributes::push_cap(part, source, place, topology, &style);
         }
         first
@@ -233,25 +229,37 @@ impl MeshSlicer {
     }
 }
 
-/// What the vertices of the input are called in a part: numbers in the order in which they are first asked for.
+/// What vertices and positions of a mesh are called in a part of it: numbers in the order in which they are first asked
+/// for.
 #[derive(Clone, Debug, Default)]
-struct Numbers {
+pub(super) struct Numbers {
     /// By old vertex.
     table: Vec<u32>,
     /// The old vertices that have numbers, in order.
     chosen: Vec<u32>,
-    topology: Renumber,
+    /// By old topology number.
+    topology: Vec<u32>,
+    topology_used: u32,
 }
 
 impl Numbers {
-    fn reset(&mut self, count: usize) {
+    /// Forgets all numbers; there are `vertices` old ones.
+    pub(super) fn reset(&mut self, vertices: usize) {
         self.table.clear();
-        self.table.resize(count, UNUSED);
+        self.table.resize(vertices, UNUSED);
         self.chosen.clear();
+        self.topology.clear();
+        self.topology_used = 0;
     }
 
+    /// The old vertices that were asked for, in order.
+    pub(super) fn chosen(&self) -> &[u32] {
+        &self.chosen
+    }
+
+    /// The new number of a vertex.
     #[inline]
-    fn of(&mut self, old: u32) -> u32 {
+    pub(super) fn of(&mut self, old: u32) -> u32 {
         let entry = &mut self.table[old as usize];
         if *entry == UNUSED {
             *entry = self.chosen.len() as u32;
@@ -259,27 +267,28 @@ impl Numbers {
         }
         *entry
     }
-}
 
-/// New numbers for positions, in the order in which old ones are first asked for.
-#[derive(Clone, Debug, Default)]
-struct Renumber {
-    table: Vec<u32>,
-    used: u32,
-}
-
-impl Renumber {
-    fn reset(&mut self, count: usize) {
-        self.table.clear();
-        self.table.resize(count, UNUSED);
-        self.used = 0;
+    /// Gives `part` the topology numbers of all vertices asked for, and of new ones with the old numbers `new`.
+    pub(super) fn extend_topology(&mut self, part: &mut TriMesh, mesh: &TriMesh, new: &[u32]) {
+        for place in 0..self.chosen.len() {
+            let number = mesh.topology[self.chosen[place] as usize];
+            part.topology.push(self.topology_of(number));
+        }
+        for &number in new {
+            part.topology.push(self.topology_of(number));
+        }
     }
 
-    fn of(&mut self, old: u32) -> u32 {
-        let entry = &mut self.table[old as usize];
+    /// The new number of a position.
+    #[inline]
+    pub(super) fn topology_of(&mut self, old: u32) -> u32 {
+        if old as usize >= self.topology.len() {
+            self.topology.resize(old as usize + 1, UNUSED);
+        }
+        let entry = &mut self.topology[old as usize];
         if *entry == UNUSED {
-            *entry = self.used;
-            self.used += 1;
+            *entry = self.topology_used;
+            self.topology_used += 1;
         }
         *entry
     }

@@ -14,15 +14,23 @@
 mod attributes;
 mod border;
 mod cap;
+mod cell_clip;
+pub mod cells;
 mod clip;
+mod components;
 pub mod convex;
+pub mod crack_area;
 mod edge_table;
 pub mod fracturable;
 mod mesh_slicer;
 pub mod pattern;
+mod random;
 
+pub use cells::{Cutting, PieceCutter};
 pub use clip::Verdict;
+pub use components::split_components;
 pub use convex::{HullHalves, HullSlice, HullSlicer, Piece, cut_by_planes, slice_hull};
+pub use crack_area::cells_for_energy;
 pub use mesh_slicer::MeshSlicer;
 pub use pattern::{FracturePattern, Impact};
 

@@ -395,7 +395,7 @@ impl Bodies {
         if !same_mass || !info.touches_like(self.info(slot)) {
             self.disturb(slot);
         }
-        self.set_fracturable(slot, info.fracturable);
+        self.set_fracturable(slot, info.fracturable.clone());
         self.info[slot as usize] = Some(info);
         self.renew_version(slot);
         if !same_mass {
