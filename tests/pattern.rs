@@ -6,6 +6,7 @@ mod common;
 mod dice;
 mod slice_common;
 
+use bevy_cleave::geometry::predicates::length_scale;
 use bevy_cleave::geometry::{ConvexHull, PlaneError, TriMesh, primitives};
 use bevy_cleave::math::{Plane, Pose};
 use bevy_cleave::slice::cells::CellPlanes;
@@ -77,25 +78,27 @@ fn contains(hull: &ConvexHull, point: Vec3, margin: f32) -> bool {
     faces.all(|face| face.plane.distance(point) <= margin)
 }
 
-/// Every piece is a valid hull, the volumes add up, and random points are in one piece each.
-fn check_filled(name: &str, hull: &ConvexHull, pieces: &[Piece], dice: &mut Dice) {
+/// Every piece is a valid hull, the volumes add up to `tolerance` (m3), and random points are in one piece each.
+fn check_filled(name: &str, hull: &ConvexHull, pieces: &[Piece], tolerance: f64, dice: &mut Dice) {
     for piece in pieces {
         assert_eq!(piece.hull.validate(), Ok(()), "{name}");
         let volume = piece.hull.volume();
         assert!((piece.volume - volume).abs() <= 1e-12 * volume, "{name}");
     }
     let sum: f64 = pieces.iter().map(|piece| piece.volume).sum();
-    let error = (sum / hull.volume() - 1.0).abs();
-    assert!(error <= VOLUME_TOLERANCE, "{name}: {error:e}");
-    let size = hull.aabb().diagonal();
-    let mut inside = 0;
-    while inside < 200 {
+    let error = (sum - hull.volume()).abs();
+    assert!(
+        error <= tolerance,
+        "{name}: {error:e} of {:e}",
+        hull.volume()
+    );
+    let size = length_scale(&hull.aabb());
+    for _ in 0..200 {
         let corners = [(); 4].map(|()| hull.vertices()[dice.below(hull.vertices().len())]);
         let weights = [(); 4].map(|()| dice.unit() + 1e-3);
         let total: f32 = weights.iter().sum();
         let mean = corners.iter().zip(weights).map(|(&p, w)| w / total * p);
         let point: Vec3 = mean.sum();
-        inside += 1;
         let within = |margin: f32| {
             let holding = pieces.iter().filter(|p| contains(&p.hull, point, margin));
             holding.count()
@@ -115,7 +118,9 @@ fn all_patterns_fill_all_models() {
             let cutting = pattern.cutting(&impact, &hull, 5, MOST).unwrap();
             let pieces = divide(&hull, None, &cutting);
             assert!(pieces.len() >= 2, "{name} {pattern:?}");
-            check_filled(&format!("{name} {pattern:?}"), &hull, &pieces, &mut dice);
+            let name = format!("{name} {pattern:?}");
+            let tolerance = VOLUME_TOLERANCE * hull.volume();
+            check_filled(&name, &hull, &pieces, tolerance, &mut dice);
             assert_eq!(pattern.cutting(&impact, &hull, 5, MOST), Some(cutting));
         }
     }
@@ -137,7 +142,9 @@ fn visual_meshes_are_divided_with_the_hull() {
                 assert_eq!(defect(visual), None, "{name} {pattern:?}");
                 assert!(
                     visual.volume() <= piece.volume + 1e-6 * hull.volume(),
-                    "{name} {pattern:?}"
+                    "{name} {pattern:?} {} {}",
+                    visual.volume(),
+                    piece.volume
                 );
                 sum += visual.volume();
             }
@@ -647,7 +654,12 @@ proptest! {
         impact.normal = dice.direction();
         if let Some(cutting) = pattern.cutting(&impact, &hull, seed, MOST) {
             let pieces = divide(&hull, None, &cutting);
-            check_filled(&format!("{pattern:?}"), &hull, &pieces, &mut dice);
+            // Corners are rounded to f32, which moves walls by up to 6e-8 of the farthest coordinate; flat bodies far from
+            // their origin have much surface for their volume.
+            let scale = f64::from(length_scale(&hull.aabb()));
+            let rounding = 6e-8 * scale * (hull.to_mesh().area() + wall_area(&hull, &pieces));
+            let tolerance = VOLUME_TOLERANCE * hull.volume() + rounding;
+            check_filled(&format!("{pattern:?}"), &hull, &pieces, tolerance, &mut dice);
         }
     }
 }

@@ -8,19 +8,22 @@ use glam::{DVec3, Vec3};
 
 const NONE: u32 = u32::MAX;
 
-/// A plane whose offset is not rounded to `f32`, so that neighbours' corners come out alike.
+/// A plane that is not rounded to `f32`: the bisectors of three points meet in one line, and neighbours find the same
+/// corners, only if they are not.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CutPlane {
-    normal: Vec3,
+    normal: DVec3,
     /// m.
     offset: f64,
+    rounded: Plane,
 }
 
 impl From<Plane> for CutPlane {
     fn from(plane: Plane) -> Self {
         Self {
-            normal: plane.normal,
+            normal: plane.normal.as_dvec3(),
             offset: f64::from(plane.offset),
+            rounded: plane,
         }
     }
 }
@@ -30,24 +33,27 @@ impl CutPlane {
     /// are at one place. Seen from the other point it is the same plane, flipped, bit for bit.
     pub(super) fn bisector(sites: &[Vec3], index: usize, other: usize) -> Option<Self> {
         let [low, high] = [index.min(other), index.max(other)].map(|site| sites[site].as_dvec3());
-        let normal = (high - low).try_normalize()?.as_vec3();
-        let offset = 0.5 * normal.as_dvec3().dot(low + high);
         let sign = if index < other { 1.0 } else { -1.0 };
+        let normal = sign * (high - low).try_normalize()?;
+        let middle = 0.5 * (low + high);
+        let rounded = normal.as_vec3();
         Some(Self {
-            normal: sign * normal,
-            offset: f64::from(sign) * offset,
+            normal,
+            offset: normal.dot(middle),
+            // The offset belongs to the rounded normal.
+            rounded: Plane {
+                normal: rounded,
+                offset: rounded.as_dvec3().dot(middle) as f32,
+            },
         })
     }
 
     pub(super) fn rounded(&self) -> Plane {
-        Plane {
-            normal: self.normal,
-            offset: self.offset as f32,
-        }
+        self.rounded
     }
 
     fn distance(&self, point: DVec3) -> f64 {
-        self.normal.as_dvec3().dot(point) - self.offset
+        self.normal.dot(point) - self.offset
     }
 }
 
@@ -139,14 +145,9 @@ impl CellClipper {
 
     /// Square of the distance (m2) from `site` beyond which no other point's bisector cuts the cell: twice the distance
     /// to the farthest vertex, squared.
-    pub(super) fn security_radius_squared(&self, site: Vec3) -> f64 {
-        let site = site.as_dvec3();
-        let vertices = self.cell.vertices.iter();
-        let farthest = vertices
-            .map(|v| v.distance_squared(site))
-            .fold(0.0, f64::max);
-        // The distances of points are rounded to f32.
-        4.0 * farthest * (1.0 + 1.0e-5)
+    pub(super) fn security_radius_squared(&self, site: DVec3) -> f64 {
+        let squares = self.cell.vertices.iter().map(|v| v.distance_squared(site));
+        4.0 * squares.fold(0.0, f64::max)
     }
 
     /// Takes off what is above `plane`. Vertices nearer to it than the tolerance stay as they are.

@@ -49,8 +49,8 @@ pub struct PieceCutter {
     clipper: CellClipper,
     /// Planes that cut the hull of the cell in work.
     walls: Vec<Plane>,
-    /// Other points by distance from the point in work.
-    nearest: Vec<(f32, u32)>,
+    /// Squared distance (m2) from the point in work to the others, and their numbers.
+    nearest: Vec<(f64, u32)>,
     spare: TriMesh,
 }
 
@@ -198,12 +198,12 @@ impl PieceCutter {
     ///
     /// Of several points at one place the first has the cell.
     fn clip_to_site(&mut self, sites: &[Vec3], index: usize) -> bool {
-        let site = sites[index];
+        let site = sites[index].as_dvec3();
         let mut nearest = std::mem::take(&mut self.nearest);
         nearest.clear();
         let others = (0..).zip(sites).filter(|&(other, _)| other != index as u32);
-        nearest.extend(others.map(|(other, &p)| (p.distance_squared(site), other)));
-        let order = |a: &(f32, u32), b: &(f32, u32)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
+        nearest.extend(others.map(|(other, p)| (p.as_dvec3().distance_squared(site), other)));
+        let order = |a: &(f64, u32), b: &(f64, u32)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
         let mut rest = nearest.as_mut_slice();
         let mut security = self.clipper.security_radius_squared(site);
         let mut is_left = true;
@@ -216,7 +216,7 @@ impl PieceCutter {
             rest = others;
             chunk.sort_unstable_by(order);
             for &(distance_squared, other) in &*chunk {
-                if f64::from(distance_squared) > security {
+                if distance_squared > security {
                     break 'chunks;
                 }
                 let Some(plane) = CutPlane::bisector(sites, index, other as usize) else {
