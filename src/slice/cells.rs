@@ -14,7 +14,7 @@ use super::cell_clip::{CellClipper, CutPlane};
 use super::convex::{HullSlice, HullSlicer};
 use super::mesh_slicer::MeshSlicer;
 use super::pattern::Planes;
-use super::{Piece, Slice, SliceError, SliceOptions, Verdict};
+use super::{Slice, SliceError, SliceOptions, Verdict};
 use crate::geometry::predicates::{check_plane, length_scale, plane_tolerance};
 use crate::geometry::{ConvexHull, TriMesh};
 use crate::math::Plane;
@@ -24,6 +24,18 @@ use smallvec::SmallVec;
 /// How many of the nearest points are sorted at a time. A Voronoi cell has about 15 walls, and a few more points are
 /// looked at before it is known to be complete.
 const NEAREST: usize = 32;
+
+/// A piece of a body.
+#[derive(Clone, Debug)]
+pub struct Piece {
+    /// The piece of the body's hull.
+    pub hull: ConvexHull,
+    /// The part of the body's visual mesh inside the piece, if the body has one. Without triangles if the piece holds
+    /// nothing of it.
+    pub visual: Option<TriMesh>,
+    /// Volume of the hull, m3.
+    pub volume: f64,
+}
 
 /// The planes of one cell, their normals pointing out of it.
 pub type CellPlanes = SmallVec<[Plane; 6]>;
@@ -39,6 +51,22 @@ pub enum Cutting {
     Cells(Vec<CellPlanes>),
     /// One piece for each point: what of the body is nearer to it than to all others.
     Sites(Vec<Vec3>),
+}
+
+/// Cuts a hull, and the closed mesh that rides in it, by one plane after the other; every plane cuts every piece.
+///
+/// The order of the pieces, and what is refused, are those of [`PieceCutter::cut`] for [`Cutting::Planes`].
+///
+/// # Errors
+/// As [`PieceCutter::cut`].
+pub fn cut_by_planes(
+    hull: &ConvexHull,
+    visual: Option<&TriMesh>,
+    planes: &[Plane],
+    options: SliceOptions,
+) -> Result<Vec<Piece>, SliceError> {
+    let cutting = Cutting::Planes(planes.iter().copied().collect());
+    PieceCutter::default().cut(hull, visual, &cutting, usize::MAX, options)
 }
 
 /// Makes pieces of bodies, one after the other, keeping its working memory.

@@ -26,10 +26,10 @@ mod mesh_slicer;
 pub mod pattern;
 mod random;
 
-pub use cells::{Cutting, PieceCutter};
+pub use cells::{Cutting, Piece, PieceCutter, cut_by_planes};
 pub use clip::Verdict;
 pub use components::split_components;
-pub use convex::{HullHalves, HullSlice, HullSlicer, Piece, cut_by_planes, slice_hull};
+pub use convex::{HullHalves, HullSlice, HullSlicer, slice_hull};
 pub use crack_area::cells_for_energy;
 pub use mesh_slicer::MeshSlicer;
 pub use pattern::{FracturePattern, Impact};
@@ -134,9 +134,4 @@ pub fn slice_mesh(
     options: SliceOptions,
 ) -> Result<Slice, SliceError> {
     MeshSlicer::default().slice(mesh, plane, options)
-}
-
-/// As [`slice_mesh`], for a mesh that is known to be closed, such as a part of an earlier cut, and a checked plane.
-fn slice_closed(mesh: &TriMesh, plane: &Plane, options: SliceOptions) -> Slice {
-    MeshSlicer::default().slice_closed(mesh, plane, options)
 }
