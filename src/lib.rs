@@ -44,7 +44,9 @@ pub mod prelude {
     };
     pub use crate::ecs::cut::SliceCommands;
     pub use crate::ecs::spawn::SpawnBody;
-    pub use crate::fracture::{CutError, CutRequest, Fracture, Fractures, Ledger};
+    pub use crate::fracture::{
+        Blow, CutError, CutRequest, Fracture, FractureBudget, Fractures, Ledger,
+    };
     pub use crate::geometry::{ConvexHull, ConvexMesh, HalfSpace, HullError, MeshError, TriMesh};
     pub use crate::mass::MassProperties;
     pub use crate::math::{Aabb, Plane, Pose};

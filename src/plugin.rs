@@ -5,7 +5,7 @@ use crate::contact::cache::ContactCache;
 use crate::contact::material::{Density, Friction, Restitution};
 use crate::ecs::components::*;
 use crate::ecs::{cut, gather, scatter};
-use crate::fracture::Fractures;
+use crate::fracture::{FractureBudget, Fractures};
 use crate::mass::MassProperties;
 use crate::solver::bodies::{Bodies, RigidBody};
 use crate::solver::{Gravity, SolverConfig};
@@ -79,6 +79,7 @@ impl Plugin for CleavePlugin {
             .init_resource::<Fractures>()
             .init_resource::<Gravity>()
             .init_resource::<SolverConfig>()
+            .init_resource::<FractureBudget>()
             .init_resource::<StepReport>()
             .init_resource::<BodyEntities>()
             .init_resource::<gather::BodyQueue>()
@@ -158,6 +159,7 @@ fn add_phases(schedule: &mut Schedule) {
         sleep.in_set(Phase::Sleep),
         (
             cut::report_refusals,
+            cut::despawn_expired,
             cut::spawn_pieces.run_if(cut::anything_broke),
             scatter::unmark_woken,
             scatter::scatter,
@@ -174,6 +176,7 @@ fn add_phases(schedule: &mut Schedule) {
 struct Settings<'w> {
     gravity: Res<'w, Gravity>,
     config: Res<'w, SolverConfig>,
+    budget: Res<'w, FractureBudget>,
     time: Res<'w, Time>,
 }
 
@@ -182,6 +185,7 @@ impl Settings<'_> {
         StepSettings {
             gravity: *self.gravity,
             config: *self.config,
+            budget: *self.budget,
             h: self.time.delta_secs(),
         }
     }
@@ -271,8 +275,9 @@ fn make_cuts(
     mut bodies: ResMut<Bodies>,
     mut cache: ResMut<ContactCache>,
     mut fractures: ResMut<Fractures>,
+    settings: Settings,
 ) {
-    step::cut(&mut bodies, &mut cache, &mut fractures);
+    step::cut(&mut bodies, &mut cache, &mut fractures, &settings.get());
 }
 
 fn fracture(

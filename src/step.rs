@@ -20,7 +20,9 @@ use crate::collide::{self, Lookahead};
 use crate::contact::broadphase::Broadphase;
 use crate::contact::cache::{CacheStats, ContactCache};
 use crate::contact::manifold::Manifold;
-use crate::fracture::{CutError, CutRequest, Fractures, break_overloaded, make_cuts, note_loads};
+use crate::fracture::{
+    CutError, CutRequest, FractureBudget, Fractures, break_overloaded, make_cuts, note_loads,
+};
 use crate::math::Plane;
 use crate::solver::bodies::{Bodies, BodyError};
 use crate::solver::contact_solver::{ContactSolver, Round};
@@ -55,7 +57,9 @@ const MAX_ROUNDS: u32 = 3;
 impl Contacts {
     /// Solves what is not solved yet.
     fn solve_round(&mut self, bodies: &mut Bodies, settings: &StepSettings, round: u32) {
-        let StepSettings { gravity, config, h } = *settings;
+        let StepSettings {
+            gravity, config, h, ..
+        } = *settings;
         let substeps = SubstepSettings::new(config, gravity.0, h);
         let round = Round {
             is_first: round == 0,
@@ -174,6 +178,8 @@ pub struct Simulation {
     pub gravity: Gravity,
     /// How contacts are solved.
     pub config: SolverConfig,
+    /// What fracture may cost.
+    pub budget: FractureBudget,
     /// What the last step did.
     pub report: StepReport,
 }
@@ -185,6 +191,8 @@ pub struct StepSettings {
     pub gravity: Gravity,
     /// How contacts are solved.
     pub config: SolverConfig,
+    /// What fracture may cost.
+    pub budget: FractureBudget,
     /// Length of the step, s.
     pub h: f32,
 }
@@ -225,13 +233,14 @@ impl Simulation {
         let settings = &StepSettings {
             gravity: self.gravity,
             config: self.config,
+            budget: self.budget,
             h,
         };
         if !settings.is_usable() {
             return;
         }
         mass_properties(bodies, report);
-        cut(bodies, cache, fractures);
+        cut(bodies, cache, fractures, settings);
         broadphase(bodies, contacts, settings, report);
         generate_contacts(bodies, contacts, cache, settings, report);
         solve(bodies, contacts, settings, report);
@@ -261,8 +270,13 @@ pub fn mass_properties(bodies: &mut Bodies, report: &mut StepReport) {
 }
 
 /// Phase 2: cuts that were asked for.
-pub fn cut(bodies: &mut Bodies, cache: &mut ContactCache, fractures: &mut Fractures) {
-    make_cuts(fractures, bodies, cache);
+pub fn cut(
+    bodies: &mut Bodies,
+    cache: &mut ContactCache,
+    fractures: &mut Fractures,
+    settings: &StepSettings,
+) {
+    make_cuts(fractures, bodies, cache, &settings.budget, settings.h);
 }
 
 /// Phase 3: pairs of bodies whose boxes, with all they may reach within the step, overlap.
@@ -367,9 +381,17 @@ pub fn fracture(
     let mut round = 0;
     while contacts.is_broken {
         round += 1;
-        let solver = &contacts.solver;
-        let is_waiting = |slot| solver.is_waiting(slot);
-        break_overloaded(fractures, bodies, &contacts.manifolds, cache, is_waiting);
+        let Contacts {
+            manifolds, solver, ..
+        } = contacts;
+        break_overloaded(
+            fractures,
+            bodies,
+            manifolds,
+            cache,
+            &settings.budget,
+            solver,
+        );
         contacts.set_solved_aside();
         broadphase(bodies, contacts, settings, report);
         generate_contacts(bodies, contacts, cache, settings, report);
@@ -379,7 +401,7 @@ pub fn fracture(
     if was_broken {
         report_solution(bodies, contacts, settings, report);
     }
-    note_loads(fractures, bodies, &contacts.manifolds);
+    note_loads(fractures, bodies, &contacts.manifolds, &contacts.solver);
 }
 
 /// Phase 7: poses from velocities. A body that would stop being finite is stopped where it is, and reported.

@@ -215,6 +215,7 @@ fn cut_in_place(inherits: bool) -> (f32, f32) {
     let settings = StepSettings {
         gravity: simulation.gravity,
         config: simulation.config,
+        budget: simulation.budget,
         h: H,
     };
     let Simulation {
@@ -226,7 +227,7 @@ fn cut_in_place(inherits: bool) -> (f32, f32) {
         ..
     } = &mut simulation;
     step::mass_properties(bodies, report);
-    step::cut(bodies, cache, fractures);
+    step::cut(bodies, cache, fractures, &settings);
     assert_eq!(bodies.len(), 5, "four pieces and the floor");
     if !inherits {
         cache.clear();

@@ -91,6 +91,19 @@ pub(crate) fn spawn_pieces(world: &mut World) {
     world.resource_mut::<Fractures>().done = done;
 }
 
+/// System: despawns the entities of pieces whose time was over.
+pub(crate) fn despawn_expired(
+    mut commands: Commands,
+    fractures: Res<Fractures>,
+    entities: Res<BodyEntities>,
+) {
+    for &(slot, id) in &fractures.expired {
+        if let Some(entity) = entities.of(slot, id) {
+            commands.entity(entity).try_despawn();
+        }
+    }
+}
+
 /// The messages to send, without the pieces, and the slots of these.
 fn families(world: &World, done: &[Fracture]) -> Vec<(Fractured, Vec<u32>)> {
     let (bodies, entities) = (world.resource::<Bodies>(), world.resource::<BodyEntities>());
@@ -147,7 +160,7 @@ fn spawn_piece(world: &mut World, parent: Entity, slot: u32) -> Entity {
         *bodies.mass(slot),
         BodyHandle(Some((slot, id))),
     );
-    let fracturable = bodies.fracturable(slot).copied();
+    let fracturable = bodies.fracturable(slot).cloned();
     // What is cloned must not carry the parent's body, or observers would take the clone for the parent.
     let piece = world
         .entity_mut(parent)

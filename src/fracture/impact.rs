@@ -1,11 +1,12 @@
 //! Contact impulses of one step, summed by body: what they break, and what of them acts before that.
 
-use super::Breaking;
+use super::Blow;
+use super::pieces::Division;
 use crate::contact::manifold::Manifold;
 use crate::math::rotate;
-use crate::slice::pattern::{Impact, Planes};
+use crate::slice::{Cutting, Impact};
 use crate::solver::bodies::{Bodies, RigidBody};
-use crate::solver::limit::{BodyBlow, Limit};
+use crate::solver::limit::BodyBlow;
 use glam::Vec3;
 
 /// Contact impulses on one body in one step.
@@ -28,27 +29,51 @@ impl ImpulseSum {
         self.blow.impulse
     }
 
-    /// The share of the impulses that a body with the limit bears before it breaks; `None` if it bears them all.
-    ///
-    /// The first share `s` of a plastic blow with impulse `P` and energy `E` takes `E (1 - (1 - s)^2)`: the approach is
-    /// fastest at the start.
-    pub(super) fn borne(&self, limit: &Limit) -> Option<f32> {
-        let BodyBlow { impulse, energy } = self.blow;
-        if !(impulse > limit.impulse || energy > limit.energy) {
-            return None;
-        }
-        let by_impulse = limit.impulse / impulse;
-        let by_energy = 1.0 - (1.0 - limit.energy / energy).max(0.0).sqrt();
-        // Below one of the limits the share is over 1, or not a number.
-        Some(by_impulse.min(by_energy).clamp(0.0, 1.0))
+    /// The same with another energy, J: that of a blow is not known any more once the velocities are those after it.
+    pub(super) fn with_energy(mut self, energy: f32) -> Self {
+        self.blow.energy = energy;
+        self
     }
 
-    /// The planes (body's frame) that the blow breaks the body in `slot` by.
-    pub(super) fn planes(&self, bodies: &Bodies, slot: u32) -> Planes {
+    /// Whether the body in `slot` does not bear it.
+    pub(super) fn is_too_much(&self, bodies: &Bodies, slot: u32) -> bool {
+        let limit = bodies.limit(slot);
+        limit.is_some_and(|limit| limit.is_exceeded_by(&self.blow))
+    }
+
+    /// What the fracture is reported with.
+    pub(super) fn blow(&self, borne: f32) -> Blow {
+        let BodyBlow { impulse, energy } = self.blow;
+        Blow {
+            impulse,
+            energy,
+            borne,
+        }
+    }
+
+    /// The share of the impulses that acts before the body in `slot` breaks: what it bears, and what the cracks take.
+    ///
+    /// The first share `s` of a plastic blow with energy `E` takes `E (1 - (1 - s)^2)`: the approach is fastest at the
+    /// start.
+    pub(super) fn borne(&self, bodies: &Bodies, slot: u32, division: &Division) -> f32 {
         let (Some(fracturable), Some(mesh)) = (bodies.fracturable(slot), bodies.convex(slot))
         else {
-            return Planes::new();
+            return 0.0;
         };
+        let BodyBlow { impulse, energy } = self.blow;
+        let cracks = fracturable.toughness * division.crack_area(mesh.hull()) as f32;
+        let taken = fracturable.least_energy.max(cracks) / energy;
+        let by_energy = if taken > 0.0 {
+            1.0 - (1.0 - taken).max(0.0).sqrt()
+        } else {
+            0.0
+        };
+        (fracturable.strength / impulse).max(by_energy).min(1.0)
+    }
+
+    /// How the blow divides the body in `slot`, into at most `most` pieces; nothing if it does not pay for a crack.
+    pub(super) fn cutting(&self, bodies: &Bodies, slot: u32, most: usize) -> Option<Cutting> {
+        let (fracturable, mesh) = (bodies.fracturable(slot)?, bodies.convex(slot)?);
         let to_body = bodies.pose(slot).rotation.inverse();
         // Squeezed from opposite sides, the impulses cancel; any direction across the body is as good as another then.
         let direction = rotate(to_body, self.direction).normalize_or(Vec3::Y);
@@ -56,10 +81,10 @@ impl ImpulseSum {
             point: rotate(to_body, self.moment / self.impulse()) + bodies.mass(slot).centre,
             normal: direction,
             impulse: self.impulse(),
+            energy: self.blow.energy,
         };
-        fracturable
-            .pattern
-            .planes(&impact, mesh.hull(), fracturable.seed)
+        let most = u32::try_from(most).unwrap_or(u32::MAX);
+        fracturable.cutting(&impact, mesh.hull(), most)
     }
 }
 
@@ -88,21 +113,17 @@ pub(super) fn sum_impulses(sums: &mut Vec<ImpulseSum>, bodies: &Bodies, manifold
     }
 }
 
-/// Lets the borne share of the impulses on bodies that break act on them and on what touches them.
+/// Lets the shares (by slot) of the impulses on bodies that break act on them and on what touches them.
 ///
 /// Equal and opposite at one point, so momentum and angular momentum stay what they are.
-pub(super) fn apply_borne(breaking: &[Breaking], bodies: &mut Bodies, manifolds: &[Manifold]) {
-    let share = |slot: u32| {
-        let found = breaking.iter().find(|entry| entry.slot == slot);
-        found.map_or(0.0, |entry| entry.borne)
-    };
+pub(super) fn apply_shares(shares: &[f32], bodies: &mut Bodies, manifolds: &[Manifold]) {
     for manifold in manifolds {
-        let borne = share(manifold.a).max(share(manifold.b));
-        if borne == 0.0 {
+        let share = shares[manifold.a as usize].max(shares[manifold.b as usize]);
+        if share == 0.0 {
             continue;
         }
         for point in manifold.points() {
-            let impulse = borne * point.total_impulse * manifold.normal;
+            let impulse = share * point.total_impulse * manifold.normal;
             push(bodies, manifold.a, point.anchor_a, -impulse);
             push(bodies, manifold.b, point.anchor_b, impulse);
         }

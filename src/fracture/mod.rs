@@ -9,25 +9,23 @@
 //! `v_i = v + omega x r_i`, `omega_i = omega`, which conserves momentum, angular momentum and energy exactly; the
 //! [`Ledger`] shows the rounding.
 
+mod breaking;
+mod budget;
 mod impact;
 mod inheritance;
 mod ledger;
+mod pieces;
 
+pub use breaking::{break_overloaded, make_cuts, note_loads};
+pub use budget::FractureBudget;
 pub use ledger::{Ledger, Totals};
 
 use crate::contact::BodyId;
-use crate::contact::cache::ContactCache;
-use crate::contact::manifold::Manifold;
-use crate::geometry::ConvexMesh;
-use crate::geometry::predicates::check_plane;
-use crate::mass::VolumeIntegrals;
-use crate::math::{Plane, Pose, rotate};
-use crate::slice::fracturable::Fracturable;
-use crate::slice::{Piece, SliceError, SliceOptions, cut_by_planes};
-use crate::solver::bodies::{Bodies, BodyDesc, BodyError, RigidBody, Shape};
+use crate::math::Plane;
+use crate::slice::SliceError;
+use crate::solver::bodies::{Bodies, BodyError};
 use bevy_ecs::resource::Resource;
-use glam::Quat;
-use inheritance::{Line, hand_down};
+use breaking::Workshop;
 use smallvec::SmallVec;
 
 /// Why a cut that was asked for was not made. The body is left as it was.
@@ -100,10 +98,23 @@ pub struct Fracture {
     pub pieces: SmallVec<[u32; 8]>,
     /// Their ids. A piece that broke in the same step is gone, and is the parent of a later fracture.
     pub ids: SmallVec<[BodyId; 8]>,
-    /// The planes, world frame.
+    /// The planes, world frame; of a body that broke into cells, only those of cuts on request.
     pub planes: SmallVec<[Plane; 8]>,
     /// Before and after.
     pub ledger: Ledger,
+    /// What broke it; `None` if it was cut, or had to wait for its turn to break.
+    pub blow: Option<Blow>,
+}
+
+/// What a body was hit with when it broke.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Blow {
+    /// Sum of the normal impulses until then, N s.
+    pub impulse: f32,
+    /// Kinetic energy that they would have turned into something else, J.
+    pub energy: f32,
+    /// Share of the impulses that acted on the body, and on what hit it, before it broke. The rest was for the pieces.
+    pub borne: f32,
 }
 
 /// Cuts asked for, and what broke in the last step.
@@ -111,244 +122,19 @@ pub struct Fracture {
 pub struct Fractures {
     /// Cuts to make at the start of the next step, in order; several on one body cut its pieces too.
     pub requests: Vec<CutRequest>,
-    /// Fractures of the last step: the cuts, then what its impulses broke; both in order of the parents' ids.
+    /// Fractures of the last step: the cuts in order of the parents' ids, what had waited for its turn, and what the
+    /// impulses of the step broke, round by round.
     pub done: Vec<Fracture>,
     /// Cuts of the last step that were not made.
     pub refused: Vec<(CutRequest, CutError)>,
-    breaking: Vec<Breaking>,
-    impacts: Vec<impact::ImpulseSum>,
+    /// Pieces that were removed at the start of the last step because their time was over: slot and id.
+    pub expired: Vec<(u32, BodyId)>,
+    workshop: Workshop,
 }
 
-#[derive(Debug)]
-struct Breaking {
-    slot: u32,
-    planes: SmallVec<[Plane; 8]>,
-    requests: SmallVec<[CutRequest; 2]>,
-    /// Share of the impulses of the step that the body bears before it breaks.
-    borne: f32,
-}
-
-/// Makes the cuts that were asked for.
-///
-/// Pieces get slots, parents lose theirs, and the parents' multipliers go to the pieces. Results are in `fractures`.
-pub fn make_cuts(fractures: &mut Fractures, bodies: &mut Bodies, cache: &mut ContactCache) {
-    fractures.done.clear();
-    fractures.refused.clear();
-    if fractures.requests.is_empty() {
-        return;
-    }
-    collect_requests(fractures, bodies);
-    for breaking in &fractures.breaking {
-        bodies.wake(breaking.slot);
-    }
-    bodies.unpark_woken(cache);
-    break_bodies(fractures, bodies, cache);
-}
-
-/// Breaks the bodies whose solve was given up because they were hit with more than they bear.
-///
-/// `manifolds` hold the impulses until then. They act on the bodies of `is_waiting` as far as what breaks bears them; the
-/// rest is for the pieces. Results are added to `fractures`.
-pub fn break_overloaded(
-    fractures: &mut Fractures,
-    bodies: &mut Bodies,
-    manifolds: &[Manifold],
-    cache: &mut ContactCache,
-    is_waiting: impl Fn(u32) -> bool,
-) {
-    impact::sum_impulses(&mut fractures.impacts, bodies, manifolds);
-    for slot in 0..bodies.slots() as u32 {
-        if is_waiting(slot)
-            && let Some(limit) = bodies.limit(slot)
-        {
-            let sum = &fractures.impacts[slot as usize];
-            if let Some(borne) = sum.borne(&limit) {
-                let planes = sum.planes(bodies, slot);
-                // If it cannot be broken, it has to bear everything.
-                bodies.is_overloaded[slot as usize] = true;
-                fractures.breaking.push(Breaking {
-                    slot,
-                    planes,
-                    requests: SmallVec::new(),
-                    borne,
-                });
-            }
-        }
-    }
-    impact::apply_borne(&fractures.breaking, bodies, manifolds);
-    break_bodies(fractures, bodies, cache);
-}
-
-/// Notes which bodies have got through the step although its impulses were more than they bear.
-pub fn note_loads(fractures: &mut Fractures, bodies: &mut Bodies, manifolds: &[Manifold]) {
-    if !bodies.any_fracturable() {
-        return;
-    }
-    impact::sum_impulses(&mut fractures.impacts, bodies, manifolds);
-    for (slot, sum) in (0..).zip(&fractures.impacts) {
-        if let Some(fracturable) = bodies.fracturable(slot) {
-            bodies.is_overloaded[slot as usize] = sum.impulse() > fracturable.strength;
-        }
-    }
-}
-
-fn break_bodies(fractures: &mut Fractures, bodies: &mut Bodies, cache: &mut ContactCache) {
-    let mut breaking = std::mem::take(&mut fractures.breaking);
-    breaking.sort_by_key(|b| bodies.id(b.slot));
-    let mut lines = Vec::new();
-    for entry in breaking.drain(..) {
-        let line = Line::of(bodies, entry.slot);
-        match break_body(bodies, &entry) {
-            Ok(fracture) => {
-                lines.push((line, fracture.pieces.clone()));
-                fractures.done.push(fracture);
-            }
-            Err(error) => fractures
-                .refused
-                .extend(entry.requests.iter().map(|&r| (r, error.clone()))),
-        }
-    }
-    fractures.breaking = breaking;
-    if !lines.is_empty() {
-        hand_down(&lines, bodies, cache);
-    }
-}
-
-/// Sorts out requests that cannot be met; several on one body become one list of planes.
-fn collect_requests(fractures: &mut Fractures, bodies: &Bodies) {
-    for request in fractures.requests.drain(..) {
-        if let Err(error) = check_request(&request, bodies) {
-            fractures.refused.push((request, error));
-            continue;
-        }
-        let entry = breaking_of(&mut fractures.breaking, request.slot);
-        entry.planes.push(request.plane);
-        entry.requests.push(request);
-    }
-}
-
-fn check_request(request: &CutRequest, bodies: &Bodies) -> Result<(), CutError> {
-    if !bodies.is(request.slot, request.body) {
-        return Err(CutError::NoBody);
-    }
-    if bodies.kind(request.slot) != RigidBody::Dynamic {
-        return Err(CutError::NotDynamic);
-    }
-    if !bodies.is_active(request.slot) {
-        return Err(CutError::Frozen);
-    }
-    if bodies.has_mass_override(request.slot) {
-        return Err(CutError::MassOverride);
-    }
-    check_plane(&request.plane).map_err(SliceError::from)?;
-    Ok(())
-}
-
-/// The entry of the body in `slot`, made if it is not there yet.
-fn breaking_of(breaking: &mut Vec<Breaking>, slot: u32) -> &mut Breaking {
-    let index = breaking.iter().position(|b| b.slot == slot);
-    let index = index.unwrap_or_else(|| {
-        breaking.push(Breaking {
-            slot,
-            planes: SmallVec::new(),
-            requests: SmallVec::new(),
-            borne: 0.0,
-        });
-        breaking.len() - 1
-    });
-    &mut breaking[index]
-}
-
-/// Replaces one body by its pieces, or leaves it as it is.
-fn break_body(bodies: &mut Bodies, breaking: &Breaking) -> Result<Fracture, CutError> {
-    let slot = breaking.slot;
-    let mesh = bodies.convex(slot).ok_or(CutError::NotDynamic)?.clone();
-    let fracturable = bodies.fracturable(slot).copied();
-    let options = SliceOptions {
-        cap_colour: fracturable.and_then(|f| f.cut_colour),
-    };
-    let pieces = cut_by_planes(mesh.hull(), mesh.visual(), &breaking.planes, options)?;
-    if pieces.len() < 2 {
-        return Err(CutError::Missed);
-    }
-    let least_volume = f64::from(fracturable.map_or(0.0, |f| f.least_volume));
-    let large_enough = |piece: &Piece| piece.volume > least_volume;
-    // A blow that broke the body may break its pieces too; a load that it stood may not.
-    let is_cut = !breaking.requests.is_empty();
-    let stands = is_cut && bodies.is_overloaded[slot as usize];
-    let world_from_body = bodies.pose(slot);
-    let about = bodies.centre_of_mass(slot).as_dvec3();
-    let mut ledger = Ledger::default();
-    ledger.before.add_body(bodies, slot, about);
-    let mut kept = SmallVec::new();
-    for piece in pieces {
-        let integrals = VolumeIntegrals::of_hull(&piece.hull);
-        let keep = large_enough(&piece);
-        let inherited = fracturable.and_then(|f| f.for_piece(kept.len()));
-        let desc = piece_desc(bodies, slot, piece, &integrals, inherited);
-        let dropped = Totals::of_piece(&desc, &integrals, about);
-        // A piece whose mass or inertia no f32 can hold is as good as too small.
-        match keep.then(|| bodies.insert_with_mass(desc)) {
-            Some(Ok(piece_slot)) => {
-                ledger.after.add_body(bodies, piece_slot, about);
-                bodies.is_overloaded[piece_slot as usize] = stands;
-                kept.push(piece_slot);
-            }
-            Some(Err(_)) | None => {
-                ledger.dropped.add(&dropped);
-                ledger.dropped_pieces += 1;
-            }
-        }
-    }
-    if kept.len() < 2 {
-        kept.iter().for_each(|&s| bodies.remove(s));
-        return Err(CutError::TooSmall);
-    }
-    let fracture = Fracture {
-        parent: bodies.id(slot),
-        parent_slot: slot,
-        ids: kept.iter().map(|&piece| bodies.id(piece)).collect(),
-        pieces: kept,
-        planes: breaking
-            .planes
-            .iter()
-            .map(|p| p.in_frame_of(&world_from_body.inverse()))
-            .collect(),
-        ledger,
-    };
-    bodies.remove(slot);
-    Ok(fracture)
-}
-
-/// The body that a piece becomes: in a frame about its own centroid, moving as that part of the parent did.
-///
-/// `integrals` are those of the piece's hull in the parent's frame.
-fn piece_desc(
-    bodies: &Bodies,
-    parent: u32,
-    piece: Piece,
-    integrals: &VolumeIntegrals,
-    fracturable: Option<Fracturable>,
-) -> BodyDesc {
-    let info = bodies.info(parent);
-    let rotation = bodies.pose(parent).rotation;
-    let centroid = integrals.centroid.as_vec3();
-    let (v, omega) = bodies.velocity(parent);
-    let lever = rotate(rotation, centroid - bodies.mass(parent).centre);
-    let shift = Pose::new(-centroid, Quat::IDENTITY);
-    let visual = piece.visual.map(|mesh| mesh.transformed(&shift));
-    let shape = ConvexMesh::from_parts(piece.hull.translated(-centroid), visual);
-    BodyDesc {
-        kind: RigidBody::Dynamic,
-        shape: Shape::Convex(shape),
-        pose: Pose::new(bodies.centre_of_mass(parent) + lever, rotation),
-        linear_velocity: v + omega.cross(lever),
-        angular_velocity: omega,
-        density: info.density,
-        mass: None,
-        friction: info.friction,
-        restitution: info.restitution,
-        layers: info.layers,
-        fracturable,
+impl Fractures {
+    /// Number of bodies that were hit with more than they bear and wait for a budget to break.
+    pub fn waiting(&self) -> usize {
+        self.workshop.waiting()
     }
 }

@@ -3,6 +3,7 @@
 //! Nothing here knows of mass, motion or the ECS. Coordinates are metres in the body's own frame; triangles and face
 //! loops run counter-clockwise seen from outside.
 
+mod closed;
 pub mod convex;
 pub mod convex_mesh;
 pub mod hull;
@@ -12,6 +13,7 @@ pub mod mesh;
 pub mod predicates;
 pub mod primitives;
 
+pub(crate) use closed::{EdgeCensus, KnownClosed};
 pub use convex::{ConvexHull, Edge, Face, HullDefect, HullError};
 pub use convex_mesh::{ConvexMesh, HalfSpace};
 pub use hull::convex_hull_triangles;

@@ -111,6 +111,10 @@ pub struct Batch {
     pub moving: Vec<MovingManifold>,
     /// Those of its bodies that break under too large an impulse.
     pub limits: Vec<Limit>,
+    /// Those of its bodies (by slot) that are overloaded, and what they were hit with.
+    pub overloaded: Vec<(u32, BodyBlow)>,
+    /// Whether the solve is to be given up when a body is overloaded.
+    pub may_break: bool,
     /// Whether the solve was given up because a body breaks; velocities and motions mean nothing then.
     pub is_broken: bool,
     /// Whether any of its points rebounds.
@@ -169,9 +173,8 @@ impl Batch {
                 member.contacts = island.points.len();
             }
         }
-        if may_break {
-            self.load_limits(bodies);
-        }
+        self.may_break = may_break;
+        self.load_limits(bodies);
         self.add_idle_body();
         self.place_manifolds(range.clone(), islands, manifolds, has_team);
         self.make_blocks();
@@ -246,6 +249,7 @@ impl Batch {
         self.turning.clear();
         self.moving.clear();
         self.limits.clear();
+        self.overloaded.clear();
         self.is_broken = false;
     }
 

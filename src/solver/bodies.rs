@@ -283,8 +283,13 @@ impl Bodies {
         is_at_risk.then_some(Limit {
             body: 0,
             impulse: fracturable.strength,
-            energy: f32::INFINITY,
+            energy: fracturable.least_energy,
         })
+    }
+
+    /// Most pieces that a blow may make of the body.
+    pub(crate) fn most_pieces(&self, slot: u32) -> usize {
+        self.fracturable(slot).map_or(0, |f| f.most_pieces.into())
     }
 
     /// How the body breaks; `None` if it does not or the slot is free.
@@ -409,7 +414,7 @@ impl Bodies {
         if !same_mass {
             info.check_mass()?;
         }
-        self.set_fracturable(slot, info.fracturable);
+        self.set_fracturable(slot, info.fracturable.clone());
         if same_mass && info.touches_like(self.info(slot)) {
             // What is known of its contacts stays true.
             return Ok(());

@@ -4,6 +4,7 @@ use super::batch::{Batch, Member, Step, side};
 use super::bodies::{Bodies, Motion, SolverBody};
 use super::demand::{Demand, Effort, SubstepSettings, Travel};
 use super::islands::Islands;
+use super::limit::BodyBlow;
 use super::rows::{PointRows, Row};
 use super::team::Team;
 use crate::contact::manifold::Manifold;
@@ -135,6 +136,12 @@ impl ContactSolver {
             batch.store_impulses(manifolds);
         }
         batches.iter().any(|batch| batch.is_broken)
+    }
+
+    /// Bodies (by slot) that got through the last round although they were hit with more than they bear, and with what.
+    pub fn overloaded(&self) -> impl Iterator<Item = (u32, BodyBlow)> {
+        let batches = self.batches[self.earlier..][..self.ranges.len()].iter();
+        batches.flat_map(|batch| batch.overloaded.iter().copied())
     }
 
     /// Whether the body in `slot` is as it was before the step, because something in its island breaks.

@@ -1,7 +1,7 @@
 //! Bodies that break: whether what they were hit with so far in a step is more than they bear.
 //!
 //! Looked at while the step is being solved. As soon as one body of a batch is overloaded, the solve is given up: the body
-//! breaks, and the step is solved anew with its pieces.
+//! breaks, and the step is solved anew with its pieces. If nothing may break any more in the step, it is only noted.
 
 use super::batch::Batch;
 use super::blocks::vector;
@@ -14,8 +14,15 @@ pub struct Limit {
     pub body: u32,
     /// Impulse that it bears, N s.
     pub impulse: f32,
-    /// Energy that it bears, J.
+    /// Energy that a blow must have to break it, J.
     pub energy: f32,
+}
+
+impl Limit {
+    /// Whether a blow is more than the body bears.
+    pub fn is_exceeded_by(&self, blow: &BodyBlow) -> bool {
+        blow.impulse > self.impulse && blow.energy >= self.energy
+    }
 }
 
 /// What contacts did to a body.
@@ -55,8 +62,9 @@ impl Batch {
         }
     }
 
-    /// Whether a body is overloaded by the impulses of the step until now.
-    pub(super) fn is_overloaded(&mut self) -> bool {
+    /// Notes the bodies that are overloaded by the impulses of the step until now; whether there are any.
+    pub(super) fn find_overloaded(&mut self) -> bool {
+        self.overloaded.clear();
         if self.limits.is_empty() {
             return false;
         }
@@ -77,12 +85,13 @@ impl Batch {
                 }
             }
         }
-        let is_over = |limit: &Limit| {
-            let blow = &blows[limit.body as usize];
-            blow.impulse > limit.impulse || blow.energy > limit.energy
-        };
-        let is_overloaded = self.limits.iter().any(is_over);
+        let overloaded = self.limits.iter().filter_map(|limit| {
+            let blow = blows[limit.body as usize];
+            let is_over = limit.is_exceeded_by(&blow);
+            is_over.then_some((self.slots[limit.body as usize], blow))
+        });
+        self.overloaded.extend(overloaded);
         self.scratch.blows = blows;
-        is_overloaded
+        !self.overloaded.is_empty()
     }
 }

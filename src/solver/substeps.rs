@@ -78,8 +78,10 @@ impl Batch {
             }
             self.turn_bodies(settings.h);
             let is_last = substep + 1 == settings.config.substeps;
-            if (is_last || self.can_hit()) && self.is_overloaded() {
-                self.is_broken = true;
+            if (is_last || self.may_break && self.can_hit()) && self.find_overloaded() {
+                self.is_broken = self.may_break;
+            }
+            if self.is_broken {
                 break;
             }
         }

@@ -156,15 +156,17 @@ impl Runner {
             fractures,
             gravity,
             config,
+            budget,
             report,
         } = &mut self.simulation;
         let settings = &StepSettings {
             gravity: *gravity,
             config: *config,
+            budget: *budget,
             h: H,
         };
         step::mass_properties(bodies, report);
-        step::cut(bodies, cache, fractures);
+        step::cut(bodies, cache, fractures, settings);
         step::broadphase(bodies, contacts, settings, report);
         if self.start == Start::Feature {
             step::generate_contacts(bodies, contacts, &mut ContactCache::new(), settings, report);
