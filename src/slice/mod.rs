@@ -7,6 +7,9 @@
 //! follows from the three-way side of each vertex, never from a second look at coordinates. A closed mesh therefore gives
 //! closed parts, whatever its shape; only the shape of the cap's triangles depends on geometry.
 //!
+//! The cut of meshes follows the paper step by step and takes any closed surface; the tests hold the cuts of convex hulls
+//! (`convex.rs`) and of cells (`cells.rs`), which know more and are faster, against it and against each other.
+//!
 //! # References
 //! - The steps (old-vertex table, undirected-edge table, border from directed edges without partner, fan cap) are those
 //!   of "Constraint-Based Physics With Real-Time Object Slicing".
@@ -20,6 +23,7 @@ mod clip;
 mod components;
 pub mod convex;
 pub mod crack_area;
+mod ears;
 mod edge_table;
 pub mod fracturable;
 mod mesh_slicer;
