@@ -462,6 +462,8 @@ fn numbers_of_pieces_keep_to_the_limit() {
                 "{pattern:?}: {}",
                 pieces.len()
             );
+            let sum: f64 = pieces.iter().map(|piece| piece.volume).sum();
+            assert!((sum - 1.0).abs() < VOLUME_TOLERANCE, "{pattern:?} {limit}");
         }
     }
 }

@@ -86,8 +86,8 @@ impl PieceCutter {
     /// Divides a hull, and the closed mesh that rides in it, into at most `most` pieces.
     ///
     /// The order of the pieces depends on hull and cutting only. Planes leave a piece alone once there are enough; of
-    /// cells and points the first ones are taken, so that a list longer than `most` does not fill the body. A visual mesh
-    /// without triangles stays one: the piece of an earlier cut that held nothing of it.
+    /// cells and points the first ones are taken, so that a list of cells that is longer than `most` does not fill the
+    /// body. A visual mesh without triangles stays one: the piece of an earlier cut that held nothing of it.
     ///
     /// # Errors
     /// [`SliceError::Plane`] for the first plane that is not usable; [`SliceError::Mesh`] if the visual mesh is not

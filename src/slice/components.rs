@@ -136,7 +136,7 @@ fn piece(mesh: &TriMesh, labels: &[u32], label: u32, numbers: &mut Numbers) -> O
         &TriMesh::default(),
         [0, 0],
     );
-    numbers.extend_topology(&mut part, mesh, &[]);
+    numbers.extend_topology(&mut part, mesh, &[], mesh.topology_count());
     if mesh.known_closed.is_set() {
         part.known_closed.set();
     }

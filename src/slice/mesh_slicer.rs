@@ -138,8 +138,9 @@ impl MeshSlicer {
         let (chosen, new) = (&self.numbers.chosen, &self.clip.new);
         attributes::extend_chosen(part, mesh, chosen, new, counts);
         part.topology.reserve(part.positions.len() + counts[1]);
+        let new = &new.topology[..counts[0]];
         self.numbers
-            .extend_topology(part, mesh, &new.topology[..counts[0]]);
+            .extend_topology(part, mesh, new, self.clip.topology_count as usize);
         if options.cap_colour.is_some() && mesh.colours.is_empty() {
             part.colours.resize(part.positions.len(), Vec4::ONE);
         }
@@ -203,7 +204,7 @@ impl MeshSlicer {
         let first = part.positions.len() as u32;
         for &vertex in &self.cap.corners {
             let (source, place) = self.clip.find(mesh, vertex);
-            let topology = self.numbers.topology_of(source.topology[place]);
+            let topology = self.numbers.position(source.topology[place]);
             attributes::push_cap(part, source, place, topology, &style);
         }
         first
@@ -237,9 +238,7 @@ pub(super) struct Numbers {
     table: Vec<u32>,
     /// The old vertices that have numbers, in order.
     chosen: Vec<u32>,
-    /// By old topology number.
-    topology: Vec<u32>,
-    topology_used: u32,
+    positions: Positions,
 }
 
 impl Numbers {
@@ -248,8 +247,6 @@ impl Numbers {
         self.table.clear();
         self.table.resize(vertices, UNUSED);
         self.chosen.clear();
-        self.topology.clear();
-        self.topology_used = 0;
     }
 
     /// The old vertices that were asked for, in order.
@@ -268,27 +265,50 @@ impl Numbers {
         *entry
     }
 
-    /// Gives `part` the topology numbers of all vertices asked for, and of new ones with the old numbers `new`.
-    pub(super) fn extend_topology(&mut self, part: &mut TriMesh, mesh: &TriMesh, new: &[u32]) {
-        for place in 0..self.chosen.len() {
-            let number = mesh.topology[self.chosen[place] as usize];
-            part.topology.push(self.topology_of(number));
-        }
-        for &number in new {
-            part.topology.push(self.topology_of(number));
-        }
+    /// Gives `part` the topology numbers of all vertices asked for, and of new ones with the old numbers `new`; all old
+    /// numbers are below `count`.
+    pub(super) fn extend_topology(
+        &mut self,
+        part: &mut TriMesh,
+        mesh: &TriMesh,
+        new: &[u32],
+        count: usize,
+    ) {
+        let Self {
+            chosen, positions, ..
+        } = self;
+        positions.reset(count);
+        let of_old = chosen.iter().map(|&vertex| mesh.topology[vertex as usize]);
+        let all = of_old.chain(new.iter().copied());
+        part.topology.extend(all.map(|number| positions.of(number)));
     }
 
     /// The new number of a position.
+    fn position(&mut self, old: u32) -> u32 {
+        self.positions.of(old)
+    }
+}
+
+/// New numbers of positions, in the order in which old ones are first asked for.
+#[derive(Clone, Debug, Default)]
+struct Positions {
+    table: Vec<u32>,
+    used: u32,
+}
+
+impl Positions {
+    fn reset(&mut self, count: usize) {
+        self.table.clear();
+        self.table.resize(count, UNUSED);
+        self.used = 0;
+    }
+
     #[inline]
-    pub(super) fn topology_of(&mut self, old: u32) -> u32 {
-        if old as usize >= self.topology.len() {
-            self.topology.resize(old as usize + 1, UNUSED);
-        }
-        let entry = &mut self.topology[old as usize];
+    fn of(&mut self, old: u32) -> u32 {
+        let entry = &mut self.table[old as usize];
         if *entry == UNUSED {
-            *entry = self.topology_used;
-            self.topology_used += 1;
+            *entry = self.used;
+            self.used += 1;
         }
         *entry
     }

@@ -109,7 +109,7 @@ pub enum FracturePattern {
 }
 
 impl FracturePattern {
-    /// How `impact` divides `hull`, into about `most` pieces or fewer; see [`Cutting`].
+    /// How `impact` divides `hull`, into at most `most` pieces; see [`Cutting`].
     ///
     /// Nothing if the impact is not finite or has no direction, the pattern's numbers are not usable, or `most` is less
     /// than two. Planes of one's own are not counted: how many pieces they make is known once they cut.
@@ -139,8 +139,10 @@ impl FracturePattern {
                 let planes = planes.clamp(1, STAR_MAX_PLANES).min(most_u8 / 2);
                 Cutting::Planes(blow.star(planes, &mut random))
             }
+            // Two sectors are divided by one plane.
+            Self::Radial { .. } if most < 3 => Cutting::Planes(blow.star(1, &mut random)),
             Self::Radial { rays, rings } => {
-                let rays = u32::from(rays.clamp(*RAYS.start(), *RAYS.end())).min(most.max(3));
+                let rays = u32::from(rays.clamp(*RAYS.start(), *RAYS.end())).min(most);
                 let rings = u32::from(rings).min((most / rays).saturating_sub(1));
                 Cutting::Cells(blow.radial(rays, rings, &mut random))
             }
