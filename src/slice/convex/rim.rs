@@ -184,7 +184,13 @@ fn divide_triangle(
         below.corners.extend([tip, up, down]);
         above.corners.extend([up, next, last, down]);
     } else {
-        below.corners.extend([next, last, up, down]);
+        // From the first corner below, as `divide_face` does: it decides along which diagonal the piece is read as triangles.
+        let piece = if alone == 1 {
+            [last, up, down, next]
+        } else {
+            [next, last, up, down]
+        };
+        below.corners.extend(piece);
         above.corners.extend([up, tip, down]);
     }
     Ok([up, down])
