@@ -184,31 +184,27 @@ impl Classes {
     }
 
     /// The parts of a face that have its corner `vertex`, which is on the plane.
+    ///
+    /// Where a loop changes sides on the plane, it does so at the first corner there; so a corner is in the part that follows
+    /// it, and in that of the corner right before it, if that one is off the plane.
     pub(super) fn parts_at(&self, hull: &ConvexHull, face: u32, vertex: u32) -> u8 {
-        match self.faces[face as usize] {
-            BOTH => {
-                let corners = hull.face_loop(&hull.faces[face as usize]);
-                let at = place_of(vertex, corners);
-                let off = |side: &u8| *side != ON;
-                let sides = || corners.iter().map(|&v| self.sides[v as usize]);
-                let mut before = sides().rev().cycle().skip(corners.len() - at);
-                let mut after = sides().cycle().skip(at + 1);
-                // A face in both parts has corners off the plane, so that the cycles end.
-                before.find(off).unwrap_or(ON) | after.find(off).unwrap_or(ON)
-            }
-            part => part,
+        let after = self.part_after(hull, face, vertex);
+        if self.faces[face as usize] != BOTH {
+            return after;
         }
+        let corners = hull.face_loop(&hull.faces[face as usize]);
+        let before = (place_of(vertex, corners) + corners.len() - 1) % corners.len();
+        after | self.sides[corners[before] as usize]
     }
 
-    /// The part of a face that follows its corner `vertex`, which ends an edge on the plane: what the next corner off the
-    /// plane is in.
+    /// The part of a face that follows its corner `vertex`, which is on the plane: what the next corner off the plane is in.
     fn part_after(&self, hull: &ConvexHull, face: u32, vertex: u32) -> u8 {
         match self.faces[face as usize] {
             BOTH => {
                 let corners = hull.face_loop(&hull.faces[face as usize]);
-                let sides = corners.iter().map(|&v| self.sides[v as usize]);
-                let mut after = sides.cycle().skip(place_of(vertex, corners) + 1);
-                after.find(|&side| side != ON).unwrap_or(ON)
+                let (before, from) = corners.split_at(place_of(vertex, corners));
+                let mut sides = from.iter().chain(before).map(|&v| self.sides[v as usize]);
+                sides.find(|&side| side != ON).unwrap_or(ON)
             }
             part => part,
         }
