@@ -3,7 +3,6 @@
 //! Sides are bit masks: the mask of a set is the union of its members' masks, and a part has the bit of its number.
 
 use crate::geometry::ConvexHull;
-use crate::geometry::lanes::LANES;
 use crate::geometry::predicates::{Side, length_scale, plane_tolerance, side};
 use crate::math::Plane;
 
@@ -88,7 +87,7 @@ impl Classes {
             self.sides.extend_from_slice(&sides);
         }
         // The last group is filled up with copies of the first vertex.
-        debug_assert!(self.sides.len() < hull.vertices.len() + LANES);
+
         self.sides.truncate(hull.vertices.len());
         found
     }
