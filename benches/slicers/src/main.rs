@@ -95,7 +95,9 @@ fn compare(shape: &str, planes: &[Plane], mut entries: Vec<Entry>) {
         }
     }
     // The first round fills memory and caches.
-    entries.iter_mut().for_each(|entry| drop(entry.times.remove(0)));
+    entries.iter_mut().for_each(|entry| {
+        entry.times.remove(0);
+    });
     let parry = entries.last_mut().expect("parry").median();
     for entry in &mut entries {
         let time = entry.median();
