@@ -10,6 +10,7 @@ pub mod hull;
 pub mod kd_code;
 pub(crate) mod lanes;
 pub mod mesh;
+pub(crate) mod moments;
 pub mod predicates;
 pub mod primitives;
 

@@ -34,7 +34,7 @@ mod random;
 pub use cells::{Cutting, Piece, PieceCutter, cut_by_planes};
 pub use clip::Verdict;
 pub use components::split_components;
-pub use convex::{HullHalves, HullSlice, HullSlicer, slice_hull};
+pub use convex::{HullHalves, HullSlice, HullSlicer, HullVerdict, slice_hull};
 pub use crack_area::cells_for_energy;
 pub use mesh_slicer::MeshSlicer;
 pub use pattern::{FracturePattern, Impact};
