@@ -65,7 +65,7 @@ fn features(c: &mut Criterion) {
     );
     bench(c, "fracturable", {
         let unbroken = Fracturable::with_strength(f32::MAX);
-        settled(|desc| desc.fracturable = Some(unbroken), default)
+        settled(|desc| desc.fracturable = Some(unbroken.clone()), default)
     });
     bench(
         c,

@@ -8,7 +8,9 @@ use bevy_cleave::contact::broadphase::{Broadphase, Proxy, ProxyKind, ProxyShape}
 use bevy_cleave::contact::sat::{NarrowScratch, collide_half_space, collide_hulls};
 use bevy_cleave::geometry::KdBox;
 use bevy_cleave::prelude::*;
-use bevy_cleave::slice::{SliceOptions, cut_by_planes, slice_hull, slice_mesh};
+use bevy_cleave::slice::{
+    HullHalves, HullSlicer, SliceOptions, cut_by_planes, slice_hull, slice_mesh,
+};
 use bevy_cleave::solver::contact_solver::ContactSolver;
 use bevy_cleave::solver::demand::SubstepSettings;
 use bevy_cleave::solver::{integrate, pgs};
@@ -62,6 +64,11 @@ fn slice(c: &mut Criterion) {
     for (name, shape) in &shapes {
         group.bench_function(BenchmarkId::new("hull", name), |b| {
             b.iter(|| slice_hull(black_box(shape.hull()), plane));
+        });
+        let mut slicer = HullSlicer::default();
+        let mut halves = HullHalves::copies_of(shape.hull());
+        group.bench_function(BenchmarkId::new("hull_into", name), |b| {
+            b.iter(|| slicer.slice_into(black_box(shape.hull()), plane, &mut halves));
         });
         let mesh = shape.hull().to_mesh();
         group.bench_function(BenchmarkId::new("mesh", name), |b| {

@@ -46,7 +46,8 @@ pub mod prelude {
     pub use crate::ecs::cut::SliceCommands;
     pub use crate::ecs::spawn::SpawnBody;
     pub use crate::fracture::{
-        Bond, BondError, Bonds, BrokenBond, CutError, CutRequest, Fracture, Fractures, Ledger,
+        Blow, Bond, BondError, Bonds, BrokenBond, CutError, CutRequest, Fracture, FractureBudget,
+        Fractures, Ledger,
     };
     pub use crate::geometry::{ConvexHull, ConvexMesh, HalfSpace, HullError, MeshError, TriMesh};
     pub use crate::mass::MassProperties;

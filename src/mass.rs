@@ -15,6 +15,7 @@
 
 pub mod approximate;
 
+use crate::geometry::moments::{Moments, SolidMoments};
 use crate::geometry::{ConvexHull, TriMesh};
 use bevy_ecs::component::Component;
 use glam::{DMat3, DQuat, DVec3, Mat3, Quat, Vec3};
@@ -33,12 +34,26 @@ pub struct VolumeIntegrals {
 impl VolumeIntegrals {
     /// Integrals over the inside of a hull.
     pub fn of_hull(hull: &ConvexHull) -> Self {
-        volume_integrals(hull.vertices(), hull.triangles())
+        Self::of_moments(&hull.moments)
     }
 
     /// Integrals over the inside of a mesh; they mean something only if the mesh is closed.
     pub fn of_mesh(mesh: &TriMesh) -> Self {
         volume_integrals(mesh.positions(), mesh.triangles().iter().copied())
+    }
+
+    fn of_moments(moments: &SolidMoments) -> Self {
+        let Moments {
+            six_volumes, first, ..
+        } = moments.sums;
+        let volume = six_volumes / 6.0;
+        let arm = first / (4.0 * six_volumes);
+        let second = moments.sums.second() / 120.0 - volume * outer(arm);
+        Self {
+            volume,
+            centroid: moments.apex + arm,
+            inertia: inertia_of_second_moments(second),
+        }
     }
 
     /// Inertia tensor about `point` (m, same frame) at unit density, m5, by the parallel-axis theorem.
@@ -98,24 +113,16 @@ pub fn volume_integrals<P: Copy + Into<DVec3>>(
     let apex = triangles
         .peek()
         .map_or(DVec3::ZERO, |first| positions[first[0] as usize].into());
-    let mut six_volumes = 0.0;
-    let mut first_moments = DVec3::ZERO;
-    let mut second_moments = DMat3::ZERO;
+    let mut sums = Moments::default();
     for corners in triangles {
         let [a, b, c] = corners.map(|corner| positions[corner as usize].into() - apex);
-        let d = a.dot(b.cross(c));
-        let s = a + b + c;
-        six_volumes += d;
-        first_moments += d * s;
-        second_moments += d * (outer(s) + outer(a) + outer(b) + outer(c));
+        sums.add_triangle(a, b, c);
     }
-    let volume = six_volumes / 6.0;
-    let arm = first_moments / (4.0 * six_volumes);
-    VolumeIntegrals {
-        volume,
-        centroid: apex + arm,
-        inertia: inertia_of_second_moments(second_moments / 120.0 - volume * outer(arm)),
-    }
+    VolumeIntegrals::of_moments(&SolidMoments {
+        apex,
+        sums,
+        root: sums.six_volumes,
+    })
 }
 
 /// Sweeps of the Jacobi method after which the off-diagonals are zero to rounding; it converges quadratically, and

@@ -5,7 +5,7 @@ use crate::contact::cache::ContactCache;
 use crate::contact::material::{Density, Friction, Restitution};
 use crate::ecs::components::*;
 use crate::ecs::{bond, cut, gather, scatter};
-use crate::fracture::{Bonds, Fractures};
+use crate::fracture::{Bonds, FractureBudget, Fractures};
 use crate::mass::MassProperties;
 use crate::solver::bodies::{Bodies, RigidBody};
 use crate::solver::{Gravity, SolverConfig};
@@ -27,21 +27,23 @@ pub struct PhysicsSchedule;
 pub enum PhysicsSystems {
     /// Entities and what changed about them become bodies; mass, centre and inertia of changed shapes.
     MassProperties,
+    /// Bodies that are to be cut become pieces.
+    Cut,
     /// Pairs of bodies that may touch.
     Broadphase,
     /// Where pairs touch, and which of them are bonded; multipliers from the cache.
     ContactGeneration,
     /// Forces and contact impulses; bonds that they overload break.
     Solve,
+    /// Bodies that were hit with more than they bear become pieces, and their islands are solved anew.
+    Fracture,
     /// Poses from velocities.
     Integrate,
     /// The contact cache takes the new multipliers and ages the rest.
     CacheAging,
     /// Islands at rest fall asleep, if [`SleepConfig`](crate::solver::SleepConfig) says so.
     Sleep,
-    /// Bodies that were hit too hard, or are to be cut, become pieces.
-    Fracture,
-    /// Poses and velocities are written to the entities.
+    /// Pieces become entities, and poses and velocities are written to all.
     Writeback,
 }
 
@@ -78,6 +80,7 @@ impl Plugin for CleavePlugin {
             .init_resource::<Bonds>()
             .init_resource::<Gravity>()
             .init_resource::<SolverConfig>()
+            .init_resource::<FractureBudget>()
             .init_resource::<StepReport>()
             .init_resource::<BodyEntities>()
             .init_resource::<gather::BodyQueue>()
@@ -125,13 +128,14 @@ fn add_phases(schedule: &mut Schedule) {
     schedule.configure_sets(
         (
             Phase::MassProperties,
+            Phase::Cut,
             Phase::Broadphase,
             Phase::ContactGeneration,
             Phase::Solve,
+            Phase::Fracture,
             Phase::Integrate,
             Phase::CacheAging,
             Phase::Sleep,
-            Phase::Fracture,
             Phase::Writeback,
         )
             .chain()
@@ -143,31 +147,28 @@ fn add_phases(schedule: &mut Schedule) {
             gather::gather_changes,
             gather::gather_motion,
             gather::settle_marked,
-            cut::gather_requests,
             bond::gather_requests,
             mass_properties,
             gather::publish_mass,
         )
             .chain()
             .in_set(Phase::MassProperties),
+        (cut::gather_requests, make_cuts).chain().in_set(Phase::Cut),
         broadphase.in_set(Phase::Broadphase),
         (generate_contacts, attach_bonds)
             .chain()
             .in_set(Phase::ContactGeneration),
-        (solve, break_bonds, bond::report_broken)
+        solve.in_set(Phase::Solve),
+        (fracture, break_bonds, bond::report_broken)
             .chain()
-            .in_set(Phase::Solve),
+            .in_set(Phase::Fracture),
         integrate.in_set(Phase::Integrate),
         age_cache.in_set(Phase::CacheAging),
         sleep.in_set(Phase::Sleep),
         (
-            fracture,
             cut::report_refusals,
+            cut::despawn_expired,
             cut::spawn_pieces.run_if(cut::anything_broke),
-        )
-            .chain()
-            .in_set(Phase::Fracture),
-        (
             scatter::unmark_woken,
             scatter::scatter,
             scatter::mark_asleep,
@@ -183,6 +184,7 @@ fn add_phases(schedule: &mut Schedule) {
 struct Settings<'w> {
     gravity: Res<'w, Gravity>,
     config: Res<'w, SolverConfig>,
+    budget: Res<'w, FractureBudget>,
     time: Res<'w, Time>,
 }
 
@@ -191,6 +193,7 @@ impl Settings<'_> {
         StepSettings {
             gravity: *self.gravity,
             config: *self.config,
+            budget: *self.budget,
             h: self.time.delta_secs(),
         }
     }
@@ -284,11 +287,31 @@ fn sleep(
     );
 }
 
-fn fracture(
+fn make_cuts(
     mut bodies: ResMut<Bodies>,
-    contacts: Res<Contacts>,
     mut cache: ResMut<ContactCache>,
     mut fractures: ResMut<Fractures>,
+    settings: Settings,
 ) {
-    step::fracture(&mut bodies, &contacts, &mut cache, &mut fractures);
+    step::cut(&mut bodies, &mut cache, &mut fractures, &settings.get());
+}
+
+fn fracture(
+    mut bodies: ResMut<Bodies>,
+    mut contacts: ResMut<Contacts>,
+    mut cache: ResMut<ContactCache>,
+    mut fractures: ResMut<Fractures>,
+    mut bonds: ResMut<Bonds>,
+    settings: Settings,
+    mut report: ResMut<StepReport>,
+) {
+    step::fracture(
+        &mut bodies,
+        &mut contacts,
+        &mut cache,
+        &mut fractures,
+        &mut bonds,
+        &settings.get(),
+        &mut report,
+    );
 }

@@ -4,25 +4,29 @@
 //!
 //! ```text
 //! 1 mass properties    changed shapes   -> mass, centre, inertia
-//! 2 broadphase         boxes            -> pairs, sorted by body id
-//! 3 contact generation pairs, hulls     -> manifolds; multipliers from the cache; which manifolds are bonded
-//! 4 solve              forces, manifolds -> rows -> impulses with w = A lambda - b, lo <= lambda <= hi; bonds break
-//! 5 integrate          velocities       -> poses
-//! 6 cache aging        impulses         -> cache: hits reset, others one step older, stale ones evicted
-//! 7 sleep              velocities, poses -> islands at rest, left out from the next step on
-//! 8 fracture           impulses over the strength, cuts asked for -> pieces
+//! 2 cut                cuts asked for   -> pieces, with the multipliers of their parents
+//! 3 broadphase         boxes            -> pairs, sorted by body id
+//! 4 contact generation pairs, hulls     -> manifolds; multipliers from the cache
+//! 5 solve              forces, manifolds -> rows -> impulses with w = A lambda - b, lo <= lambda <= hi
+//! 6 fracture           impulses over the strength -> pieces; 3, 4 and 5 again for the islands in which something broke
+//! 7 integrate          velocities       -> poses
+//! 8 cache aging        impulses         -> cache: hits reset, others one step older, stale ones evicted
+//! 9 sleep              velocities, poses -> islands at rest, left out from the next step on
 //! ```
 //!
-//! Sleeping bodies are woken in phase 3, where it is known who touches them; see [`sleep`](crate::solver::sleep).
+//! Sleeping bodies are woken in phase 4, where it is known who touches them; see [`sleep`](crate::solver::sleep).
 
 use crate::collide::{self, Lookahead};
 use crate::contact::broadphase::Broadphase;
 use crate::contact::cache::{CacheStats, ContactCache};
 use crate::contact::manifold::Manifold;
-use crate::fracture::{Bond, BondError, Bonds, CutError, CutRequest, Fractures, fracture_bodies};
+use crate::fracture::{
+    Bond, BondError, Bonds, CutError, CutRequest, FractureBudget, Fractures, break_overloaded,
+    make_cuts, note_loads,
+};
 use crate::math::Plane;
 use crate::solver::bodies::{Bodies, BodyError};
-use crate::solver::contact_solver::ContactSolver;
+use crate::solver::contact_solver::{ContactSolver, Round};
 use crate::solver::demand::SubstepSettings;
 use crate::solver::mlcp::Residual;
 use crate::solver::residual::ResidualSum;
@@ -37,11 +41,54 @@ pub struct Contacts {
     pub(crate) narrow: collide::NarrowPhase,
     pub(crate) manifolds: Vec<Manifold>,
     pub(crate) solver: ContactSolver,
+    /// Whether a body broke in the last round, and its island waits for the next one.
+    is_broken: bool,
+    /// Manifolds that are solved while a new round is prepared, sorted by body ids.
+    solved: Vec<Manifold>,
+    /// Kinetic and potential energy before the step, J, if the error is measured.
+    energy_before: Option<f64>,
     /// Rows of an island whose error is measured.
     rows: Vec<PointRows>,
 }
 
+/// Rounds of breaking in one step. What breaks only after so many others before it bears the step and may break in the next
+/// one.
+const MAX_ROUNDS: u32 = 3;
+
 impl Contacts {
+    /// Solves what is not solved yet.
+    fn solve_round(&mut self, bodies: &mut Bodies, settings: &StepSettings, round: u32) {
+        let StepSettings {
+            gravity, config, h, ..
+        } = *settings;
+        let substeps = SubstepSettings::new(config, gravity.0, h);
+        let round = Round {
+            is_first: round == 0,
+            may_break: round < MAX_ROUNDS,
+        };
+        let Self {
+            solver, manifolds, ..
+        } = self;
+        self.is_broken = solver.solve(manifolds, bodies, &substeps, round);
+    }
+
+    /// Keeps the manifolds of bodies that have got their motion, whose contacts are not to be looked for again.
+    fn set_solved_aside(&mut self) {
+        let is_solved = |m: &&Manifold| self.solver.is_moved(m.a) || self.solver.is_moved(m.b);
+        self.solved.clear();
+        self.solved.extend(self.manifolds.iter().filter(is_solved));
+    }
+
+    /// Puts them back in place of what was found anew for the same bodies.
+    fn take_solved_back(&mut self, bodies: &Bodies) {
+        let solver = &self.solver;
+        self.manifolds
+            .retain(|m| !solver.is_moved(m.a) && !solver.is_moved(m.b));
+        self.manifolds.append(&mut self.solved);
+        let name = |m: &Manifold| (bodies.id(m.a), bodies.id(m.b));
+        self.manifolds.sort_by_key(name);
+    }
+
     /// Manifolds of the last step with the impulses that were found, sorted by body ids. Those of bodies that sleep are not
     /// among them.
     pub fn manifolds(&self) -> &[Manifold] {
@@ -134,6 +181,8 @@ pub struct Simulation {
     pub gravity: Gravity,
     /// How contacts are solved.
     pub config: SolverConfig,
+    /// What fracture may cost.
+    pub budget: FractureBudget,
     /// What the last step did.
     pub report: StepReport,
 }
@@ -145,6 +194,8 @@ pub struct StepSettings {
     pub gravity: Gravity,
     /// How contacts are solved.
     pub config: SolverConfig,
+    /// What fracture may cost.
+    pub budget: FractureBudget,
     /// Length of the step, s.
     pub h: f32,
 }
@@ -204,21 +255,23 @@ impl Simulation {
         let settings = &StepSettings {
             gravity: self.gravity,
             config: self.config,
+            budget: self.budget,
             h,
         };
         if !settings.is_usable() {
             return;
         }
         mass_properties(bodies, report);
+        cut(bodies, cache, fractures, settings);
         broadphase(bodies, contacts, settings, report);
         generate_contacts(bodies, contacts, cache, settings, report);
         attach_bonds(bodies, contacts, bonds);
         solve(bodies, contacts, settings, report);
+        fracture(bodies, contacts, cache, fractures, bonds, settings, report);
         break_bonds(bodies, contacts, bonds);
         integrate(bodies, report);
         age_cache(bodies, contacts, cache, settings);
         sleep(bodies, contacts, cache, settings, report);
-        fracture(bodies, contacts, cache, fractures);
         bodies.forget_turned();
     }
 }
@@ -240,7 +293,17 @@ pub fn mass_properties(bodies: &mut Bodies, report: &mut StepReport) {
     report.bodies = bodies.len();
 }
 
-/// Phase 2: pairs of bodies whose boxes, with all they may reach within the step, overlap.
+/// Phase 2: cuts that were asked for.
+pub fn cut(
+    bodies: &mut Bodies,
+    cache: &mut ContactCache,
+    fractures: &mut Fractures,
+    settings: &StepSettings,
+) {
+    make_cuts(fractures, bodies, cache, &settings.budget, settings.h);
+}
+
+/// Phase 3: pairs of bodies whose boxes, with all they may reach within the step, overlap.
 pub fn broadphase(
     bodies: &Bodies,
     contacts: &mut Contacts,
@@ -257,7 +320,7 @@ pub fn broadphase(
     report.pairs = contacts.broadphase.pairs().len();
 }
 
-/// Phase 3: manifolds of all pairs that are awake, and where the solver left off at the same points. Wakes what must.
+/// Phase 4: manifolds of all pairs that are awake, and where the solver left off at the same points. Wakes what must.
 pub fn generate_contacts(
     bodies: &mut Bodies,
     contacts: &mut Contacts,
@@ -281,10 +344,7 @@ pub fn generate_contacts(
         }
     }
     bodies.end_rouse();
-    if !bodies.sleep.woken.is_empty() {
-        cache.unpark(&bodies.sleep.woken);
-        bodies.sleep.woken.clear();
-    }
+    bodies.unpark_woken(cache);
     report.cache = if settings.config.warm_start {
         cache.warm_start(
             manifolds,
@@ -300,45 +360,97 @@ pub fn generate_contacts(
     report.contacts = manifolds.iter().map(|m| m.count as usize).sum();
 }
 
-/// The end of phase 3: manifolds of bonded pairs hold.
+/// The end of phase 4: manifolds of bonded pairs hold.
 pub fn attach_bonds(bodies: &Bodies, contacts: &mut Contacts, bonds: &mut Bonds) {
     let Contacts {
         solver, manifolds, ..
     } = contacts;
+    bonds.begin_step();
     bonds.attach(bodies, manifolds, &mut solver.bonded);
 }
 
-/// Phase 4: forces, then impulses that keep the bodies apart.
+/// Phase 5: forces, then impulses that keep the bodies apart. Islands in which a body breaks are left as they were.
 pub fn solve(
     bodies: &mut Bodies,
     contacts: &mut Contacts,
     settings: &StepSettings,
     report: &mut StepReport,
 ) {
-    let StepSettings { gravity, config, h } = *settings;
-    let substeps = SubstepSettings::new(config, gravity.0, h);
-    let Contacts {
-        solver, manifolds, ..
-    } = contacts;
+    let StepSettings {
+        gravity, config, ..
+    } = *settings;
     let energy_before = config
         .measure_error
         .then(|| bodies.energy(gravity.0, false).iter().sum::<f64>());
-    solver.solve(manifolds, bodies, &substeps);
-    report_islands(contacts, &config, report);
-    report.error = energy_before.map(|before| measure_error(bodies, contacts, settings, before));
+    contacts.solve_round(bodies, settings, 0);
+    contacts.energy_before = energy_before;
+    if !contacts.is_broken {
+        report_solution(bodies, contacts, settings, report);
+    }
 }
 
-/// The end of phase 4: bonds that were loaded beyond their strength break.
+/// The end of phase 6: bonds that were loaded beyond their strength break.
 pub fn break_bonds(bodies: &mut Bodies, contacts: &Contacts, bonds: &mut Bonds) {
     bonds.break_overloaded(bodies, &contacts.solver.bonded);
 }
 
-/// Phase 5: poses from velocities. A body that would stop being finite is stopped where it is, and reported.
+fn report_solution(
+    bodies: &Bodies,
+    contacts: &mut Contacts,
+    settings: &StepSettings,
+    report: &mut StepReport,
+) {
+    report_islands(contacts, &settings.config, report);
+    let before = contacts.energy_before;
+    report.error = before.map(|before| measure_error(bodies, contacts, settings, before));
+}
+
+/// Phase 6: bodies that were hit with more than they bear become pieces, and the islands in which that happened are solved
+/// anew, until nothing breaks any more.
+pub fn fracture(
+    bodies: &mut Bodies,
+    contacts: &mut Contacts,
+    cache: &mut ContactCache,
+    fractures: &mut Fractures,
+    bonds: &mut Bonds,
+    settings: &StepSettings,
+    report: &mut StepReport,
+) {
+    let was_broken = contacts.is_broken;
+    let mut round = 0;
+    while contacts.is_broken {
+        round += 1;
+        break_bonds(bodies, contacts, bonds);
+        let Contacts {
+            manifolds, solver, ..
+        } = contacts;
+        break_overloaded(
+            fractures,
+            bodies,
+            manifolds,
+            cache,
+            &settings.budget,
+            solver,
+        );
+        contacts.set_solved_aside();
+        broadphase(bodies, contacts, settings, report);
+        generate_contacts(bodies, contacts, cache, settings, report);
+        contacts.take_solved_back(bodies);
+        bonds.attach(bodies, &mut contacts.manifolds, &mut contacts.solver.bonded);
+        contacts.solve_round(bodies, settings, round);
+    }
+    if was_broken {
+        report_solution(bodies, contacts, settings, report);
+    }
+    note_loads(fractures, bodies, &contacts.manifolds, &contacts.solver);
+}
+
+/// Phase 7: poses from velocities. A body that would stop being finite is stopped where it is, and reported.
 pub fn integrate(bodies: &mut Bodies, report: &mut StepReport) {
     integrate::integrate_positions(bodies, &mut report.problems);
 }
 
-/// Phase 6: the cache takes the new impulses and ages the rest.
+/// Phase 8: the cache takes the new impulses and ages the rest.
 pub fn age_cache(
     bodies: &Bodies,
     contacts: &Contacts,
@@ -357,7 +469,7 @@ pub fn age_cache(
     );
 }
 
-/// Phase 7: islands at rest fall asleep. Their multipliers are kept for when they wake.
+/// Phase 9: islands at rest fall asleep. Their multipliers are kept for when they wake.
 pub fn sleep(
     bodies: &mut Bodies,
     contacts: &Contacts,
@@ -374,16 +486,6 @@ pub fn sleep(
     }
     report.asleep = bodies.asleep();
     report.awake = bodies.dynamic() - report.asleep;
-}
-
-/// Phase 8: bodies that were hit too hard or are to be cut become pieces.
-pub fn fracture(
-    bodies: &mut Bodies,
-    contacts: &Contacts,
-    cache: &mut ContactCache,
-    fractures: &mut Fractures,
-) {
-    fracture_bodies(fractures, bodies, &contacts.manifolds, cache);
 }
 
 fn report_islands(contacts: &mut Contacts, config: &SolverConfig, report: &mut StepReport) {

@@ -74,7 +74,7 @@ fn every_pattern_conserves_mass_momentum_and_energy() {
         for seed in 0..20 {
             let breaking = Fracturable {
                 strength: 100.0,
-                pattern,
+                pattern: pattern.clone(),
                 seed,
                 generations: 3,
                 ..Default::default()
@@ -255,7 +255,7 @@ fn box_that_lands_flat_breaks_by_every_pattern() {
             let mut simulation = with_floor();
             let mut desc = BodyDesc::dynamic(shape, Vec3::new(0.0, 3.0, 0.0));
             desc.fracturable = Some(Fracturable {
-                pattern,
+                pattern: pattern.clone(),
                 ..Fracturable::with_strength(100.0)
             });
             simulation.bodies.insert(desc).expect("usable");

@@ -50,7 +50,7 @@ fn component_read_through_reflection_is_the_component() {
         generations: 7,
         ..Default::default()
     };
-    let entity = app.world_mut().spawn(fracturable).id();
+    let entity = app.world_mut().spawn(fracturable.clone()).id();
     let read = read_by_reflection(app.world(), TypeId::of::<Fracturable>(), entity);
     assert_eq!(Fracturable::from_reflect(read), Some(fracturable));
 }

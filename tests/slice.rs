@@ -349,6 +349,7 @@ fn cap_takes_the_chosen_colour() {
     let red = Vec4::new(1.0, 0.0, 0.0, 1.0);
     let options = SliceOptions {
         cap_colour: Some(red),
+        ..SliceOptions::default()
     };
     let plain = primitives::cuboid(1.0, 1.0, 1.0).unwrap().to_mesh();
     let plane = Plane {
@@ -515,6 +516,7 @@ fn impact_on(hull: &ConvexHull, dice: &mut Dice) -> Impact {
         point: centre / corners.len() as f32,
         normal: -face.plane.normal,
         impulse: 1.0,
+        energy: 1.0,
     }
 }
 
@@ -532,7 +534,8 @@ fn patterns_cut_the_body_and_repeat_with_their_seed() {
         let mut dice = Dice::new(12);
         for seed in 0..20 {
             let impact = impact_on(&hull, &mut dice);
-            for (pattern, count) in patterns {
+            for (pattern, count) in &patterns {
+                let count = *count;
                 let planes = pattern.planes(&impact, &hull, seed);
                 assert_eq!(planes.len(), count, "{pattern:?}");
                 assert_eq!(planes, pattern.planes(&impact, &hull, seed), "{pattern:?}");
@@ -542,7 +545,7 @@ fn patterns_cut_the_body_and_repeat_with_their_seed() {
                     "{name} {pattern:?}: {} pieces",
                     pieces.len()
                 );
-                if pattern != FracturePattern::RandomPlane {
+                if *pattern != FracturePattern::RandomPlane {
                     for plane in &planes {
                         let size = length_scale(&hull.aabb());
                         assert!(plane.distance(impact.point).abs() <= 1e-6 * size);
@@ -561,6 +564,7 @@ fn seeds_give_different_planes() {
         point: Vec3::new(0.5, 0.1, 0.2),
         normal: -Vec3::X,
         impulse: 1.0,
+        energy: 1.0,
     };
     for pattern in [
         FracturePattern::RandomPlane,
@@ -593,6 +597,7 @@ fn impacts_along_any_direction_have_a_single_plane() {
             point: Vec3::ZERO,
             normal: dice.direction(),
             impulse: 1.0,
+            energy: 1.0,
         };
         let plane = FracturePattern::SinglePlane.planes(&impact, &hull, 0)[0];
         assert!(plane.normal.dot(impact.normal).abs() < 1e-6);

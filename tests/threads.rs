@@ -49,7 +49,9 @@ fn run() -> Vec<[u32; 6]> {
         .step_by(5)
         .collect::<Vec<_>>()
     {
-        simulation.bodies.set_fracturable(slot, Some(breakable));
+        simulation
+            .bodies
+            .set_fracturable(slot, Some(breakable.clone()));
     }
     let mut broken = 0;
     for _ in 0..60 {

@@ -144,6 +144,7 @@ fn settings(simulation: &Simulation, warm_start: bool) -> StepSettings {
             warm_start,
             ..simulation.config
         },
+        budget: simulation.budget,
         h: H,
     }
 }

@@ -49,6 +49,7 @@ fn breakable(strength: f32, planes: u8, generations: u8) -> Fracturable {
         generations,
         seed: 7,
         cut_colour: Some(CUT_COLOUR),
+        ..Fracturable::default()
     }
 }
 

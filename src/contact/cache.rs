@@ -32,6 +32,10 @@
 //! # References
 //! "Constraint-Based Physics With Real-Time Object Slicing": the key, the ages and the limit of ten steps.
 
+mod inherit;
+
+pub use inherit::{Family, Heir};
+
 use super::{BodyId, Manifold};
 use crate::contact::manifold::{ContactPoint, MAX_POINTS};
 use crate::geometry::{KdBox, KdCode};

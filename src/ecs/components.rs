@@ -53,11 +53,12 @@ pub struct Sleeping;
 pub struct Fractured {
     /// The entity that is no more.
     pub parent: Entity,
-    /// The entities that took its place; each has the parent's other components.
+    /// The entities that took its place; each has the parent's other components. Pieces of pieces that broke in the same
+    /// step are among them.
     pub pieces: Vec<Entity>,
     /// The planes of the cut, world frame.
     pub planes: SmallVec<[Plane; 8]>,
-    /// Mass, momentum, angular momentum and energy before and after.
+    /// Mass, momentum, angular momentum and energy before and after the parent broke.
     pub ledger: Ledger,
 }
 

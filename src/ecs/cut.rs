@@ -1,8 +1,9 @@
 //! Cuts into entities: requests from commands, pieces spawned, parents despawned.
 
 use super::components::*;
+use crate::contact::BodyId;
 use crate::contact::material::Density;
-use crate::fracture::{CutError, CutRequest, Fractures};
+use crate::fracture::{CutError, CutRequest, Fracture, Fractures};
 use crate::geometry::ConvexMesh;
 use crate::mass::MassProperties;
 use crate::math::Plane;
@@ -10,6 +11,7 @@ use crate::slice::fracturable::Fracturable;
 use crate::solver::bodies::{Bodies, RigidBody};
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
+use smallvec::SmallVec;
 
 /// Cutting on request.
 pub trait SliceCommands {
@@ -74,33 +76,69 @@ pub(crate) fn anything_broke(fractures: Res<Fractures>) -> bool {
 
 /// System: spawns an entity for every piece, despawns the parents, tells what happened.
 ///
+/// A piece that broke again in the same step never was an entity: its pieces are told of as those of the first parent.
 /// Pieces of a body without an entity stay bodies without entities.
 pub(crate) fn spawn_pieces(world: &mut World) {
     let done = std::mem::take(&mut world.resource_mut::<Fractures>().done);
-    // All parents first: a slot that a parent left may be a piece's by now.
-    let entities = world.resource::<BodyEntities>();
-    let parents: Vec<_> = done
-        .iter()
-        .map(|f| entities.of(f.parent_slot, f.parent))
-        .collect();
-    for (fracture, parent) in done.iter().zip(parents) {
-        let Some(parent) = parent.filter(|&p| world.get_entity(p).is_ok()) else {
-            continue;
-        };
-        let slots = fracture.pieces.iter();
-        let pieces = slots
-            .map(|&slot| spawn_piece(world, parent, slot))
+    for (message, pieces) in families(world, &done) {
+        let pieces = pieces.into_iter();
+        let pieces = pieces
+            .map(|slot| spawn_piece(world, message.parent, slot))
             .collect();
-        let message = Fractured {
-            parent,
-            pieces,
-            planes: fracture.planes.clone(),
-            ledger: fracture.ledger,
-        };
-        world.despawn(parent);
-        world.write_message(message);
+        world.despawn(message.parent);
+        world.write_message(Fractured { pieces, ..message });
     }
     world.resource_mut::<Fractures>().done = done;
+}
+
+/// System: despawns the entities of pieces whose time was over.
+pub(crate) fn despawn_expired(
+    mut commands: Commands,
+    fractures: Res<Fractures>,
+    entities: Res<BodyEntities>,
+) {
+    for &(slot, id) in &fractures.expired {
+        if let Some(entity) = entities.of(slot, id) {
+            commands.entity(entity).try_despawn();
+        }
+    }
+}
+
+/// The messages to send, without the pieces, and the slots of these.
+fn families(world: &World, done: &[Fracture]) -> Vec<(Fractured, Vec<u32>)> {
+    let (bodies, entities) = (world.resource::<Bodies>(), world.resource::<BodyEntities>());
+    let mut families: Vec<(Fractured, Vec<u32>)> = Vec::new();
+    // By id of a piece: which of the families it belongs to. Ids only grow.
+    let mut family_of: Vec<(BodyId, usize)> = Vec::new();
+    for fracture in done {
+        let known = family_of.binary_search_by_key(&fracture.parent, |&(id, _)| id);
+        let family = match known {
+            Ok(at) => family_of[at].1,
+            Err(_) => {
+                let parent = entities.of(fracture.parent_slot, fracture.parent);
+                let Some(parent) = parent.filter(|&p| world.get_entity(p).is_ok()) else {
+                    continue;
+                };
+                let message = Fractured {
+                    parent,
+                    pieces: Vec::new(),
+                    planes: SmallVec::new(),
+                    ledger: fracture.ledger,
+                };
+                families.push((message, Vec::new()));
+                families.len() - 1
+            }
+        };
+        let (message, slots) = &mut families[family];
+        message.planes.extend_from_slice(&fracture.planes);
+        for (&slot, &id) in fracture.pieces.iter().zip(&fracture.ids) {
+            family_of.push((id, family));
+            if bodies.is(slot, id) {
+                slots.push(slot);
+            }
+        }
+    }
+    families
 }
 
 /// One piece: a clone of the parent with shape, motion and mass of its own.
@@ -122,7 +160,7 @@ fn spawn_piece(world: &mut World, parent: Entity, slot: u32) -> Entity {
         *bodies.mass(slot),
         BodyHandle(Some((slot, id))),
     );
-    let fracturable = bodies.fracturable(slot).copied();
+    let fracturable = bodies.fracturable(slot).cloned();
     // What is cloned must not carry the parent's body, or observers would take the clone for the parent.
     let piece = world
         .entity_mut(parent)

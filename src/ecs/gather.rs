@@ -223,7 +223,7 @@ fn describe(parts: &BodyPartsItem, pose: Pose) -> Result<BodyDesc, BodyError> {
         friction: *parts.friction,
         restitution: *parts.restitution,
         layers: *parts.layers,
-        fracturable: parts.fracturable.copied(),
+        fracturable: parts.fracturable.cloned(),
     })
 }
 

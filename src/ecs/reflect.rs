@@ -6,7 +6,7 @@
 use super::components::{AngularVelocity, LinearVelocity, MassOverride, Sleeping};
 use crate::contact::CollisionLayers;
 use crate::contact::material::{Density, Friction, Restitution};
-use crate::fracture::Ledger;
+use crate::fracture::{FractureBudget, Ledger};
 use crate::geometry::HalfSpace;
 use crate::mass::MassProperties;
 use crate::slice::fracturable::Fracturable;
@@ -34,6 +34,7 @@ pub(crate) fn register_types(app: &mut App) {
     component::<Sleeping>(app);
     resource::<Gravity>(app);
     resource::<SolverConfig>(app);
+    resource::<FractureBudget>(app);
     resource::<StepReport>(app);
     app.register_type::<Ledger>();
 }

@@ -225,6 +225,11 @@ impl Bonds {
             .binary_search_by_key(&bodies, |joint| joint.bodies)
     }
 
+    /// Forgets what broke in the last step.
+    pub(crate) fn begin_step(&mut self) {
+        self.broken.clear();
+    }
+
     /// Before the solve: finds the manifolds of the bonds, and notes in `bonded` what they bear and how far they are off.
     /// Bonds whose bodies are gone go, those whose bodies are apart are broken.
     pub(crate) fn attach(
@@ -234,7 +239,6 @@ impl Bonds {
         bonded: &mut Vec<BondedManifold>,
     ) {
         let Self { joints, broken } = self;
-        broken.clear();
         bonded.clear();
         if joints.is_empty() {
             return;

@@ -1,64 +1,142 @@
-//! Contact impulses of one step, summed by body, and what they break.
+//! Contact impulses of one step, summed by body: what they break, and what of them acts before that.
 
+use super::Blow;
+use super::pieces::Division;
 use crate::contact::manifold::Manifold;
 use crate::math::rotate;
-use crate::slice::pattern::{Impact, Planes};
+use crate::slice::{Cutting, Impact};
 use crate::solver::bodies::{Bodies, RigidBody};
+use crate::solver::limit::BodyBlow;
 use glam::Vec3;
 
 /// Contact impulses on one body in one step.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ImpulseSum {
-    /// Sum of the normal impulses over all contact points, N s.
-    total: f32,
+    /// Impulse and energy of the blow, all contact points together.
+    blow: BodyBlow,
     /// Sum of the impulses times where they act, from the centre of mass, world axes, N s m.
     ///
-    /// Divided by the total, the centre of the blow. A single point would do for corners only: a box that lands flat
+    /// Divided by the impulse, the centre of the blow. A single point would do for corners only: a box that lands flat
     /// touches with four, and a plane through one of them is the plane of a face.
     moment: Vec3,
     /// Sum of the impulses with their directions on the body, world axes, N s.
-    impulse: Vec3,
+    direction: Vec3,
 }
 
-/// Fills `sums`, by slot.
-pub(super) fn sum_impulses(sums: &mut Vec<ImpulseSum>, slots: usize, manifolds: &[Manifold]) {
+impl ImpulseSum {
+    /// Sum of the normal impulses, N s.
+    pub(super) fn impulse(&self) -> f32 {
+        self.blow.impulse
+    }
+
+    /// The same with another energy, J: that of a blow is not known any more once the velocities are those after it.
+    pub(super) fn with_energy(mut self, energy: f32) -> Self {
+        self.blow.energy = energy;
+        self
+    }
+
+    /// Whether the body in `slot` does not bear it.
+    pub(super) fn is_too_much(&self, bodies: &Bodies, slot: u32) -> bool {
+        let limit = bodies.limit(slot);
+        limit.is_some_and(|limit| limit.is_exceeded_by(&self.blow))
+    }
+
+    /// What the fracture is reported with.
+    pub(super) fn blow(&self, borne: f32) -> Blow {
+        let BodyBlow { impulse, energy } = self.blow;
+        Blow {
+            impulse,
+            energy,
+            borne,
+        }
+    }
+
+    /// The share of the impulses that acts before the body in `slot` breaks: what it bears, and what the cracks take.
+    ///
+    /// The first share `s` of a plastic blow with energy `E` takes `E (1 - (1 - s)^2)`: the approach is fastest at the
+    /// start.
+    pub(super) fn borne(&self, bodies: &Bodies, slot: u32, division: &Division) -> f32 {
+        let (Some(fracturable), Some(mesh)) = (bodies.fracturable(slot), bodies.convex(slot))
+        else {
+            return 0.0;
+        };
+        let BodyBlow { impulse, energy } = self.blow;
+        let cracks = fracturable.toughness * division.crack_area(mesh.hull()) as f32;
+        let taken = fracturable.least_energy.max(cracks) / energy;
+        let by_energy = if taken > 0.0 {
+            1.0 - (1.0 - taken).max(0.0).sqrt()
+        } else {
+            0.0
+        };
+        (fracturable.strength / impulse).max(by_energy).min(1.0)
+    }
+
+    /// How the blow divides the body in `slot`, into at most `most` pieces; nothing if it does not pay for a crack.
+    pub(super) fn cutting(&self, bodies: &Bodies, slot: u32, most: usize) -> Option<Cutting> {
+        let (fracturable, mesh) = (bodies.fracturable(slot)?, bodies.convex(slot)?);
+        let to_body = bodies.pose(slot).rotation.inverse();
+        // Squeezed from opposite sides, the impulses cancel; any direction across the body is as good as another then.
+        let direction = rotate(to_body, self.direction).normalize_or(Vec3::Y);
+        let impact = Impact {
+            point: rotate(to_body, self.moment / self.impulse()) + bodies.mass(slot).centre,
+            normal: direction,
+            impulse: self.impulse(),
+            energy: self.blow.energy,
+        };
+        let most = u32::try_from(most).unwrap_or(u32::MAX);
+        fracturable.cutting(&impact, mesh.hull(), most)
+    }
+}
+
+/// Fills `sums`, by slot. The velocities of `bodies` are those before the blow.
+pub(super) fn sum_impulses(sums: &mut Vec<ImpulseSum>, bodies: &Bodies, manifolds: &[Manifold]) {
     sums.clear();
-    sums.resize(slots, ImpulseSum::default());
+    sums.resize(bodies.slots(), ImpulseSum::default());
     for manifold in manifolds {
+        let [a, b] = [manifold.a, manifold.b].map(|slot| &bodies.velocity[slot as usize]);
         for point in manifold.points() {
+            // Bonds pull too, but only a push is a blow.
+            let impulse = point.total_impulse.max(0.0);
+            let on_a = a.linear + a.angular.cross(point.anchor_a);
+            let on_b = b.linear + b.angular.cross(point.anchor_b);
+            let speed = manifold.normal.dot(on_a - on_b);
             let sides = [
                 (manifold.a, point.anchor_a, -manifold.normal),
                 (manifold.b, point.anchor_b, manifold.normal),
             ];
             for (slot, anchor, direction) in sides {
                 let sum = &mut sums[slot as usize];
-                sum.total += point.total_impulse;
-                sum.moment += anchor * point.total_impulse;
-                sum.impulse += direction * point.total_impulse;
+                sum.blow.add(impulse, speed);
+                sum.moment += anchor * impulse;
+                sum.direction += direction * impulse;
             }
         }
     }
 }
 
-/// The planes (body's frame) that the impulses break the body in `slot` by; none if it bears them.
-pub(super) fn planes_of_impact(bodies: &Bodies, slot: u32, sum: &ImpulseSum) -> Planes {
-    let Some(fracturable) = bodies.fracturable(slot) else {
-        return Planes::new();
-    };
-    let breaks = sum.total > fracturable.strength
-        && bodies.kind(slot) == RigidBody::Dynamic
-        && bodies.is_active(slot);
-    let Some(mesh) = bodies.convex(slot).filter(|_| breaks) else {
-        return Planes::new();
-    };
-    let to_body = bodies.pose(slot).rotation.inverse();
-    // Squeezed from opposite sides, the impulses cancel; any direction across the body is as good as another then.
-    let direction = rotate(to_body, sum.impulse).normalize_or(Vec3::Y);
-    let impact = Impact {
-        point: rotate(to_body, sum.moment / sum.total) + bodies.mass(slot).centre,
-        normal: direction,
-        impulse: sum.total,
-    };
-    let seed = fracturable.seed;
-    fracturable.pattern.planes(&impact, mesh.hull(), seed)
+/// Lets the shares (by slot) of the impulses on bodies that break act on them and on what touches them.
+///
+/// Equal and opposite at one point, so momentum and angular momentum stay what they are.
+pub(super) fn apply_shares(shares: &[f32], bodies: &mut Bodies, manifolds: &[Manifold]) {
+    for manifold in manifolds {
+        let share = shares[manifold.a as usize].max(shares[manifold.b as usize]);
+        if share == 0.0 {
+            continue;
+        }
+        for point in manifold.points() {
+            let impulse = share * point.total_impulse * manifold.normal;
+            push(bodies, manifold.a, point.anchor_a, -impulse);
+            push(bodies, manifold.b, point.anchor_b, impulse);
+        }
+    }
+}
+
+/// Changes the velocity of a body by an impulse (N s) at `anchor` from its centre of mass (m), world axes.
+fn push(bodies: &mut Bodies, slot: u32, anchor: Vec3, impulse: Vec3) {
+    let i = slot as usize;
+    if bodies.kind(slot) == RigidBody::Dynamic {
+        let body = &mut bodies.velocity[i];
+        body.linear += body.inverse_mass * impulse;
+        body.angular += bodies.inverse_inertia[i] * anchor.cross(impulse);
+    }
 }

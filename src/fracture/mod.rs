@@ -1,31 +1,35 @@
 //! Bodies that break: which ones, through which planes, and what becomes of their motion.
 //!
-//! A body breaks when the contact impulses of one step pass its strength, or when a cut is asked for. It is cut in its
-//! own frame; each piece becomes a body about its own centre of mass and moves as that part of the parent did:
+//! Cuts that were asked for are made at the start of a step. A body that is hit with more than it bears breaks in the very
+//! step: the solver gives up its island, the part of the impulses that the body bears acts on it and on what hit it, and
+//! the island is solved anew with the pieces. So what hit it goes on with the rest of its momentum, and nothing bounces off
+//! a pane that is not there any more. Only a blow that comes anew breaks a body: a load that it stands may last for ever.
+//!
+//! A body is cut in its own frame; each piece becomes a body about its own centre of mass and moves as that part of the parent did:
 //! `v_i = v + omega x r_i`, `omega_i = omega`, which conserves momentum, angular momentum and energy exactly; the
 //! [`Ledger`] shows the rounding.
 
 pub mod bonds;
+mod breaking;
+mod budget;
 mod impact;
+mod inheritance;
 mod ledger;
 mod neighbours;
+mod pieces;
 mod shared_area;
 
 pub use bonds::{Bond, BondError, Bonds, BrokenBond};
+pub use breaking::{break_overloaded, make_cuts, note_loads};
+pub use budget::FractureBudget;
 pub use ledger::{Ledger, Totals};
 
 use crate::contact::BodyId;
-use crate::contact::cache::ContactCache;
-use crate::contact::manifold::Manifold;
-use crate::geometry::ConvexMesh;
-use crate::geometry::predicates::check_plane;
-use crate::mass::VolumeIntegrals;
-use crate::math::{Plane, Pose, rotate};
-use crate::slice::fracturable::Fracturable;
-use crate::slice::{Piece, SliceError, SliceOptions, cut_by_planes};
-use crate::solver::bodies::{Bodies, BodyDesc, BodyError, RigidBody, Shape};
+use crate::math::Plane;
+use crate::slice::SliceError;
+use crate::solver::bodies::{Bodies, BodyError};
 use bevy_ecs::resource::Resource;
-use glam::Quat;
+use breaking::Workshop;
 use smallvec::SmallVec;
 
 /// Why a cut that was asked for was not made. The body is left as it was.
@@ -96,207 +100,45 @@ pub struct Fracture {
     pub parent_slot: u32,
     /// Slots of the pieces.
     pub pieces: SmallVec<[u32; 8]>,
-    /// The planes, world frame.
+    /// Their ids. A piece that broke in the same step is gone, and is the parent of a later fracture.
+    pub ids: SmallVec<[BodyId; 8]>,
+    /// The planes, world frame; of a body that broke into cells, only those of cuts on request.
     pub planes: SmallVec<[Plane; 8]>,
     /// Before and after.
     pub ledger: Ledger,
+    /// What broke it; `None` if it was cut, or had to wait for its turn to break.
+    pub blow: Option<Blow>,
 }
 
-/// Cuts asked for, and what the last fracture phase did.
+/// What a body was hit with when it broke.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Blow {
+    /// Sum of the normal impulses until then, N s.
+    pub impulse: f32,
+    /// Kinetic energy that they would have turned into something else, J.
+    pub energy: f32,
+    /// Share of the impulses that acted on the body, and on what hit it, before it broke. The rest was for the pieces.
+    pub borne: f32,
+}
+
+/// Cuts asked for, and what broke in the last step.
 #[derive(Debug, Default, Resource)]
 pub struct Fractures {
-    /// Cuts to make in the next fracture phase, in order; several on one body cut its pieces too.
+    /// Cuts to make at the start of the next step, in order; several on one body cut its pieces too.
     pub requests: Vec<CutRequest>,
-    /// Fractures of the last step, in order of the parents' ids.
+    /// Fractures of the last step: the cuts in order of the parents' ids, what had waited for its turn, and what the
+    /// impulses of the step broke, round by round.
     pub done: Vec<Fracture>,
     /// Cuts of the last step that were not made.
     pub refused: Vec<(CutRequest, CutError)>,
-    breaking: Vec<Breaking>,
-    impacts: Vec<impact::ImpulseSum>,
+    /// Pieces that were removed at the start of the last step because their time was over: slot and id.
+    pub expired: Vec<(u32, BodyId)>,
+    workshop: Workshop,
 }
 
-#[derive(Debug)]
-struct Breaking {
-    slot: u32,
-    planes: SmallVec<[Plane; 8]>,
-    requests: SmallVec<[CutRequest; 2]>,
-}
-
-/// Breaks all bodies whose strength was passed or that are to be cut.
-///
-/// Pieces get slots, parents lose theirs; the parents' cache entries go. Results are in `fractures`.
-pub fn fracture_bodies(
-    fractures: &mut Fractures,
-    bodies: &mut Bodies,
-    manifolds: &[Manifold],
-    cache: &mut ContactCache,
-) {
-    fractures.done.clear();
-    fractures.refused.clear();
-    collect_requests(fractures, bodies);
-    collect_impacts(fractures, bodies, manifolds);
-    let mut breaking = std::mem::take(&mut fractures.breaking);
-    breaking.sort_by_key(|b| bodies.id(b.slot));
-    for entry in breaking.drain(..) {
-        match break_body(bodies, &entry) {
-            Ok(fracture) => fractures.done.push(fracture),
-            Err(error) => fractures
-                .refused
-                .extend(entry.requests.iter().map(|&r| (r, error.clone()))),
-        }
-    }
-    fractures.breaking = breaking;
-    if !fractures.done.is_empty() {
-        let done = &fractures.done;
-        cache.remove_bodies(|id| done.binary_search_by_key(&id, |f| f.parent).is_ok());
-    }
-}
-
-/// Sorts out requests that cannot be met; several on one body become one list of planes.
-fn collect_requests(fractures: &mut Fractures, bodies: &Bodies) {
-    for request in fractures.requests.drain(..) {
-        if let Err(error) = check_request(&request, bodies) {
-            fractures.refused.push((request, error));
-            continue;
-        }
-        let entry = breaking_of(&mut fractures.breaking, request.slot);
-        entry.planes.push(request.plane);
-        entry.requests.push(request);
-    }
-}
-
-fn check_request(request: &CutRequest, bodies: &Bodies) -> Result<(), CutError> {
-    if !bodies.is(request.slot, request.body) {
-        return Err(CutError::NoBody);
-    }
-    if bodies.kind(request.slot) != RigidBody::Dynamic {
-        return Err(CutError::NotDynamic);
-    }
-    if !bodies.is_active(request.slot) {
-        return Err(CutError::Frozen);
-    }
-    if bodies.has_mass_override(request.slot) {
-        return Err(CutError::MassOverride);
-    }
-    check_plane(&request.plane).map_err(SliceError::from)?;
-    Ok(())
-}
-
-/// Adds the bodies whose contact impulses of this step exceed their strength.
-fn collect_impacts(fractures: &mut Fractures, bodies: &Bodies, manifolds: &[Manifold]) {
-    if !bodies.any_fracturable() {
-        return;
-    }
-    impact::sum_impulses(&mut fractures.impacts, bodies.slots(), manifolds);
-    for (slot, sum) in (0..).zip(&fractures.impacts) {
-        let planes = impact::planes_of_impact(bodies, slot, sum);
-        if !planes.is_empty() {
-            breaking_of(&mut fractures.breaking, slot)
-                .planes
-                .extend(planes);
-        }
-    }
-}
-
-/// The entry of the body in `slot`, made if it is not there yet.
-fn breaking_of(breaking: &mut Vec<Breaking>, slot: u32) -> &mut Breaking {
-    let index = breaking.iter().position(|b| b.slot == slot);
-    let index = index.unwrap_or_else(|| {
-        breaking.push(Breaking {
-            slot,
-            planes: SmallVec::new(),
-            requests: SmallVec::new(),
-        });
-        breaking.len() - 1
-    });
-    &mut breaking[index]
-}
-
-/// Replaces one body by its pieces, or leaves it as it is.
-fn break_body(bodies: &mut Bodies, breaking: &Breaking) -> Result<Fracture, CutError> {
-    let slot = breaking.slot;
-    let mesh = bodies.convex(slot).ok_or(CutError::NotDynamic)?.clone();
-    let fracturable = bodies.fracturable(slot).copied();
-    let options = SliceOptions {
-        cap_colour: fracturable.and_then(|f| f.cut_colour),
-    };
-    let pieces = cut_by_planes(mesh.hull(), mesh.visual(), &breaking.planes, options)?;
-    if pieces.len() < 2 {
-        return Err(CutError::Missed);
-    }
-    let least_volume = f64::from(fracturable.map_or(0.0, |f| f.least_volume));
-    let large_enough = |piece: &Piece| piece.volume > least_volume;
-    let world_from_body = bodies.pose(slot);
-    let about = bodies.centre_of_mass(slot).as_dvec3();
-    let mut ledger = Ledger::default();
-    ledger.before.add_body(bodies, slot, about);
-    let mut kept = SmallVec::new();
-    for piece in pieces {
-        let integrals = VolumeIntegrals::of_hull(&piece.hull);
-        let keep = large_enough(&piece);
-        let inherited = fracturable.and_then(|f| f.for_piece(kept.len()));
-        let desc = piece_desc(bodies, slot, piece, &integrals, inherited);
-        let dropped = Totals::of_piece(&desc, &integrals, about);
-        // A piece whose mass or inertia no f32 can hold is as good as too small.
-        match keep.then(|| bodies.insert_with_mass(desc)) {
-            Some(Ok(piece_slot)) => {
-                ledger.after.add_body(bodies, piece_slot, about);
-                kept.push(piece_slot);
-            }
-            Some(Err(_)) | None => {
-                ledger.dropped.add(&dropped);
-                ledger.dropped_pieces += 1;
-            }
-        }
-    }
-    if kept.len() < 2 {
-        kept.iter().for_each(|&s| bodies.remove(s));
-        return Err(CutError::TooSmall);
-    }
-    let fracture = Fracture {
-        parent: bodies.id(slot),
-        parent_slot: slot,
-        pieces: kept,
-        planes: breaking
-            .planes
-            .iter()
-            .map(|p| p.in_frame_of(&world_from_body.inverse()))
-            .collect(),
-        ledger,
-    };
-    bodies.remove(slot);
-    Ok(fracture)
-}
-
-/// The body that a piece becomes: in a frame about its own centroid, moving as that part of the parent did.
-///
-/// `integrals` are those of the piece's hull in the parent's frame.
-fn piece_desc(
-    bodies: &Bodies,
-    parent: u32,
-    piece: Piece,
-    integrals: &VolumeIntegrals,
-    fracturable: Option<Fracturable>,
-) -> BodyDesc {
-    let info = bodies.info(parent);
-    let rotation = bodies.pose(parent).rotation;
-    let centroid = integrals.centroid.as_vec3();
-    let (v, omega) = bodies.velocity(parent);
-    let lever = rotate(rotation, centroid - bodies.mass(parent).centre);
-    let shift = Pose::new(-centroid, Quat::IDENTITY);
-    let visual = piece.visual.map(|mesh| mesh.transformed(&shift));
-    let shape = ConvexMesh::from_parts(piece.hull.translated(-centroid), visual);
-    BodyDesc {
-        kind: RigidBody::Dynamic,
-        shape: Shape::Convex(shape),
-        pose: Pose::new(bodies.centre_of_mass(parent) + lever, rotation),
-        linear_velocity: v + omega.cross(lever),
-        angular_velocity: omega,
-        density: info.density,
-        mass: None,
-        friction: info.friction,
-        restitution: info.restitution,
-        layers: info.layers,
-        fracturable,
+impl Fractures {
+    /// Number of bodies that were hit with more than they bear and wait for a budget to break.
+    pub fn waiting(&self) -> usize {
+        self.workshop.waiting()
     }
 }

@@ -2,6 +2,7 @@
 
 use super::TriMesh;
 use super::lanes::HullLanes;
+use super::moments::SolidMoments;
 use super::predicates::{SIZE_RANGE, check_plane, convex_tolerance, length_scale, signed_distance};
 use crate::math::{Aabb, Plane, tangents};
 use glam::{DVec3, Vec2, Vec3};
@@ -30,12 +31,14 @@ pub struct Edge {
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConvexHull {
     pub(crate) vertices: Vec<Vec3>,
+    /// In the order in which their loops stand in `loops`.
     pub(crate) faces: Vec<Face>,
     pub(crate) loops: Vec<u32>,
     pub(crate) edges: Vec<Edge>,
     pub(crate) aabb: Aabb,
     /// The same numbers as the narrow phase reads them.
     pub(crate) lanes: HullLanes,
+    pub(crate) moments: SolidMoments,
 }
 
 /// Why points or faces do not make a convex hull.
@@ -214,6 +217,7 @@ impl ConvexHull {
             loops: Vec::new(),
             edges: Vec::new(),
             lanes: HullLanes::default(),
+            moments: SolidMoments::default(),
         };
         let size = f64::from(length_scale(&hull.aabb));
         if !SIZE_RANGE.contains(&size) {
@@ -231,7 +235,21 @@ impl ConvexHull {
         hull.edges = hull.pair_edges()?;
         hull.validate()?;
         hull.lanes = HullLanes::of(&hull.vertices, &hull.faces, &hull.loops);
+        hull.moments = hull.sum_moments();
         Ok(hull)
+    }
+
+    /// A hull of nothing, to be filled in.
+    pub(crate) fn empty() -> Self {
+        Self {
+            vertices: Vec::new(),
+            faces: Vec::new(),
+            loops: Vec::new(),
+            edges: Vec::new(),
+            aabb: Aabb::EMPTY,
+            lanes: HullLanes::default(),
+            moments: SolidMoments::default(),
+        }
     }
 
     /// Pairs each directed edge with its reverse by sorting.
@@ -306,7 +324,7 @@ impl ConvexHull {
                 }
             }
         }
-        let volume = self.volume();
+        let volume = self.sum_moments().volume();
         let outward = volume > 0.0;
         if !outward {
             return Err(HullDefect::Inward { volume });
@@ -319,15 +337,15 @@ impl ConvexHull {
         self.validate().is_ok()
     }
 
-    /// Volume, m3: signed tetrahedra about the first vertex, summed in `f64`.
+    /// Volume, m3, in `f64` as it follows from the vertices.
     pub fn volume(&self) -> f64 {
-        let apex = self.vertices[0].as_dvec3();
-        let six_volumes: f64 = self
-            .triangles()
-            .map(|corners| corners.map(|v| self.vertices[v as usize].as_dvec3() - apex))
-            .map(|[a, b, c]| a.dot(b.cross(c)))
-            .sum();
-        six_volumes / 6.0
+        self.moments.volume()
+    }
+
+    /// The moments, summed up afresh.
+    pub(crate) fn sum_moments(&self) -> SolidMoments {
+        let faces = self.faces.iter().map(|face| self.face_loop(face));
+        SolidMoments::of_faces(&self.vertices, faces)
     }
 
     /// The hull moved by `offset` (m).
@@ -338,6 +356,7 @@ impl ConvexHull {
         }
         self.aabb = Aabb::of_points(self.vertices.iter().copied());
         self.lanes = HullLanes::of(&self.vertices, &self.faces, &self.loops);
+        self.moments = self.sum_moments();
         self
     }
 

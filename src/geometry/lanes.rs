@@ -4,7 +4,7 @@
 //! them; each lane computes what a scalar loop would, to the last bit.
 
 use super::convex::Face;
-use crate::math::Aabb;
+use crate::math::{Aabb, Plane};
 use glam::{Mat3, Vec3};
 
 /// Lanes of a group.
@@ -19,6 +19,15 @@ pub(crate) struct Points4 {
 }
 
 impl Points4 {
+    #[inline]
+    fn of([a, b, c, d]: [Vec3; LANES]) -> Self {
+        Self {
+            x: [a.x, b.x, c.x, d.x],
+            y: [a.y, b.y, c.y, d.y],
+            z: [a.z, b.z, c.z, d.z],
+        }
+    }
+
     /// One of the points.
     pub(crate) fn get(&self, lane: usize) -> Vec3 {
         Vec3::new(self.x[lane], self.y[lane], self.z[lane])
@@ -45,14 +54,17 @@ pub(crate) fn point(groups: &[Points4], index: usize) -> Vec3 {
     groups[index / LANES].get(index % LANES)
 }
 
-/// Groups of `points`; the last group is filled up with the first point, which changes no extreme.
-fn groups_of(points: impl ExactSizeIterator<Item = Vec3>, filler: Vec3) -> Vec<Points4> {
-    let mut groups = vec![Points4::default(); points.len().div_ceil(LANES)];
-    let padded = points.chain(std::iter::repeat(filler));
-    for (index, point) in padded.take(groups.len() * LANES).enumerate() {
-        groups[index / LANES].set(index % LANES, point);
+/// Fills `groups` with `points`; the last group is filled up with the first point, which changes no extreme.
+fn group_points(groups: &mut Vec<Points4>, points: &[Vec3]) {
+    let (whole, rest) = points.as_chunks::<LANES>();
+    groups.clear();
+    groups.reserve_exact(points.len().div_ceil(LANES));
+    groups.extend(whole.iter().map(|points| Points4::of(*points)));
+    if !rest.is_empty() {
+        let mut last = [points[0]; LANES];
+        last[..rest.len()].copy_from_slice(rest);
+        groups.push(Points4::of(last));
     }
-    groups
 }
 
 /// Four planes.
@@ -63,6 +75,14 @@ pub(crate) struct Planes4 {
 }
 
 impl Planes4 {
+    #[inline]
+    fn of([a, b, c, d]: [&Plane; LANES]) -> Self {
+        Self {
+            normals: Points4::of([a.normal, b.normal, c.normal, d.normal]),
+            offset: [a.offset, b.offset, c.offset, d.offset],
+        }
+    }
+
     /// Heights of a point above the planes, m.
     pub(crate) fn heights(&self, point: Vec3) -> [f32; LANES] {
         let mut heights = self.normals.along(point);
@@ -74,6 +94,23 @@ impl Planes4 {
     }
 }
 
+/// Fills `groups` with the planes of `faces`; the last group is filled up with the first one.
+fn group_planes(groups: &mut Vec<Planes4>, faces: &[Face]) {
+    let (whole, rest) = faces.as_chunks::<LANES>();
+    groups.clear();
+    groups.reserve_exact(faces.len().div_ceil(LANES));
+    groups.extend(
+        (whole.iter()).map(|[a, b, c, d]| Planes4::of([&a.plane, &b.plane, &c.plane, &d.plane])),
+    );
+    if !rest.is_empty() {
+        let mut last = [&faces[0].plane; LANES];
+        last.iter_mut()
+            .zip(rest)
+            .for_each(|(lane, face)| *lane = &face.plane);
+        groups.push(Planes4::of(last));
+    }
+}
+
 /// Copies of a hull's numbers in the order in which loops want them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct HullLanes {
@@ -81,54 +118,141 @@ pub(crate) struct HullLanes {
     pub(crate) points: Vec<Points4>,
     /// Planes of the faces, filled up with the first one.
     pub(crate) planes: Vec<Planes4>,
-    /// Faces around each vertex, ascending, one vertex after the other.
-    faces_around: Vec<u32>,
-    /// Where each vertex's run begins in `faces_around`, and where the last one ends.
-    first_around: Vec<u32>,
+    /// Faces around each vertex.
+    pub(crate) around: FacesAround,
 }
 
 impl HullLanes {
     /// Copies of the numbers of a hull with at least one vertex and one face.
     pub(crate) fn of(vertices: &[Vec3], faces: &[Face], loops: &[u32]) -> Self {
-        let mut lanes = Self {
-            points: groups_of(vertices.iter().copied(), vertices[0]),
-            ..Self::default()
-        };
-        let normals = groups_of(faces.iter().map(|f| f.plane.normal), faces[0].plane.normal);
-        lanes.planes.extend(normals.iter().map(|&normals| Planes4 {
-            normals,
-            offset: [faces[0].plane.offset; LANES],
-        }));
-        for (index, face) in faces.iter().enumerate() {
-            lanes.planes[index / LANES].offset[index % LANES] = face.plane.offset;
-        }
-        lanes.list_faces_around(vertices.len(), faces, loops);
+        let mut lanes = Self::default();
+        lanes.copy(vertices, faces);
+        lanes.around.sort_corners(vertices.len(), faces, loops);
         lanes
     }
 
-    /// Counting sort of all corners by vertex.
-    fn list_faces_around(&mut self, vertices: usize, faces: &[Face], loops: &[u32]) {
-        self.first_around.resize(vertices + 1, 0);
-        loops
-            .iter()
-            .for_each(|&v| self.first_around[v as usize + 1] += 1);
-        for v in 0..vertices {
-            self.first_around[v + 1] += self.first_around[v];
+    /// Copies points and planes, and leaves the faces around each vertex as they are.
+    pub(crate) fn copy(&mut self, vertices: &[Vec3], faces: &[Face]) {
+        group_points(&mut self.points, vertices);
+        group_planes(&mut self.planes, faces);
+    }
+
+    /// The faces that meet in a vertex, ascending.
+    pub(crate) fn faces_around(&self, vertex: usize) -> &[u32] {
+        self.around.of(vertex)
+    }
+}
+
+/// Faces around each vertex, ascending, one vertex after the other.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct FacesAround {
+    faces: Vec<u32>,
+    /// Where each vertex's run begins in `faces`, and where the last one ends.
+    first: Vec<u32>,
+}
+
+impl Default for FacesAround {
+    /// Of no vertex.
+    fn default() -> Self {
+        Self {
+            faces: Vec::new(),
+            first: vec![0],
         }
-        let mut next = self.first_around.clone();
-        self.faces_around.resize(loops.len(), 0);
+    }
+}
+
+impl FacesAround {
+    /// Counting sort of all corners by vertex.
+    fn sort_corners(&mut self, vertices: usize, faces: &[Face], loops: &[u32]) {
+        self.first.resize(vertices + 1, 0);
+        loops.iter().for_each(|&v| self.first[v as usize + 1] += 1);
+        for v in 0..vertices {
+            self.first[v + 1] += self.first[v];
+        }
+        let mut next = self.first.clone();
+        self.faces.resize(loops.len(), 0);
         for (index, face) in (0..).zip(faces) {
             for &v in &loops[face.first as usize..][..face.count as usize] {
-                self.faces_around[next[v as usize] as usize] = index;
+                self.faces[next[v as usize] as usize] = index;
                 next[v as usize] += 1;
             }
         }
     }
 
+    /// Makes room for so many vertices with so many corners, to be written in order.
+    pub(crate) fn rewrite(&mut self, vertices: usize, corners: usize) -> AroundWriter<'_> {
+        self.first.resize(vertices + 1, 0);
+        self.faces.resize(corners, 0);
+        AroundWriter {
+            ends: self.first[1..].iter_mut(),
+            faces: &mut self.faces,
+            written: 0,
+        }
+    }
+
     /// The faces that meet in a vertex, ascending.
-    pub(crate) fn faces_around(&self, vertex: usize) -> &[u32] {
-        let range = self.first_around[vertex] as usize..self.first_around[vertex + 1] as usize;
-        &self.faces_around[range]
+    pub(crate) fn of(&self, vertex: usize) -> &[u32] {
+        &self.faces[self.first[vertex] as usize..self.first[vertex + 1] as usize]
+    }
+}
+
+/// Most vertices of a hull have no more faces around them.
+const USUALLY_AROUND: usize = 8;
+
+/// Writes the faces around vertices, one vertex after the other.
+#[derive(Debug)]
+pub(crate) struct AroundWriter<'a> {
+    ends: std::slice::IterMut<'a, u32>,
+    faces: &'a mut [u32],
+    written: usize,
+}
+
+impl AroundWriter<'_> {
+    /// Writes the faces around `vertex` of `other`, which are called `numbers` here, in the same order. False if there is no
+    /// room left.
+    #[inline]
+    pub(crate) fn copy(&mut self, other: &FacesAround, vertex: usize, numbers: &[u32]) -> bool {
+        let first = other.first[vertex] as usize;
+        let count = other.first[vertex + 1] as usize - first;
+        let from = other.faces.get(first..first + USUALLY_AROUND);
+        let to = self
+            .faces
+            .get_mut(self.written..self.written + USUALLY_AROUND);
+        if let (Some(from), Some(to), true) = (from, to, count <= USUALLY_AROUND) {
+            // More than are there, which the next vertex writes over: there is no guessing how many it will be.
+            for (to, &from) in to.iter_mut().zip(from) {
+                *to = numbers[from as usize];
+            }
+            return self.end(count);
+        }
+        let from = &other.faces[first..first + count];
+        self.push(from.iter().map(|&face| numbers[face as usize]))
+    }
+
+    /// Ends the run of a vertex.
+    #[inline]
+    fn end(&mut self, count: usize) -> bool {
+        self.written += count;
+        match self.ends.next() {
+            Some(end) => {
+                *end = self.written as u32;
+                true
+            }
+            None => false,
+        }
+    }
+
+    /// Writes the faces around the next vertex, ascending. False if there is no room left.
+    #[inline]
+    pub(crate) fn push(&mut self, faces: impl ExactSizeIterator<Item = u32>) -> bool {
+        let count = faces.len();
+        let Some(to) = self.faces.get_mut(self.written..self.written + count) else {
+            return false;
+        };
+        for (to, face) in to.iter_mut().zip(faces) {
+            *to = face;
+        }
+        self.end(count)
     }
 }
 

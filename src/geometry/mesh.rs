@@ -1,5 +1,6 @@
 //! `TriMesh`: triangles with per-vertex attributes, and what can be wrong with them.
 
+use super::{EdgeCensus, KnownClosed};
 use crate::math::{Aabb, Pose, rotate};
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
@@ -7,7 +8,8 @@ use glam::{DVec3, Vec2, Vec3, Vec4};
 ///
 /// A vertex is a position with its attributes; vertices that differ only in attributes (a seam) share a position.
 /// `topology[v]` numbers the distinct positions, so that closedness and connectivity are judged on positions while
-/// seams stay seams. An attribute array is either empty or has one entry per vertex.
+/// seams stay seams. An attribute array is either empty or has one entry per vertex. The material slots are either empty
+/// or one per triangle.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TriMesh {
     pub(crate) positions: Vec<Vec3>,
@@ -15,7 +17,9 @@ pub struct TriMesh {
     pub(crate) colours: Vec<Vec4>,
     pub(crate) uvs: Vec<Vec2>,
     pub(crate) triangles: Vec<[u32; 3]>,
+    pub(crate) materials: Vec<u16>,
     pub(crate) topology: Vec<u32>,
+    pub(crate) known_closed: KnownClosed,
 }
 
 /// Why a mesh was refused.
@@ -47,6 +51,14 @@ pub enum MeshError {
         found: usize,
         /// Number of vertices.
         vertices: usize,
+    },
+    /// The list of material slots has neither zero nor one entry per triangle.
+    #[error("{found} material slots for {triangles} triangles")]
+    MaterialLength {
+        /// Entries found.
+        found: usize,
+        /// Number of triangles.
+        triangles: usize,
     },
     /// A directed edge has no partner: the surface has a hole, or its triangles disagree about outside.
     #[error("the mesh is open: edge {from}-{to} of triangle {triangle} has no partner")]
@@ -156,6 +168,20 @@ impl TriMesh {
         Ok(self)
     }
 
+    /// The mesh with a material slot for each of its [`triangles`](Self::triangles): which of a renderer's materials the
+    /// triangle is drawn with.
+    ///
+    /// # Errors
+    /// [`MeshError::MaterialLength`].
+    pub fn with_materials(mut self, materials: Vec<u16>) -> Result<Self, MeshError> {
+        let (found, triangles) = (materials.len(), self.triangles.len());
+        if found != triangles {
+            return Err(MeshError::MaterialLength { found, triangles });
+        }
+        self.materials = materials;
+        Ok(self)
+    }
+
     fn check_length(&self, attribute: &'static str, found: usize) -> Result<(), MeshError> {
         let vertices = self.positions.len();
         if found == vertices {
@@ -193,6 +219,11 @@ impl TriMesh {
         &self.triangles
     }
 
+    /// Material slots, one per triangle, or empty.
+    pub fn materials(&self) -> &[u16] {
+        &self.materials
+    }
+
     /// For each vertex the number of its position; vertices at the same position have the same number.
     pub fn topology(&self) -> &[u32] {
         &self.topology
@@ -204,11 +235,34 @@ impl TriMesh {
     }
 
     /// Checks that the surface is closed: over [`topology`](Self::topology), each directed edge occurs exactly once and
-    /// so does its reverse.
+    /// so does its reverse. A mesh remembers that it was found closed, and so do its copies; parts of a cut know from the
+    /// start.
     ///
     /// # Errors
     /// [`MeshError::Open`] or [`MeshError::NonManifold`], whose `from` and `to` are vertex indices.
     pub fn check_closed(&self) -> Result<(), MeshError> {
+        self.check_closed_with(&mut EdgeCensus::default())
+    }
+
+    /// As [`check_closed`](Self::check_closed), in the memory of `census`.
+    pub(crate) fn check_closed_with(&self, census: &mut EdgeCensus) -> Result<(), MeshError> {
+        if self.known_closed.is_set() {
+            return Ok(());
+        }
+        if !census.is_closed(&self.triangles, &self.topology, self.topology_count()) {
+            self.find_open_edge()?;
+        }
+        self.known_closed.set();
+        Ok(())
+    }
+
+    /// How many numbers of positions there are room for: the largest plus one.
+    pub(crate) fn topology_count(&self) -> usize {
+        self.topology.iter().max().map_or(0, |&t| t as usize + 1)
+    }
+
+    /// Names the first edge, in order of its ends' positions, that is open or used more than once.
+    fn find_open_edge(&self) -> Result<(), MeshError> {
         let mut edges: Vec<HalfEdge> = (0..self.triangles.len())
             .flat_map(|triangle| (0..3).map(move |corner| (triangle, corner)))
             .map(|(triangle, corner)| self.half_edge(triangle, corner))

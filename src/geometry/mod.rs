@@ -3,15 +3,18 @@
 //! Nothing here knows of mass, motion or the ECS. Coordinates are metres in the body's own frame; triangles and face
 //! loops run counter-clockwise seen from outside.
 
+mod closed;
 pub mod convex;
 pub mod convex_mesh;
 pub mod hull;
 pub mod kd_code;
 pub(crate) mod lanes;
 pub mod mesh;
+pub(crate) mod moments;
 pub mod predicates;
 pub mod primitives;
 
+pub(crate) use closed::{EdgeCensus, KnownClosed};
 pub use convex::{ConvexHull, Edge, Face, HullDefect, HullError};
 pub use convex_mesh::{ConvexMesh, HalfSpace};
 pub use hull::convex_hull_triangles;

@@ -1,64 +1,42 @@
 //! Plane against triangles: which triangles go to which side, and the vertices where edges are cut.
 //!
-//! Every decision follows from one [`Side`] per topology number, so neighbours always agree: a cut edge gets one cut
-//! point for both its triangles (and one vertex per attribute seam at that point), and what is missing a partner on one
-//! side is missing it, reversed, on the other.
+//! Every decision follows from one [`Side`] per position, so neighbours always agree: a cut edge gets one cut point for
+//! both its triangles (and one vertex per attribute seam at that point), and what is missing a partner on one side is
+//! missing it, reversed, on the other.
+//!
+//! One pass over the triangles sorts them by the sides of their corners. Most are on one side and need nothing more; only
+//! those that the plane cuts or touches are looked at again.
 
-use super::attributes::push_between;
+use super::attributes::{self, push_between};
 use super::edge_table::EdgeTable;
 use crate::geometry::TriMesh;
 use crate::geometry::predicates::{Side, side, signed_distance};
 use crate::math::Plane;
 use glam::Vec3;
 
-/// The triangles of both sides, before the caps.
-#[derive(Debug)]
-pub(super) struct Clip {
-    /// The old vertices followed by the cut vertices; no triangles.
-    pub(super) vertices: TriMesh,
-    /// How many topology numbers `vertices` uses.
-    pub(super) topology_count: u32,
-    /// Topology numbers below this are vertices of the input.
-    pub(super) old_topology_count: u32,
-    /// Triangles of the part below the plane.
-    pub(super) below: Vec<[u32; 3]>,
-    /// Triangles of the part above the plane.
-    pub(super) above: Vec<[u32; 3]>,
-    /// Directed edges (vertex numbers) that the triangles below need a cap to have.
-    pub(super) rim: Vec<[u32; 2]>,
-    /// All edges of the input between vertices on the plane, over topology numbers.
-    pub(super) on_edges: EdgeTable,
-    /// All triangles of the input that lie on the plane, as topology numbers in ascending order.
-    pub(super) on_triangles: Vec<[u32; 3]>,
-}
+/// Sides as bits, so that those of a triangle's corners can be joined.
+const BELOW: u8 = 1;
+const ABOVE: u8 = 2;
+const ON: u8 = 4;
 
 /// What a plane does to a mesh.
-#[derive(Debug)]
-pub(super) enum Verdict {
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
     /// No vertex is above the plane, and at least one is below.
     Below,
     /// No vertex is below the plane.
     Above,
     /// There are vertices on both sides.
-    Both(Vec<Side>),
+    Cut,
 }
 
-/// Classifies the vertices of `mesh`: nearer to the plane than `tolerance` (m) is on it.
-pub(super) fn classify(mesh: &TriMesh, plane: &Plane, tolerance: f32) -> Verdict {
-    let count = mesh.topology.iter().max().map_or(0, |&t| t as usize + 1);
-    let mut sides = vec![Side::On; count];
-    for (&position, &number) in mesh.positions.iter().zip(&mesh.topology) {
-        sides[number as usize] = side(plane, position, tolerance);
-    }
-    let mut found = [false; 3];
-    for &vertex in mesh.triangles.as_flattened() {
-        found[sides[mesh.topology[vertex as usize] as usize] as usize] = true;
-    }
-    match (found[Side::Below as usize], found[Side::Above as usize]) {
-        (true, true) => Verdict::Both(sides),
-        (true, false) => Verdict::Below,
-        (false, _) => Verdict::Above,
-    }
+/// A triangle of a part that the input does not have: part of a cut one.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CutTriangle {
+    /// Vertex numbers.
+    pub(super) corners: [u32; 3],
+    /// The triangle of the input that it is part of.
+    pub(super) source: u32,
 }
 
 /// A point where the plane crosses an edge of the surface.
@@ -77,115 +55,185 @@ struct OnEdge {
     is_below: bool,
 }
 
-/// Divides closed `mesh` by `plane`, given the side of each topology number.
-pub(super) fn clip(mesh: &TriMesh, plane: &Plane, sides: &[Side]) -> Clip {
-    Clipper::new(mesh, plane, sides).run()
-}
-
-struct Clipper<'a> {
-    mesh: &'a TriMesh,
-    plane: &'a Plane,
-    sides: &'a [Side],
+/// The triangles of both sides, before the caps; keeps its working memory.
+///
+/// Vertex numbers go on where those of the input end: the first of [`new`](Self::new) is number `old_vertices`. Pairs are
+/// `[below, above]`.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Clip {
+    /// Number of vertices of the input.
+    pub(super) old_vertices: u32,
+    /// The vertices on cut edges, and later those inside caps; no triangles.
+    pub(super) new: TriMesh,
+    /// How many of the new vertices are on cut edges.
+    pub(super) cut_vertices: usize,
+    /// How many topology numbers old and new vertices use.
+    pub(super) topology_count: u32,
+    /// Topology numbers below this are vertices of the input.
+    pub(super) old_topology_count: u32,
+    /// Side of each old vertex, as a bit.
+    sides: Vec<u8>,
+    /// Triangles of the input that are on one side.
+    pub(super) whole: [Vec<u32>; 2],
+    /// Triangles that are parts of cut ones.
+    pub(super) cut: [Vec<CutTriangle>; 2],
+    /// Triangles of the input with corners on both sides, or with none off the plane.
+    mixed: Vec<u32>,
+    /// Whole triangles with an edge on the plane.
+    touching: Vec<u32>,
+    /// Directed edges (vertex numbers) that the triangles below need a cap to have.
+    pub(super) rim: Vec<[u32; 2]>,
+    /// All edges of the input between vertices on the plane, over topology numbers.
+    pub(super) on_edges: EdgeTable,
+    /// All triangles of the input that lie on the plane, as topology numbers in ascending order.
+    pub(super) on_triangles: Vec<[u32; 3]>,
     cut_points: Vec<CutPoint>,
     /// Undirected edge of topology numbers -> index in `cut_points`.
     cut_point_of: EdgeTable,
     /// Undirected edge of vertices -> cut vertex.
     cut_vertex_of: EdgeTable,
-    on_edges: Vec<OnEdge>,
-    out: Clip,
+    first_on_edges: Vec<OnEdge>,
 }
 
-impl<'a> Clipper<'a> {
-    fn new(mesh: &'a TriMesh, plane: &'a Plane, sides: &'a [Side]) -> Self {
-        let vertices = TriMesh {
-            triangles: Vec::new(),
-            positions: mesh.positions.clone(),
-            normals: mesh.normals.clone(),
-            colours: mesh.colours.clone(),
-            uvs: mesh.uvs.clone(),
-            topology: mesh.topology.clone(),
-        };
-        let topology_count = sides.len() as u32;
-        Self {
-            mesh,
-            plane,
-            sides,
-            cut_points: Vec::new(),
-            cut_point_of: EdgeTable::new(sides.len()),
-            cut_vertex_of: EdgeTable::new(mesh.positions.len()),
-            on_edges: Vec::new(),
-            out: Clip {
-                vertices,
-                topology_count,
-                old_topology_count: topology_count,
-                below: Vec::with_capacity(mesh.triangles.len()),
-                above: Vec::with_capacity(mesh.triangles.len()),
-                rim: Vec::new(),
-                on_edges: EdgeTable::new(sides.len()),
-                on_triangles: Vec::new(),
-            },
+impl Clip {
+    /// Divides closed `mesh` by `plane`; vertices nearer to it than `tolerance` (m) are on it.
+    ///
+    /// Unless the plane cuts the mesh, only the verdict means anything.
+    pub(super) fn run(&mut self, mesh: &TriMesh, plane: &Plane, tolerance: f32) -> Verdict {
+        self.sides.clear();
+        self.sides.extend(
+            mesh.positions
+                .iter()
+                .map(|&position| bit(side(plane, position, tolerance))),
+        );
+        let found = self.sort_triangles(mesh);
+        match (found & BELOW != 0, found & ABOVE != 0) {
+            (true, true) => {}
+            (true, false) => return Verdict::Below,
+            (false, _) => return Verdict::Above,
         }
-    }
-
-    fn run(mut self) -> Clip {
-        for &triangle in &self.mesh.triangles {
-            let sides = triangle.map(|vertex| self.side(vertex));
-            match (sides.contains(&Side::Below), sides.contains(&Side::Above)) {
-                (true, true) => self.split(triangle, sides),
-                (true, false) => self.keep(triangle, true),
-                (false, true) => self.keep(triangle, false),
-                (false, false) => self.keep_coplanar(triangle),
+        self.reset(mesh);
+        for index in 0..self.touching.len() {
+            self.keep_edges(mesh, self.touching[index]);
+        }
+        for index in 0..self.mixed.len() {
+            let triangle = self.mixed[index];
+            let corners = mesh.triangles[triangle as usize];
+            let sides = corners.map(|vertex| self.sides[vertex as usize]);
+            if sides == [ON; 3] {
+                self.keep_coplanar(mesh, plane, triangle);
+            } else {
+                self.split(mesh, plane, triangle, sides);
             }
         }
-        self.out
+        self.cut_vertices = self.new.positions.len();
+        Verdict::Cut
     }
 
-    fn topology(&self, vertex: u32) -> u32 {
-        self.mesh.topology[vertex as usize]
-    }
-
-    fn side(&self, vertex: u32) -> Side {
-        self.sides[self.topology(vertex) as usize]
-    }
-
-    /// Puts a whole triangle on one side, and pairs its edges that lie on the plane.
-    fn keep(&mut self, triangle: [u32; 3], is_below: bool) {
-        if is_below {
-            self.out.below.push(triangle);
-        } else {
-            self.out.above.push(triangle);
+    /// Sorts the triangles by the sides of their corners; returns all sides found.
+    fn sort_triangles(&mut self, mesh: &TriMesh) -> u8 {
+        self.mixed.clear();
+        self.touching.clear();
+        for whole in &mut self.whole {
+            whole.clear();
+            whole.resize(mesh.triangles.len(), 0);
         }
-        let [a, b, c] = triangle;
-        for ends in [[a, b], [b, c], [c, a]] {
-            if ends.iter().all(|&vertex| self.side(vertex) == Side::On) {
-                self.pair_on_edge(OnEdge { ends, is_below });
+        let sides = self.sides.as_slice();
+        let [below, above] = self.whole.each_mut().map(Vec::as_mut_slice);
+        let (mut below_count, mut above_count, mut found) = (0, 0, 0);
+        for (triangle, corners) in (0..).zip(&mesh.triangles) {
+            let [a, b, c] = corners.map(|vertex| sides[vertex as usize]);
+            let all = a | b | c;
+            found |= all;
+            let parts = all & (BELOW | ABOVE);
+            // Written always and counted where it belongs, which no processor has to guess.
+            below[below_count] = triangle;
+            below_count += usize::from(parts == BELOW);
+            above[above_count] = triangle;
+            above_count += usize::from(parts == ABOVE);
+            if parts == 0 || parts == BELOW | ABOVE {
+                self.mixed.push(triangle);
+            } else if (a & b | b & c | c & a) & ON != 0 {
+                self.touching.push(triangle);
             }
         }
+        self.whole[0].truncate(below_count);
+        self.whole[1].truncate(above_count);
+        found
+    }
+
+    /// Forgets the cut of the last mesh.
+    fn reset(&mut self, mesh: &TriMesh) {
+        let topology_count = mesh.topology_count();
+        self.old_vertices = mesh.positions.len() as u32;
+        attributes::clear(&mut self.new);
+        self.topology_count = topology_count as u32;
+        self.old_topology_count = topology_count as u32;
+        self.cut.iter_mut().for_each(Vec::clear);
+        self.rim.clear();
+        self.on_edges.reset(topology_count);
+        self.on_triangles.clear();
+        self.cut_points.clear();
+        self.cut_point_of.reset(topology_count);
+        self.cut_vertex_of.reset(mesh.positions.len());
+        self.first_on_edges.clear();
+    }
+
+    /// The mesh that has vertex number `vertex`, and its place there.
+    pub(super) fn find<'a>(&'a self, mesh: &'a TriMesh, vertex: u32) -> (&'a TriMesh, usize) {
+        match vertex.checked_sub(self.old_vertices) {
+            None => (mesh, vertex as usize),
+            Some(place) => (&self.new, place as usize),
+        }
+    }
+
+    /// Topology number of vertex number `vertex`.
+    pub(super) fn topology(&self, mesh: &TriMesh, vertex: u32) -> u32 {
+        let (source, place) = self.find(mesh, vertex);
+        source.topology[place]
+    }
+
+    /// Pairs those edges of a triangle on one side that lie on the plane.
+    fn keep_edges(&mut self, mesh: &TriMesh, triangle: u32) {
+        let corners = mesh.triangles[triangle as usize];
+        let is_below = corners.iter().any(|&v| self.sides[v as usize] == BELOW);
+        self.pair_on_edges(mesh, corners, is_below);
     }
 
     /// A triangle on the plane bounds the material behind it: below if it faces along the normal, above otherwise.
-    fn keep_coplanar(&mut self, triangle: [u32; 3]) {
-        let [a, b, c] = triangle.map(|v| self.mesh.positions[v as usize].as_dvec3());
-        let facing = (b - a).cross(c - a).dot(self.plane.normal.as_dvec3());
-        let mut key = triangle.map(|vertex| self.topology(vertex));
+    fn keep_coplanar(&mut self, mesh: &TriMesh, plane: &Plane, triangle: u32) {
+        let corners = mesh.triangles[triangle as usize];
+        let [a, b, c] = corners.map(|v| mesh.positions[v as usize].as_dvec3());
+        let facing = (b - a).cross(c - a).dot(plane.normal.as_dvec3());
+        let mut key = corners.map(|vertex| mesh.topology[vertex as usize]);
         key.sort_unstable();
-        self.out.on_triangles.push(key);
-        self.keep(triangle, facing > 0.0);
+        self.on_triangles.push(key);
+        let is_below = facing > 0.0;
+        self.whole[usize::from(!is_below)].push(triangle);
+        self.pair_on_edges(mesh, corners, is_below);
+    }
+
+    fn pair_on_edges(&mut self, mesh: &TriMesh, [a, b, c]: [u32; 3], is_below: bool) {
+        for ends in [[a, b], [b, c], [c, a]] {
+            if ends.iter().all(|&v| self.sides[v as usize] == ON) {
+                self.pair_on_edge(mesh, OnEdge { ends, is_below });
+            }
+        }
     }
 
     /// The second of an edge's two triangles finds the first; if they are on different sides, the edge is rim.
-    fn pair_on_edge(&mut self, edge: OnEdge) {
-        let [from, to] = edge.ends.map(|vertex| self.topology(vertex));
-        let Some(first) = self.out.on_edges.get(from, to) else {
-            let index = self.on_edges.len() as u32;
-            self.out.on_edges.insert(from, to, index);
-            self.on_edges.push(edge);
+    fn pair_on_edge(&mut self, mesh: &TriMesh, edge: OnEdge) {
+        let [from, to] = edge.ends.map(|vertex| mesh.topology[vertex as usize]);
+        let Some(first) = self.on_edges.get(from, to) else {
+            let index = self.first_on_edges.len() as u32;
+            self.on_edges.insert(from, to, index);
+            self.first_on_edges.push(edge);
             return;
         };
-        let first = self.on_edges[first as usize];
+        let first = self.first_on_edges[first as usize];
         if first.is_below != edge.is_below {
             let [from, to] = if edge.is_below { edge.ends } else { first.ends };
-            self.out.rim.push([to, from]);
+            self.rim.push([to, from]);
         }
     }
 
@@ -193,53 +241,57 @@ impl<'a> Clipper<'a> {
     ///
     /// The diagonal of the quadrilateral part follows the triangle's orientation, so that two triangles with the same
     /// corners, back to back, get different diagonals and stay a manifold.
-    fn split(&mut self, triangle: [u32; 3], sides: [Side; 3]) {
-        let rotated = |first: usize| [0, 1, 2].map(|corner| triangle[(first + corner) % 3]);
-        if let Some(on) = sides.iter().position(|&s| s == Side::On) {
+    fn split(&mut self, mesh: &TriMesh, plane: &Plane, triangle: u32, sides: [u8; 3]) {
+        let corners = mesh.triangles[triangle as usize];
+        let rotated = |first: usize| [0, 1, 2].map(|corner| corners[(first + corner) % 3]);
+        if let Some(on) = sides.iter().position(|&s| s == ON) {
             let [v, p, q] = rotated(on);
-            let cut = self.cut_vertex(p, q);
-            if self.side(p) == Side::Below {
-                self.out.below.push([v, p, cut]);
-                self.out.above.push([v, cut, q]);
-                self.out.rim.push([v, cut]);
-            } else {
-                self.out.above.push([v, p, cut]);
-                self.out.below.push([v, cut, q]);
-                self.out.rim.push([cut, v]);
-            }
+            let cut = self.cut_vertex(mesh, plane, p, q);
+            let side_of_p = usize::from(self.sides[p as usize] == ABOVE);
+            self.push(side_of_p, [v, p, cut], triangle);
+            self.push(1 - side_of_p, [v, cut, q], triangle);
+            let is_below = side_of_p == 0;
+            self.rim.push(if is_below { [v, cut] } else { [cut, v] });
             return;
         }
         let lone = (0..3)
             .find(|&i| sides[(i + 1) % 3] == sides[(i + 2) % 3])
             .unwrap_or(0);
         let [l, p, q] = rotated(lone);
-        let (cut_p, cut_q) = (self.cut_vertex(l, p), self.cut_vertex(l, q));
-        let (tip, base) = ([l, cut_p, cut_q], [[cut_p, p, q], [cut_p, q, cut_q]]);
-        if sides[lone] == Side::Below {
-            self.out.below.push(tip);
-            self.out.above.extend(base);
-            self.out.rim.push([cut_q, cut_p]);
+        let cut_p = self.cut_vertex(mesh, plane, l, p);
+        let cut_q = self.cut_vertex(mesh, plane, l, q);
+        let side_of_l = usize::from(sides[lone] == ABOVE);
+        self.push(side_of_l, [l, cut_p, cut_q], triangle);
+        self.push(1 - side_of_l, [cut_p, p, q], triangle);
+        self.push(1 - side_of_l, [cut_p, q, cut_q], triangle);
+        let is_below = side_of_l == 0;
+        self.rim.push(if is_below {
+            [cut_q, cut_p]
         } else {
-            self.out.above.push(tip);
-            self.out.below.extend(base);
-            self.out.rim.push([cut_p, cut_q]);
-        }
+            [cut_p, cut_q]
+        });
+    }
+
+    fn push(&mut self, part: usize, corners: [u32; 3], source: u32) {
+        self.cut[part].push(CutTriangle { corners, source });
     }
 
     /// The vertex where the plane crosses the edge between two vertices: the same for both triangles of the edge, unless
     /// a seam runs along it; then two vertices at the same point.
-    fn cut_vertex(&mut self, a: u32, b: u32) -> u32 {
+    fn cut_vertex(&mut self, mesh: &TriMesh, plane: &Plane, a: u32, b: u32) -> u32 {
         if let Some(vertex) = self.cut_vertex_of.get(a, b) {
             return vertex;
         }
-        let ends = if self.topology(a) < self.topology(b) {
+        let ends = if mesh.topology[a as usize] < mesh.topology[b as usize] {
             [a, b]
         } else {
             [b, a]
         };
-        let point = self.cut_point(ends);
-        let vertex = push_between(
-            &mut self.out.vertices,
+        let point = self.cut_point(mesh, plane, ends);
+        let vertex = self.old_vertices + self.new.positions.len() as u32;
+        push_between(
+            &mut self.new,
+            mesh,
             ends,
             point.t,
             point.position,
@@ -250,23 +302,31 @@ impl<'a> Clipper<'a> {
     }
 
     /// The point where the plane crosses the edge of the surface under `ends`, smaller topology number first.
-    fn cut_point(&mut self, ends: [u32; 2]) -> CutPoint {
-        let [low, high] = ends.map(|vertex| self.topology(vertex));
+    fn cut_point(&mut self, mesh: &TriMesh, plane: &Plane, ends: [u32; 2]) -> CutPoint {
+        let [low, high] = ends.map(|vertex| mesh.topology[vertex as usize]);
         if let Some(index) = self.cut_point_of.get(low, high) {
             return self.cut_points[index as usize];
         }
-        let [a, b] = ends.map(|vertex| self.mesh.positions[vertex as usize]);
-        let (position, t) = crossing(self.plane, a, b);
+        let [a, b] = ends.map(|vertex| mesh.positions[vertex as usize]);
+        let (position, t) = crossing(plane, a, b);
         let point = CutPoint {
             position,
             t,
-            topology: self.out.topology_count,
+            topology: self.topology_count,
         };
-        self.out.topology_count += 1;
+        self.topology_count += 1;
         let index = self.cut_points.len() as u32;
         self.cut_points.push(point);
         self.cut_point_of.insert(low, high, index);
         point
+    }
+}
+
+fn bit(side: Side) -> u8 {
+    match side {
+        Side::Below => BELOW,
+        Side::Above => ABOVE,
+        Side::On => ON,
     }
 }
 

@@ -22,14 +22,6 @@ pub(super) struct EdgeTable {
 }
 
 impl EdgeTable {
-    /// An empty table for vertices `0..vertices`.
-    pub(super) fn new(vertices: usize) -> Self {
-        Self {
-            head: vec![NONE; vertices],
-            entries: Vec::new(),
-        }
-    }
-
     /// Forgets all edges and makes room for vertices `0..vertices`; keeps the memory.
     pub(super) fn reset(&mut self, vertices: usize) {
         self.entries.clear();

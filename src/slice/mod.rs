@@ -3,9 +3,13 @@
 //! Works in the body's frame on plain data. Both sides are made from the same classification of the same vertices, so
 //! they are exactly complementary: no gap, no overlap, no crack.
 //!
-//! Vertices nearer to the plane than [`plane_tolerance`] are on it and stay where they are. From then on every decision
-//! follows from the three-way side of each vertex, never from a second look at coordinates. A closed mesh therefore gives
-//! closed parts, whatever its shape; only the shape of the cap's triangles depends on geometry.
+//! Vertices nearer to the plane than [`plane_tolerance`](crate::geometry::predicates::plane_tolerance) are on it and stay
+//! where they are. From then on every decision follows from the three-way side of each vertex, never from a second look at
+//! coordinates. A closed mesh therefore gives closed parts, whatever its shape; only the shape of the cap's triangles
+//! depends on geometry.
+//!
+//! The cut of meshes follows the paper step by step and takes any closed surface; the tests hold the cuts of convex hulls
+//! (`convex.rs`) and of cells (`cells.rs`), which know more and are faster, against it and against each other.
 //!
 //! # References
 //! - The steps (old-vertex table, undirected-edge table, border from directed edges without partner, fan cap) are those
@@ -14,21 +18,29 @@
 mod attributes;
 mod border;
 mod cap;
+mod cell_clip;
+pub mod cells;
 mod clip;
+mod components;
 pub mod convex;
+pub mod crack_area;
+mod ears;
 mod edge_table;
 pub mod fracturable;
+mod mesh_slicer;
 pub mod pattern;
+mod random;
 
-pub use convex::{HullHalves, HullSlice, HullSlicer, Piece, cut_by_planes, slice_hull};
+pub use cells::{Cutting, Piece, PieceCutter, cut_by_planes};
+pub use clip::Verdict;
+pub use components::split_components;
+pub use convex::{HullHalves, HullSlice, HullSlicer, HullVerdict, slice_hull};
+pub use crack_area::cells_for_energy;
+pub use mesh_slicer::MeshSlicer;
 pub use pattern::{FracturePattern, Impact};
 
-use crate::geometry::predicates::{check_plane, length_scale, plane_tolerance};
 use crate::geometry::{HullError, MeshError, PlaneError, TriMesh};
-use crate::math::{Plane, tangents};
-use attributes::CapStyle;
-use cap::CapFill;
-use clip::{Clip, Verdict};
+use crate::math::Plane;
 use glam::Vec4;
 
 /// What a plane does to a mesh.
@@ -53,7 +65,7 @@ impl Slice {
 }
 
 /// The two parts of a mesh that a plane cut.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Halves {
     /// The part on the side that the plane's normal points away from.
     pub below: TriMesh,
@@ -64,7 +76,7 @@ pub struct Halves {
 }
 
 /// The new surface of a cut.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Cap {
     /// Area, m2.
     pub area: f64,
@@ -80,6 +92,21 @@ pub struct SliceOptions {
     /// Linear RGBA colour of the cap. Without one the cap takes the colours of its rim. If the mesh has no colours, the
     /// old surface becomes white, which leaves a texture or material as it was.
     pub cap_colour: Option<Vec4>,
+    /// Material slot of the cap's triangles. If the mesh has no slots, those of the old surface become 0. Without one,
+    /// the cap of a mesh that has slots gets 0.
+    pub cap_material: Option<u16>,
+    /// Normals of the cap, if the mesh has normals.
+    pub cap_normals: CapNormals,
+}
+
+/// Which normals the vertices of a cap have.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CapNormals {
+    /// That of the plane: a flat face with a crease at its rim.
+    #[default]
+    Flat,
+    /// Those of the surface at the rim: shading runs on over the rim without a crease.
+    Smooth,
 }
 
 /// Why something was not cut.
@@ -111,108 +138,5 @@ pub fn slice_mesh(
     plane: Plane,
     options: SliceOptions,
 ) -> Result<Slice, SliceError> {
-    check_plane(&plane)?;
-    if mesh.triangles.is_empty() {
-        return Err(MeshError::Empty.into());
-    }
-    mesh.check_closed()?;
-    Ok(slice_closed(mesh, &plane, options))
-}
-
-/// As [`slice_mesh`], for a mesh that is known to be closed, such as a part of an earlier cut, and a checked plane.
-fn slice_closed(mesh: &TriMesh, plane: &Plane, options: SliceOptions) -> Slice {
-    let tolerance = plane_tolerance(length_scale(&mesh.aabb()));
-    let sides = match clip::classify(mesh, plane, tolerance) {
-        Verdict::Below => return Slice::Below,
-        Verdict::Above => return Slice::Above,
-        Verdict::Both(sides) => sides,
-    };
-    let mut clip = clip::clip(mesh, plane, &sides);
-    if options.cap_colour.is_some() && clip.vertices.colours.is_empty() {
-        clip.vertices.colours = vec![Vec4::ONE; clip.vertices.positions.len()];
-    }
-    let loops = border::loops(&clip);
-    let cap = cap::fill(&mut clip, plane, &loops);
-    let style = CapStyle {
-        normal: plane.normal,
-        tangents: tangents(plane.normal),
-        colour: options.cap_colour,
-    };
-    let facing_below = CapStyle {
-        normal: -plane.normal,
-        ..style
-    };
-    let reversed: Vec<[u32; 3]> = cap.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect();
-    Slice::Cut(Box::new(Halves {
-        below: assemble(&clip, &clip.below, &cap, &cap.triangles, &style),
-        above: assemble(&clip, &clip.above, &cap, &reversed, &facing_below),
-        cap: Cap {
-            area: cap.area,
-            loops: loops.len(),
-            triangles: cap.triangles.len(),
-        },
-    }))
-}
-
-/// Collects one part: the vertices that its triangles use, renumbered, and its cap.
-fn assemble(
-    clip: &Clip,
-    triangles: &[[u32; 3]],
-    cap: &CapFill,
-    cap_triangles: &[[u32; 3]],
-    style: &CapStyle,
-) -> TriMesh {
-    let source = &clip.vertices;
-    let mut part = TriMesh::default();
-    part.triangles
-        .reserve(triangles.len() + cap_triangles.len());
-    let mut new_vertex = Renumber::new(source.positions.len());
-    let mut new_topology = Renumber::new(clip.topology_count as usize);
-    for triangle in triangles {
-        let renumbered = triangle.map(|vertex| {
-            let (number, is_first) = new_vertex.of(vertex);
-            if is_first {
-                let (topology, _) = new_topology.of(source.topology[vertex as usize]);
-                attributes::push_copy(&mut part, source, vertex, topology);
-            }
-            number
-        });
-        part.triangles.push(renumbered);
-    }
-    let first = part.positions.len() as u32;
-    for &vertex in &cap.corners {
-        let (topology, _) = new_topology.of(source.topology[vertex as usize]);
-        attributes::push_cap(&mut part, source, vertex, topology, style);
-    }
-    part.triangles
-        .extend(cap_triangles.iter().map(|t| t.map(|corner| first + corner)));
-    part
-}
-
-/// New numbers in the order in which old ones are first asked for.
-struct Renumber {
-    table: Vec<u32>,
-    used: u32,
-}
-
-impl Renumber {
-    const UNUSED: u32 = u32::MAX;
-
-    fn new(count: usize) -> Self {
-        Self {
-            table: vec![Self::UNUSED; count],
-            used: 0,
-        }
-    }
-
-    /// The new number of `old`, and whether this is the first time it is asked for.
-    fn of(&mut self, old: u32) -> (u32, bool) {
-        let entry = &mut self.table[old as usize];
-        let is_first = *entry == Self::UNUSED;
-        if is_first {
-            *entry = self.used;
-            self.used += 1;
-        }
-        (*entry, is_first)
-    }
+    MeshSlicer::default().slice(mesh, plane, options)
 }

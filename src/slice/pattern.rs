@@ -1,14 +1,18 @@
-//! Fracture patterns: which planes an impact cuts a body by, and in which order.
+//! Fracture patterns: how an impact divides a body.
 //!
-//! The same pattern, impact, hull and seed give the same planes, bit for bit, on every platform: the generator's stream
-//! is fixed, and random directions are found by rejection, without trigonometry.
+//! The same pattern, impact, hull and seed give the same pieces, bit for bit, on every platform: the generator's stream is
+//! fixed, random directions are found by rejection, and angles are made without trigonometry.
 
+use super::cells::{CellPlanes, Cutting};
+use super::random::{PointsInHull, centred, unit_interval, unit_vector};
 use crate::geometry::ConvexHull;
-use crate::math::{Plane, tangents};
+use crate::geometry::predicates::length_scale;
+use crate::math::{Aabb, Plane, tangents};
 use glam::{Vec2, Vec3};
-use rand_core::{Rng, SeedableRng};
+use rand_core::SeedableRng;
 use rand_pcg::Pcg32;
-use smallvec::SmallVec;
+use smallvec::{SmallVec, smallvec};
+use std::sync::Arc;
 
 /// How far [`FracturePattern::RandomPlane`] goes from the impact towards the centre of the body's box, as a fraction.
 ///
@@ -22,6 +26,20 @@ const STAR_JITTER: f32 = 0.6;
 /// Most planes of a star; more pieces than that meet at one line as needles.
 const STAR_MAX_PLANES: u8 = 8;
 
+/// Largest turn of a ray away from even spacing, as a fraction of the spacing. With three rays, the widest sector is 172
+/// degrees wide: less than half a turn, so that it is convex.
+const RAY_JITTER: f32 = 0.3;
+
+/// Numbers of rays that [`FracturePattern::Radial`] may have.
+const RAYS: std::ops::RangeInclusive<u8> = 3..=64;
+
+/// Largest shift of a ring or a slab away from its place, as a fraction of the distance between two.
+const SHIFT_JITTER: f32 = 0.4;
+
+/// Least distance between two sites of Voronoi cells, relative to the size of the body: nearer, and the cells would be
+/// grains that no collision is found for.
+const LEAST_SITE_DISTANCE: f32 = 1.0e-3;
+
 /// A blow to a body, in the body's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Impact {
@@ -31,13 +49,17 @@ pub struct Impact {
     pub normal: Vec3,
     /// Size of the impulse, N s.
     pub impulse: f32,
+    /// Kinetic energy that the blow turned into something else, J.
+    pub energy: f32,
 }
 
 /// The planes of an impact; up to eight without memory of its own.
 pub type Planes = SmallVec<[Plane; 8]>;
 
 /// How a body breaks.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+///
+/// Numbers of planes, rays, rings, cells and slabs are the most there are: an impact with little energy makes fewer.
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 #[non_exhaustive]
 pub enum FracturePattern {
@@ -55,102 +77,306 @@ pub enum FracturePattern {
         /// Number of planes, 1 to 8; numbers outside are moved to the nearer end.
         planes: u8,
     },
+    /// Cracks that run outwards from the line of the blow, and rings of cracks around it, closer together near the
+    /// middle: how a pane of glass breaks.
+    Radial {
+        /// Number of rays, 3 to 64; numbers outside are moved to the nearer end.
+        rays: u8,
+        /// Number of rings.
+        rings: u8,
+    },
+    /// Voronoi cells about random points: how stone and concrete break.
+    Voronoi {
+        /// Number of cells.
+        cells: u16,
+        /// How much smaller the cells are near the impact: each point moves up to this fraction of the way towards it. 0
+        /// for cells of one size, at most 1.
+        focus: f32,
+    },
+    /// Slabs across the longest direction of the body's box: how a beam or a tree breaks.
+    Slabs {
+        /// Number of slabs.
+        count: u8,
+    },
+    /// Bricks in courses along the body's y axis, every second course shifted by half a brick: how masonry breaks.
+    Brick {
+        /// Length (x), height (y) and depth (z) of a brick in the body's frame, m. Doubled as often as there would be too
+        /// many bricks.
+        size: Vec3,
+    },
+    /// Planes of one's own, in the body's frame.
+    Planes(#[cfg_attr(feature = "reflect", reflect(ignore))] Arc<[Plane]>),
 }
 
 impl FracturePattern {
-    /// The planes (body frame) that `impact` cuts `hull` by.
+    /// How `impact` divides `hull`, into at most `most` pieces; see [`Cutting`].
     ///
-    /// Empty if the impact is not finite or has no direction where the pattern needs one.
-    pub fn planes(&self, impact: &Impact, hull: &ConvexHull, seed: u64) -> Planes {
-        let Some(direction) = impact.normal.try_normalize() else {
-            return Planes::new();
-        };
-        if !impact.point.is_finite() {
-            return Planes::new();
+    /// Nothing if the impact is not finite or has no direction, the pattern's numbers are not usable, or `most` is less
+    /// than two. Planes of one's own are not counted: how many pieces they make is known once they cut.
+    pub fn cutting(
+        &self,
+        impact: &Impact,
+        hull: &ConvexHull,
+        seed: u64,
+        most: u32,
+    ) -> Option<Cutting> {
+        let direction = impact.normal.try_normalize()?;
+        if !impact.point.is_finite() || most < 2 {
+            return None;
         }
+        let blow = Blow {
+            point: impact.point,
+            direction,
+            hull,
+        };
+        let most_u8 = u8::try_from(most).unwrap_or(u8::MAX);
         let mut random = Pcg32::seed_from_u64(seed);
-        match *self {
-            Self::SinglePlane => single_plane(impact.point, direction, hull),
-            Self::RandomPlane => random_plane(impact.point, hull, &mut random),
-            Self::Star { planes } => star(
-                impact.point,
-                direction,
-                hull,
-                planes.clamp(1, STAR_MAX_PLANES),
-                &mut random,
-            ),
+        let cutting = match *self {
+            Self::SinglePlane => Cutting::Planes(blow.single_plane()),
+            Self::RandomPlane => Cutting::Planes(blow.random_plane(&mut random)),
+            // Each plane makes two sectors.
+            Self::Star { planes } => {
+                let planes = planes.clamp(1, STAR_MAX_PLANES).min(most_u8 / 2);
+                Cutting::Planes(blow.star(planes, &mut random))
+            }
+            // Two sectors are divided by one plane.
+            Self::Radial { .. } if most < 3 => Cutting::Planes(blow.star(1, &mut random)),
+            Self::Radial { rays, rings } => {
+                let rays = u32::from(rays.clamp(*RAYS.start(), *RAYS.end())).min(most);
+                let rings = u32::from(rings).min((most / rays).saturating_sub(1));
+                Cutting::Cells(blow.radial(rays, rings, &mut random))
+            }
+            Self::Voronoi { cells, focus } => {
+                let count = u32::from(cells).min(most);
+                let focus = if focus.is_nan() { 0.0 } else { focus };
+                Cutting::Sites(blow.sites(count, focus.clamp(0.0, 1.0), &mut random))
+            }
+            Self::Slabs { count } => Cutting::Cells(blow.slabs(count.min(most_u8), &mut random)),
+            Self::Brick { size } => Cutting::Cells(bricks(&hull.aabb(), size, most)?),
+            Self::Planes(ref planes) => Cutting::Planes(planes.iter().copied().collect()),
+        };
+        Some(cutting)
+    }
+
+    /// The planes (body frame) that `impact` cuts `hull` by; none if the pattern is not made of planes.
+    ///
+    /// Empty also where [`cutting`](Self::cutting) gives nothing.
+    pub fn planes(&self, impact: &Impact, hull: &ConvexHull, seed: u64) -> Planes {
+        match self.cutting(impact, hull, seed, u32::MAX) {
+            Some(Cutting::Planes(planes)) => planes,
+            _ => Planes::new(),
         }
     }
 }
 
-/// The plane through `point` and the line of the blow whose normal is nearest to the longest axis of the box.
-fn single_plane(point: Vec3, direction: Vec3, hull: &ConvexHull) -> Planes {
-    Planes::from_iter([Plane::through(point, across(direction, hull))])
+/// Where and how a body was hit.
+struct Blow<'a> {
+    point: Vec3,
+    /// Unit vector.
+    direction: Vec3,
+    hull: &'a ConvexHull,
 }
 
-/// The unit vector perpendicular to `direction` that is nearest to the longest axis of the hull's box, or, if the blow
-/// runs along that axis, to the next longest.
-fn across(direction: Vec3, hull: &ConvexHull) -> Vec3 {
-    let extents = hull.aabb().extents();
-    let mut axes = [Vec3::X, Vec3::Y, Vec3::Z];
-    axes.sort_by(|a, b| extents.dot(*b).total_cmp(&extents.dot(*a)));
-    axes.into_iter()
-        .map(|axis| axis - axis.dot(direction) * direction)
-        // Three axes cannot all be within 45 degrees of one direction, so one of them leaves half its square.
-        .find(|part| part.length_squared() >= 0.5)
-        .map_or(tangents(direction)[0], Vec3::normalize)
-}
+impl Blow<'_> {
+    /// The unit vector perpendicular to the blow that is nearest to the longest axis of the hull's box, or, if the blow
+    /// runs along that axis, to the next longest.
+    fn across(&self) -> Vec3 {
+        let (direction, extents) = (self.direction, self.hull.aabb().extents());
+        let mut axes = [Vec3::X, Vec3::Y, Vec3::Z];
+        axes.sort_by(|a, b| extents.dot(*b).total_cmp(&extents.dot(*a)));
+        axes.into_iter()
+            .map(|axis| axis - axis.dot(direction) * direction)
+            // Three axes cannot all be within 45 degrees of one direction, so one of them leaves half its square.
+            .find(|part| part.length_squared() >= 0.5)
+            .map_or(tangents(direction)[0], Vec3::normalize)
+    }
 
-/// A plane of random direction through a point inside.
-fn random_plane(point: Vec3, hull: &ConvexHull, random: &mut Pcg32) -> Planes {
-    let inside = point.lerp(hull.aabb().centre(), RANDOM_DEPTH);
-    Planes::from_iter([Plane::through(inside, unit_vector(random))])
-}
+    /// The plane through the point and the line of the blow whose normal is nearest to the longest axis of the box.
+    fn single_plane(&self) -> Planes {
+        Planes::from_iter([Plane::through(self.point, self.across())])
+    }
 
-/// Planes through the line of the blow: even steps of half a turn, each with a jitter.
-fn star(point: Vec3, direction: Vec3, hull: &ConvexHull, count: u8, random: &mut Pcg32) -> Planes {
-    let u = across(direction, hull);
-    let v = direction.cross(u);
-    (0..count)
-        .map(|index| {
-            let jitter = STAR_JITTER * (unit_interval(random) - 0.5);
-            let turn = half_turn((f32::from(index) + jitter) / f32::from(count));
-            Plane::through(point, turn.x * u + turn.y * v)
+    /// A plane of random direction through a point inside.
+    fn random_plane(&self, random: &mut Pcg32) -> Planes {
+        let inside = self.point.lerp(self.hull.aabb().centre(), RANDOM_DEPTH);
+        Planes::from_iter([Plane::through(inside, unit_vector(random))])
+    }
+
+    /// Planes through the line of the blow: even steps of half a turn, each with a jitter.
+    fn star(&self, count: u8, random: &mut Pcg32) -> Planes {
+        let u = self.across();
+        let v = self.direction.cross(u);
+        (0..count)
+            .map(|index| {
+                let jitter = STAR_JITTER * centred(random);
+                let part = (f32::from(index) + jitter) / f32::from(count);
+                // Half a turn is all of it: a normal and its opposite belong to the same plane.
+                let turn = direction_at(0.5 * part) * 1.0_f32.copysign(part);
+                Plane::through(self.point, turn.x * u + turn.y * v)
+            })
+            .collect()
+    }
+
+    /// Sectors between rays from the line of the blow, each divided by the chords of the rings.
+    ///
+    /// All rings have the same distances along all rays, so that the chords of neighbouring sectors meet. The distances
+    /// grow with the square of the ring's number.
+    fn radial(&self, rays: u32, rings: u32, random: &mut Pcg32) -> Vec<CellPlanes> {
+        let u = self.across();
+        let v = self.direction.cross(u);
+        let in_space = |flat: Vec2| flat.x * u + flat.y * v;
+        let directions: Vec<Vec2> = (0..rays)
+            .map(|ray| direction_at((ray as f32 + RAY_JITTER * centred(random)) / rays as f32))
+            .collect();
+        let reach = self.hull.vertices().iter().map(|&vertex| {
+            let from_point = vertex - self.point;
+            (from_point - from_point.dot(self.direction) * self.direction).length()
+        });
+        let reach = reach.fold(0.0, f32::max);
+        let radii: Vec<f32> = (1..=rings)
+            .map(|ring| {
+                let part = (ring as f32 + SHIFT_JITTER * centred(random)) / (rings + 1) as f32;
+                reach * part * part
+            })
+            .collect();
+        // The plane of each ray, the sector after it being above.
+        let sides: Vec<Plane> = directions
+            .iter()
+            .map(|ray| Plane::through(self.point, in_space(ray.perp())))
+            .collect();
+        let mut cells = Vec::with_capacity((rays * (rings + 1)) as usize);
+        for ray in 0..rays as usize {
+            let next = (ray + 1) % rays as usize;
+            let middle = directions[ray] + directions[next];
+            let chords: Vec<Plane> = radii
+                .iter()
+                .map(|&radius| {
+                    let on_chord = self.point + in_space(radius * directions[ray]);
+                    Plane::through(on_chord, in_space(middle))
+                })
+                .collect();
+            for ring in 0..=chords.len() {
+                let mut cell: CellPlanes = smallvec![sides[ray].flipped(), sides[next]];
+                cell.extend(chords.get(ring).copied());
+                cell.extend(ring.checked_sub(1).map(|inner| chords[inner].flipped()));
+                cells.push(cell);
+            }
+        }
+        cells
+    }
+
+    /// Random points in the hull, moved towards the impact; points that come too near to another are left out.
+    fn sites(&self, count: u32, focus: f32, random: &mut Pcg32) -> Vec<Vec3> {
+        let least = LEAST_SITE_DISTANCE * length_scale(&self.hull.aabb());
+        let points = PointsInHull::new(self.hull);
+        let target = self.point_in_hull();
+        let mut sites: Vec<Vec3> = Vec::with_capacity(count as usize);
+        for _ in 0..count {
+            let point = points.next(random);
+            let site = point.lerp(target, focus * unit_interval(random));
+            let is_free = |other: &Vec3| other.distance_squared(site) > least * least;
+            if sites.iter().all(is_free) {
+                sites.push(site);
+            }
+        }
+        sites
+    }
+
+    /// The point of contact, brought back behind the faces that it lies outside of.
+    fn point_in_hull(&self) -> Vec3 {
+        self.hull.faces().iter().fold(self.point, |point, face| {
+            point - face.plane.distance(point).max(0.0) * face.plane.normal
         })
+    }
+
+    /// Slabs of about the same thickness.
+    fn slabs(&self, count: u8, random: &mut Pcg32) -> Vec<CellPlanes> {
+        let normal = self.across();
+        let along = self
+            .hull
+            .vertices()
+            .iter()
+            .map(|vertex| normal.dot(*vertex));
+        let (low, high) = along.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), x| {
+            (low.min(x), high.max(x))
+        });
+        let walls: Vec<Plane> = (1..count.max(1))
+            .map(|wall| {
+                let part = (f32::from(wall) + SHIFT_JITTER * centred(random)) / f32::from(count);
+                let offset = low + part * (high - low);
+                Plane { normal, offset }
+            })
+            .collect();
+        (0..=walls.len())
+            .map(|slab| between(&walls, slab))
+            .collect()
+    }
+}
+
+/// The planes around what lies between two of a row of planes, the one before and the one after place `index`.
+fn between(walls: &[Plane], index: usize) -> CellPlanes {
+    let before = index.checked_sub(1).map(|wall| walls[wall].flipped());
+    before
+        .into_iter()
+        .chain(walls.get(index).copied())
         .collect()
 }
 
-/// The unit vector at about `fraction` of half a turn from `(1, 0)`.
+/// Boxes of the given size in a running bond that fill `aabb`; none if the size is not finite and positive.
+fn bricks(aabb: &Aabb, size: Vec3, most: u32) -> Option<Vec<CellPlanes>> {
+    if !(size.is_finite() && size.min_element() > 0.0) {
+        return None;
+    }
+    let mut size = size;
+    let count = |size: Vec3| (aabb.extents() / size).ceil().max(Vec3::ONE);
+    // A shifted course has one brick more. A size that overflows is larger than any body, and the only brick.
+    let number = |n: Vec3| f64::from(n.x + 0.5) * f64::from(n.y) * f64::from(n.z);
+    while number(count(size)) > f64::from(most) && size.is_finite() {
+        size *= 2.0;
+    }
+    let count = count(size).as_uvec3();
+    let row = |normal: Vec3, first: f32, length: f32, walls: u32| -> Vec<Plane> {
+        (0..walls)
+            .map(|wall| Plane {
+                normal,
+                offset: first + wall as f32 * length,
+            })
+            .collect()
+    };
+    let courses = row(Vec3::Y, aabb.min.y + size.y, size.y, count.y - 1);
+    let depths = row(Vec3::Z, aabb.min.z + size.z, size.z, count.z - 1);
+    let joints = [
+        row(Vec3::X, aabb.min.x + size.x, size.x, count.x - 1),
+        row(Vec3::X, aabb.min.x + 0.5 * size.x, size.x, count.x),
+    ];
+    let mut cells = Vec::new();
+    for course in 0..=courses.len() {
+        let joints = &joints[course % 2];
+        for depth in 0..=depths.len() {
+            for brick in 0..=joints.len() {
+                let mut cell = between(&courses, course);
+                cell.extend(between(&depths, depth));
+                cell.extend(between(joints, brick));
+                cells.push(cell);
+            }
+        }
+    }
+    Some(cells)
+}
+
+/// The unit vector at about `fraction` of a turn from `(1, 0)`.
 ///
 /// On each quarter turn it is the point `(1 - s^2, 2 s) / (1 + s^2)` of the circle with `s` from 0 to 1, whose angle
 /// `2 atan s` is within 8.2 degrees of `90 s`.
-fn half_turn(fraction: f32) -> Vec2 {
-    let quarters = 2.0 * fraction;
+fn direction_at(fraction: f32) -> Vec2 {
+    let quarters = 4.0 * fraction;
     let quarter = quarters.floor();
     let s = quarters - quarter;
     let within = Vec2::new(1.0 - s * s, 2.0 * s) / (1.0 + s * s);
-    // A normal and its opposite are the same plane cut, so only the parity of the quarter counts.
-    if quarter as i32 % 2 == 0 {
-        within
-    } else {
-        within.perp()
-    }
-}
-
-/// A number from [0, 1), a multiple of 2^-24.
-fn unit_interval(random: &mut Pcg32) -> f32 {
-    (random.next_u32() >> 8) as f32 / 16_777_216.0
-}
-
-/// A unit vector, all directions alike: the first random point of a cube that falls into the unit ball, scaled.
-fn unit_vector(random: &mut Pcg32) -> Vec3 {
-    loop {
-        let [x, y, z] = std::array::from_fn(|_| 2.0 * unit_interval(random) - 1.0);
-        let point = Vec3::new(x, y, z);
-        let square = point.length_squared();
-        // Too near the middle the direction is rounding error.
-        if (1.0e-4..=1.0).contains(&square) {
-            return point / square.sqrt();
-        }
+    match (quarter as i32).rem_euclid(4) {
+        0 => within,
+        1 => within.perp(),
+        2 => -within,
+        _ => -within.perp(),
     }
 }

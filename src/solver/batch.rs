@@ -10,6 +10,7 @@ use super::demand::{Demand, Effort, SubstepSettings, Travel};
 use super::exact::ExactScratch;
 use super::islands::Islands;
 use super::lanes::{F8, WIDTH};
+use super::limit::{BodyBlow, Limit};
 use super::momentum::Pace;
 use super::rows::{PointRows, Side};
 use super::schedule::{ContactOrder, Filling, Schedule};
@@ -50,10 +51,14 @@ pub struct MovingManifold {
 }
 
 /// An island of a batch.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Member {
     /// Its bodies within the batch.
     pub bodies: Range<usize>,
+    /// Its manifolds within [`Batch::places`].
+    pub places: Range<usize>,
+    /// Number of its points.
+    pub contacts: usize,
     /// The largest extent that a contact of its is measured by: the lesser of the least extents of two bodies, m.
     pub extent: f32,
 }
@@ -74,13 +79,13 @@ pub struct Step<'a> {
     pub settings: &'a SubstepSettings,
     /// Whether several threads are to solve the batch together, in stages.
     pub has_team: bool,
+    /// Whether the solve is to be given up when a body is overloaded.
+    pub may_break: bool,
 }
 
 /// Islands with all that their sub-steps read and write; buffers are reused from step to step.
 #[derive(Debug, Default)]
 pub struct Batch {
-    /// Its part of the list of islands.
-    pub islands: Range<usize>,
     /// Its islands.
     pub members: Vec<Member>,
     /// Its manifolds in the order of the islands: index and place.
@@ -107,6 +112,14 @@ pub struct Batch {
     pub turning: Vec<TurningBody>,
     /// Those of its manifolds whose rows follow the motion.
     pub moving: Vec<MovingManifold>,
+    /// Those of its bodies that break under too large an impulse.
+    pub limits: Vec<Limit>,
+    /// Those of its bodies (by slot) that are overloaded, and what they were hit with.
+    pub overloaded: Vec<(u32, BodyBlow)>,
+    /// Whether the solve is to be given up when a body is overloaded.
+    pub may_break: bool,
+    /// Whether the solve was given up because a body breaks; velocities and motions mean nothing then.
+    pub is_broken: bool,
     /// Whether any of its points rebounds.
     pub has_restitution: bool,
     /// How it is solved.
@@ -135,6 +148,10 @@ pub(super) struct BatchScratch {
     pub(super) inertia: Vec<Mat3>,
     /// Velocities without contact impulses.
     pub(super) free: Vec<SolverBody>,
+    /// Velocities at the start of the step, if a body may break.
+    pub(super) start: Vec<SolverBody>,
+    /// By body: what it was hit with.
+    pub(super) blows: Vec<BodyBlow>,
 }
 
 impl Batch {
@@ -146,13 +163,21 @@ impl Batch {
             bodies,
             settings,
             has_team,
+            may_break,
         } = *step;
         self.clear();
         self.settings = settings.for_demand(demand);
-        self.islands = range.clone();
+        let first = islands.list[range.start].manifolds.start;
         for island in &islands.list[range.clone()] {
             self.load_bodies(&islands.slots[island.bodies.clone()], bodies);
+            if let Some(member) = self.members.last_mut() {
+                let Range { start, end } = island.manifolds;
+                member.places = start - first..end - first;
+                member.contacts = island.points.len();
+            }
         }
+        self.may_break = may_break;
+        self.load_limits(bodies);
         self.add_idle_body();
         self.place_manifolds(range.clone(), islands, manifolds, has_team);
         self.make_blocks();
@@ -227,6 +252,9 @@ impl Batch {
         self.solids.clear();
         self.turning.clear();
         self.moving.clear();
+        self.limits.clear();
+        self.overloaded.clear();
+        self.is_broken = false;
     }
 
     /// Copies the bodies of an island.
@@ -245,7 +273,7 @@ impl Batch {
         }));
         self.members.push(Member {
             bodies: first..self.slots.len(),
-            extent: 0.0,
+            ..Member::default()
         });
     }
 

@@ -6,6 +6,7 @@
 pub use super::body::{BodyDesc, BodyError, RigidBody, Shape};
 
 use super::body::{BodyInfo, check_pose, check_velocity};
+use super::limit::Limit;
 use super::sleep::Sleep;
 use super::spin::Spin;
 use crate::contact::BodyId;
@@ -80,6 +81,9 @@ pub struct Bodies {
     radius: Vec<f32>,
     /// Changes with shape, mass or material: what is kept about the body elsewhere is out of date then.
     pub(crate) version: Vec<u32>,
+    /// Whether the impulses of the last step were more than the body bears: what did not break it then is a load that it
+    /// stands, and breaks it when it comes anew.
+    pub(crate) is_overloaded: Vec<bool>,
     /// Slots whose mass properties are out of date.
     pub(crate) stale_mass: Vec<u32>,
     /// Slots whose mass properties the last mass phase computed.
@@ -137,6 +141,7 @@ impl Bodies {
         };
         self.mass[i] = MassProperties::default();
         self.inverse_inertia[i] = Mat3::ZERO;
+        self.is_overloaded[i] = false;
         self.info[i] = Some(info);
         self.fracturable += usize::from(self.info(slot).fracturable.is_some());
         self.dynamic += usize::from(self.kind(slot) == RigidBody::Dynamic);
@@ -270,6 +275,23 @@ impl Bodies {
         &self.velocity
     }
 
+    /// What the body bears in a step, with number 0; `None` if it does not break, or has borne more already.
+    pub(crate) fn limit(&self, slot: u32) -> Option<Limit> {
+        let fracturable = self.fracturable(slot)?;
+        let is_at_risk =
+            self.kind(slot) == RigidBody::Dynamic && !self.is_overloaded[slot as usize];
+        is_at_risk.then_some(Limit {
+            body: 0,
+            impulse: fracturable.strength,
+            energy: fracturable.least_energy,
+        })
+    }
+
+    /// Most pieces that a blow may make of the body.
+    pub(crate) fn most_pieces(&self, slot: u32) -> usize {
+        self.fracturable(slot).map_or(0, |f| f.most_pieces.into())
+    }
+
     /// How the body breaks; `None` if it does not or the slot is free.
     pub fn fracturable(&self, slot: u32) -> Option<&Fracturable> {
         self.info.get(slot as usize)?.as_ref()?.fracturable.as_ref()
@@ -392,10 +414,12 @@ impl Bodies {
         if !same_mass {
             info.check_mass()?;
         }
-        if !same_mass || !info.touches_like(self.info(slot)) {
-            self.disturb(slot);
+        self.set_fracturable(slot, info.fracturable.clone());
+        if same_mass && info.touches_like(self.info(slot)) {
+            // What is known of its contacts stays true.
+            return Ok(());
         }
-        self.set_fracturable(slot, info.fracturable);
+        self.disturb(slot);
         self.info[slot as usize] = Some(info);
         self.renew_version(slot);
         if !same_mass {
@@ -522,6 +546,7 @@ impl Bodies {
         self.least_extent.push(0.0);
         self.radius.push(0.0);
         self.version.push(0);
+        self.is_overloaded.push(false);
         slot
     }
 }

@@ -172,7 +172,7 @@ impl BodyInfo {
     pub(crate) fn check_material(&self) -> Result<(), BodyError> {
         self.friction.validate()?;
         self.restitution.validate()?;
-        match self.fracturable {
+        match &self.fracturable {
             Some(_) if self.mass_override.is_some() => Err(BodyError::FracturableOverride),
             Some(fracturable) => Ok(fracturable.validate()?),
             None => Ok(()),

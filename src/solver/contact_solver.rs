@@ -1,9 +1,10 @@
 //! From manifolds and bodies to new velocities, motions and impulses, batch of islands by batch.
 
-use super::batch::{Batch, Step, side};
+use super::batch::{Batch, Member, Step, side};
 use super::bodies::{Bodies, Motion, SolverBody};
 use super::demand::{Demand, Effort, SubstepSettings, Travel};
 use super::islands::Islands;
+use super::limit::BodyBlow;
 use super::rows::{PointRows, Row};
 use super::team::Team;
 use super::ties::{BondedManifold, is_new_bond};
@@ -33,20 +34,42 @@ pub struct ContactSolver {
     demands: Vec<Demand>,
     /// Islands of each batch.
     ranges: Vec<Range<usize>>,
-    /// As many as there are `ranges`, and perhaps some from other steps.
+    /// Those of earlier rounds of the step, then as many as there are `ranges`, and perhaps some from other steps.
     batches: Vec<Batch>,
-    /// By slot: whether a batch moves the body.
-    is_solved: Vec<bool>,
     /// Those of the manifolds that are bonded, ascending.
     pub(crate) bonded: Vec<BondedManifold>,
+    /// Number of batches from earlier rounds.
+    earlier: usize,
+    /// By slot: how far the bodies are in this step.
+    progress: Vec<Progress>,
+}
+
+/// How far a body is within a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Progress {
+    /// As it was before the step.
+    #[default]
+    Open,
+    /// As before the step, because something in its island breaks.
+    Waiting,
+    /// A dynamic body that has got its velocity and motion.
+    Moved,
+}
+
+/// What a round may do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Round {
+    /// Whether it is the first one of a step.
+    pub is_first: bool,
+    /// Whether islands in which a body breaks are left for the next round. Not in the last one.
+    pub may_break: bool,
 }
 
 /// An island after the solve.
 #[derive(Clone, Debug)]
 pub struct SolvedIsland<'a> {
     batch: &'a Batch,
-    places: Range<usize>,
-    first_body: u32,
+    member: &'a Member,
     /// Number of its points.
     pub contacts: usize,
     /// Velocities of its bodies.
@@ -61,53 +84,80 @@ impl SolvedIsland<'_> {
     /// Puts the rows of its points into `rows`, in the order of its manifolds.
     pub fn rows(&self, rows: &mut Vec<PointRows>) {
         rows.clear();
-        let places = self.places.clone();
-        self.batch.collect_rows(places, self.first_body, rows);
+        let Member { places, bodies, .. } = self.member;
+        let first_body = bodies.start as u32;
+        self.batch.collect_rows(places.clone(), first_body, rows);
     }
 }
 
 impl ContactSolver {
     /// The islands of the last step.
     pub fn islands(&self) -> impl Iterator<Item = SolvedIsland<'_>> {
-        self.solved().flat_map(move |batch| {
-            let islands = &self.islands.list[batch.islands.clone()];
-            let first = islands.first().map_or(0, |island| island.manifolds.start);
-            islands
-                .iter()
-                .zip(&batch.members)
-                .map(move |(island, member)| SolvedIsland {
-                    batch,
-                    places: island.manifolds.start - first..island.manifolds.end - first,
-                    first_body: member.bodies.start as u32,
-                    contacts: island.points.len(),
-                    bodies: &batch.bodies[member.bodies.clone()],
-                    slots: &batch.slots[member.bodies.clone()],
-                    effort: batch.effort,
-                })
+        let batches = self.batches[..self.earlier + self.ranges.len()].iter();
+        batches.filter(|batch| !batch.is_broken).flat_map(|batch| {
+            batch.members.iter().map(move |member| SolvedIsland {
+                batch,
+                member,
+                contacts: member.contacts,
+                bodies: &batch.bodies[member.bodies.clone()],
+                slots: &batch.slots[member.bodies.clone()],
+                effort: batch.effort,
+            })
         })
-    }
-
-    /// The batches of the last step.
-    fn solved(&self) -> impl Iterator<Item = &Batch> {
-        self.batches[..self.ranges.len()].iter()
     }
 
     /// Solves the contacts of `manifolds` and leaves in `bodies` the new velocities and how to move, in `manifolds` the
     /// impulses. `settings.h` is the length of a sub-step, s.
+    ///
+    /// Returns whether there are islands in which a body breaks. Their bodies stay as they were, their manifolds hold the
+    /// impulses until then, and the next round solves what has become of them.
     pub fn solve(
         &mut self,
         manifolds: &mut [Manifold],
         bodies: &mut Bodies,
         settings: &SubstepSettings,
-    ) {
+        round: Round,
+    ) -> bool {
+        if round.is_first {
+            self.earlier = 0;
+            self.progress.clear();
+        } else {
+            self.earlier += self.ranges.len();
+            let waiting = self
+                .progress
+                .iter_mut()
+                .filter(|p| **p == Progress::Waiting);
+            waiting.for_each(|progress| *progress = Progress::Open);
+        }
+        self.progress.resize(bodies.slots(), Progress::Open);
         self.find_batches(manifolds, bodies, settings);
-        self.solve_batches(manifolds, bodies, settings);
+        self.solve_batches(manifolds, bodies, settings, round.may_break);
         self.write_back(bodies);
         self.move_free_bodies(bodies, settings);
-        for batch in &self.batches[..self.ranges.len()] {
+        let batches = &self.batches[self.earlier..][..self.ranges.len()];
+        for batch in batches {
             batch.store_impulses(manifolds);
-            batch.judge_bonds(&mut self.bonded);
+            if !batch.is_broken {
+                batch.judge_bonds(&mut self.bonded);
+            }
         }
+        batches.iter().any(|batch| batch.is_broken)
+    }
+
+    /// Bodies (by slot) that got through the last round although they were hit with more than they bear, and with what.
+    pub fn overloaded(&self) -> impl Iterator<Item = (u32, BodyBlow)> {
+        let batches = self.batches[self.earlier..][..self.ranges.len()].iter();
+        batches.flat_map(|batch| batch.overloaded.iter().copied())
+    }
+
+    /// Whether the body in `slot` is as it was before the step, because something in its island breaks.
+    pub fn is_waiting(&self, slot: u32) -> bool {
+        self.progress.get(slot as usize) == Some(&Progress::Waiting)
+    }
+
+    /// Whether the body in `slot` is dynamic and has got its velocity and motion in this step.
+    pub fn is_moved(&self, slot: u32) -> bool {
+        self.progress.get(slot as usize) == Some(&Progress::Moved)
     }
 
     /// Finds the islands, what they ask for, and which are solved together.
@@ -117,7 +167,10 @@ impl ContactSolver {
         bodies: &Bodies,
         settings: &SubstepSettings,
     ) {
-        self.islands.find(manifolds, bodies);
+        let progress = &self.progress;
+        let is_open = |slot: u32| progress.get(slot as usize) != Some(&Progress::Moved);
+        let is_open = |m: &Manifold| is_open(m.a) && is_open(m.b);
+        self.islands.find(manifolds, bodies, is_open);
         self.demands.clear();
         for i in 0..self.islands.list.len() {
             let demand = self.demand(i, manifolds, bodies, settings);
@@ -130,8 +183,9 @@ impl ContactSolver {
             self.ranges.push(first..end);
             first = end;
         }
-        let count = self.ranges.len().max(self.batches.len());
-        self.batches.resize_with(count, Batch::default);
+        let count = self.earlier + self.ranges.len();
+        self.batches
+            .resize_with(count.max(self.batches.len()), Batch::default);
     }
 
     /// Loads and solves the batches, on several threads if there is enough to do: large ones one after the other by all
@@ -141,6 +195,7 @@ impl ContactSolver {
         manifolds: &[Manifold],
         bodies: &Bodies,
         settings: &SubstepSettings,
+        may_break: bool,
     ) {
         let (islands, demands, bonded) = (&self.islands, &self.demands, &self.bonded);
         let solve = |batch: &mut Batch, range: &Range<usize>, team: Option<&Team>| {
@@ -151,12 +206,14 @@ impl ContactSolver {
                 bodies,
                 settings,
                 has_team: team.is_some(),
+                may_break,
             };
             batch.load(&step, range.clone(), demand);
             batch.tie(bonded, manifolds);
             batch.solve(manifolds, team);
         };
-        let batches = self.batches.iter_mut().zip(&self.ranges);
+        let new_batches = &mut self.batches[self.earlier..];
+        let batches = new_batches.iter_mut().zip(&self.ranges);
         let pool = ComputeTaskPool::try_get();
         let Some(pool) = pool.filter(|_| islands.manifolds.len() >= WORTH_HELP) else {
             return batches.for_each(|(batch, range)| solve(batch, range, None));
@@ -176,7 +233,7 @@ impl ContactSolver {
                 large.for_each(|(batch, range)| solve(batch, range, Some(team)));
             });
         }
-        let small = self.batches.iter_mut().zip(&self.ranges);
+        let small = new_batches.iter_mut().zip(&self.ranges);
         let mut small = small.filter(|(_, range)| !is_for_team(range));
         let tasks = TASKS_PER_THREAD * (pool.thread_num() + 1);
         let share = islands.manifolds.len().div_ceil(tasks);
@@ -255,14 +312,21 @@ impl ContactSolver {
 
     /// Takes velocities and motions of the bodies that contacts move back to their slots.
     fn write_back(&mut self, bodies: &mut Bodies) {
-        self.is_solved.clear();
-        self.is_solved.resize(bodies.slots(), false);
-        for batch in &self.batches[..self.ranges.len()] {
+        let batches = &self.batches[self.earlier..][..self.ranges.len()];
+        for batch in batches {
+            if batch.is_broken {
+                for (&slot, body) in batch.slots.iter().zip(&batch.bodies) {
+                    if body.inverse_mass > 0.0 {
+                        self.progress[slot as usize] = Progress::Waiting;
+                    }
+                }
+                continue;
+            }
             for (number, &slot) in batch.slots.iter().enumerate() {
                 let (i, body) = (slot as usize, &batch.bodies[number]);
                 if body.inverse_mass > 0.0 {
                     let moved = &batch.displacements[number];
-                    self.is_solved[i] = true;
+                    self.progress[i] = Progress::Moved;
                     bodies.velocity[i] = *body;
                     bodies.motion[i] = Motion {
                         shift: moved.linear,
@@ -282,12 +346,13 @@ impl ContactSolver {
         let step = settings.step();
         for slot in 0..bodies.slots() as u32 {
             let i = slot as usize;
-            if self.is_solved[i] || !bodies.is_moving(slot) {
+            if self.progress[i] != Progress::Open || !bodies.is_moving(slot) {
                 continue;
             }
             let spin = bodies.spin(slot, step);
             let body = &mut bodies.velocity[i];
             let fall = if body.inverse_mass > 0.0 {
+                self.progress[i] = Progress::Moved;
                 settings.gravity * step
             } else {
                 Vec3::ZERO

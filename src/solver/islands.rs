@@ -42,15 +42,24 @@ pub struct Islands {
 }
 
 impl Islands {
-    /// Finds the islands of `manifolds`, which hold slots of `bodies`. Manifolds of two fixed bodies are left out.
-    pub fn find(&mut self, manifolds: &[Manifold], bodies: &Bodies) {
+    /// Finds the islands of those of `manifolds`, which hold slots of `bodies`, that `is_open` tells. Manifolds of two fixed
+    /// bodies are left out.
+    pub fn find(
+        &mut self,
+        manifolds: &[Manifold],
+        bodies: &Bodies,
+        is_open: impl Fn(&Manifold) -> bool,
+    ) {
         let moves = |slot: u32| bodies.velocity[slot as usize].inverse_mass > 0.0;
         self.parent.clear();
         self.parent.extend(0..bodies.slots() as u32);
-        for m in manifolds.iter().filter(|m| moves(m.a) && moves(m.b)) {
-            join(&mut self.parent, m.a, m.b);
+        for m in manifolds {
+            if moves(m.a) && moves(m.b) && is_open(m) {
+                join(&mut self.parent, m.a, m.b);
+            }
         }
         let root = |parent: &mut Vec<u32>, m: &Manifold| match (moves(m.a), moves(m.b)) {
+            _ if !is_open(m) => None,
             (true, _) => Some(find(parent, m.a)),
             (_, true) => Some(find(parent, m.b)),
             _ => None,

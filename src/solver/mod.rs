@@ -18,6 +18,7 @@ pub mod exact;
 pub mod integrate;
 pub mod islands;
 pub mod lanes;
+pub mod limit;
 pub mod mlcp;
 pub mod momentum;
 pub mod pgs;

@@ -16,6 +16,7 @@ use super::bodies::{Bodies, Motion, Status};
 use super::contact_solver::ContactSolver;
 use crate::contact::BodyId;
 use crate::contact::broadphase::Pair;
+use crate::contact::cache::ContactCache;
 use crate::contact::manifold::Manifold;
 use glam::{Quat, Vec3};
 
@@ -266,6 +267,19 @@ impl Bodies {
         body.inverse_mass > 0.0 || self.is_displaced(slot)
     }
 
+    /// Takes the multipliers of the bodies that woke back into the cache, and forgets what bore them while they slept.
+    pub(crate) fn unpark_woken(&mut self, cache: &mut ContactCache) {
+        let Self { sleep, status, .. } = self;
+        if !sleep.woken.is_empty() {
+            sleep.woken.sort_unstable();
+            cache.unpark(&sleep.woken);
+            sleep.woken.clear();
+            sleep
+                .supports
+                .retain(|&[_, body]| status[body as usize] == Status::Asleep);
+        }
+    }
+
     /// Whether a fixed body moves, or was changed since the last step.
     fn is_displaced(&self, slot: u32) -> bool {
         let body = &self.velocity[slot as usize];
@@ -287,17 +301,11 @@ impl Bodies {
         self.sleep.asleep < before
     }
 
-    /// Ends the look for what must wake: everybody has seen what was stirred. The ids in `sleep.woken` are sorted then.
+    /// Ends the look for what must wake: everybody has seen what was stirred.
     pub(crate) fn end_rouse(&mut self) {
-        let Self { sleep, status, .. } = self;
+        let sleep = &mut self.sleep;
         for slot in sleep.stirred.drain(..) {
             sleep.is_stirred[slot as usize] = false;
-        }
-        if !sleep.woken.is_empty() {
-            sleep.woken.sort_unstable();
-            sleep
-                .supports
-                .retain(|&[_, body]| status[body as usize] == Status::Asleep);
         }
     }
 

@@ -60,7 +60,7 @@ fn cells<T>(list: &mut [T]) -> &[Cell<T>] {
 }
 
 impl Batch {
-    /// Advances the batch by a step.
+    /// Advances the batch by a step, or gives up when a body of it breaks.
     pub fn solve(&mut self, manifolds: &[Manifold], team: Option<&Team>) {
         let settings = &{ self.settings };
         let mut effort = self.effort;
@@ -77,6 +77,13 @@ impl Batch {
                 self.solve_calm_substep(substep == 0, manifolds, effort, team);
             }
             self.turn_bodies(settings.h);
+            let is_last = substep + 1 == settings.config.substeps;
+            if (is_last || self.may_break && self.can_hit()) && self.find_overloaded() {
+                self.is_broken = self.may_break;
+            }
+            if self.is_broken {
+                break;
+            }
         }
         self.effort = *effort;
     }

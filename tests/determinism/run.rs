@@ -258,7 +258,7 @@ fn insert(entity: &mut EntityWorldMut<'_>, desc: &BodyDesc) {
         Shape::Convex(mesh) => entity.insert(mesh.clone()),
         Shape::HalfSpace(half_space) => entity.insert(*half_space),
     };
-    if let Some(fracturable) = desc.fracturable {
+    if let Some(fracturable) = desc.fracturable.clone() {
         entity.insert(fracturable);
     }
     let transform = Transform {

@@ -7,6 +7,7 @@ use crate::support::*;
 use bevy_cleave::geometry::ConvexHull;
 use bevy_cleave::prelude::*;
 use bevy_cleave::slice::{HullSlice, slice_hull};
+use bevy_cleave::step::{self, StepSettings};
 use glam::{DMat3, DVec3, Vec3};
 
 /// Mass, momentum, angular momentum and inertia about a point, and twice the kinetic energy, of several bodies.
@@ -73,8 +74,18 @@ fn body_cut_into_fifty_moving_pieces_loses_nothing() {
     weigh(&mut simulation);
     let about = centre.as_dvec3();
     let before = totals(&simulation, about);
-    // So short a step that nothing moves: the cut is its last phase.
-    simulation.step(1e-7);
+    let settings = StepSettings {
+        gravity: simulation.gravity,
+        config: simulation.config,
+        budget: simulation.budget,
+        h: H,
+    };
+    step::cut(
+        &mut simulation.bodies,
+        &mut simulation.cache,
+        &mut simulation.fractures,
+        &settings,
+    );
     let pieces = simulation.bodies.len();
     let after = totals(&simulation, about);
     let errors = [

@@ -156,15 +156,18 @@ impl Runner {
             fractures,
             gravity,
             config,
+            budget,
+            bonds,
             report,
-            ..
         } = &mut self.simulation;
         let settings = &StepSettings {
             gravity: *gravity,
             config: *config,
+            budget: *budget,
             h: H,
         };
         step::mass_properties(bodies, report);
+        step::cut(bodies, cache, fractures, settings);
         step::broadphase(bodies, contacts, settings, report);
         if self.start == Start::Feature {
             step::generate_contacts(bodies, contacts, &mut ContactCache::new(), settings, report);
@@ -187,9 +190,9 @@ impl Runner {
             self.before
                 .extend(points.map(|point| known(bodies, m, point)));
         }
+        step::fracture(bodies, contacts, cache, fractures, bonds, settings, report);
         step::integrate(bodies, report);
         step::age_cache(bodies, contacts, cache, settings);
-        step::fracture(bodies, contacts, cache, fractures);
     }
 }
 

@@ -39,7 +39,11 @@ pub(crate) fn falling_and_breaking() -> Vec<BodyDesc> {
         body.angular_velocity = Vec3::new(0.5, -0.3 * n, 0.2);
         body.restitution = Restitution::new(0.2);
         if i % 3 != 2 {
-            body.fracturable = Some(breakable(900.0, patterns[usize::from(i) % 3], u64::from(i)));
+            body.fracturable = Some(breakable(
+                900.0,
+                patterns[usize::from(i) % 3].clone(),
+                u64::from(i),
+            ));
         }
         bodies.push(body);
     }

@@ -1,5 +1,7 @@
 //! The checks that every cut must pass.
 
+#![allow(dead_code, reason = "each test file uses a part")]
+
 use crate::common::model_mesh;
 use bevy_cleave::geometry::predicates::{length_scale, plane_tolerance, signed_distance};
 use bevy_cleave::geometry::{ConvexHull, TriMesh};

@@ -1,0 +1,348 @@
+//! When bodies break: on request at the start of a step, and under a blow while it is solved.
+
+use super::budget::{Account, FractureBudget};
+use super::impact::{self, ImpulseSum};
+use super::inheritance::{Line, hand_down};
+use super::pieces::{Division, Plan, replace};
+use super::{Blow, CutError, CutRequest, Fractures};
+use crate::contact::BodyId;
+use crate::contact::cache::ContactCache;
+use crate::contact::manifold::Manifold;
+use crate::geometry::predicates::check_plane;
+use crate::slice::{Cutting, PieceCutter, SliceError};
+use crate::solver::bodies::{Bodies, RigidBody};
+use crate::solver::contact_solver::ContactSolver;
+use smallvec::SmallVec;
+
+/// Bodies that broke, in one go, and their pieces.
+type Lines = Vec<(Line, SmallVec<[u32; 8]>)>;
+
+/// A body that was hit with more than it bears when there was no budget for it.
+#[derive(Clone, Debug)]
+struct Waiting {
+    body: BodyId,
+    slot: u32,
+    cutting: Cutting,
+}
+
+/// A piece, and for how long it has slept.
+#[derive(Clone, Copy, Debug)]
+struct Alive {
+    body: BodyId,
+    slot: u32,
+    /// s.
+    slept: f32,
+}
+
+/// What is kept from step to step, and buffers.
+#[derive(Debug, Default)]
+pub(super) struct Workshop {
+    account: Account,
+    waiting: Vec<Waiting>,
+    alive: Vec<Alive>,
+    /// By slot.
+    impacts: Vec<ImpulseSum>,
+    shares: Vec<f32>,
+    cutter: PieceCutter,
+}
+
+impl Workshop {
+    /// Bodies that wait for their turn to break.
+    pub(super) fn waiting(&self) -> usize {
+        self.waiting.len()
+    }
+
+    /// Pieces that blows may still make in this step.
+    fn left(&self, budget: &FractureBudget) -> usize {
+        self.account.left(budget, self.alive.len())
+    }
+}
+
+/// Makes the cuts that were asked for and breaks what has waited for its turn; removes pieces whose time is over.
+///
+/// Pieces get slots, parents lose theirs, and the parents' multipliers go to the pieces. Results are in `fractures`. `h`:
+/// length of the step, s.
+pub fn make_cuts(
+    fractures: &mut Fractures,
+    bodies: &mut Bodies,
+    cache: &mut ContactCache,
+    budget: &FractureBudget,
+    h: f32,
+) {
+    fractures.done.clear();
+    fractures.refused.clear();
+    fractures.expired.clear();
+    fractures.workshop.account = Account::default();
+    remove_old_pieces(fractures, bodies, cache, budget, h);
+    if fractures.requests.is_empty() && fractures.workshop.waiting.is_empty() {
+        return;
+    }
+    let mut plans = collect_requests(fractures, bodies);
+    let cuts = plans.len();
+    add_waiting(&mut plans, &mut fractures.workshop, bodies, budget);
+    for (plan, _) in &plans {
+        bodies.wake(plan.slot);
+    }
+    bodies.unpark_woken(cache);
+    let mut lines = Lines::new();
+    for (index, (plan, requests)) in plans.into_iter().enumerate() {
+        // A load that the parent stood must not break a piece that was cut off, but a blow may.
+        let stands = index < cuts && bodies.is_overloaded[plan.slot as usize];
+        let division = Division::new(bodies, &plan, &mut fractures.workshop.cutter);
+        let made = division.and_then(|division| {
+            fractures.replace(bodies, plan.slot, division, budget, &mut lines)
+        });
+        match made {
+            Ok(fracture) => fracture
+                .pieces
+                .iter()
+                .for_each(|&piece| bodies.is_overloaded[piece as usize] = stands),
+            Err(error) => {
+                let refused = requests.into_iter().map(|r| (r, error.clone()));
+                fractures.refused.extend(refused);
+            }
+        }
+    }
+    hand_down(&lines, bodies, cache);
+}
+
+/// Breaks the bodies whose solve was given up because they were hit with more than they bear.
+///
+/// `manifolds` hold the impulses until then. They act on the bodies that wait as far as what breaks bears them; the rest is
+/// for the pieces. Results are added to `fractures`.
+pub fn break_overloaded(
+    fractures: &mut Fractures,
+    bodies: &mut Bodies,
+    manifolds: &[Manifold],
+    cache: &mut ContactCache,
+    budget: &FractureBudget,
+    solver: &ContactSolver,
+) {
+    let workshop = &mut fractures.workshop;
+    impact::sum_impulses(&mut workshop.impacts, bodies, manifolds);
+    workshop.shares.clear();
+    workshop.shares.resize(bodies.slots(), 0.0);
+    let mut left = workshop.left(budget);
+    let mut divisions = Vec::new();
+    let mut hit: Vec<_> = (0..bodies.slots() as u32)
+        .filter(|&slot| solver.is_waiting(slot))
+        .filter(|&slot| workshop.impacts[slot as usize].is_too_much(bodies, slot))
+        .collect();
+    hit.sort_by_key(|&slot| bodies.id(slot));
+    for slot in hit {
+        // If it cannot be broken now, it has to bear everything.
+        bodies.is_overloaded[slot as usize] = true;
+        let sum = workshop.impacts[slot as usize];
+        if left < 2 {
+            workshop.waiting.extend(wait(bodies, slot, &sum));
+            continue;
+        }
+        let most = bodies.most_pieces(slot).min(left);
+        let Some(blow) = sum.cutting(bodies, slot, most) else {
+            continue;
+        };
+        let plan = Plan {
+            slot,
+            blow: Some(blow),
+            cuts: SmallVec::new(),
+            most,
+        };
+        if let Ok(division) = Division::new(bodies, &plan, &mut workshop.cutter) {
+            left = left.saturating_sub(division.len());
+            let borne = sum.borne(bodies, slot, &division);
+            workshop.shares[slot as usize] = borne;
+            divisions.push((slot, division, sum.blow(borne)));
+        }
+    }
+    impact::apply_shares(&workshop.shares, bodies, manifolds);
+    let mut lines = Lines::new();
+    for (slot, division, blow) in divisions {
+        if let Ok(fracture) = fractures.replace(bodies, slot, division, budget, &mut lines) {
+            fracture.blow = Some(blow);
+        }
+    }
+    hand_down(&lines, bodies, cache);
+}
+
+/// After the last round: notes which bodies have got through the step although its impulses were more than they bear, and
+/// lets those break later that would have, had there been a budget or a round for them.
+pub fn note_loads(
+    fractures: &mut Fractures,
+    bodies: &mut Bodies,
+    manifolds: &[Manifold],
+    solver: &ContactSolver,
+) {
+    if !bodies.any_fracturable() {
+        return;
+    }
+    let workshop = &mut fractures.workshop;
+    impact::sum_impulses(&mut workshop.impacts, bodies, manifolds);
+    for (slot, blow) in solver.overloaded() {
+        let sum = workshop.impacts[slot as usize].with_energy(blow.energy);
+        workshop.waiting.extend(wait(bodies, slot, &sum));
+    }
+    for (slot, sum) in (0..).zip(&workshop.impacts) {
+        if let Some(fracturable) = bodies.fracturable(slot) {
+            bodies.is_overloaded[slot as usize] = sum.impulse() > fracturable.strength;
+        }
+    }
+}
+
+/// A body that waits for its turn to break.
+fn wait(bodies: &Bodies, slot: u32, sum: &ImpulseSum) -> Option<Waiting> {
+    let cutting = sum.cutting(bodies, slot, bodies.most_pieces(slot))?;
+    Some(Waiting {
+        body: bodies.id(slot),
+        slot,
+        cutting,
+    })
+}
+
+impl Fractures {
+    /// Replaces a body by its pieces and takes note of it.
+    fn replace(
+        &mut self,
+        bodies: &mut Bodies,
+        slot: u32,
+        division: Division,
+        budget: &FractureBudget,
+        lines: &mut Lines,
+    ) -> Result<&mut super::Fracture, CutError> {
+        let line = Line::of(bodies, slot);
+        let parent = bodies.id(slot);
+        let fracture = replace(bodies, slot, division, budget)?;
+        lines.push((line, fracture.pieces.clone()));
+        let workshop = &mut self.workshop;
+        workshop.account.spend(fracture.pieces.len());
+        workshop.alive.retain(|piece| piece.body != parent);
+        let pieces = fracture.pieces.iter().zip(&fracture.ids);
+        workshop.alive.extend(pieces.map(|(&slot, &body)| Alive {
+            body,
+            slot,
+            slept: 0.0,
+        }));
+        self.done.push(fracture);
+        Ok(self.done.last_mut().expect("just pushed"))
+    }
+}
+
+/// Sorts out requests that cannot be met; several on one body become one list of planes. By id of the body.
+fn collect_requests(
+    fractures: &mut Fractures,
+    bodies: &Bodies,
+) -> Vec<(Plan, SmallVec<[CutRequest; 2]>)> {
+    let mut plans: Vec<(Plan, SmallVec<[CutRequest; 2]>)> = Vec::new();
+    for request in fractures.requests.drain(..) {
+        if let Err(error) = check_request(&request, bodies) {
+            fractures.refused.push((request, error));
+            continue;
+        }
+        let index = plans.iter().position(|(p, _)| p.slot == request.slot);
+        let index = index.unwrap_or_else(|| {
+            let plan = Plan {
+                slot: request.slot,
+                blow: None,
+                cuts: SmallVec::new(),
+                most: usize::MAX,
+            };
+            plans.push((plan, SmallVec::new()));
+            plans.len() - 1
+        });
+        plans[index].0.cuts.push(request.plane);
+        plans[index].1.push(request);
+    }
+    plans.sort_by_key(|(plan, _)| bodies.id(plan.slot));
+    plans
+}
+
+fn check_request(request: &CutRequest, bodies: &Bodies) -> Result<(), CutError> {
+    if !bodies.is(request.slot, request.body) {
+        return Err(CutError::NoBody);
+    }
+    if bodies.kind(request.slot) != RigidBody::Dynamic {
+        return Err(CutError::NotDynamic);
+    }
+    if !bodies.is_active(request.slot) {
+        return Err(CutError::Frozen);
+    }
+    if bodies.has_mass_override(request.slot) {
+        return Err(CutError::MassOverride);
+    }
+    check_plane(&request.plane).map_err(SliceError::from)?;
+    Ok(())
+}
+
+/// Adds the bodies that have waited longest, as far as the budget goes. What is cut on request in this step waits no more.
+fn add_waiting(
+    plans: &mut Vec<(Plan, SmallVec<[CutRequest; 2]>)>,
+    workshop: &mut Workshop,
+    bodies: &Bodies,
+    budget: &FractureBudget,
+) {
+    let mut left = workshop.left(budget);
+    let cuts = plans.len();
+    workshop.waiting.retain(|entry| {
+        let slot = entry.slot;
+        let is_cut = plans[..cuts].iter().any(|(plan, _)| plan.slot == slot);
+        let can_break = bodies.is(slot, entry.body) && bodies.is_active(slot);
+        if is_cut || !can_break {
+            return false;
+        }
+        if left < 2 {
+            return true;
+        }
+        let most = bodies.most_pieces(slot).min(left);
+        left -= most;
+        let plan = Plan {
+            slot,
+            blow: Some(entry.cutting.clone()),
+            cuts: SmallVec::new(),
+            most,
+        };
+        plans.push((plan, SmallVec::new()));
+        false
+    });
+}
+
+/// Removes pieces that have slept for longer than the budget allows.
+fn remove_old_pieces(
+    fractures: &mut Fractures,
+    bodies: &mut Bodies,
+    cache: &mut ContactCache,
+    budget: &FractureBudget,
+    h: f32,
+) {
+    if budget.lifetime.is_infinite() {
+        return;
+    }
+    let expired = &mut fractures.expired;
+    fractures.workshop.alive.retain_mut(|piece| {
+        let is_there = bodies.is(piece.slot, piece.body);
+        let is_asleep = is_there && bodies.is_asleep(piece.slot);
+        piece.slept = if is_asleep { piece.slept + h } else { 0.0 };
+        let is_old = piece.slept > budget.lifetime;
+        if is_old {
+            expired.push((piece.slot, piece.body));
+        }
+        is_there && !is_old
+    });
+    for &(slot, _) in expired.iter() {
+        bodies.remove(slot);
+    }
+    if !expired.is_empty() {
+        expired.sort_unstable_by_key(|&(_, id)| id);
+        cache.remove_bodies(|id| expired.binary_search_by_key(&id, |&(_, id)| id).is_ok());
+    }
+}
+
+impl Blow {
+    /// Impulse that acted on the body before it broke, N s.
+    pub fn borne_impulse(&self) -> f32 {
+        self.borne * self.impulse
+    }
+
+    /// Kinetic energy that it took to break the body, J: what the borne share of a plastic blow takes.
+    pub fn borne_energy(&self) -> f32 {
+        self.energy * self.borne * (2.0 - self.borne)
+    }
+}

@@ -1,0 +1,71 @@
+//! From a fracture to the contact cache: which body had which pieces.
+
+use crate::contact::BodyId;
+use crate::contact::cache::{ContactCache, Family, Heir};
+use crate::geometry::KdBox;
+use crate::math::rotate;
+use crate::solver::bodies::Bodies;
+use glam::{Quat, Vec3};
+use smallvec::SmallVec;
+
+/// What must be known of a body after it is gone.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Line {
+    id: BodyId,
+    rotation: Quat,
+    /// World, m.
+    centre_of_mass: Vec3,
+    /// Body's frame, m.
+    centre: Vec3,
+    code_box: Option<KdBox>,
+}
+
+impl Line {
+    pub(super) fn of(bodies: &Bodies, slot: u32) -> Self {
+        Self {
+            id: bodies.id(slot),
+            rotation: bodies.pose(slot).rotation,
+            centre_of_mass: bodies.centre_of_mass(slot),
+            centre: bodies.mass(slot).centre,
+            code_box: bodies.kd_box[slot as usize],
+        }
+    }
+
+    fn family<'a>(&self, pieces: &[u32], bodies: &'a Bodies) -> Option<Family<'a>> {
+        let heir = |&slot: &u32| {
+            let way = bodies.pose(slot).position - self.centre_of_mass;
+            Some(Heir {
+                id: bodies.id(slot),
+                origin: self.centre + rotate(self.rotation.inverse(), way),
+                hull: bodies.convex(slot)?.hull(),
+                code_box: bodies.kd_box[slot as usize]?,
+            })
+        };
+        Some(Family {
+            parent: self.id,
+            rotation: self.rotation,
+            code_box: self.code_box?,
+            heirs: pieces.iter().filter_map(heir).collect(),
+        })
+    }
+}
+
+/// Gives the multipliers of bodies that are gone to their pieces, by slot.
+pub(super) fn hand_down(
+    lines: &[(Line, SmallVec<[u32; 8]>)],
+    bodies: &Bodies,
+    cache: &mut ContactCache,
+) {
+    let families = lines.iter();
+    let families: Vec<_> = families
+        .filter_map(|(line, pieces)| line.family(pieces, bodies))
+        .collect();
+    let mut slots: Vec<_> = bodies.iter().map(|slot| (bodies.id(slot), slot)).collect();
+    slots.sort_unstable();
+    let rotation_of = |id| {
+        let found = slots.binary_search_by_key(&id, |&(id, _)| id);
+        // A body that left since the last step has entries still; nobody will ask for them.
+        found.map_or(Quat::IDENTITY, |at| bodies.rotation[slots[at].1 as usize])
+    };
+    cache.inherit(&families, rotation_of);
+}

@@ -1,0 +1,188 @@
+//! What becomes of a body that breaks: its pieces, first as shapes, then as bodies.
+
+use super::budget::FractureBudget;
+use super::ledger::{Ledger, Totals};
+use super::{CutError, Fracture};
+use crate::geometry::{ConvexHull, ConvexMesh};
+use crate::mass::VolumeIntegrals;
+use crate::math::{Plane, Pose, rotate};
+use crate::slice::fracturable::Fracturable;
+use crate::slice::{Cutting, Piece, PieceCutter, SliceError, SliceOptions};
+use crate::solver::bodies::{Bodies, BodyDesc, RigidBody, Shape};
+use glam::{Quat, Vec3};
+use smallvec::SmallVec;
+
+/// How one body is to be divided.
+#[derive(Clone, Debug)]
+pub(super) struct Plan {
+    pub(super) slot: u32,
+    /// What a blow makes of it.
+    pub(super) blow: Option<Cutting>,
+    /// Planes of cuts that were asked for, body's frame; they go through all that the blow leaves.
+    pub(super) cuts: SmallVec<[Plane; 8]>,
+    /// Most pieces that the blow may make.
+    pub(super) most: usize,
+}
+
+/// The pieces of one body, in its frame.
+#[derive(Clone, Debug)]
+pub(super) struct Division {
+    pieces: Vec<Piece>,
+    /// The planes of the cuts, and those of a blow that divides by planes, body's frame.
+    planes: SmallVec<[Plane; 8]>,
+}
+
+impl Division {
+    pub(super) fn new(
+        bodies: &Bodies,
+        plan: &Plan,
+        cutter: &mut PieceCutter,
+    ) -> Result<Self, CutError> {
+        let mesh = bodies.convex(plan.slot).ok_or(CutError::NotDynamic)?;
+        let fracturable = bodies.fracturable(plan.slot);
+        let pieces = pieces_of(mesh, fracturable, plan, cutter)?;
+        if pieces.len() < 2 {
+            return Err(CutError::Missed);
+        }
+        let mut planes = plan.cuts.clone();
+        if let Some(Cutting::Planes(blow)) = &plan.blow {
+            planes.extend_from_slice(blow);
+        }
+        Ok(Self { pieces, planes })
+    }
+
+    /// Number of pieces.
+    pub(super) fn len(&self) -> usize {
+        self.pieces.len()
+    }
+
+    /// Area of the cracks in a body with the hull `whole`, m2: half of what the surface has grown by.
+    pub(super) fn crack_area(&self, whole: &ConvexHull) -> f64 {
+        let surfaces = self.pieces.iter().map(|piece| surface(&piece.hull));
+        0.5 * (surfaces.sum::<f64>() - surface(whole))
+    }
+}
+
+/// Area of a hull's faces, m2.
+fn surface(hull: &ConvexHull) -> f64 {
+    let area = |face| {
+        let corner = |i: u32| hull.vertices[i as usize].as_dvec3();
+        let [first, rest @ ..] = hull.face_loop(face) else {
+            return 0.0;
+        };
+        let fan = rest.windows(2).map(|w| {
+            let (u, v) = (corner(w[0]) - corner(*first), corner(w[1]) - corner(*first));
+            u.cross(v)
+        });
+        0.5 * fan.sum::<glam::DVec3>().length()
+    };
+    hull.faces.iter().map(area).sum()
+}
+
+/// The pieces of a mesh: what the blow makes of it, and then the cuts.
+fn pieces_of(
+    mesh: &ConvexMesh,
+    fracturable: Option<&Fracturable>,
+    plan: &Plan,
+    cutter: &mut PieceCutter,
+) -> Result<Vec<Piece>, SliceError> {
+    let options = SliceOptions {
+        cap_colour: fracturable.and_then(|f| f.cut_colour),
+        cap_material: fracturable.and_then(|f| f.cut_material),
+        ..SliceOptions::default()
+    };
+    let whole = Cutting::Planes(SmallVec::new());
+    let blow = plan.blow.as_ref().unwrap_or(&whole);
+    let mut pieces = cutter.cut(mesh.hull(), mesh.visual(), blow, plan.most, options)?;
+    cutter.cut_pieces(&mut pieces, &plan.cuts, usize::MAX, options)?;
+    Ok(pieces)
+}
+
+/// Replaces the body in `slot` by its pieces, which move as its parts did, or leaves it as it is.
+pub(super) fn replace(
+    bodies: &mut Bodies,
+    slot: u32,
+    division: Division,
+    budget: &FractureBudget,
+) -> Result<Fracture, CutError> {
+    let fracturable = bodies.fracturable(slot).cloned();
+    let least_volume = fracturable.as_ref().map_or(0.0, |f| f.least_volume);
+    let least_volume = f64::from(least_volume.max(budget.least_volume));
+    let world_from_body = bodies.pose(slot);
+    let about = bodies.centre_of_mass(slot).as_dvec3();
+    let mut ledger = Ledger::default();
+    ledger.before.add_body(bodies, slot, about);
+    let mut kept: SmallVec<[u32; 8]> = SmallVec::new();
+    for piece in division.pieces {
+        let integrals = VolumeIntegrals::of_hull(&piece.hull);
+        let is_large_enough = piece.volume > least_volume;
+        let inherited = fracturable.as_ref().and_then(|f| f.for_piece(kept.len()));
+        let inherited = inherited.map(|f| Fracturable {
+            generations: f.generations.min(budget.generations.saturating_sub(1)),
+            ..f
+        });
+        let desc = piece_desc(bodies, slot, piece, &integrals, inherited);
+        let dropped = Totals::of_piece(&desc, &integrals, about);
+        // A piece whose mass or inertia no f32 can hold is as good as too small.
+        match is_large_enough.then(|| bodies.insert_with_mass(desc)) {
+            Some(Ok(piece_slot)) => {
+                ledger.after.add_body(bodies, piece_slot, about);
+                kept.push(piece_slot);
+            }
+            Some(Err(_)) | None => {
+                ledger.dropped.add(&dropped);
+                ledger.dropped_pieces += 1;
+            }
+        }
+    }
+    if kept.len() < 2 {
+        kept.iter().for_each(|&s| bodies.remove(s));
+        return Err(CutError::TooSmall);
+    }
+    let to_world = world_from_body.inverse();
+    let planes = division.planes.iter();
+    let fracture = Fracture {
+        parent: bodies.id(slot),
+        parent_slot: slot,
+        ids: kept.iter().map(|&piece| bodies.id(piece)).collect(),
+        pieces: kept,
+        planes: planes.map(|p| p.in_frame_of(&to_world)).collect(),
+        ledger,
+        blow: None,
+    };
+    bodies.remove(slot);
+    Ok(fracture)
+}
+
+/// The body that a piece becomes: in a frame about its own centroid, moving as that part of the parent did.
+///
+/// `integrals` are those of the piece's hull in the parent's frame.
+fn piece_desc(
+    bodies: &Bodies,
+    parent: u32,
+    piece: Piece,
+    integrals: &VolumeIntegrals,
+    fracturable: Option<Fracturable>,
+) -> BodyDesc {
+    let info = bodies.info(parent);
+    let rotation = bodies.pose(parent).rotation;
+    let centroid = integrals.centroid.as_vec3();
+    let (v, omega) = bodies.velocity(parent);
+    let lever: Vec3 = rotate(rotation, centroid - bodies.mass(parent).centre);
+    let shift = Pose::new(-centroid, Quat::IDENTITY);
+    let visual = piece.visual.map(|mesh| mesh.transformed(&shift));
+    let shape = ConvexMesh::from_parts(piece.hull.translated(-centroid), visual);
+    BodyDesc {
+        kind: RigidBody::Dynamic,
+        shape: Shape::Convex(shape),
+        pose: Pose::new(bodies.centre_of_mass(parent) + lever, rotation),
+        linear_velocity: v + omega.cross(lever),
+        angular_velocity: omega,
+        density: info.density,
+        mass: None,
+        friction: info.friction,
+        restitution: info.restitution,
+        layers: info.layers,
+        fracturable,
+    }
+}

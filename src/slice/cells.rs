@@ -1,0 +1,340 @@
+//! A body divided into many convex pieces at once.
+//!
+//! A cell is clipped out of the body's hull plane by plane, keeping the inside only, in `f64`: neighbours that share a wall
+//! find its corners from the same planes, and agree about them to rounding. For cells that are given by points (Voronoi
+//! cells) the walls are the bisectors with the other points, nearest first; a point more than twice as far away as the
+//! farthest corner of what is left cannot cut it any more.
+//!
+//! # References
+//! - C. H. Rycroft, "VORO++: A three-dimensional Voronoi cell library in C++", Chaos 19, 041111, 2009 (cells by clipping).
+//! - B. Levy, N. Bonneel, "Variational Anisotropic Surface Meshing with Voronoi Parallel Linear Enumeration", Proceedings of
+//!   the 21st International Meshing Roundtable, 2013 (the radius of security).
+
+use super::cell_clip::{CellClipper, CutPlane};
+use super::convex::{HullSlice, HullSlicer};
+use super::mesh_slicer::MeshSlicer;
+use super::pattern::Planes;
+use super::{Slice, SliceError, SliceOptions, Verdict};
+use crate::geometry::predicates::{check_plane, length_scale, plane_tolerance};
+use crate::geometry::{ConvexHull, TriMesh};
+use crate::math::Plane;
+use glam::Vec3;
+use smallvec::SmallVec;
+
+/// How many of the nearest points are sorted at a time. A Voronoi cell has about 15 walls, and a few more points are
+/// looked at before it is known to be complete.
+const NEAREST: usize = 32;
+
+/// A piece of a body.
+#[derive(Clone, Debug)]
+pub struct Piece {
+    /// The piece of the body's hull.
+    pub hull: ConvexHull,
+    /// The part of the body's visual mesh inside the piece, if the body has one. Without triangles if the piece holds
+    /// nothing of it.
+    pub visual: Option<TriMesh>,
+    /// Volume of the hull, m3.
+    pub volume: f64,
+}
+
+/// The planes of one cell, their normals pointing out of it.
+pub type CellPlanes = SmallVec<[Plane; 6]>;
+
+/// How a body is divided, in its own frame.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Cutting {
+    /// Every plane cuts every piece that it meets, one after the other.
+    Planes(Planes),
+    /// One piece for each list: what of the body lies below all its planes. The pieces fill the body if the cells fill
+    /// space; that is for who makes the lists to see to.
+    Cells(Vec<CellPlanes>),
+    /// One piece for each point: what of the body is nearer to it than to all others.
+    Sites(Vec<Vec3>),
+}
+
+/// Cuts a hull, and the closed mesh that rides in it, by one plane after the other; every plane cuts every piece.
+///
+/// The order of the pieces, and what is refused, are those of [`PieceCutter::cut`] for [`Cutting::Planes`].
+///
+/// # Errors
+/// As [`PieceCutter::cut`].
+pub fn cut_by_planes(
+    hull: &ConvexHull,
+    visual: Option<&TriMesh>,
+    planes: &[Plane],
+    options: SliceOptions,
+) -> Result<Vec<Piece>, SliceError> {
+    let cutting = Cutting::Planes(planes.iter().copied().collect());
+    PieceCutter::default().cut(hull, visual, &cutting, usize::MAX, options)
+}
+
+/// Makes pieces of bodies, one after the other, keeping its working memory.
+#[derive(Clone, Debug, Default)]
+pub struct PieceCutter {
+    hulls: HullSlicer,
+    meshes: MeshSlicer,
+    clipper: CellClipper,
+    /// Planes that cut the hull of the cell in work.
+    walls: Vec<Plane>,
+    /// Squared distance (m2) from the point in work to the others, and their numbers.
+    nearest: Vec<(f64, u32)>,
+    spare: TriMesh,
+}
+
+impl PieceCutter {
+    /// Divides a hull, and the closed mesh that rides in it, into at most `most` pieces.
+    ///
+    /// The order of the pieces depends on hull and cutting only. Planes leave a piece alone once there are enough; of
+    /// cells and points the first ones are taken, so that a list of cells that is longer than `most` does not fill the
+    /// body. A visual mesh without triangles stays one: the piece of an earlier cut that held nothing of it.
+    ///
+    /// # Errors
+    /// [`SliceError::Plane`] for the first plane that is not usable; [`SliceError::Mesh`] if the visual mesh is not
+    /// closed; [`SliceError::Hull`] if a piece does not make a hull although it is not flat.
+    pub fn cut(
+        &mut self,
+        hull: &ConvexHull,
+        visual: Option<&TriMesh>,
+        cutting: &Cutting,
+        most: usize,
+        options: SliceOptions,
+    ) -> Result<Vec<Piece>, SliceError> {
+        if let Some(mesh) = visual.filter(|mesh| !mesh.triangles.is_empty()) {
+            mesh.check_closed()?;
+        }
+        match cutting {
+            Cutting::Planes(planes) => {
+                let mut pieces = vec![Piece {
+                    hull: hull.clone(),
+                    visual: visual.cloned(),
+                    volume: hull.volume(),
+                }];
+                self.cut_pieces(&mut pieces, planes, most, options)?;
+                Ok(pieces)
+            }
+            Cutting::Cells(cells) => {
+                for plane in cells.iter().flatten() {
+                    check_plane(plane)?;
+                }
+                self.clip_cells(hull, visual, cells, most, options)
+            }
+            Cutting::Sites(sites) => self.clip_sites(hull, visual, sites, most, options),
+        }
+    }
+
+    /// Cuts pieces, whose visual meshes are closed, by one plane after the other, until there are `most`.
+    ///
+    /// Where a plane cuts a piece, the part below takes its place and the part above follows it.
+    ///
+    /// # Errors
+    /// [`SliceError::Plane`] for the first plane that is not usable.
+    pub fn cut_pieces(
+        &mut self,
+        pieces: &mut Vec<Piece>,
+        planes: &[Plane],
+        most: usize,
+        options: SliceOptions,
+    ) -> Result<(), SliceError> {
+        for plane in planes {
+            check_plane(plane)?;
+        }
+        for plane in planes {
+            let mut count = pieces.len();
+            let mut cut = Vec::with_capacity(2 * count);
+            for piece in pieces.drain(..) {
+                if count >= most || is_missed(&piece.hull, plane) {
+                    cut.push(piece);
+                    continue;
+                }
+                match self.hulls.slice(&piece.hull, *plane)? {
+                    HullSlice::Below | HullSlice::Above => cut.push(piece),
+                    HullSlice::Cut(halves) => {
+                        count += 1;
+                        let visuals = self.divide_visual(piece.visual, plane, options);
+                        let hulls = [halves.below, halves.above];
+                        cut.extend(hulls.into_iter().zip(visuals).map(|(h, v)| piece_of(h, v)));
+                    }
+                }
+            }
+            *pieces = cut;
+        }
+        Ok(())
+    }
+
+    /// The parts of a visual mesh below and above a plane.
+    fn divide_visual(
+        &mut self,
+        visual: Option<TriMesh>,
+        plane: &Plane,
+        options: SliceOptions,
+    ) -> [Option<TriMesh>; 2] {
+        let Some(mesh) = visual else {
+            return [None, None];
+        };
+        if mesh.triangles.is_empty() {
+            return [Some(mesh.clone()), Some(mesh)];
+        }
+        match self.meshes.slice_closed(&mesh, plane, options) {
+            Slice::Below => [Some(mesh), Some(TriMesh::default())],
+            Slice::Above => [Some(TriMesh::default()), Some(mesh)],
+            Slice::Cut(parts) => [Some(parts.below), Some(parts.above)],
+        }
+    }
+
+    fn clip_cells(
+        &mut self,
+        hull: &ConvexHull,
+        visual: Option<&TriMesh>,
+        cells: &[CellPlanes],
+        most: usize,
+        options: SliceOptions,
+    ) -> Result<Vec<Piece>, SliceError> {
+        let mut pieces = Vec::with_capacity(cells.len().min(most));
+        for cell in cells {
+            if pieces.len() == most {
+                break;
+            }
+            self.begin(hull);
+            if cell.iter().all(|&plane| self.clip(CutPlane::from(plane))) {
+                pieces.extend(self.finish(visual, options)?);
+            }
+        }
+        Ok(pieces)
+    }
+
+    fn clip_sites(
+        &mut self,
+        hull: &ConvexHull,
+        visual: Option<&TriMesh>,
+        sites: &[Vec3],
+        most: usize,
+        options: SliceOptions,
+    ) -> Result<Vec<Piece>, SliceError> {
+        let sites = &sites[..sites.len().min(most)];
+        let mut pieces = Vec::with_capacity(sites.len());
+        for index in 0..sites.len() {
+            self.begin(hull);
+            if self.clip_to_site(sites, index) {
+                pieces.extend(self.finish(visual, options)?);
+            }
+        }
+        Ok(pieces)
+    }
+
+    /// Clips the cell in work to what is nearest to point number `index`; whether anything is left.
+    ///
+    /// Of several points at one place the first has the cell.
+    fn clip_to_site(&mut self, sites: &[Vec3], index: usize) -> bool {
+        let site = sites[index].as_dvec3();
+        let mut nearest = std::mem::take(&mut self.nearest);
+        nearest.clear();
+        let others = (0..).zip(sites).filter(|&(other, _)| other != index as u32);
+        nearest.extend(others.map(|(other, p)| (p.as_dvec3().distance_squared(site), other)));
+        let order = |a: &(f64, u32), b: &(f64, u32)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
+        let mut rest = nearest.as_mut_slice();
+        let mut security = self.clipper.security_radius_squared(site);
+        let mut is_left = true;
+        'chunks: while !rest.is_empty() {
+            let count = rest.len().min(NEAREST);
+            if count < rest.len() {
+                rest.select_nth_unstable_by(count, order);
+            }
+            let (chunk, others) = rest.split_at_mut(count);
+            rest = others;
+            chunk.sort_unstable_by(order);
+            for &(distance_squared, other) in &*chunk {
+                if distance_squared > security {
+                    break 'chunks;
+                }
+                let Some(plane) = CutPlane::bisector(sites, index, other as usize) else {
+                    is_left = index < other as usize;
+                    if is_left {
+                        continue;
+                    }
+                    break 'chunks;
+                };
+                let walls = self.walls.len();
+                is_left = self.clip(plane);
+                if !is_left {
+                    break 'chunks;
+                }
+                if self.walls.len() > walls {
+                    security = self.clipper.security_radius_squared(site);
+                }
+            }
+        }
+        self.nearest = nearest;
+        is_left
+    }
+
+    /// Takes the whole hull as the cell in work.
+    fn begin(&mut self, hull: &ConvexHull) {
+        self.clipper.load(hull);
+        self.walls.clear();
+    }
+
+    /// Takes off what of the cell in work is above a plane; whether anything is left.
+    fn clip(&mut self, plane: CutPlane) -> bool {
+        match self.clipper.clip(plane) {
+            Verdict::Below => true,
+            Verdict::Above => false,
+            Verdict::Cut => {
+                self.walls.push(plane.rounded());
+                true
+            }
+        }
+    }
+
+    /// The piece that the cell in work becomes; none if it is flat.
+    fn finish(
+        &mut self,
+        visual: Option<&TriMesh>,
+        options: SliceOptions,
+    ) -> Result<Option<Piece>, SliceError> {
+        let Some(hull) = self.clipper.hull()? else {
+            return Ok(None);
+        };
+        let visual = visual.map(|mesh| self.clip_visual(mesh, options));
+        Ok(Some(piece_of(hull, visual)))
+    }
+
+    /// The part of `mesh` behind all walls of the cell in work.
+    fn clip_visual(&mut self, mesh: &TriMesh, options: SliceOptions) -> TriMesh {
+        let mut part: Option<TriMesh> = None;
+        if mesh.triangles.is_empty() {
+            return TriMesh::default();
+        }
+        for plane in &self.walls {
+            let whole = part.as_ref().unwrap_or(mesh);
+            match self.meshes.divide(whole, plane) {
+                Verdict::Below => {}
+                Verdict::Above => return TriMesh::default(),
+                Verdict::Cut => {
+                    self.meshes
+                        .collect_below(whole, plane, options, &mut self.spare);
+                    let below = std::mem::take(&mut self.spare);
+                    self.spare = part.replace(below).unwrap_or_default();
+                }
+            }
+        }
+        part.unwrap_or_else(|| mesh.clone())
+    }
+}
+
+fn piece_of(hull: ConvexHull, visual: Option<TriMesh>) -> Piece {
+    Piece {
+        volume: hull.volume(),
+        hull,
+        visual,
+    }
+}
+
+/// Whether the box of a hull is on one side of a plane, by more than the thickness of the plane.
+fn is_missed(hull: &ConvexHull, plane: &Plane) -> bool {
+    let aabb = hull.aabb();
+    let reach = 0.5 * plane.normal.abs().dot(aabb.extents());
+    // Twice: once for points on the plane, once for the rounding of the distance itself.
+    let margin = 2.0 * plane_tolerance(length_scale(&aabb));
+    plane.distance(aabb.centre()).abs() > reach + margin
+}

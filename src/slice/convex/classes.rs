@@ -1,0 +1,216 @@
+//! On which side of the plane vertices, edges and faces lie.
+//!
+//! Sides are bit masks: the mask of a set is the union of its members' masks, and a part has the bit of its number.
+
+use crate::geometry::ConvexHull;
+use crate::geometry::predicates::{Side, length_scale, plane_tolerance, side};
+use crate::math::Plane;
+
+/// Nearer to the plane than the tolerance: in neither part yet.
+pub(super) const ON: u8 = 0;
+/// In part 0.
+pub(super) const BELOW: u8 = 1;
+/// In part 1.
+pub(super) const ABOVE: u8 = 2;
+/// In both parts.
+pub(super) const BOTH: u8 = BELOW | ABOVE;
+
+/// How many sides and unions of sides there are.
+const CLASSES: usize = 4;
+
+/// Bound of the error of a distance that is computed in `f32`, over the numbers that go into it.
+///
+/// With `u = 2^-24`, `n . p - d` of three products and three sums is off by at most `4 u (|n| |p| + |d|)`, and `|p|` is at
+/// most `sqrt(3)` length scales, so `4 u = 2.4e-7` times `(2 s + |d|)` is enough. The rest covers the rounding of the
+/// margin itself.
+const DISTANCE_ERROR: f32 = 3.0e-7;
+
+/// The side of everything, and lists of what the plane meets.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Classes {
+    /// Side of each vertex.
+    pub(super) sides: Vec<u8>,
+    /// Parts that each vertex is in: its side, or for one on the plane, the parts of the faces around it.
+    pub(super) members: Vec<u8>,
+    /// Edges by class, the union of the sides of their ends.
+    edges: Vec<u32>,
+    /// Where the edges of each class are.
+    edge_ranges: [[usize; 2]; CLASSES],
+    /// Parts of each face; a face on the plane bounds what is behind it.
+    pub(super) faces: Vec<u8>,
+    /// Vertices on the plane.
+    pub(super) on_vertices: Vec<u32>,
+    /// Edges with both ends on the plane.
+    pub(super) on_edges: Vec<OnEdge>,
+    /// Faces with vertices on both sides.
+    pub(super) cut_faces: Vec<u32>,
+}
+
+/// An edge on the plane, and the parts that its two faces are in along it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct OnEdge {
+    pub(super) edge: u32,
+    pub(super) parts: [u8; 2],
+}
+
+impl Classes {
+    /// Sides of the vertices, as [`side`] says; their union.
+    ///
+    /// Far from the plane the sign of an `f32` distance is certain; only near it the exact test is asked.
+    pub(super) fn find_sides(&mut self, hull: &ConvexHull, plane: &Plane) -> u8 {
+        let size = length_scale(&hull.aabb);
+        let tolerance = plane_tolerance(size);
+        let margin = tolerance + DISTANCE_ERROR * (2.0 * size + plane.offset.abs());
+        self.sides.clear();
+        self.on_vertices.clear();
+        let mut found = 0;
+        for group in &hull.lanes.points {
+            let along = group.along(plane.normal);
+            let mut sides = along.map(|along| {
+                let height = along - plane.offset;
+                u8::from(height < -margin) | u8::from(height > margin) << 1
+            });
+            if sides.contains(&ON) {
+                let first = self.sides.len();
+                for (vertex, side_of) in (first..hull.vertices.len()).zip(&mut sides) {
+                    *side_of = match side(plane, hull.vertices[vertex], tolerance) {
+                        Side::Below => BELOW,
+                        Side::Above => ABOVE,
+                        Side::On => {
+                            self.on_vertices.push(vertex as u32);
+                            ON
+                        }
+                    };
+                }
+            }
+            found |= sides.into_iter().fold(0, |all, side| all | side);
+            self.sides.extend_from_slice(&sides);
+        }
+        // The last group is filled up with copies of the first vertex.
+
+        self.sides.truncate(hull.vertices.len());
+        found
+    }
+
+    /// Sorts the edges by class, each class in the hull's order.
+    pub(super) fn find_edges(&mut self, hull: &ConvexHull) {
+        let count = hull.edges.len();
+        if self.edges.len() < CLASSES * count {
+            self.edges.resize(CLASSES * count, 0);
+        }
+        let (sorted, sides) = (self.edges.as_mut_slice(), self.sides.as_slice());
+        let mut ends: [usize; CLASSES] = std::array::from_fn(|class| class * count);
+        for (index, edge) in hull.edges.iter().enumerate() {
+            let [a, b] = edge.vertices;
+            let end = &mut ends[usize::from((sides[a as usize] | sides[b as usize]) & BOTH)];
+            sorted[*end] = index as u32;
+            *end += 1;
+        }
+        self.edge_ranges = std::array::from_fn(|class| [class * count, ends[class]]);
+        self.on_edges.clear();
+        let [from, to] = self.edge_ranges[usize::from(ON)];
+        let on = self.edges[from..to].iter().map(|&edge| OnEdge {
+            edge,
+            parts: [0; 2],
+        });
+        self.on_edges.extend(on);
+    }
+
+    /// The edges whose ends have sides with this union.
+    pub(super) fn edges(&self, class: u8) -> &[u32] {
+        let [from, to] = self.edge_ranges[usize::from(class)];
+        &self.edges[from..to]
+    }
+
+    /// Classes of the faces, and then of the vertices and edges on the plane, which belong where their faces do.
+    pub(super) fn find_faces(&mut self, hull: &ConvexHull, plane: &Plane) {
+        let [from, to] = self.edge_ranges[usize::from(BOTH)];
+        let Self {
+            sides,
+            edges,
+            faces,
+            on_vertices,
+            cut_faces,
+            ..
+        } = self;
+        // A face that the plane does not meet has all its corners on the side of the first.
+        faces.clear();
+        faces.extend(
+            (hull.faces.iter()).map(|face| sides[hull.loops[face.first as usize] as usize]),
+        );
+        for &edge in &edges[from..to] {
+            for face in hull.edges[edge as usize].faces {
+                faces[face as usize] = BOTH;
+            }
+        }
+        for &vertex in on_vertices.iter() {
+            for &index in hull.lanes.faces_around(vertex as usize) {
+                let face = &hull.faces[index as usize];
+                let corners = hull.face_loop(face).iter();
+                let parts = corners.fold(0, |all, &v| all | sides[v as usize]);
+                let behind = if face.plane.normal.dot(plane.normal) > 0.0 {
+                    BELOW
+                } else {
+                    ABOVE
+                };
+                faces[index as usize] = if parts == ON { behind } else { parts };
+            }
+        }
+        cut_faces.clear();
+        for (face, &parts) in faces.iter().enumerate() {
+            if parts == BOTH {
+                cut_faces.push(face as u32);
+            }
+        }
+        self.find_members(hull);
+    }
+
+    fn find_members(&mut self, hull: &ConvexHull) {
+        self.members.clone_from(&self.sides);
+        for &vertex in &self.on_vertices {
+            self.members[vertex as usize] = (hull.lanes.faces_around(vertex as usize).iter())
+                .fold(0, |all, &face| all | self.parts_at(hull, face, vertex));
+        }
+        for index in 0..self.on_edges.len() {
+            let OnEdge { edge, .. } = self.on_edges[index];
+            let edge = hull.edges[edge as usize];
+            let [from, to] = edge.vertices;
+            self.on_edges[index].parts = [
+                self.part_after(hull, edge.faces[0], to),
+                self.part_after(hull, edge.faces[1], from),
+            ];
+        }
+    }
+
+    /// The parts of a face that have its corner `vertex`, which is on the plane.
+    ///
+    /// Where a loop changes sides on the plane, it does so at the first corner there; so a corner is in the part that follows
+    /// it, and in that of the corner right before it, if that one is off the plane.
+    pub(super) fn parts_at(&self, hull: &ConvexHull, face: u32, vertex: u32) -> u8 {
+        let after = self.part_after(hull, face, vertex);
+        if self.faces[face as usize] != BOTH {
+            return after;
+        }
+        let corners = hull.face_loop(&hull.faces[face as usize]);
+        let before = (place_of(vertex, corners) + corners.len() - 1) % corners.len();
+        after | self.sides[corners[before] as usize]
+    }
+
+    /// The part of a face that follows its corner `vertex`, which is on the plane: what the next corner off the plane is in.
+    fn part_after(&self, hull: &ConvexHull, face: u32, vertex: u32) -> u8 {
+        match self.faces[face as usize] {
+            BOTH => {
+                let corners = hull.face_loop(&hull.faces[face as usize]);
+                let (before, from) = corners.split_at(place_of(vertex, corners));
+                let mut sides = from.iter().chain(before).map(|&v| self.sides[v as usize]);
+                sides.find(|&side| side != ON).unwrap_or(ON)
+            }
+            part => part,
+        }
+    }
+}
+
+/// Where `vertex` stands in a loop that has it.
+fn place_of(vertex: u32, corners: &[u32]) -> usize {
+    corners.iter().position(|&v| v == vertex).unwrap_or(0)
+}

@@ -1,0 +1,49 @@
+//! The way out where noise near the plane leaves no simple rim: the parts as convex hulls of their points.
+
+use super::classes::{ABOVE, BELOW};
+use super::{HullHalves, HullVerdict};
+use crate::geometry::{ConvexHull, HullError};
+use crate::slice::SliceError;
+use glam::Vec3;
+
+/// Fills `halves` with the hulls of the points on each side, or with `hull` if a part is too thin for a hull, which is
+/// then no part.
+pub(super) fn rebuild(
+    hull: &ConvexHull,
+    sides: &[u8],
+    cuts: &[Vec3],
+    halves: &mut HullHalves,
+) -> Result<HullVerdict, SliceError> {
+    *halves = HullHalves::copies_of(hull);
+    let (below, above) = (
+        hull_without(hull, sides, cuts, ABOVE)?,
+        hull_without(hull, sides, cuts, BELOW)?,
+    );
+    Ok(match (below, above) {
+        (Some(below), Some(above)) => {
+            *halves = HullHalves { below, above };
+            HullVerdict::Cut
+        }
+        (Some(_), None) => HullVerdict::Below,
+        (None, _) => HullVerdict::Above,
+    })
+}
+
+fn hull_without(
+    hull: &ConvexHull,
+    sides: &[u8],
+    cuts: &[Vec3],
+    dropped: u8,
+) -> Result<Option<ConvexHull>, HullError> {
+    let kept = hull.vertices.iter().zip(sides);
+    let points: Vec<Vec3> = kept
+        .filter(|&(_, &side)| side != dropped)
+        .map(|(&point, _)| point)
+        .chain(cuts.iter().copied())
+        .collect();
+    match ConvexHull::from_points(&points) {
+        Ok(hull) => Ok(Some(hull)),
+        Err(HullError::Flat { .. } | HullError::TooFewPoints { .. }) => Ok(None),
+        Err(error) => Err(error),
+    }
+}

@@ -1,0 +1,315 @@
+//! `MeshSlicer`: clip, border and cap put together into the two parts of a mesh, in memory that is kept.
+
+use super::attributes::{self, CapStyle};
+use super::border::Border;
+use super::cap::CapFill;
+use super::clip::{Clip, Verdict};
+use super::{Cap, Halves, Slice, SliceError, SliceOptions};
+use crate::geometry::predicates::{check_plane, length_scale, plane_tolerance};
+use crate::geometry::{EdgeCensus, MeshError, TriMesh};
+use crate::math::{Plane, tangents};
+use glam::Vec4;
+
+/// Number of a position that was not asked for yet.
+const UNUSED: u32 = u32::MAX;
+
+/// Cuts meshes one after the other, keeping its working memory.
+#[derive(Clone, Debug, Default)]
+pub struct MeshSlicer {
+    census: EdgeCensus,
+    clip: Clip,
+    border: Border,
+    cap: CapFill,
+    numbers: Numbers,
+}
+
+impl MeshSlicer {
+    /// As [`slice_mesh`](super::slice_mesh).
+    ///
+    /// # Errors
+    /// As [`slice_mesh`](super::slice_mesh).
+    pub fn slice(
+        &mut self,
+        mesh: &TriMesh,
+        plane: Plane,
+        options: SliceOptions,
+    ) -> Result<Slice, SliceError> {
+        self.check(mesh, &plane)?;
+        Ok(self.slice_closed(mesh, &plane, options))
+    }
+
+    /// As [`slice`](Self::slice), into the memory of `halves`: once that and the slicer's own suffice, a cut allocates
+    /// nothing. Unless the verdict is [`Verdict::Cut`], `halves` stay as they are.
+    ///
+    /// # Errors
+    /// As [`slice_mesh`](super::slice_mesh).
+    pub fn slice_into(
+        &mut self,
+        mesh: &TriMesh,
+        plane: Plane,
+        options: SliceOptions,
+        halves: &mut Halves,
+    ) -> Result<Verdict, SliceError> {
+        self.check(mesh, &plane)?;
+        let verdict = self.divide(mesh, &plane);
+        if verdict == Verdict::Cut {
+            self.collect(mesh, &plane, options, halves);
+        }
+        Ok(verdict)
+    }
+
+    fn check(&mut self, mesh: &TriMesh, plane: &Plane) -> Result<(), SliceError> {
+        check_plane(plane)?;
+        if mesh.triangles.is_empty() {
+            return Err(MeshError::Empty.into());
+        }
+        mesh.check_closed_with(&mut self.census)?;
+        Ok(())
+    }
+
+    /// As [`slice`](Self::slice), for a mesh that is known to be closed and a checked plane.
+    pub(super) fn slice_closed(
+        &mut self,
+        mesh: &TriMesh,
+        plane: &Plane,
+        options: SliceOptions,
+    ) -> Slice {
+        match self.divide(mesh, plane) {
+            Verdict::Below => Slice::Below,
+            Verdict::Above => Slice::Above,
+            Verdict::Cut => {
+                let mut halves = Box::default();
+                self.collect(mesh, plane, options, &mut halves);
+                Slice::Cut(halves)
+            }
+        }
+    }
+
+    /// Finds the triangles of both parts and of the cap.
+    pub(super) fn divide(&mut self, mesh: &TriMesh, plane: &Plane) -> Verdict {
+        let tolerance = plane_tolerance(length_scale(&mesh.aabb()));
+        let verdict = self.clip.run(mesh, plane, tolerance);
+        if verdict == Verdict::Cut {
+            self.border.run(mesh, &self.clip);
+            self.cap.run(mesh, &mut self.clip, &self.border, plane);
+        }
+        verdict
+    }
+
+    fn collect(
+        &mut self,
+        mesh: &TriMesh,
+        plane: &Plane,
+        options: SliceOptions,
+        halves: &mut Halves,
+    ) {
+        self.collect_below(mesh, plane, options, &mut halves.below);
+        self.collect_part(1, mesh, plane, options, &mut halves.above);
+        halves.cap = Cap {
+            area: self.cap.area,
+            loops: self.border.len(),
+            triangles: self.cap.triangles.len(),
+        };
+    }
+
+    /// Collects the part below the plane that [`divide`](Self::divide) found.
+    pub(super) fn collect_below(
+        &mut self,
+        mesh: &TriMesh,
+        plane: &Plane,
+        options: SliceOptions,
+        below: &mut TriMesh,
+    ) {
+        self.collect_part(0, mesh, plane, options, below);
+    }
+
+    /// Collects one part: the vertices that its triangles use, renumbered, and its cap.
+    fn collect_part(
+        &mut self,
+        index: usize,
+        mesh: &TriMesh,
+        plane: &Plane,
+        options: SliceOptions,
+        part: &mut TriMesh,
+    ) {
+        attributes::clear(part);
+        self.collect_triangles(index, mesh, part);
+        let counts = [self.clip.cut_vertices, self.cap.corners.len()];
+        let (chosen, new) = (&self.numbers.chosen, &self.clip.new);
+        attributes::extend_chosen(part, mesh, chosen, new, counts);
+        part.topology.reserve(part.positions.len() + counts[1]);
+        let new = &new.topology[..counts[0]];
+        self.numbers
+            .extend_topology(part, mesh, new, self.clip.topology_count as usize);
+        if options.cap_colour.is_some() && mesh.colours.is_empty() {
+            part.colours.resize(part.positions.len(), Vec4::ONE);
+        }
+        let first = self.collect_cap_vertices(index, mesh, plane, options, part);
+        let cap = self.cap.triangles.iter().map(|t| t.map(|c| first + c));
+        if index == 0 {
+            part.triangles.extend(cap);
+        } else {
+            part.triangles.extend(cap.map(|[a, b, c]| [a, c, b]));
+        }
+        self.collect_materials(index, mesh, options.cap_material, part);
+        part.known_closed.set();
+    }
+
+    fn collect_triangles(&mut self, index: usize, mesh: &TriMesh, part: &mut TriMesh) {
+        let (whole, cut) = (&self.clip.whole[index], &self.clip.cut[index]);
+        part.triangles
+            .reserve(whole.len() + cut.len() + self.cap.triangles.len());
+        let numbers = &mut self.numbers;
+        numbers.reset(mesh.positions.len());
+        part.triangles.extend(
+            whole
+                .iter()
+                .map(|&t| mesh.triangles[t as usize].map(|corner| numbers.of(corner))),
+        );
+        let old_vertices = self.clip.old_vertices;
+        for corner in cut.iter().flat_map(|cut| cut.corners) {
+            if corner < old_vertices {
+                numbers.of(corner);
+            }
+        }
+        let first_new = numbers.chosen.len() as u32;
+        part.triangles.extend(cut.iter().map(|cut| {
+            cut.corners
+                .map(|corner| match corner.checked_sub(old_vertices) {
+                    None => numbers.of(corner),
+                    Some(new) => first_new + new,
+                })
+        }));
+    }
+
+    /// Appends the vertices of the cap; returns the number of the first.
+    fn collect_cap_vertices(
+        &mut self,
+        index: usize,
+        mesh: &TriMesh,
+        plane: &Plane,
+        options: SliceOptions,
+        part: &mut TriMesh,
+    ) -> u32 {
+        let style = CapStyle {
+            normal: if index == 0 {
+                plane.normal
+            } else {
+                -plane.normal
+            },
+            normals: options.cap_normals,
+            tangents: tangents(plane.normal),
+            colour: options.cap_colour,
+        };
+        let first = part.positions.len() as u32;
+        for &vertex in &self.cap.corners {
+            let (source, place) = self.clip.find(mesh, vertex);
+            let topology = self.numbers.position(source.topology[place]);
+            attributes::push_cap(part, source, place, topology, &style);
+        }
+        first
+    }
+
+    fn collect_materials(
+        &self,
+        index: usize,
+        mesh: &TriMesh,
+        cap_material: Option<u16>,
+        part: &mut TriMesh,
+    ) {
+        if mesh.materials.is_empty() && cap_material.is_none() {
+            return;
+        }
+        let slot = |triangle: u32| mesh.materials.get(triangle as usize).copied();
+        let whole = self.clip.whole[index].iter().copied();
+        let cut = self.clip.cut[index].iter().map(|cut| cut.source);
+        part.materials
+            .extend(whole.chain(cut).map(|t| slot(t).unwrap_or(0)));
+        part.materials
+            .resize(part.triangles.len(), cap_material.unwrap_or(0));
+    }
+}
+
+/// What vertices and positions of a mesh are called in a part of it: numbers in the order in which they are first asked
+/// for.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Numbers {
+    /// By old vertex.
+    table: Vec<u32>,
+    /// The old vertices that have numbers, in order.
+    chosen: Vec<u32>,
+    positions: Positions,
+}
+
+impl Numbers {
+    /// Forgets all numbers; there are `vertices` old ones.
+    pub(super) fn reset(&mut self, vertices: usize) {
+        self.table.clear();
+        self.table.resize(vertices, UNUSED);
+        self.chosen.clear();
+    }
+
+    /// The old vertices that were asked for, in order.
+    pub(super) fn chosen(&self) -> &[u32] {
+        &self.chosen
+    }
+
+    /// The new number of a vertex.
+    #[inline]
+    pub(super) fn of(&mut self, old: u32) -> u32 {
+        let entry = &mut self.table[old as usize];
+        if *entry == UNUSED {
+            *entry = self.chosen.len() as u32;
+            self.chosen.push(old);
+        }
+        *entry
+    }
+
+    /// Gives `part` the topology numbers of all vertices asked for, and of new ones with the old numbers `new`; all old
+    /// numbers are below `count`.
+    pub(super) fn extend_topology(
+        &mut self,
+        part: &mut TriMesh,
+        mesh: &TriMesh,
+        new: &[u32],
+        count: usize,
+    ) {
+        let Self {
+            chosen, positions, ..
+        } = self;
+        positions.reset(count);
+        let of_old = chosen.iter().map(|&vertex| mesh.topology[vertex as usize]);
+        let all = of_old.chain(new.iter().copied());
+        part.topology.extend(all.map(|number| positions.of(number)));
+    }
+
+    /// The new number of a position.
+    fn position(&mut self, old: u32) -> u32 {
+        self.positions.of(old)
+    }
+}
+
+/// New numbers of positions, in the order in which old ones are first asked for.
+#[derive(Clone, Debug, Default)]
+struct Positions {
+    table: Vec<u32>,
+    used: u32,
+}
+
+impl Positions {
+    fn reset(&mut self, count: usize) {
+        self.table.clear();
+        self.table.resize(count, UNUSED);
+        self.used = 0;
+    }
+
+    #[inline]
+    fn of(&mut self, old: u32) -> u32 {
+        let entry = &mut self.table[old as usize];
+        if *entry == UNUSED {
+            *entry = self.used;
+            self.used += 1;
+        }
+        *entry
+    }
+}
