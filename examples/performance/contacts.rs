@@ -77,6 +77,7 @@ impl Source {
             bodies: &self.simulation.bodies,
             settings: &self.settings(),
             has_team: false,
+            may_break: false,
         };
         batch.load(&step, all, &demand);
     }

@@ -56,7 +56,7 @@ impl ContactCache {
     /// A point is known by its cell, so that it may be off by half a cell when its piece is looked for. Pieces have higher
     /// ids than all other bodies.
     pub fn inherit(&mut self, families: &[Family], rotation_of: impl Fn(BodyId) -> Quat) {
-        let rotation_of = |id: BodyId| {
+        let rotation = |id: BodyId| {
             let family = families.iter().find(|family| family.parent == id);
             family.map_or_else(|| rotation_of(id), |family| family.rotation)
         };
@@ -68,7 +68,7 @@ impl ContactCache {
             let mut passed: Vec<Named> = Vec::new();
             for pair in current.pairs.iter().filter(is_of) {
                 let entries = &current.entries[pair.range()];
-                let pass = |entry| pass_on(family, pair.bodies, entry, &rotation_of);
+                let pass = |entry| pass_on(family, pair.bodies, entry, rotation);
                 passed.extend(entries.iter().filter_map(pass));
             }
             passed.sort_by_key(|&(bodies, _)| bodies);
