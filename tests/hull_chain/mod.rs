@@ -11,6 +11,9 @@ use bevy_cleave::slice::convex::HullVerdict;
 use bevy_cleave::slice::{HullHalves, HullSlicer, SliceError};
 use glam::{DVec3, Vec3};
 
+/// Distances from a vertex or face, as shares of the size.
+const TINY: [f32; 7] = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9];
+
 /// Most cuts of one chain.
 const LONGEST: usize = 64;
 
@@ -93,7 +96,7 @@ fn plane(hull: &ConvexHull, choices: &mut Choices) -> Plane {
     let corner = points[choices.below(points.len())];
     let other = points[choices.below(points.len())];
     let face = hull.faces()[choices.below(hull.faces().len())];
-    let tiny = size * 0.1_f32.powi(3 + i32::from(choices.byte() % 7)) * choices.signed().signum();
+    let tiny = TINY[usize::from(choices.byte() % 7)] * size * choices.signed().signum();
     match kind {
         0 => Plane::through(corner, choices.vector()),
         1 => Plane::through(corner, (other - corner).cross(choices.vector())),
