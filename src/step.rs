@@ -241,8 +241,22 @@ impl Simulation {
             .bond_neighbours(&mut self.bodies, slots, strength)
     }
 
+    /// What the phases of a step of `h` seconds are told.
+    pub fn settings(&self, h: f32) -> StepSettings {
+        StepSettings {
+            gravity: self.gravity,
+            config: self.config,
+            budget: self.budget,
+            h,
+        }
+    }
+
     /// Advances the simulation by `h` seconds. Does nothing unless the settings are usable.
     pub fn step(&mut self, h: f32) {
+        let settings = &self.settings(h);
+        if !settings.is_usable() {
+            return;
+        }
         let Self {
             bodies,
             contacts,
@@ -252,15 +266,6 @@ impl Simulation {
             report,
             ..
         } = self;
-        let settings = &StepSettings {
-            gravity: self.gravity,
-            config: self.config,
-            budget: self.budget,
-            h,
-        };
-        if !settings.is_usable() {
-            return;
-        }
         mass_properties(bodies, report);
         cut(bodies, cache, fractures, settings);
         broadphase(bodies, contacts, settings, report);

@@ -2,7 +2,7 @@
 //! they stand does not wear them out, and what rests on them stays at rest.
 
 use bevy_cleave::prelude::*;
-use bevy_cleave::step::{self, StepSettings};
+use bevy_cleave::step;
 use glam::{DVec3, Vec3};
 
 const H: f32 = 1.0 / 60.0;
@@ -212,12 +212,7 @@ fn cut_in_place(inherits: bool) -> (f32, f32) {
         let plane = Plane::through(at * normal + Vec3::Y, normal);
         simulation.slice(slot, plane).expect("a body");
     }
-    let settings = StepSettings {
-        gravity: simulation.gravity,
-        config: simulation.config,
-        budget: simulation.budget,
-        h: H,
-    };
+    let settings = simulation.settings(H);
     let Simulation {
         bodies,
         contacts,

@@ -21,7 +21,7 @@ use common::{MODELS, closed_models, model_mesh};
 use dice::Dice;
 use glam::{Quat, Vec3};
 use proptest::prelude::*;
-use slice_common::{defect, model_hull};
+use slice_common::{defect, impact_on, model_hull};
 use std::sync::Arc;
 
 /// Relative volume that a division may lose or gain.
@@ -34,19 +34,6 @@ fn divide(hull: &ConvexHull, visual: Option<&TriMesh>, cutting: &Cutting) -> Vec
     PieceCutter::default()
         .cut(hull, visual, cutting, usize::MAX, options)
         .unwrap()
-}
-
-/// An impact on the surface of `hull`, towards its inside.
-fn impact_on(hull: &ConvexHull, dice: &mut Dice) -> Impact {
-    let face = &hull.faces()[dice.below(hull.faces().len())];
-    let corners = hull.face_loop(face);
-    let centre: Vec3 = corners.iter().map(|&v| hull.vertices()[v as usize]).sum();
-    Impact {
-        point: centre / corners.len() as f32,
-        normal: -face.plane.normal,
-        impulse: 1.0,
-        energy: 1.0,
-    }
 }
 
 fn patterns(hull: &ConvexHull) -> Vec<FracturePattern> {

@@ -16,7 +16,9 @@ use common::{MODELS, assert_edge_is_bad, closed_models, model_mesh};
 use dice::Dice;
 use glam::{Vec2, Vec3, Vec4};
 use proptest::prelude::*;
-use slice_common::{Worst, check_hull_cut, check_mesh_cut, defect, last_face_area, model_hull};
+use slice_common::{
+    Worst, check_hull_cut, check_mesh_cut, defect, impact_on, last_face_area, model_hull,
+};
 
 const PLANES: usize = 1000;
 
@@ -504,19 +506,6 @@ fn pieces_of_several_planes_fill_the_body() {
             (of_meshes / mesh.volume() - 1.0).abs() < VOLUME_TOLERANCE,
             "{name}"
         );
-    }
-}
-
-/// An impact on the surface of `hull`, towards its inside.
-fn impact_on(hull: &ConvexHull, dice: &mut Dice) -> Impact {
-    let face = &hull.faces()[dice.below(hull.faces().len())];
-    let corners = hull.face_loop(face);
-    let centre: Vec3 = corners.iter().map(|&v| hull.vertices()[v as usize]).sum();
-    Impact {
-        point: centre / corners.len() as f32,
-        normal: -face.plane.normal,
-        impulse: 1.0,
-        energy: 1.0,
     }
 }
 

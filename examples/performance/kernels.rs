@@ -139,13 +139,11 @@ fn hulls([a, b]: [ConvexMesh; 2], height: f32) -> Work {
 
 fn settings(simulation: &Simulation, warm_start: bool) -> StepSettings {
     StepSettings {
-        gravity: simulation.gravity,
         config: SolverConfig {
             warm_start,
             ..simulation.config
         },
-        budget: simulation.budget,
-        h: H,
+        ..simulation.settings(H)
     }
 }
 

@@ -1,6 +1,6 @@
 //! When bodies break: on request at the start of a step, and under a blow while it is solved.
 
-use super::budget::{Account, FractureBudget};
+use super::budget::FractureBudget;
 use super::impact::{self, ImpulseSum};
 use super::inheritance::{Line, hand_down};
 use super::pieces::{Division, Plan, replace};
@@ -37,7 +37,8 @@ struct Alive {
 /// What is kept from step to step, and buffers.
 #[derive(Debug, Default)]
 pub(super) struct Workshop {
-    account: Account,
+    /// Pieces made in this step.
+    made: usize,
     waiting: Vec<Waiting>,
     alive: Vec<Alive>,
     /// By slot.
@@ -52,9 +53,10 @@ impl Workshop {
         self.waiting.len()
     }
 
-    /// Pieces that blows may still make in this step.
-    fn left(&self, budget: &FractureBudget) -> usize {
-        self.account.left(budget, self.alive.len())
+    /// Pieces that blows may still make in this step. Those that are no more, for whatever reason, do not count.
+    fn left(&mut self, bodies: &Bodies, budget: &FractureBudget) -> usize {
+        self.alive.retain(|piece| bodies.is(piece.slot, piece.body));
+        budget.left(self.made, self.alive.len())
     }
 }
 
@@ -72,7 +74,7 @@ pub fn make_cuts(
     fractures.done.clear();
     fractures.refused.clear();
     fractures.expired.clear();
-    fractures.workshop.account = Account::default();
+    fractures.workshop.made = 0;
     remove_old_pieces(fractures, bodies, cache, budget, h);
     if fractures.requests.is_empty() && fractures.workshop.waiting.is_empty() {
         return;
@@ -122,7 +124,7 @@ pub fn break_overloaded(
     impact::sum_impulses(&mut workshop.impacts, bodies, manifolds);
     workshop.shares.clear();
     workshop.shares.resize(bodies.slots(), 0.0);
-    let mut left = workshop.left(budget);
+    let mut left = workshop.left(bodies, budget);
     let mut divisions = Vec::new();
     let mut hit: Vec<_> = (0..bodies.slots() as u32)
         .filter(|&slot| solver.is_waiting(slot))
@@ -209,12 +211,10 @@ impl Fractures {
         lines: &mut Lines,
     ) -> Result<&mut super::Fracture, CutError> {
         let line = Line::of(bodies, slot);
-        let parent = bodies.id(slot);
         let fracture = replace(bodies, slot, division, budget)?;
         lines.push((line, fracture.pieces.clone()));
         let workshop = &mut self.workshop;
-        workshop.account.spend(fracture.pieces.len());
-        workshop.alive.retain(|piece| piece.body != parent);
+        workshop.made += fracture.pieces.len();
         let pieces = fracture.pieces.iter().zip(&fracture.ids);
         workshop.alive.extend(pieces.map(|(&slot, &body)| Alive {
             body,
@@ -279,7 +279,7 @@ fn add_waiting(
     bodies: &Bodies,
     budget: &FractureBudget,
 ) {
-    let mut left = workshop.left(budget);
+    let mut left = workshop.left(bodies, budget);
     let cuts = plans.len();
     workshop.waiting.retain(|entry| {
         let slot = entry.slot;

@@ -35,23 +35,13 @@ impl Default for FractureBudget {
     }
 }
 
-/// What is left of the budget of a step.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Account {
-    made: usize,
-}
-
-impl Account {
-    /// Pieces that blows may still make while there are `alive`.
-    pub(super) fn left(&self, budget: &FractureBudget, alive: usize) -> usize {
-        if budget.generations == 0 {
+impl FractureBudget {
+    /// Pieces that blows may still make in a step that has `made` some, while there are `alive`.
+    pub(super) fn left(&self, made: usize, alive: usize) -> usize {
+        if self.generations == 0 {
             return 0;
         }
-        let in_step = budget.pieces_per_step.saturating_sub(self.made);
-        in_step.min(budget.pieces_alive.saturating_sub(alive))
-    }
-
-    pub(super) fn spend(&mut self, pieces: usize) {
-        self.made += pieces;
+        let in_step = self.pieces_per_step.saturating_sub(made);
+        in_step.min(self.pieces_alive.saturating_sub(alive))
     }
 }

@@ -56,6 +56,9 @@ pub(super) fn hand_down(
     bodies: &Bodies,
     cache: &mut ContactCache,
 ) {
+    if lines.is_empty() {
+        return;
+    }
     let families = lines.iter();
     let families: Vec<_> = families
         .filter_map(|(line, pieces)| line.family(pieces, bodies))

@@ -7,7 +7,7 @@ use crate::support::*;
 use bevy_cleave::geometry::ConvexHull;
 use bevy_cleave::prelude::*;
 use bevy_cleave::slice::{HullSlice, slice_hull};
-use bevy_cleave::step::{self, StepSettings};
+use bevy_cleave::step;
 use glam::{DMat3, DVec3, Vec3};
 
 /// Mass, momentum, angular momentum and inertia about a point, and twice the kinetic energy, of several bodies.
@@ -74,12 +74,7 @@ fn body_cut_into_fifty_moving_pieces_loses_nothing() {
     weigh(&mut simulation);
     let about = centre.as_dvec3();
     let before = totals(&simulation, about);
-    let settings = StepSettings {
-        gravity: simulation.gravity,
-        config: simulation.config,
-        budget: simulation.budget,
-        h: H,
-    };
+    let settings = simulation.settings(H);
     step::cut(
         &mut simulation.bodies,
         &mut simulation.cache,

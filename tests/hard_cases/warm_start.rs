@@ -149,23 +149,16 @@ impl Runner {
 
     /// [`Simulation::step`], phase by phase, with a look at the contacts before they are solved.
     fn step(&mut self) {
+        let settings = &self.simulation.settings(H);
         let Simulation {
             bodies,
             contacts,
             cache,
             fractures,
-            gravity,
-            config,
-            budget,
             bonds,
             report,
+            ..
         } = &mut self.simulation;
-        let settings = &StepSettings {
-            gravity: *gravity,
-            config: *config,
-            budget: *budget,
-            h: H,
-        };
         step::mass_properties(bodies, report);
         step::cut(bodies, cache, fractures, settings);
         step::broadphase(bodies, contacts, settings, report);

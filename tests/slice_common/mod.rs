@@ -3,10 +3,11 @@
 #![allow(dead_code, reason = "each test file uses a part")]
 
 use crate::common::model_mesh;
+use crate::dice::Dice;
 use bevy_cleave::geometry::predicates::{length_scale, plane_tolerance, signed_distance};
 use bevy_cleave::geometry::{ConvexHull, TriMesh};
 use bevy_cleave::math::{Aabb, Plane};
-use bevy_cleave::slice::{HullSlice, Slice, SliceOptions, slice_hull, slice_mesh};
+use bevy_cleave::slice::{HullSlice, Impact, Slice, SliceOptions, slice_hull, slice_mesh};
 use glam::{DVec3, Vec3};
 
 /// The hull of a model, as every body made from it has.
@@ -197,4 +198,17 @@ pub(crate) fn last_face_area(hull: &ConvexHull) -> DVec3 {
         .windows(2)
         .map(|pair| 0.5 * (pair[0] - points[0]).cross(pair[1] - points[0]))
         .sum()
+}
+
+/// An impact on the surface of `hull`, towards its inside.
+pub(crate) fn impact_on(hull: &ConvexHull, dice: &mut Dice) -> Impact {
+    let face = &hull.faces()[dice.below(hull.faces().len())];
+    let corners = hull.face_loop(face);
+    let centre: Vec3 = corners.iter().map(|&v| hull.vertices()[v as usize]).sum();
+    Impact {
+        point: centre / corners.len() as f32,
+        normal: -face.plane.normal,
+        impulse: 1.0,
+        energy: 1.0,
+    }
 }
