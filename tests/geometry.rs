@@ -6,6 +6,7 @@
 )]
 
 mod common;
+mod properties;
 
 use bevy_cleave::geometry::predicates::{self, PlaneError, Side, side};
 use bevy_cleave::geometry::{
@@ -18,6 +19,7 @@ use common::{
     single,
 };
 use glam::{DVec3, Quat, Vec2, Vec3, Vec4};
+use properties::cases;
 use proptest::prelude::*;
 
 /// A unit tetrahedron with its corner at the origin.
@@ -533,6 +535,8 @@ fn check_valid_or_flat(points: &[Vec3]) {
 }
 
 proptest! {
+    #![proptest_config(cases(256))]
+
     #[test]
     fn hulls_of_random_clouds_are_valid_at_any_scale(points in cloud(8..200), power in -3..=3_i32) {
         let scaled: Vec<Vec3> = points.iter().map(|&p| 10.0_f64.powi(power) as f32 * p).collect();

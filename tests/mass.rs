@@ -6,6 +6,7 @@
 )]
 
 mod common;
+mod properties;
 
 use bevy_cleave::geometry::{ConvexHull, ConvexMesh, HullError, convex_hull_triangles};
 use bevy_cleave::mass::{
@@ -16,6 +17,7 @@ use common::{
     Expected, FAR_CLOUD, FLAT_CLOUDS, MODELS, clouds, model, model_mesh, reference, single,
 };
 use glam::{DMat3, DQuat, DVec3, Mat3, Vec3};
+use properties::cases;
 use proptest::prelude::*;
 
 /// Relative errors of volume, area, centroid, inertia and principal moments. Vectors and tensors are relative to their
@@ -342,6 +344,8 @@ fn cloud() -> impl Strategy<Value = Vec<DVec3>> {
 }
 
 proptest! {
+    #![proptest_config(cases(256))]
+
     #[test]
     fn principal_axes_rebuild_the_tensor(tensor in symmetric()) {
         let (values, frame) = principal_axes(tensor);

@@ -4,6 +4,7 @@
 #[path = "common/mod.rs"]
 mod common;
 mod dice;
+mod properties;
 mod slice_common;
 
 use bevy_cleave::geometry::predicates::length_scale;
@@ -20,6 +21,7 @@ use bevy_cleave::slice::{
 use common::{MODELS, closed_models, model_mesh};
 use dice::Dice;
 use glam::{Quat, Vec3};
+use properties::cases;
 use proptest::prelude::*;
 use slice_common::{defect, impact_on, model_hull};
 use std::sync::Arc;
@@ -663,7 +665,7 @@ fn bodies_break_into_cells_in_a_simulation() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(200))]
+    #![proptest_config(cases(200))]
 
     /// Bodies anywhere, of any size and shape, hit anywhere.
     #[test]

@@ -3,6 +3,7 @@
 #[path = "common/mod.rs"]
 mod common;
 mod dice;
+mod properties;
 mod slice_common;
 
 use bevy_cleave::geometry::predicates::length_scale;
@@ -15,6 +16,7 @@ use bevy_cleave::slice::{
 use common::{MODELS, assert_edge_is_bad, closed_models, model_mesh};
 use dice::Dice;
 use glam::{Vec2, Vec3, Vec4};
+use properties::cases;
 use proptest::prelude::*;
 use slice_common::{
     Worst, check_hull_cut, check_mesh_cut, defect, impact_on, last_face_area, model_hull,
@@ -595,7 +597,7 @@ fn impacts_along_any_direction_have_a_single_plane() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(500))]
+    #![proptest_config(cases(500))]
 
     /// The polygon path and the triangle path are each other's naive twin.
     #[test]
@@ -607,9 +609,11 @@ proptest! {
         let mut worst = Worst::default();
         let hulls = check_hull_cut(&hull, plane, &mut worst).halves();
         let meshes = check_mesh_cut(&mesh, mesh.volume(), plane, &mut worst);
-        let tolerance = VOLUME_TOLERANCE * hull.volume();
         if let (Some(hulls), Slice::Cut(meshes)) = (hulls, meshes) {
             let size = f64::from(length_scale(&hull.aabb()));
+            // A corner of the cut is rounded to f32 and leaves the planes of its faces by up to 6e-8 of the size; the two
+            // paths split such faces along other diagonals, which counts where a body is thin.
+            let tolerance = VOLUME_TOLERANCE * hull.volume() + 6e-8 * size * mesh.area();
             let section = last_face_area(&hulls.below).length();
             prop_assert!((section - meshes.cap.area).abs() <= 1e-7 * size * size);
             prop_assert!((hulls.below.volume() - meshes.below.volume()).abs() <= tolerance);

@@ -4,6 +4,7 @@
 mod common;
 mod dice;
 mod hull_chain;
+mod properties;
 
 use allocation_counter::measure;
 use bevy_cleave::geometry::predicates::length_scale;
@@ -15,6 +16,7 @@ use common::{MODELS, model_mesh};
 use dice::Dice;
 use glam::Vec3;
 use hull_chain::{check_cut, check_part, cut_chain};
+use properties::cases;
 use proptest::prelude::*;
 
 fn middle(hull: &ConvexHull) -> Vec3 {
@@ -26,12 +28,21 @@ fn size(hull: &ConvexHull) -> f64 {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(3000))]
+    #![proptest_config(cases(3000))]
 
     #[test]
     fn chains_of_cuts_are_right(bytes in prop::collection::vec(any::<u8>(), 0..500)) {
         cut_chain(&bytes);
     }
+}
+
+/// What the fuzzer and the property test have found worth keeping.
+#[test]
+fn kept_chains_of_cuts_are_right() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/fuzz/corpus/hull_cuts");
+    let files = std::fs::read_dir(folder).unwrap();
+    let cuts = files.map(|file| cut_chain(&std::fs::read(file.unwrap().path()).unwrap()));
+    assert!(cuts.sum::<usize>() > 20);
 }
 
 /// A plane of random direction through a random point, half way between the middle and a point of an edge or diagonal.

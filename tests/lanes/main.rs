@@ -4,6 +4,8 @@
 
 #[path = "../dice/mod.rs"]
 mod dice;
+#[path = "../properties/mod.rs"]
+mod properties;
 
 mod blocks;
 mod operations;

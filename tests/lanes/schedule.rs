@@ -1,6 +1,7 @@
 //! Places of manifolds: what the order of a sweep rests on.
 
 use crate::dice::Dice;
+use crate::properties::cases;
 use bevy_cleave::solver::blocks::Place;
 use bevy_cleave::solver::lanes::WIDTH;
 use bevy_cleave::solver::schedule::{Filling, Schedule};
@@ -75,7 +76,7 @@ fn joints() -> impl Strategy<Value = (Vec<Joint>, usize)> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(48) })]
+    #![proptest_config(cases(48))]
 
     #[test]
     fn no_block_holds_a_movable_body_twice_and_manifolds_that_share_one_keep_their_order(
@@ -134,6 +135,8 @@ fn place_in_stages(
 }
 
 proptest! {
+    #![proptest_config(cases(256))]
+
     /// What different threads may solve at a time: no two manifolds of a stage share a body that moves.
     #[test]
     fn no_two_manifolds_of_a_stage_share_a_body(

@@ -11,9 +11,11 @@ use super::classes::{BOTH, Classes};
 use super::emit::Numbers;
 use super::{HullHalves, Irregular};
 use crate::geometry::ConvexHull;
+use crate::geometry::hull::is_flat;
 use crate::geometry::moments::{MomentSum, Moments};
+use crate::geometry::predicates::{flat_tolerance, length_scale};
 
-/// Finds the moments of both parts, and checks that each has a volume.
+/// Finds the moments of both parts, and checks that each is thick enough for a body.
 pub(super) fn find_moments(
     hull: &ConvexHull,
     classes: &Classes,
@@ -28,12 +30,21 @@ pub(super) fn find_moments(
         halves.below.moments = halves.below.sum_moments();
         halves.above.moments = halves.above.sum_moments();
     }
-    let has_volume = |part: &ConvexHull| part.moments.sums.six_volumes > 0.0;
-    if has_volume(&halves.below) && has_volume(&halves.above) {
+    if is_body(&halves.below) && is_body(&halves.above) {
         Ok(())
     } else {
         Err(Irregular)
     }
+}
+
+/// Whether a part is thick enough for a hull of its own.
+///
+/// Its volume is at most its least width times its shadow, and its shadow at most the sum of those of its box; so most
+/// parts are known to be thick by their volume.
+fn is_body(part: &ConvexHull) -> bool {
+    let [x, y, z] = part.aabb.extents().as_dvec3().to_array();
+    let thinnest = f64::from(flat_tolerance(length_scale(&part.aabb)));
+    part.moments.volume() > thinnest * (x * y + y * z + z * x) || !is_flat(&part.vertices)
 }
 
 /// Moments of the parts, of which `few` has fewer corners, by addition and subtraction.
