@@ -10,7 +10,7 @@ use crate::mass::MassProperties;
 use crate::solver::bodies::{Bodies, RigidBody};
 use crate::solver::{Gravity, SolverConfig};
 use crate::step::{self, Contacts, StepReport, StepSettings};
-use bevy_app::{App, FixedPostUpdate, Plugin};
+use bevy_app::{App, FixedMainScheduleOrder, FixedPostUpdate, Plugin};
 use bevy_ecs::intern::Interned;
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::{ScheduleLabel, SingleThreadedExecutor};
@@ -49,24 +49,20 @@ pub enum PhysicsSystems {
 
 /// Rigid-body physics with slicing and fracture.
 ///
-/// Runs [`PhysicsSchedule`] in `FixedPostUpdate` unless told otherwise. Needs `TimePlugin` (part of Bevy's default and
-/// minimal plugins), or a `Time` resource that you advance yourself.
-#[derive(Clone, Copy, Debug)]
+/// Runs [`PhysicsSchedule`] in each fixed time step between `FixedUpdate` and `FixedPostUpdate`, unless told otherwise:
+/// systems of the former can push bodies, those of the latter see where they went. Needs `TimePlugin` (part of Bevy's
+/// default and minimal plugins), or a `Time` resource that you advance yourself.
+#[derive(Clone, Copy, Debug, Default)]
 pub struct CleavePlugin {
-    schedule: Interned<dyn ScheduleLabel>,
-}
-
-impl Default for CleavePlugin {
-    fn default() -> Self {
-        Self::new(FixedPostUpdate)
-    }
+    /// The schedule to run in; else the physics has its own place among those of a fixed time step.
+    schedule: Option<Interned<dyn ScheduleLabel>>,
 }
 
 impl CleavePlugin {
-    /// Runs the physics in `schedule`.
+    /// Runs the physics in a system of `schedule`.
     pub fn new(schedule: impl ScheduleLabel) -> Self {
         Self {
-            schedule: schedule.intern(),
+            schedule: Some(schedule.intern()),
         }
     }
 }
@@ -104,10 +100,28 @@ impl Plugin for CleavePlugin {
                 // each to another thread would cost more than a scene of a few bodies does.
                 schedule.set_executor(SingleThreadedExecutor::new());
             });
-        app.add_systems(self.schedule, |world: &mut World| {
-            world.run_schedule(PhysicsSchedule)
-        });
+        match self.schedule {
+            Some(schedule) => {
+                app.add_systems(schedule, |world: &mut World| {
+                    world.run_schedule(PhysicsSchedule)
+                });
+            }
+            None => run_in_fixed_time_steps(app),
+        }
     }
+}
+
+/// Gives the physics its place among the schedules of a fixed time step. As a system of one of them it would wait for that
+/// schedule's executor to hand it out, which takes longer than to step a few bodies.
+fn run_in_fixed_time_steps(app: &mut App) {
+    app.init_resource::<FixedMainScheduleOrder>();
+    let labels = &mut app
+        .world_mut()
+        .resource_mut::<FixedMainScheduleOrder>()
+        .labels;
+    let next = FixedPostUpdate.intern();
+    let place = labels.iter().position(|&label| label == next);
+    labels.insert(place.unwrap_or(labels.len()), PhysicsSchedule.intern());
 }
 
 /// `(RigidBody, ConvexMesh)` is a whole body: the rest has defaults.
