@@ -10,7 +10,7 @@ use crate::contact::manifold::{BodyPlace, BoundPatch, Manifold, Patch};
 use crate::contact::pair::{
     Pace, PairBody, PairState, PairTerm, PairView, Verdict, reach_of_test, smaller_extent,
 };
-use crate::contact::sat::{Found, NarrowScratch, distance_along, examine_hulls};
+use crate::contact::sat::{Found, Hint, NarrowScratch, distance_along, examine_hulls};
 use crate::geometry::ConvexHull;
 use crate::geometry::lanes::bounds;
 use crate::math::{Aabb, Plane, Pose, rotate};
@@ -411,14 +411,16 @@ impl Part {
             view.set_apart(axis, distance);
             return;
         }
-        match examine_pair(bodies, pair, b_in_a, reach, &mut self.scratch) {
+        let slots = [pair.a as usize, pair.b as usize];
+        let centres = slots.map(|i| bodies.mass[i].centre);
+        let hint = view.hint(&b_in_a, centres);
+        match examine_pair(bodies, pair, b_in_a, reach, hint, &mut self.scratch) {
             Found::Apart { axis, distance } => view.set_apart(axis, distance),
             Found::Near(patch) => {
-                let slots = [pair.a as usize, pair.b as usize];
-                let centres = slots.map(|i| bodies.mass[i].centre);
                 let boxes = slots.map(|i| bodies.kd_box[i]);
                 let patch = BoundPatch::new(&patch, b_in_a.rotation, centres, boxes);
                 view.set_near(patch, reach);
+                view.state.faces = self.scratch.best_faces;
                 let [a, b] = [pair.a, pair.b].map(|slot| bodies.info(slot));
                 view.state.friction = a.friction.combined(&b.friction);
                 view.state.restitution = a.restitution.combined(&b.restitution);
@@ -459,11 +461,12 @@ fn examine_pair(
     pair: Pair,
     b_in_a: Pose,
     reach: f32,
+    hint: Hint,
     scratch: &mut NarrowScratch,
 ) -> Found {
     match (&bodies.info(pair.a).shape, &bodies.info(pair.b).shape) {
         (Shape::Convex(a), Shape::Convex(b)) => {
-            examine_hulls(a.hull(), b.hull(), b_in_a, reach, scratch)
+            examine_hulls(a.hull(), b.hull(), b_in_a, reach, hint, scratch)
         }
         (Shape::Convex(a), Shape::HalfSpace(b)) => {
             let plane = Plane::through(b_in_a.position, rotate(b_in_a.rotation, b.normal));

@@ -3,8 +3,9 @@
 //! Choosing the incident face among those at the support vertex is ours; it makes the answer independent of how exact
 //! the axis is.
 
+use super::edge_search::EdgeAxis;
 use super::manifold::{Candidate, CornerKind, MAX_POINTS, Patch, PatchPoint, reduce};
-use super::sat::{EdgeAxis, FaceAxis, NarrowScratch};
+use super::sat::{FaceAxis, NarrowScratch};
 use crate::geometry::ConvexHull;
 use crate::geometry::lanes::point;
 use crate::math::{Plane, Pose};
@@ -28,11 +29,13 @@ pub(super) fn edge_patch(
     // At an end of an edge the shortest way is not along the normal. The contact is where it is half way, with the gap
     // along the normal only: both bodies must see the impulse at one point, or it would change angular momentum.
     let separation = axis.normal.dot(on_b - on_a);
+    let slant = (on_b - on_a) - separation * axis.normal;
     let (middle, half_gap) = (0.5 * (on_a + on_b), 0.5 * separation * axis.normal);
     let (on_a, on_b) = (middle - half_gap, middle + half_gap);
     let mut patch = Patch {
         normal: axis.normal,
         steady: f32::INFINITY,
+        off_surface: 0.5 * slant.length(),
         ..Patch::default()
     };
     patch.push(PatchPoint {
@@ -140,7 +143,11 @@ impl Clipping<'_> {
             kind: CornerKind::Incident,
             leaves_on_cut: false,
         };
-        self.patch(axis, &reference, b_refers, &[vertex])
+        Patch {
+            // The other point is in the plane of the face, and may be beside it.
+            off_surface: f32::INFINITY,
+            ..self.patch(axis, &reference, b_refers, &[vertex])
+        }
     }
 
     /// Plane of the reference face, A's frame.

@@ -1,5 +1,6 @@
 //! Contact manifolds: feature clipping, reduction to four points, normal from A to B.
 
+use super::sat::Hint;
 use crate::geometry::lanes::{LANES, Points4};
 use crate::geometry::{KdBox, KdCode};
 use crate::math::{Pose, rotate, tangents};
@@ -127,6 +128,8 @@ pub(crate) struct BoundPatch {
     normal_of_b: bool,
     /// See [`Patch::steady`].
     pub(crate) steady: f32,
+    /// See [`Patch::off_surface`].
+    off_surface: f32,
     pub(crate) count: u32,
     /// From each body's centre of mass, body's frame, m.
     on_a: Points4,
@@ -153,6 +156,7 @@ impl BoundPatch {
             normal: patch.normal_in_b.unwrap_or(patch.normal),
             normal_of_b: patch.normal_in_b.is_some(),
             steady: patch.steady,
+            off_surface: patch.off_surface,
             count: patch.count,
             ..Self::default()
         };
@@ -171,6 +175,21 @@ impl BoundPatch {
             bound.code_b[l] = code(boxes[1], point.on_b);
         }
         bound
+    }
+
+    /// What the patch says about two bodies that have moved since, with the given centres of mass (own frames, m).
+    pub(crate) fn hint(&self, b_in_a: &Pose, [centre_a, centre_b]: [Vec3; 2]) -> Hint {
+        let mut gap = f32::INFINITY;
+        for l in 0..self.count as usize {
+            let on_b = b_in_a.transform_point(self.on_b.get(l) + centre_b);
+            gap = gap.min(on_b.distance_squared(self.on_a.get(l) + centre_a));
+        }
+        let is_of_edges = self.count == 1 && self.share_b[0] == 0.5;
+        Hint {
+            gap: gap.sqrt() + 2.0 * self.off_surface,
+            axis: is_of_edges.then_some(self.normal),
+            faces: None,
+        }
     }
 
     /// Writes normal and points as the bodies are now, with impulses of zero.
@@ -275,6 +294,8 @@ pub struct Patch {
     pub normal_in_b: Option<Vec3>,
     /// How far the bodies may slide until a corner reaches an edge, m: the points stay what they are so long.
     pub steady: f32,
+    /// How far `on_a` and `on_b` of its points may be from the two surfaces, m.
+    pub off_surface: f32,
     /// Number of valid points.
     pub count: u32,
     /// The points.

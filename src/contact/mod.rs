@@ -5,6 +5,7 @@ use bevy_ecs::component::Component;
 pub mod broadphase;
 pub mod cache;
 mod clipping;
+mod edge_search;
 pub(crate) mod half_space;
 pub mod manifold;
 pub mod material;

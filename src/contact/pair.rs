@@ -5,6 +5,8 @@
 //! one tells. The state belongs to the pair and depends on nothing but how its two bodies moved.
 
 use super::manifold::{BodyPlace, BoundPatch};
+use super::sat::Hint;
+use crate::math::Pose;
 use glam::{Quat, Vec3};
 
 /// How far a pair may move until its contact is found anew, as a share of the least extent of the smaller body, where
@@ -168,6 +170,8 @@ pub(crate) struct PairState {
     pub(crate) friction: f32,
     pub(crate) restitution: f32,
     pub(crate) patch: BoundPatch,
+    /// The faces of A and B that separated best.
+    pub(crate) faces: [u32; 2],
 }
 
 /// A pair as a test sees it.
@@ -205,6 +209,18 @@ impl PairView<'_> {
             Verdict::Holds
         } else {
             Verdict::Unknown(state.axis)
+        }
+    }
+
+    /// What the last test says about the next one, if it found these shapes touching. `centres`: of mass, own frames, m.
+    pub(crate) fn hint(&self, b_in_a: &Pose, centres: [Vec3; 2]) -> Hint {
+        let epochs = [self.paces[0].epoch(), self.paces[1].epoch()];
+        if !self.term.touches || self.term.epochs != epochs {
+            return Hint::NONE;
+        }
+        Hint {
+            faces: Some(self.state.faces),
+            ..self.state.patch.hint(b_in_a, centres)
         }
     }
 

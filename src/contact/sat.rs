@@ -11,6 +11,7 @@
 pub use super::half_space::collide_half_space;
 
 use super::clipping::{Clipping, edge_patch};
+use super::edge_search::{Arcs4, NearEdge, best_edge_pair};
 use super::manifold::{Candidate, Patch};
 use crate::geometry::ConvexHull;
 use crate::geometry::lanes::{LANES, Points4, bounds, lowest, lowest_height, move_points, point};
@@ -26,10 +27,6 @@ const PREFER_ABSOLUTE: f32 = 5e-4;
 /// The same as a share of the separation itself, for deep overlaps.
 const PREFER_RELATIVE: f32 = 0.02;
 
-/// Sine below which two edges count as parallel: their cross product is then too rounded to be an axis, and the faces
-/// beside the edges bound the overlap to within this angle.
-const PARALLEL: f32 = 1e-3;
-
 /// Points nearer than this share of the smaller hull's diagonal are one contact point.
 pub(super) const MERGE: f32 = 1e-4;
 
@@ -38,7 +35,7 @@ pub(super) const MERGE: f32 = 1e-4;
 pub struct NarrowScratch {
     /// B's vertices in A's frame, and the box around them.
     pub(super) b_in_a: Vec<Points4>,
-    aabb: Aabb,
+    pub(super) aabb: Aabb,
     /// A's vertices in B's frame.
     a_in_b: Vec<Points4>,
     /// Pose of B in A's frame.
@@ -48,47 +45,14 @@ pub struct NarrowScratch {
     pub(super) polygon: Vec<Candidate>,
     pub(super) clipped: Vec<Candidate>,
     /// Edges of either hull that may be the best axis.
-    near_a: Vec<NearEdge>,
-    near_b: Vec<NearEdge>,
+    pub(super) near_a: Vec<NearEdge>,
+    pub(super) near_b: Vec<NearEdge>,
     /// The numbers of `near_b` that rule out most pairs, in lanes.
-    arcs_b: Vec<Arcs4>,
-    /// What [`Vicinity::classify`] says of each vertex.
-    classes: Vec<[u8; LANES]>,
-}
-
-/// An edge as the edge test reads it, A's frame.
-#[derive(Clone, Copy, Debug)]
-struct NearEdge {
-    index: usize,
-    from: Vec3,
-    along: Vec3,
-    /// Outward normals of its two faces.
-    normals: [Vec3; 2],
-}
-
-/// Directions of four edges and the normals of their faces: arcs on the Gauss map.
-#[derive(Clone, Copy, Debug, Default)]
-struct Arcs4 {
-    along: Points4,
-    normals: [Points4; 2],
-}
-
-impl Arcs4 {
-    /// Which of the four arcs and the arc of `edge` each cross the great circle of the other; see [`edge_axis`].
-    fn crossing(&self, edge: &NearEdge) -> [bool; LANES] {
-        let sides = [
-            self.normals[0].along(edge.along),
-            self.normals[1].along(edge.along),
-            self.along.along(edge.normals[0]),
-            self.along.along(edge.normals[1]),
-        ];
-        let mut crossing = [false; LANES];
-        for l in 0..LANES {
-            let (here, there) = (sides[0][l] * sides[1][l], sides[2][l] * sides[3][l]);
-            crossing[l] = (here < 0.0) & (there < 0.0);
-        }
-        crossing
-    }
+    pub(super) arcs_b: Vec<Arcs4>,
+    /// What `Vicinity::classify` says of each vertex.
+    pub(super) classes: Vec<[u8; LANES]>,
+    /// The faces of A and B that separate best, of the last pair whose faces were compared.
+    pub(crate) best_faces: [u32; 2],
 }
 
 impl NarrowScratch {
@@ -116,119 +80,6 @@ impl NarrowScratch {
             offset: plane.offset + normal.dot(self.shift),
         }
     }
-
-    /// Collects the edges that can be the best axis, given that no axis separates by more than `reach` (m) nor by less
-    /// than `-reach`.
-    ///
-    /// Where an edge pair is the best axis, a point of the one edge and a point of the other are as far apart as the
-    /// hulls, by the gap or by the depth of the overlap: at most `reach`. Each point lies in its own hull. So either
-    /// edge comes within `reach` of the other hull's box. And of a face that separates by `s`, its own hull being below
-    /// and the other one above `s`, the edge of its own hull has a point above `s - reach`, the other below `reach`.
-    fn load_near_edges(
-        &mut self,
-        a: &ConvexHull,
-        b: &ConvexHull,
-        [face_a, face_b]: [&FaceAxis; 2],
-        reach: f32,
-    ) {
-        let (box_a, box_b) = (a.aabb(), self.aabb);
-        // Rounding of the boxes and of the reach itself is far below a thousandth.
-        let reach = reach + 1e-3 * (reach + box_a.diagonal().min(box_b.diagonal()));
-        let (plane_a, plane_b) = (face_a.plane, self.plane_in_a(&face_b.plane));
-        let turn = self.turn;
-        let near = Vicinity {
-            own: (plane_a, face_a.separation - reach),
-            other: (plane_b, reach),
-            bounds: box_b.fattened(reach),
-        };
-        near.classify(&a.lanes.points, &mut self.classes);
-        let normal_of = |face: u32| a.faces()[face as usize].plane.normal;
-        near.collect(
-            a,
-            &a.lanes.points,
-            &self.classes,
-            normal_of,
-            &mut self.near_a,
-        );
-        let near = Vicinity {
-            own: (plane_b, face_b.separation - reach),
-            other: (plane_a, reach),
-            bounds: box_a.fattened(reach),
-        };
-        near.classify(&self.b_in_a, &mut self.classes);
-        let normal_of = |face: u32| turn * b.faces()[face as usize].plane.normal;
-        near.collect(b, &self.b_in_a, &self.classes, normal_of, &mut self.near_b);
-        self.arcs_b.clear();
-        self.arcs_b.extend(self.near_b.chunks(LANES).map(|edges| {
-            let mut arcs = Arcs4::default();
-            for (l, edge) in edges.iter().enumerate() {
-                arcs.along.set(l, edge.along);
-                arcs.normals[0].set(l, edge.normals[0]);
-                arcs.normals[1].set(l, edge.normals[1]);
-            }
-            arcs
-        }));
-    }
-}
-
-/// Where the edges of a hull must be to count; see [`NarrowScratch::load_near_edges`].
-#[derive(Debug)]
-struct Vicinity {
-    /// Best face of the edges' own hull, and the height above it that an edge must come up to.
-    own: (Plane, f32),
-    /// Best face of the other hull, and the height above it that an edge must come down to.
-    other: (Plane, f32),
-    /// Box that an edge must meet.
-    bounds: Aabb,
-}
-
-impl Vicinity {
-    /// Bit 0 for vertices that are high enough above the own face, bit 1 for those that are low enough above the other.
-    fn classify(&self, points: &[Points4], classes: &mut Vec<[u8; LANES]>) {
-        let least = self.own.1 + self.own.0.offset;
-        let most = self.other.1 + self.other.0.offset;
-        classes.clear();
-        classes.extend(points.iter().map(|group| {
-            let own = group.along(self.own.0.normal);
-            let other = group.along(self.other.0.normal);
-            let mut class = [0; LANES];
-            for l in 0..LANES {
-                class[l] = u8::from(own[l] >= least) | u8::from(other[l] <= most) << 1;
-            }
-            class
-        }));
-    }
-
-    /// Fills `near` with the edges that count; corners and normals along the same axes as the planes.
-    fn collect(
-        &self,
-        hull: &ConvexHull,
-        corners: &[Points4],
-        classes: &[[u8; LANES]],
-        normal_of: impl Fn(u32) -> Vec3,
-        near: &mut Vec<NearEdge>,
-    ) {
-        near.clear();
-        for (index, edge) in hull.edges().iter().enumerate() {
-            let (v, w) = (edge.vertices[0] as usize, edge.vertices[1] as usize);
-            if classes[v / LANES][v % LANES] | classes[w / LANES][w % LANES] != 3 {
-                continue;
-            }
-            let (from, to) = (point(corners, v), point(corners, w));
-            let span = Aabb {
-                min: from.min(to),
-                max: from.max(to),
-            };
-            if self.bounds.overlaps(&span) {
-                near.push(NearEdge {
-                    index,
-                    from,
-                    along: to - from,
-                    normals: [normal_of(edge.faces[0]), normal_of(edge.faces[1])],
-                });
-            }
-        }
-    }
 }
 
 /// The face of one hull that separates best from the other hull.
@@ -242,17 +93,8 @@ pub(super) struct FaceAxis {
     pub(super) separation: f32,
 }
 
-/// The pair of edges whose common perpendicular separates best.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct EdgeAxis {
-    pub(super) edges: [usize; 2],
-    /// Unit vector from A to B, A's frame.
-    pub(super) normal: Vec3,
-    pub(super) separation: f32,
-}
-
 /// What the test of a pair found.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Found {
     /// The hulls are at least `distance` (m) apart, which is more than the margin, along `axis`.
     Apart {
@@ -263,6 +105,26 @@ pub(crate) enum Found {
     },
     /// No axis separates by more than the margin. The patch may be empty, where two corners pass each other.
     Near(Patch),
+}
+
+/// What is known of two hulls before they are tested. It changes the effort, never the answer.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Hint {
+    /// They are not farther apart than this, m.
+    pub(crate) gap: f32,
+    /// Unit vector from A to B, A's frame, that may separate better than any face.
+    pub(crate) axis: Option<Vec3>,
+    /// Faces of A and B that may separate best.
+    pub(crate) faces: Option<[u32; 2]>,
+}
+
+impl Hint {
+    /// Nothing is known.
+    pub(crate) const NONE: Self = Self {
+        gap: f32::INFINITY,
+        axis: None,
+        faces: None,
+    };
 }
 
 /// Contact of hull `a` with hull `b`, whose pose in A's frame is `b_in_a`; in A's frame, normal from A to B.
@@ -277,7 +139,7 @@ pub fn collide_hulls(
     margin: f32,
     scratch: &mut NarrowScratch,
 ) -> Option<Patch> {
-    match examine_hulls(a, b, b_in_a, margin, scratch) {
+    match examine_hulls(a, b, b_in_a, margin, Hint::NONE, scratch) {
         Found::Near(patch) if patch.count > 0 => Some(patch),
         _ => None,
     }
@@ -289,6 +151,7 @@ pub(crate) fn examine_hulls(
     b: &ConvexHull,
     b_in_a: Pose,
     margin: f32,
+    hint: Hint,
     scratch: &mut NarrowScratch,
 ) -> Found {
     if !b_in_a.is_finite() || !margin.is_finite() {
@@ -303,10 +166,10 @@ pub(crate) fn examine_hulls(
         }
     }
     scratch.load(a, b, &b_in_a);
-    match Axes::find(a, b, middles, margin, scratch) {
+    match Axes::find(a, b, middles, margin, hint, scratch) {
         Err(apart) => apart,
         Ok(None) => Found::Near(Patch::default()),
-        Ok(Some(axes)) => axes.choose(a, b, &b_in_a, margin, scratch),
+        Ok(Some(axes)) => axes.choose(a, b, &b_in_a, margin, hint, scratch),
     }
 }
 
@@ -336,9 +199,11 @@ impl Axes {
         b: &ConvexHull,
         middles: Vec3,
         margin: f32,
-        scratch: &NarrowScratch,
+        hint: Hint,
+        scratch: &mut NarrowScratch,
     ) -> Result<Option<Self>, Found> {
-        let face_a = best_face(a, &scratch.b_in_a, middles);
+        let [first_a, first_b] = hint.faces.map_or([None; 2], |faces| faces.map(Some));
+        let face_a = best_face(a, &scratch.b_in_a, middles, first_a);
         let apart = |axis: Vec3, face: &FaceAxis| Found::Apart {
             axis,
             distance: face.separation,
@@ -347,10 +212,11 @@ impl Axes {
             return Err(apart(face_a.plane.normal, &face_a));
         }
         let back = -(scratch.turn.transpose() * middles);
-        let face_b = best_face(b, &scratch.a_in_b, back);
+        let face_b = best_face(b, &scratch.a_in_b, back, first_b);
         if face_b.separation > margin {
             return Err(apart(-(scratch.turn * face_b.plane.normal), &face_b));
         }
+        scratch.best_faces = [face_a.face as u32, face_b.face as u32];
         let comparable = face_a.separation.is_finite() && face_b.separation.is_finite();
         Ok(comparable.then_some(Self { face_a, face_b }))
     }
@@ -362,6 +228,7 @@ impl Axes {
         b: &ConvexHull,
         b_in_a: &Pose,
         margin: f32,
+        hint: Hint,
         scratch: &mut NarrowScratch,
     ) -> Found {
         let Self { face_a, face_b } = self;
@@ -381,11 +248,18 @@ impl Axes {
         let bar = face.separation + slack(face.separation);
         let best_of_faces = face_a.separation.max(face_b.separation);
         let threshold = bar.min(margin.max(best_of_faces));
-        let gap = self.gap_at_most(a, b, scratch);
-        let reach = gap.max(-best_of_faces);
+        let gap = hint.gap.min(self.gap_at_most(a, b, scratch));
         let search = |floor: f32, scratch: &mut NarrowScratch| {
-            scratch.load_near_edges(a, b, [face_a, face_b], reach);
-            best_edge_pair(a, scratch, floor)
+            // The hulls overlap by no more than along any axis.
+            let hinted = hint.axis.map(|axis| distance_along(a, b, b_in_a, axis));
+            let best = hinted.map_or(best_of_faces, |s| s.max(best_of_faces));
+            scratch.load_near_edges(a, b, [face_a, face_b], gap.max(-best));
+            // What is worth less than the hint is not the best; rounding of the hint is far below the slack.
+            best_edge_pair(
+                a,
+                scratch,
+                hinted.map_or(floor, |s| floor.max(s - slack(s))),
+            )
         };
         let edge = (gap > threshold)
             .then(|| search(threshold, scratch))
@@ -453,9 +327,9 @@ fn distance_from_face(hull: &ConvexHull, axis: &FaceAxis, place: Vec3) -> f32 {
 
 /// The face of `hull` with the largest separation from `points`, the first one on a tie; same frame.
 ///
-/// The search starts with the face that looks most towards the other hull (`towards`): that changes the effort, never the
-/// answer.
-fn best_face(hull: &ConvexHull, points: &[Points4], towards: Vec3) -> FaceAxis {
+/// The search starts with the face `first`, or with the one that looks most towards the other hull (`towards`): that
+/// changes the effort, never the answer.
+fn best_face(hull: &ConvexHull, points: &[Points4], towards: Vec3, first: Option<u32>) -> FaceAxis {
     let evaluate = |face: usize| {
         let plane = hull.faces()[face].plane;
         let (support, height) = lowest(points.iter(), plane.normal);
@@ -466,8 +340,10 @@ fn best_face(hull: &ConvexHull, points: &[Points4], towards: Vec3) -> FaceAxis {
             separation: height - plane.offset,
         }
     };
-    let normals = hull.lanes.planes.iter().map(|planes| &planes.normals);
-    let (start, _) = lowest(normals, -towards);
+    let start = first.map_or_else(
+        || lowest(hull.lanes.planes.iter().map(|p| &p.normals), -towards).0,
+        |face| face as usize,
+    );
     let mut best = evaluate(start.min(hull.faces().len() - 1));
     // A vertex of the other hull bounds the separation of every face from above: most are ruled out by the one that
     // supports the best face so far.
@@ -493,71 +369,60 @@ fn best_face(hull: &ConvexHull, points: &[Points4], towards: Vec3) -> FaceAxis {
     best
 }
 
-/// The edge pair that separates better than `floor` (m) and every other pair, if there is one.
-///
-/// An edge is an arc on the Gauss map, between the normals of its two faces. Only pairs whose arcs cross (B's being
-/// mirrored) are edges of the Minkowski difference; the others cannot be the best axis and are skipped.
-fn best_edge_pair(a: &ConvexHull, scratch: &NarrowScratch, floor: f32) -> Option<EdgeAxis> {
-    let mut best: Option<EdgeAxis> = None;
-    let mut floor = floor;
-    for edge_a in &scratch.near_a {
-        for (edges, arcs) in scratch.near_b.chunks(LANES).zip(&scratch.arcs_b) {
-            let crossing = arcs.crossing(edge_a);
-            if crossing == [false; LANES] {
-                continue;
-            }
-            for (edge_b, crosses) in edges.iter().zip(crossing) {
-                let candidate = crosses.then(|| weigh(a, scratch, edge_a, edge_b, floor));
-                if let Some(Some(axis)) = candidate {
-                    floor = axis.separation;
-                    best = Some(axis);
-                }
-            }
+#[cfg(test)]
+mod tests {
+    use super::{Found, Hint, NarrowScratch, examine_hulls};
+    use crate::contact::manifold::BoundPatch;
+    use crate::geometry::primitives::{cuboid, icosphere, regular_prism, wedge};
+    use crate::math::Pose;
+    use glam::{Quat, Vec3};
+    use rand_core::Rng;
+    use rand_pcg::Pcg32;
+
+    /// From [-1, 1].
+    fn signed(random: &mut Pcg32) -> f32 {
+        (random.next_u32() >> 8) as f32 / 8_388_608.0 - 1.0
+    }
+
+    fn vector(random: &mut Pcg32) -> Vec3 {
+        [(); 3].map(|()| signed(random)).into()
+    }
+
+    #[test]
+    fn hints_do_not_change_the_answer() {
+        let hulls = [
+            cuboid(1.0, 0.6, 0.4),
+            icosphere(0.5, 1),
+            regular_prism(5, 0.5, 0.7),
+            wedge(1.0, 0.7, 0.4),
+        ]
+        .map(|hull| hull.expect("valid sizes"));
+        let mut random = Pcg32::new(7, 1);
+        let (mut scratch, mut hinted) = (NarrowScratch::new(), [0; 2]);
+        for _ in 0..20_000 {
+            let [a, b] = [(); 2].map(|()| &hulls[random.next_u32() as usize % hulls.len()]);
+            let turn = Quat::from_vec4(vector(&mut random).extend(signed(&mut random)));
+            let pose = Pose::new(0.8 * vector(&mut random), turn.normalize());
+            let margin = 0.02;
+            let found = examine_hulls(a, b, pose, margin, Hint::NONE, &mut scratch);
+            let Found::Near(patch) = found else { continue };
+            let patch = BoundPatch::new(&patch, pose.rotation, [Vec3::ZERO; 2], [None; 2]);
+            let faces = Some(scratch.best_faces);
+            let way = [0.1, 0.01, 1e-3, 1e-4][random.next_u32() as usize % 4];
+            let spin = Quat::from_scaled_axis(way * vector(&mut random));
+            let moved = Pose::new(
+                pose.position + way * vector(&mut random),
+                (spin * pose.rotation).normalize(),
+            );
+            let hint = Hint {
+                faces,
+                ..patch.hint(&moved, [Vec3::ZERO; 2])
+            };
+            hinted[usize::from(hint.axis.is_some())] += usize::from(patch.count > 0);
+            let expected = examine_hulls(a, b, moved, margin, Hint::NONE, &mut scratch);
+            let found = examine_hulls(a, b, moved, margin, hint, &mut scratch);
+            assert_eq!(found, expected, "{a:?} {b:?} {moved:?} {hint:?}");
         }
+        assert!(hinted.iter().all(|&count| count > 1000), "{hinted:?}");
     }
-    best
-}
-
-/// The axis of two edges whose arcs may cross, if it separates by more than `floor` (m).
-fn weigh(
-    a: &ConvexHull,
-    scratch: &NarrowScratch,
-    edge_a: &NearEdge,
-    edge_b: &NearEdge,
-    floor: f32,
-) -> Option<EdgeAxis> {
-    let normal = edge_axis(edge_a, edge_b)?;
-    if normal.dot(edge_b.from - edge_a.from) <= floor {
-        return None;
-    }
-    // The supports say what this axis is worth, whatever rounding did to it.
-    let separation =
-        lowest_height(&scratch.b_in_a, normal) + lowest_height(&a.lanes.points, -normal);
-    (separation > floor).then_some(EdgeAxis {
-        edges: [edge_a.index, edge_b.index],
-        normal,
-        separation,
-    })
-}
-
-/// The common perpendicular of two edges, from A outwards, if their arcs on the Gauss map cross.
-fn edge_axis(a: &NearEdge, b: &NearEdge) -> Option<Vec3> {
-    // B's arc is mirrored: its ends are -m0 and -m1. With e the direction of an edge as its first face runs through it,
-    // n0 x n1 is parallel to e, so e is the plane normal of the arc.
-    let sides_b = b.normals.map(|m| -m.dot(a.along));
-    if sides_b[0] * sides_b[1] >= 0.0 {
-        return None;
-    }
-    let sides_a = a.normals.map(|n| n.dot(b.along));
-    if sides_a[0] * sides_a[1] >= 0.0 {
-        return None;
-    }
-    let axis = a.along.cross(b.along);
-    let least = PARALLEL * PARALLEL * a.along.length_squared() * b.along.length_squared();
-    if axis.length_squared() <= least {
-        return None;
-    }
-    // Both arcs cross the other's great circle; they meet if they do so on the same side of the sphere.
-    let outward = axis * 1.0_f32.copysign(axis.dot(a.normals[0] + a.normals[1]));
-    (outward.dot(b.normals[0] + b.normals[1]) < 0.0).then(|| outward.normalize())
 }
