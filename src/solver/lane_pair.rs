@@ -1,0 +1,136 @@
+//! Two bodies and the frame of their contact in each lane.
+
+use super::FrictionModel;
+use super::blocks::{Block, Masses, V3, symmetric};
+use super::bodies::SolverBody;
+use super::lanes::{F8, Lanes};
+use std::cell::Cell;
+
+/// Two bodies in each lane.
+pub(super) struct Pair<L> {
+    columns: [[L; 8]; 2],
+}
+
+impl<L: Lanes> Pair<L> {
+    #[inline(always)]
+    pub(super) fn gather(bodies: &[Cell<SolverBody>], block: &Block) -> Self {
+        let [a, b] = &block.bodies;
+        Self {
+            columns: [L::gather(bodies, a), L::gather(bodies, b)],
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn scatter(self, bodies: &[Cell<SolverBody>], block: &Block) {
+        let [a, b] = self.columns;
+        L::scatter(a, bodies, &block.bodies[0]);
+        L::scatter(b, bodies, &block.bodies[1]);
+    }
+
+    #[inline(always)]
+    fn linear(&self, side: usize) -> V3<L> {
+        let c = &self.columns[side];
+        V3([c[0], c[1], c[2]])
+    }
+
+    #[inline(always)]
+    fn angular(&self, side: usize) -> V3<L> {
+        let c = &self.columns[side];
+        V3([c[4], c[5], c[6]])
+    }
+
+    #[inline(always)]
+    fn set(&mut self, side: usize, linear: V3<L>, angular: V3<L>) {
+        let c = &mut self.columns[side];
+        [c[0], c[1], c[2]] = linear.0;
+        [c[4], c[5], c[6]] = angular.0;
+    }
+
+    /// Velocity of B against A at the ends of the anchors.
+    #[inline(always)]
+    pub(super) fn relative(&self, anchors: &[V3<L>; 2]) -> V3<L> {
+        let a = self.linear(0).plus(self.angular(0).cross(anchors[0]));
+        let b = self.linear(1).plus(self.angular(1).cross(anchors[1]));
+        b.minus(a)
+    }
+
+    /// Adds an impulse on B at the ends of the anchors, and its opposite on A.
+    #[inline(always)]
+    pub(super) fn push(&mut self, masses: &Masses<L>, anchors: &[V3<L>; 2], impulse: V3<L>) {
+        let angular = [anchors[0].cross(impulse), anchors[1].cross(impulse)];
+        self.apply(masses, impulse, angular);
+    }
+
+    /// Adds an impulse on B, and its opposite on A, with the angular impulses about the centres of mass.
+    #[inline(always)]
+    pub(super) fn apply(&mut self, masses: &Masses<L>, impulse: V3<L>, angular: [V3<L>; 2]) {
+        let turn_a = symmetric(&masses.inertia[0], angular[0]);
+        let turn_b = symmetric(&masses.inertia[1], angular[1]);
+        let (shift_a, shift_b) = (impulse.times(masses.mass[0]), impulse.times(masses.mass[1]));
+        self.set(
+            0,
+            self.linear(0).minus(shift_a),
+            self.angular(0).minus(turn_a),
+        );
+        self.set(
+            1,
+            self.linear(1).plus(shift_b),
+            self.angular(1).plus(turn_b),
+        );
+    }
+}
+
+/// Normal and tangents in each lane.
+pub(super) struct Frame<L> {
+    pub(super) normal: V3<L>,
+    pub(super) tangents: [V3<L>; 2],
+}
+
+impl<L: Lanes> Frame<L> {
+    #[inline(always)]
+    pub(super) fn load(block: &Block) -> Self {
+        Self {
+            normal: V3::load(&block.normal),
+            tangents: [V3::load(&block.tangents[0]), V3::load(&block.tangents[1])],
+        }
+    }
+
+    /// The impulse with the given parts.
+    #[inline(always)]
+    pub(super) fn impulse(&self, [normal, t1, t2]: [L; 3]) -> V3<L> {
+        let [d1, d2] = &self.tangents;
+        let friction = d1.times(t1).plus(d2.times(t2));
+        self.normal.times(normal).plus(friction)
+    }
+}
+
+#[inline(always)]
+pub(super) fn load_three<L: Lanes>(from: &[F8; 3]) -> [L; 3] {
+    [L::load(&from[0]), L::load(&from[1]), L::load(&from[2])]
+}
+
+#[inline(always)]
+pub(super) fn store_three<L: Lanes>(values: [L; 3], to: &mut [F8; 3]) {
+    values[0].store(&mut to[0]);
+    values[1].store(&mut to[1]);
+    values[2].store(&mut to[2]);
+}
+
+/// The nearest friction to `wish` within the bound `radius`.
+#[inline(always)]
+pub(super) fn project<L: Lanes>(model: FrictionModel, wish: [L; 2], radius: L) -> [L; 2] {
+    match model {
+        FrictionModel::Disc => {
+            let squared = wish[0] * wish[0] + wish[1] * wish[1];
+            let shrink = squared.if_above(radius * radius, radius / squared.sqrt(), L::splat(1.0));
+            [wish[0] * shrink, wish[1] * shrink]
+        }
+        FrictionModel::Box => {
+            let least = L::splat(0.0) - radius;
+            [
+                wish[0].min(radius).max(least),
+                wish[1].min(radius).max(least),
+            ]
+        }
+    }
+}
