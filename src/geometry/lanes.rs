@@ -184,7 +184,7 @@ impl FacesAround {
         self.first.resize(vertices + 1, 0);
         self.faces.resize(corners, 0);
         AroundWriter {
-            ends: self.first[1..].iter_mut(),
+            ends: &mut self.first[1..],
             faces: &mut self.faces,
             written: 0,
         }
@@ -202,57 +202,62 @@ const USUALLY_AROUND: usize = 8;
 /// Writes the faces around vertices, one vertex after the other.
 #[derive(Debug)]
 pub(crate) struct AroundWriter<'a> {
-    ends: std::slice::IterMut<'a, u32>,
+    /// Of the vertices that are still to come.
+    ends: &'a mut [u32],
     faces: &'a mut [u32],
     written: usize,
 }
 
 impl AroundWriter<'_> {
-    /// Writes the faces around `vertex` of `other`, which are called `numbers` here, in the same order. False if there is no
-    /// room left.
-    #[inline]
-    pub(crate) fn copy(&mut self, other: &FacesAround, vertex: usize, numbers: &[u32]) -> bool {
-        let first = other.first[vertex] as usize;
-        let count = other.first[vertex + 1] as usize - first;
-        let from = other.faces.get(first..first + USUALLY_AROUND);
-        let to = self
-            .faces
-            .get_mut(self.written..self.written + USUALLY_AROUND);
-        if let (Some(from), Some(to), true) = (from, to, count <= USUALLY_AROUND) {
-            // More than are there, which the next vertex writes over: there is no guessing how many it will be.
-            for (to, &from) in to.iter_mut().zip(from) {
-                *to = numbers[from as usize];
+    /// Writes the faces around `vertices` of `other`, which are called `numbers` here, in the same order. False if there is
+    /// no room left.
+    pub(crate) fn copy(&mut self, other: &FacesAround, vertices: &[u32], numbers: &[u32]) -> bool {
+        let Some((ends, rest)) =
+            std::mem::take(&mut self.ends).split_at_mut_checked(vertices.len())
+        else {
+            return false;
+        };
+        self.ends = rest;
+        let (firsts, all) = (&other.first[..], &other.faces[..]);
+        let (room, mut written) = (&mut *self.faces, self.written);
+        let mut has_room = true;
+        for (&vertex, end) in vertices.iter().zip(ends) {
+            let first = firsts[vertex as usize] as usize;
+            let count = firsts[vertex as usize + 1] as usize - first;
+            let from = all.get(first..first + USUALLY_AROUND);
+            let to = room.get_mut(written..written + USUALLY_AROUND);
+            if let (Some(from), Some(to), true) = (from, to, count <= USUALLY_AROUND) {
+                // More than are there, which the next vertex writes over: there is no guessing how many it will be.
+                for (to, &from) in to.iter_mut().zip(from) {
+                    *to = numbers[from as usize];
+                }
+            } else if let Some(to) = room.get_mut(written..written + count) {
+                for (to, &from) in to.iter_mut().zip(&all[first..]) {
+                    *to = numbers[from as usize];
+                }
+            } else {
+                has_room = false;
             }
-            return self.end(count);
+            written += count;
+            *end = written as u32;
         }
-        let from = &other.faces[first..first + count];
-        self.push(from.iter().map(|&face| numbers[face as usize]))
-    }
-
-    /// Ends the run of a vertex.
-    #[inline]
-    fn end(&mut self, count: usize) -> bool {
-        self.written += count;
-        match self.ends.next() {
-            Some(end) => {
-                *end = self.written as u32;
-                true
-            }
-            None => false,
-        }
+        self.written = written;
+        has_room
     }
 
     /// Writes the faces around the next vertex, ascending. False if there is no room left.
     #[inline]
-    pub(crate) fn push(&mut self, faces: impl ExactSizeIterator<Item = u32>) -> bool {
-        let count = faces.len();
-        let Some(to) = self.faces.get_mut(self.written..self.written + count) else {
+    pub(crate) fn push(&mut self, faces: &[u32]) -> bool {
+        let to = (self.faces).get_mut(self.written..self.written + faces.len());
+        let ends = std::mem::take(&mut self.ends);
+        let (Some(to), Some((end, rest))) = (to, ends.split_first_mut()) else {
             return false;
         };
-        for (to, face) in to.iter_mut().zip(faces) {
-            *to = face;
-        }
-        self.end(count)
+        to.copy_from_slice(faces);
+        self.written += faces.len();
+        *end = self.written as u32;
+        self.ends = rest;
+        true
     }
 }
 
@@ -330,6 +335,35 @@ pub(crate) fn bounds(points: &[Points4], turn: &Mat3, shift: Vec3) -> Aabb {
         min: Vec3::new(x[0], y[0], z[0]) + shift,
         max: Vec3::new(x[1], y[1], z[1]) + shift,
     }
+}
+
+/// The box around points in their own frame.
+pub(crate) fn box_of(points: &[Points4]) -> Aabb {
+    let (x, y, z) = (
+        range_of(points, |group| group.x),
+        range_of(points, |group| group.y),
+        range_of(points, |group| group.z),
+    );
+    Aabb {
+        min: Vec3::new(x[0], y[0], z[0]),
+        max: Vec3::new(x[1], y[1], z[1]),
+    }
+}
+
+/// The smallest and the largest of one coordinate.
+fn range_of(points: &[Points4], coordinate: impl Fn(&Points4) -> [f32; LANES]) -> [f32; 2] {
+    let lower = |[a, b]: [f32; 2]| if b < a { b } else { a };
+    let higher = |[a, b]: [f32; 2]| if b > a { b } else { a };
+    let (mut least, mut most) = ([f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]);
+    for group in points {
+        let along = coordinate(group);
+        least = std::array::from_fn(|l| lower([least[l], along[l]]));
+        most = std::array::from_fn(|l| higher([most[l], along[l]]));
+    }
+    [
+        least.into_iter().fold(f32::INFINITY, f32::min),
+        most.into_iter().fold(f32::NEG_INFINITY, f32::max),
+    ]
 }
 
 /// The smallest and the largest coordinate along `axis`.
