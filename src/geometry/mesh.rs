@@ -1,5 +1,6 @@
 //! `TriMesh`: triangles with per-vertex attributes, and what can be wrong with them.
 
+use super::weld::weld;
 use super::{EdgeCensus, KnownClosed};
 use crate::math::{Aabb, Pose, rotate};
 use glam::{DVec3, Vec2, Vec3, Vec4};
@@ -389,48 +390,4 @@ fn check_finite<T>(values: &[T], is_finite: impl Fn(&T) -> bool) -> Result<(), M
         Some(vertex) => Err(MeshError::NotFinite { vertex }),
         None => Ok(()),
     }
-}
-
-/// Numbers distinct positions in the order in which they first occur.
-pub(crate) fn weld(positions: &[Vec3]) -> Vec<u32> {
-    const EMPTY: u32 = u32::MAX;
-    // Adding +0.0 turns -0.0 into +0.0, after which equal numbers have equal bits.
-    let bits = |position: Vec3| (position + Vec3::ZERO).to_array().map(f32::to_bits);
-    // At most half full, so that runs of occupied places are short.
-    let size = (2 * positions.len()).next_power_of_two();
-    let mut vertex_at = vec![EMPTY; size];
-    let mut topology = Vec::with_capacity(positions.len());
-    let mut count = 0;
-    for (vertex, &position) in (0..).zip(positions) {
-        let key = bits(position);
-        let mut place = scatter(key) as usize & (size - 1);
-        let number = loop {
-            match vertex_at[place] {
-                EMPTY => {
-                    vertex_at[place] = vertex;
-                    count += 1;
-                    break count - 1;
-                }
-                other if bits(positions[other as usize]) == key => {
-                    break topology[other as usize];
-                }
-                _ => place = (place + 1) & (size - 1),
-            }
-        };
-        topology.push(number);
-    }
-    topology
-}
-
-/// Spreads keys over numbers, so that those of points in a row or on a grid do not meet.
-///
-/// Multiplying by an odd number carries every bit of the key to the top of the product, and the shift brings the top down
-/// to where the next product, or the reader, sees it. The numbers are the fractions of the golden ratio and of `sqrt(3)`.
-fn scatter([x, y, z]: [u32; 3]) -> u64 {
-    let mix = |word: u64, factor: u64| {
-        let product = word.wrapping_mul(factor);
-        product ^ product >> 32
-    };
-    let xy = mix(u64::from(x) << 32 | u64::from(y), 0x9e37_79b9_7f4a_7c15);
-    mix(xy ^ u64::from(z), 0xbb67_ae85_84ca_a73b)
 }
