@@ -53,15 +53,20 @@ fn plane_inside(hull: &ConvexHull, dice: &mut Dice) -> Plane {
     Plane::through(point, dice.direction())
 }
 
-/// All pieces of a body after so many cuts of each.
-fn generations(hull: &ConvexHull, count: usize, seed: u64) -> Vec<ConvexHull> {
+/// All pieces of a body after so many cuts of each, by planes that `choose` chooses.
+fn generations(
+    hull: &ConvexHull,
+    count: usize,
+    seed: u64,
+    choose: impl Fn(&ConvexHull, &mut Dice) -> Plane,
+) -> Vec<ConvexHull> {
     let (mut dice, root) = (Dice::new(seed), size(hull));
     let (mut slicer, mut halves) = (HullSlicer::default(), HullHalves::copies_of(hull));
     let mut pieces = vec![hull.clone()];
     for _ in 0..count {
         let mut cut = Vec::with_capacity(2 * pieces.len());
         for piece in pieces {
-            let plane = plane_inside(&piece, &mut dice);
+            let plane = choose(&piece, &mut dice);
             if check_cut(&piece, plane, root, &mut slicer, &mut halves) {
                 cut.extend([halves.below.clone(), halves.above.clone()]);
             } else {
@@ -76,13 +81,39 @@ fn generations(hull: &ConvexHull, count: usize, seed: u64) -> Vec<ConvexHull> {
 #[test]
 fn twelve_generations_keep_the_volume_and_do_not_grow_triangles() {
     let cube = primitives::cuboid(1.0, 1.0, 1.0).unwrap();
-    let pieces = generations(&cube, 12, 1);
+    let pieces = generations(&cube, 12, 1, plane_inside);
     assert!(pieces.len() > 3900, "{}", pieces.len());
     let volume: f64 = pieces.iter().map(ConvexHull::volume).sum();
     assert!((volume - 1.0).abs() <= 1e-6, "{volume}");
     let triangles: usize = pieces.iter().map(|piece| piece.triangles().count()).sum();
     let mean = triangles as f64 / pieces.len() as f64;
     assert!(mean <= 14.0, "{mean}");
+}
+
+/// Three faces meet in a corner of a polyhedron at least, so `2 E >= 3 V`, and with Euler's formula its `2 E - 2 F` triangles
+/// are at most `4 F - 12`. A point on an edge that was cut, or on the rim between two cuts in one plane, would add to them.
+#[test]
+fn pieces_have_no_corner_that_is_none_wherever_they_are_cut() {
+    let middle_of =
+        |piece: &ConvexHull, dice: &mut Dice| Plane::through(middle(piece), dice.direction());
+    let anywhere = |piece: &ConvexHull, dice: &mut Dice| dice.plane_through(piece.vertices());
+    let along_axes = |piece: &ConvexHull, dice: &mut Dice| {
+        let axis = [Vec3::X, Vec3::Y, Vec3::Z][dice.below(3)];
+        let corner = piece.vertices()[dice.below(piece.vertices().len())];
+        Plane::through(middle(piece).lerp(corner, 0.5 * dice.unit()), axis)
+    };
+    let cube = primitives::cuboid(1.0, 1.0, 1.0).unwrap();
+    let distributions: [&dyn Fn(&ConvexHull, &mut Dice) -> Plane; 4] =
+        [&plane_inside, &middle_of, &anywhere, &along_axes];
+    for (seed, choose) in (10..).zip(distributions) {
+        for piece in generations(&cube, 8, seed, choose) {
+            let (faces, triangles) = (piece.faces().len(), piece.triangles().count());
+            assert!(
+                triangles <= 4 * faces - 12,
+                "{triangles} triangles, {faces} faces"
+            );
+        }
+    }
 }
 
 #[test]
@@ -97,7 +128,7 @@ fn scale_and_place_do_not_matter() {
         let hull = hull.translated(Vec3::new(place, -0.3 * place, 0.7 * place));
         // What the rounding of coordinates leaves of the volume: at 10 km a metre is 1024 steps.
         let volume = hull.volume();
-        let pieces = generations(&hull, 6, 2);
+        let pieces = generations(&hull, 6, 2, plane_inside);
         let sum: f64 = pieces.iter().map(ConvexHull::volume).sum();
         let relative = 1e-6 * (size(&hull) / f64::from(hull.aabb().diagonal()));
         assert!(

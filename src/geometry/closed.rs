@@ -2,12 +2,8 @@
 
 use std::sync::OnceLock;
 
-/// Marks the end of a list.
+/// No vertex.
 const NONE: u32 = u32::MAX;
-
-/// Entries looked at per edge, on average, before the lists count as too long: where thousands of edges meet at one
-/// vertex, sorting is faster.
-const PATIENCE: usize = 32;
 
 /// Set once a mesh was found closed, or was made so. No part of the mesh's value: all are equal.
 #[derive(Clone, Debug, Default)]
@@ -34,75 +30,80 @@ impl PartialEq for KnownClosed {
     }
 }
 
-/// One undirected edge, in the list of its end with the smaller number.
-#[derive(Clone, Copy, Debug)]
-struct Entry {
-    high: u32,
-    /// Directions in which the edge was seen: 1 upwards, 2 downwards.
-    seen: u32,
+/// A corner of a triangle: the corners after and before it.
+#[derive(Clone, Copy, Debug, Default)]
+struct Corner {
     next: u32,
+    last: u32,
 }
 
 /// Pairs directed edges with their reverses, keeping its working memory.
 ///
-/// Each vertex heads a list of its edges to vertices of larger number; there are about three.
+/// The corners are sorted by vertex, by counting. At each vertex the corners after it have to be different, or an edge
+/// leaves it twice; and each corner before it has to be one of them, or an edge comes in and does not go back. That holds
+/// for all vertices if and only if each directed edge occurs once and so does its reverse.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct EdgeCensus {
-    heads: Vec<u32>,
-    entries: Vec<Entry>,
+    corners: Vec<Corner>,
+    /// Where the corners of each vertex end; while they are written, where the next one goes.
+    ends: Vec<u32>,
+    /// By vertex: the last one that an edge was seen to come from.
+    reached_from: Vec<u32>,
 }
 
 impl EdgeCensus {
     /// Whether each directed edge of `triangles` occurs exactly once and so does its reverse.
     ///
-    /// `topology` numbers the positions of the vertices, all below `count`. A `false` may also mean that the lists got too
-    /// long: only a sort can tell then.
+    /// `topology` numbers the positions of the vertices, all below `count`.
     pub(crate) fn is_closed(
         &mut self,
         triangles: &[[u32; 3]],
         topology: &[u32],
         count: usize,
     ) -> bool {
-        self.heads.clear();
-        self.heads.resize(count, NONE);
-        self.entries.clear();
-        let edges = 3 * triangles.len();
-        self.entries.reserve(edges / 2 + 1);
-        let mut patience = PATIENCE * edges;
-        for corners in triangles {
-            let [a, b, c] = corners.map(|v| topology[v as usize]);
-            let is_first_time = self.see(a, b, &mut patience)
-                && self.see(b, c, &mut patience)
-                && self.see(c, a, &mut patience);
-            if !is_first_time {
+        self.sort_corners(triangles, topology, count);
+        self.reached_from.clear();
+        self.reached_from.resize(count, NONE);
+        let mut first = 0;
+        for (vertex, &end) in (0_u32..).zip(&self.ends) {
+            let corners = &self.corners[first as usize..end as usize];
+            first = end;
+            // An edge from the vertex to itself is none.
+            self.reached_from[vertex as usize] = vertex;
+            for corner in corners {
+                let from = &mut self.reached_from[corner.next as usize];
+                if std::mem::replace(from, vertex) == vertex {
+                    return false;
+                }
+            }
+            let returns = |corner: &Corner| self.reached_from[corner.last as usize] == vertex;
+            if !corners.iter().all(returns) {
                 return false;
             }
         }
-        // Each entry was seen once or twice; twice on average means that all were.
-        2 * self.entries.len() == edges
+        true
     }
 
-    /// Notes the edge from `from` to `to`; whether it is the first time.
-    #[inline]
-    fn see(&mut self, from: u32, to: u32, patience: &mut usize) -> bool {
-        let (low, high) = (from.min(to), from.max(to));
-        let seen = 1 + u32::from(from > to);
-        let head = &mut self.heads[low as usize];
-        let mut at = *head;
-        while let Some(entry) = self.entries.get_mut(at as usize) {
-            if entry.high == high {
-                let is_first_time = entry.seen & seen == 0;
-                entry.seen |= seen;
-                return is_first_time;
-            }
-            at = entry.next;
-            *patience -= 1;
-            if *patience == 0 {
-                return false;
+    /// Counting sort of the corners by vertex.
+    fn sort_corners(&mut self, triangles: &[[u32; 3]], topology: &[u32], count: usize) {
+        self.ends.clear();
+        self.ends.resize(count, 0);
+        for corner in triangles.iter().flatten() {
+            self.ends[topology[*corner as usize] as usize] += 1;
+        }
+        let mut sum = 0;
+        for end in &mut self.ends {
+            let corners = std::mem::replace(end, sum);
+            sum += corners;
+        }
+        self.corners.resize(3 * triangles.len(), Corner::default());
+        for corners in triangles {
+            let [a, b, c] = corners.map(|v| topology[v as usize]);
+            for [at, next, last] in [[a, b, c], [b, c, a], [c, a, b]] {
+                let place = &mut self.ends[at as usize];
+                self.corners[*place as usize] = Corner { next, last };
+                *place += 1;
             }
         }
-        let next = std::mem::replace(head, self.entries.len() as u32);
-        self.entries.push(Entry { high, seen, next });
-        true
     }
 }

@@ -3,6 +3,7 @@
 //! Loops over the lanes have no branches and no order between lanes, so that the compiler makes vector instructions of
 //! them; each lane computes what a scalar loop would, to the last bit.
 
+use super::around::FacesAround;
 use super::convex::Face;
 use crate::math::{Aabb, Plane};
 use glam::{Mat3, Vec3};
@@ -143,119 +144,6 @@ impl HullLanes {
     }
 }
 
-/// Faces around each vertex, ascending, one vertex after the other.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct FacesAround {
-    faces: Vec<u32>,
-    /// Where each vertex's run begins in `faces`, and where the last one ends.
-    first: Vec<u32>,
-}
-
-impl Default for FacesAround {
-    /// Of no vertex.
-    fn default() -> Self {
-        Self {
-            faces: Vec::new(),
-            first: vec![0],
-        }
-    }
-}
-
-impl FacesAround {
-    /// Counting sort of all corners by vertex.
-    fn sort_corners(&mut self, vertices: usize, faces: &[Face], loops: &[u32]) {
-        self.first.resize(vertices + 1, 0);
-        loops.iter().for_each(|&v| self.first[v as usize + 1] += 1);
-        for v in 0..vertices {
-            self.first[v + 1] += self.first[v];
-        }
-        let mut next = self.first.clone();
-        self.faces.resize(loops.len(), 0);
-        for (index, face) in (0..).zip(faces) {
-            for &v in &loops[face.first as usize..][..face.count as usize] {
-                self.faces[next[v as usize] as usize] = index;
-                next[v as usize] += 1;
-            }
-        }
-    }
-
-    /// Makes room for so many vertices with so many corners, to be written in order.
-    pub(crate) fn rewrite(&mut self, vertices: usize, corners: usize) -> AroundWriter<'_> {
-        self.first.resize(vertices + 1, 0);
-        self.faces.resize(corners, 0);
-        AroundWriter {
-            ends: self.first[1..].iter_mut(),
-            faces: &mut self.faces,
-            written: 0,
-        }
-    }
-
-    /// The faces that meet in a vertex, ascending.
-    pub(crate) fn of(&self, vertex: usize) -> &[u32] {
-        &self.faces[self.first[vertex] as usize..self.first[vertex + 1] as usize]
-    }
-}
-
-/// Most vertices of a hull have no more faces around them.
-const USUALLY_AROUND: usize = 8;
-
-/// Writes the faces around vertices, one vertex after the other.
-#[derive(Debug)]
-pub(crate) struct AroundWriter<'a> {
-    ends: std::slice::IterMut<'a, u32>,
-    faces: &'a mut [u32],
-    written: usize,
-}
-
-impl AroundWriter<'_> {
-    /// Writes the faces around `vertex` of `other`, which are called `numbers` here, in the same order. False if there is no
-    /// room left.
-    #[inline]
-    pub(crate) fn copy(&mut self, other: &FacesAround, vertex: usize, numbers: &[u32]) -> bool {
-        let first = other.first[vertex] as usize;
-        let count = other.first[vertex + 1] as usize - first;
-        let from = other.faces.get(first..first + USUALLY_AROUND);
-        let to = self
-            .faces
-            .get_mut(self.written..self.written + USUALLY_AROUND);
-        if let (Some(from), Some(to), true) = (from, to, count <= USUALLY_AROUND) {
-            // More than are there, which the next vertex writes over: there is no guessing how many it will be.
-            for (to, &from) in to.iter_mut().zip(from) {
-                *to = numbers[from as usize];
-            }
-            return self.end(count);
-        }
-        let from = &other.faces[first..first + count];
-        self.push(from.iter().map(|&face| numbers[face as usize]))
-    }
-
-    /// Ends the run of a vertex.
-    #[inline]
-    fn end(&mut self, count: usize) -> bool {
-        self.written += count;
-        match self.ends.next() {
-            Some(end) => {
-                *end = self.written as u32;
-                true
-            }
-            None => false,
-        }
-    }
-
-    /// Writes the faces around the next vertex, ascending. False if there is no room left.
-    #[inline]
-    pub(crate) fn push(&mut self, faces: impl ExactSizeIterator<Item = u32>) -> bool {
-        let count = faces.len();
-        let Some(to) = self.faces.get_mut(self.written..self.written + count) else {
-            return false;
-        };
-        for (to, face) in to.iter_mut().zip(faces) {
-            *to = face;
-        }
-        self.end(count)
-    }
-}
-
 /// The point with the smallest coordinate along `axis`, and that coordinate; the first one on a tie.
 ///
 /// (0, infinity) if no coordinate is a number.
@@ -332,6 +220,35 @@ pub(crate) fn bounds(points: &[Points4], turn: &Mat3, shift: Vec3) -> Aabb {
     }
 }
 
+/// The box around points in their own frame.
+pub(crate) fn box_of(points: &[Points4]) -> Aabb {
+    let (x, y, z) = (
+        range_of(points, |group| group.x),
+        range_of(points, |group| group.y),
+        range_of(points, |group| group.z),
+    );
+    Aabb {
+        min: Vec3::new(x[0], y[0], z[0]),
+        max: Vec3::new(x[1], y[1], z[1]),
+    }
+}
+
+/// The smallest and the largest of one coordinate.
+fn range_of(points: &[Points4], coordinate: impl Fn(&Points4) -> [f32; LANES]) -> [f32; 2] {
+    let lower = |[a, b]: [f32; 2]| if b < a { b } else { a };
+    let higher = |[a, b]: [f32; 2]| if b > a { b } else { a };
+    let (mut least, mut most) = ([f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]);
+    for group in points {
+        let along = coordinate(group);
+        least = std::array::from_fn(|l| lower([least[l], along[l]]));
+        most = std::array::from_fn(|l| higher([most[l], along[l]]));
+    }
+    [
+        least.into_iter().fold(f32::INFINITY, f32::min),
+        most.into_iter().fold(f32::NEG_INFINITY, f32::max),
+    ]
+}
+
 /// The smallest and the largest coordinate along `axis`.
 fn range_along(points: &[Points4], axis: Vec3) -> [f32; 2] {
     let (mut least, mut most) = ([f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]);
@@ -378,18 +295,5 @@ mod tests {
             assert_eq!(lowest_height(&lanes.points, axis), expected.1);
         }
         assert_eq!(lowest(lanes.points.iter(), Vec3::NAN), (0, f32::INFINITY));
-    }
-
-    #[test]
-    fn faces_around_a_vertex_are_those_whose_loops_name_it() {
-        let hull = icosphere(1.0, 1).expect("a ball is valid");
-        for vertex in 0..hull.vertices().len() {
-            let expected: Vec<u32> = (0..)
-                .zip(hull.faces())
-                .filter(|(_, face)| hull.face_loop(face).contains(&(vertex as u32)))
-                .map(|(index, _)| index)
-                .collect();
-            assert_eq!(hull.lanes.faces_around(vertex), expected);
-        }
     }
 }

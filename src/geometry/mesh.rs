@@ -1,5 +1,6 @@
 //! `TriMesh`: triangles with per-vertex attributes, and what can be wrong with them.
 
+use super::weld::weld;
 use super::{EdgeCensus, KnownClosed};
 use crate::math::{Aabb, Pose, rotate};
 use glam::{DVec3, Vec2, Vec3, Vec4};
@@ -389,34 +390,4 @@ fn check_finite<T>(values: &[T], is_finite: impl Fn(&T) -> bool) -> Result<(), M
         Some(vertex) => Err(MeshError::NotFinite { vertex }),
         None => Ok(()),
     }
-}
-
-/// Numbers distinct positions in the order in which they first occur.
-pub(crate) fn weld(positions: &[Vec3]) -> Vec<u32> {
-    // Adding +0.0 turns -0.0 into +0.0, after which equal numbers have equal bits.
-    let key = |vertex: u32| {
-        (positions[vertex as usize] + Vec3::ZERO)
-            .to_array()
-            .map(f32::to_bits)
-    };
-    let mut order: Vec<u32> = (0..positions.len() as u32).collect();
-    order.sort_unstable_by_key(|&vertex| (key(vertex), vertex));
-    // Within a run of equal positions the first vertex is the one that occurs first.
-    let mut topology = vec![0; positions.len()];
-    for run in order.chunk_by(|&a, &b| key(a) == key(b)) {
-        for &vertex in run {
-            topology[vertex as usize] = run[0];
-        }
-    }
-    let mut count = 0;
-    for vertex in 0..topology.len() {
-        let first = topology[vertex] as usize;
-        topology[vertex] = if first == vertex {
-            count += 1;
-            count - 1
-        } else {
-            topology[first]
-        };
-    }
-    topology
 }

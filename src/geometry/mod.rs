@@ -3,6 +3,7 @@
 //! Nothing here knows of mass, motion or the ECS. Coordinates are metres in the body's own frame; triangles and face
 //! loops run counter-clockwise seen from outside.
 
+mod around;
 mod closed;
 pub mod convex;
 pub mod convex_mesh;
@@ -13,6 +14,7 @@ pub mod mesh;
 pub(crate) mod moments;
 pub mod predicates;
 pub mod primitives;
+mod weld;
 
 pub(crate) use closed::{EdgeCensus, KnownClosed};
 pub use convex::{ConvexHull, Edge, Face, HullDefect, HullError};

@@ -84,44 +84,47 @@ impl Neg for Moments {
     }
 }
 
-/// Triangles that are summed up at once.
-const BLOCK: usize = 8;
+/// Triangles that wait to be summed up.
+const BLOCK: usize = 32;
 
-/// Sums up moments over triangles, a block at a time: a loop over a block has no order between triangles, so that the
-/// compiler makes vector instructions of it.
+/// Triangles that are summed up side by side: as many `f64` as fit in a vector register of every processor.
+const PAIR: usize = 2;
+
+/// Sums up moments over triangles of a list of vertices, two at a time: there is no order between the two, so that the
+/// compiler makes vector instructions of them.
 #[derive(Clone, Debug)]
-pub(crate) struct MomentSum {
+pub(crate) struct MomentSum<'v> {
+    vertices: &'v [Vec3],
     apex: [f64; 3],
-    /// Coordinates of the three corners of the triangles that are not in the sums yet.
-    block: [[f32; BLOCK]; 9],
+    /// Corners of the triangles that are not in the sums yet.
+    block: [[u32; 3]; BLOCK],
     filled: usize,
-    /// Six volumes, first moments, diagonal and products, as [`Moments`] has them, for each place in the block.
-    sums: [[f64; BLOCK]; 10],
+    /// Six volumes, first moments, diagonal and products, as [`Moments`] has them, for each of a pair.
+    sums: [[f64; PAIR]; 10],
 }
 
-impl MomentSum {
+impl<'v> MomentSum<'v> {
     /// Of nothing, about `apex` (m).
-    pub(crate) fn about(apex: DVec3) -> Self {
+    pub(crate) fn about(apex: DVec3, vertices: &'v [Vec3]) -> Self {
         Self {
+            vertices,
             apex: apex.to_array(),
-            block: [[0.0; BLOCK]; 9],
+            block: [[0; 3]; BLOCK],
             filled: 0,
-            sums: [[0.0; BLOCK]; 10],
+            sums: [[0.0; PAIR]; 10],
         }
     }
 
     /// Adds a face as a triangle fan about its first corner.
     #[inline]
-    pub(crate) fn add_face(&mut self, vertices: &[Vec3], corners: &[u32]) {
-        let place = |vertex: u32| vertices[vertex as usize];
+    pub(crate) fn add_face(&mut self, corners: &[u32]) {
         match *corners {
             // By far the most common one in a hull with many faces.
-            [a, b, c] => self.add_triangle(place(a), place(b), place(c)),
+            [a, b, c] => self.add_triangle([a, b, c]),
             [a, b, ref rest @ ..] => {
-                let (a, mut last) = (place(a), place(b));
-                for &c in rest {
-                    let next = place(c);
-                    self.add_triangle(a, last, next);
+                let mut last = b;
+                for &next in rest {
+                    self.add_triangle([a, last, next]);
                     last = next;
                 }
             }
@@ -130,23 +133,24 @@ impl MomentSum {
     }
 
     #[inline]
-    fn add_triangle(&mut self, a: Vec3, b: Vec3, c: Vec3) {
+    fn add_triangle(&mut self, corners: [u32; 3]) {
         if self.filled >= BLOCK {
             self.add_block();
         }
-        let at = self.filled;
-        let [ax, ay, az, bx, by, bz, cx, cy, cz] = &mut self.block;
-        (ax[at], ay[at], az[at]) = (a.x, a.y, a.z);
-        (bx[at], by[at], bz[at]) = (b.x, b.y, b.z);
-        (cx[at], cy[at], cz[at]) = (c.x, c.y, c.z);
-        self.filled = at + 1;
+        self.block[self.filled] = corners;
+        self.filled += 1;
     }
 
     /// The sums.
     pub(crate) fn finish(mut self) -> Moments {
+        if self.filled % PAIR != 0 {
+            // The volume of a triangle with three equal corners is zero exactly.
+            let [corner, ..] = self.block[0];
+            self.block[self.filled] = [corner; 3];
+            self.filled += 1;
+        }
         self.add_block();
-        let [six_volumes, x, y, z, xx, yy, zz, yz, zx, xy] =
-            self.sums.map(|lanes| lanes.iter().sum());
+        let [six_volumes, x, y, z, xx, yy, zz, yz, zx, xy] = self.sums.map(|[a, b]| a + b);
         Moments {
             six_volumes,
             first: DVec3::new(x, y, z),
@@ -157,44 +161,53 @@ impl MomentSum {
 
     fn add_block(&mut self) {
         let filled = std::mem::take(&mut self.filled);
-        for lanes in &mut self.block {
-            // The volume of a triangle with three equal corners is zero exactly.
-            lanes[filled.min(BLOCK)..].fill(0.0);
+        let mut sums = self.sums;
+        for pair in self.block[..filled].as_chunks::<PAIR>().0 {
+            let corner = |k: usize| {
+                let [p, q] = [pair[0][k], pair[1][k]].map(|v| self.vertices[v as usize]);
+                let [x, y, z] = self.apex;
+                [
+                    [f64::from(p.x) - x, f64::from(q.x) - x],
+                    [f64::from(p.y) - y, f64::from(q.y) - y],
+                    [f64::from(p.z) - z, f64::from(q.z) - z],
+                ]
+            };
+            add_pair(&mut sums, corner(0), corner(1), corner(2));
         }
-        let terms = terms_of(&self.block, self.apex);
-        for (sums, terms) in self.sums.iter_mut().zip(&terms) {
-            for (sum, term) in sums.iter_mut().zip(terms) {
-                *sum += term;
-            }
-        }
+        self.sums = sums;
     }
 }
 
-/// What each triangle of a block adds to the sums.
+/// Adds what each triangle of a pair adds to the sums.
+///
+/// With the sums of two corners each, `p = a + b`, `q = b + c` and `r = c + a`, the second moments are shorter:
+/// `s s^T + a a^T + b b^T + c c^T = p p^T + q q^T + r r^T`.
 #[inline]
-fn terms_of(block: &[[f32; BLOCK]; 9], [ox, oy, oz]: [f64; 3]) -> [[f64; BLOCK]; 10] {
-    let [ax, ay, az, bx, by, bz, cx, cy, cz] = block;
-    let mut terms = [[0.0; BLOCK]; 10];
-    for i in 0..BLOCK {
-        let arm =
-            |x: f32, y: f32, z: f32| [f64::from(x) - ox, f64::from(y) - oy, f64::from(z) - oz];
-        let [ax, ay, az] = arm(ax[i], ay[i], az[i]);
-        let [bx, by, bz] = arm(bx[i], by[i], bz[i]);
-        let [cx, cy, cz] = arm(cx[i], cy[i], cz[i]);
+fn add_pair(
+    sums: &mut [[f64; PAIR]; 10],
+    [ax, ay, az]: [[f64; PAIR]; 3],
+    [bx, by, bz]: [[f64; PAIR]; 3],
+    [cx, cy, cz]: [[f64; PAIR]; 3],
+) {
+    for i in 0..PAIR {
+        let [ax, ay, az] = [ax[i], ay[i], az[i]];
+        let [bx, by, bz] = [bx[i], by[i], bz[i]];
+        let [cx, cy, cz] = [cx[i], cy[i], cz[i]];
         let d = ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx);
-        let [sx, sy, sz] = [ax + bx + cx, ay + by + cy, az + bz + cz];
-        terms[0][i] = d;
-        terms[1][i] = d * sx;
-        terms[2][i] = d * sy;
-        terms[3][i] = d * sz;
-        terms[4][i] = d * (sx * sx + ax * ax + bx * bx + cx * cx);
-        terms[5][i] = d * (sy * sy + ay * ay + by * by + cy * cy);
-        terms[6][i] = d * (sz * sz + az * az + bz * bz + cz * cz);
-        terms[7][i] = d * (sy * sz + ay * az + by * bz + cy * cz);
-        terms[8][i] = d * (sz * sx + az * ax + bz * bx + cz * cx);
-        terms[9][i] = d * (sx * sy + ax * ay + bx * by + cx * cy);
+        let [px, py, pz] = [ax + bx, ay + by, az + bz];
+        let [qx, qy, qz] = [bx + cx, by + cy, bz + cz];
+        let [rx, ry, rz] = [cx + ax, cy + ay, cz + az];
+        sums[0][i] += d;
+        sums[1][i] += d * (px + cx);
+        sums[2][i] += d * (py + cy);
+        sums[3][i] += d * (pz + cz);
+        sums[4][i] += d * (px * px + qx * qx + rx * rx);
+        sums[5][i] += d * (py * py + qy * qy + ry * ry);
+        sums[6][i] += d * (pz * pz + qz * qz + rz * rz);
+        sums[7][i] += d * (py * pz + qy * qz + ry * rz);
+        sums[8][i] += d * (pz * px + qz * qx + rz * rx);
+        sums[9][i] += d * (px * py + qx * qy + rx * ry);
     }
-    terms
 }
 
 /// The moments of a solid, with what a later cut needs to find those of its parts.
@@ -221,8 +234,8 @@ impl SolidMoments {
     /// frame's origin.
     pub(crate) fn of_faces<'f>(vertices: &[Vec3], faces: impl Iterator<Item = &'f [u32]>) -> Self {
         let apex = vertices.first().map_or(DVec3::ZERO, |v| v.as_dvec3());
-        let mut sum = MomentSum::about(apex);
-        faces.for_each(|corners| sum.add_face(vertices, corners));
+        let mut sum = MomentSum::about(apex, vertices);
+        faces.for_each(|corners| sum.add_face(corners));
         let sums = sum.finish();
         Self {
             apex,

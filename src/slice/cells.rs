@@ -14,6 +14,7 @@ use super::cell_clip::{CellClipper, CutPlane};
 use super::convex::{HullSlice, HullSlicer};
 use super::mesh_slicer::MeshSlicer;
 use super::pattern::Planes;
+use super::separate::separate;
 use super::{Slice, SliceError, SliceOptions, Verdict};
 use crate::geometry::predicates::{check_plane, length_scale, plane_tolerance};
 use crate::geometry::{ConvexHull, TriMesh};
@@ -160,6 +161,20 @@ impl PieceCutter {
             *pieces = cut;
         }
         Ok(())
+    }
+
+    /// Takes pieces apart whose visual meshes are in several parts: a piece for each part, with the convex hull around it,
+    /// in the order of the parts' first triangles.
+    ///
+    /// A cut through the legs of a table leaves stumps that hold together only because their half of the hull does; apart,
+    /// each falls on its own. The new hulls hold less than the old one: the air between the parts, which had counted as
+    /// material, is lost. Parts whose hulls reach into each other would push each other away; they stay one piece with the
+    /// hull around them, and a part too thin for a hull goes with the largest one. A cavity is no part of its own.
+    ///
+    /// # Errors
+    /// [`SliceError::Hull`] if a part does not make a hull although it is not flat.
+    pub fn separate(&mut self, pieces: &mut Vec<Piece>) -> Result<(), SliceError> {
+        separate(pieces, &mut self.clipper)
     }
 
     /// The parts of a visual mesh below and above a plane.

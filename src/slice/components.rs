@@ -15,17 +15,32 @@ use glam::DVec3;
 /// there. A mesh in one piece gives one mesh, without vertices that no triangle uses; a mesh without triangles none. The
 /// pieces of a closed mesh are closed. A mesh that is open falls apart as well, but what its cavities are has no meaning.
 pub fn split_components(mesh: &TriMesh) -> Vec<TriMesh> {
+    meshes_of(mesh, &labels(mesh))
+}
+
+/// For each triangle the number of the piece that it is part of, which is that of the first surface of the piece.
+pub(super) fn labels(mesh: &TriMesh) -> Vec<u32> {
     let mut labels = surfaces(mesh);
-    let count = labels.iter().max().map_or(0, |&last| last as usize + 1);
+    let count = label_count(&labels);
     if count > 1 {
         let owners = owners(mesh, &labels, count);
         for label in &mut labels {
             *label = owners[*label as usize];
         }
     }
+    labels
+}
+
+/// The largest label plus one.
+pub(super) fn label_count(labels: &[u32]) -> usize {
+    labels.iter().max().map_or(0, |&last| last as usize + 1)
+}
+
+/// The triangles of each label as a mesh, in the order of the labels.
+pub(super) fn meshes_of(mesh: &TriMesh, labels: &[u32]) -> Vec<TriMesh> {
     let mut numbers = Numbers::default();
-    (0..count as u32)
-        .filter_map(|label| piece(mesh, &labels, label, &mut numbers))
+    (0..label_count(labels) as u32)
+        .filter_map(|label| piece(mesh, labels, label, &mut numbers))
         .collect()
 }
 

@@ -135,7 +135,7 @@ impl MeshSlicer {
         attributes::clear(part);
         self.collect_triangles(index, mesh, part);
         let counts = [self.clip.cut_vertices, self.cap.corners.len()];
-        let (chosen, new) = (&self.numbers.chosen, &self.clip.new);
+        let (chosen, new) = (self.numbers.chosen(), &self.clip.new);
         attributes::extend_chosen(part, mesh, chosen, new, counts);
         part.topology.reserve(part.positions.len() + counts[1]);
         let new = &new.topology[..counts[0]];
@@ -172,7 +172,7 @@ impl MeshSlicer {
                 numbers.of(corner);
             }
         }
-        let first_new = numbers.chosen.len() as u32;
+        let first_new = numbers.count as u32;
         part.triangles.extend(cut.iter().map(|cut| {
             cut.corners
                 .map(|corner| match corner.checked_sub(old_vertices) {
@@ -236,8 +236,9 @@ impl MeshSlicer {
 pub(super) struct Numbers {
     /// By old vertex.
     table: Vec<u32>,
-    /// The old vertices that have numbers, in order.
+    /// The old vertices that have numbers, in order, and behind so many nothing of use.
     chosen: Vec<u32>,
+    count: usize,
     positions: Positions,
 }
 
@@ -246,22 +247,30 @@ impl Numbers {
     pub(super) fn reset(&mut self, vertices: usize) {
         self.table.clear();
         self.table.resize(vertices, UNUSED);
-        self.chosen.clear();
+        // One more, for the last one that is asked for again.
+        self.chosen.resize(vertices + 1, 0);
+        self.count = 0;
     }
 
     /// The old vertices that were asked for, in order.
     pub(super) fn chosen(&self) -> &[u32] {
-        &self.chosen
+        &self.chosen[..self.count]
     }
 
     /// The new number of a vertex.
+    ///
+    /// Without branches, because there is no guessing which vertex comes for the first time.
     #[inline]
     pub(super) fn of(&mut self, old: u32) -> u32 {
         let entry = &mut self.table[old as usize];
-        if *entry == UNUSED {
-            *entry = self.chosen.len() as u32;
-            self.chosen.push(old);
-        }
+        let is_first_time = *entry == UNUSED;
+        self.chosen[self.count] = old;
+        *entry = if is_first_time {
+            self.count as u32
+        } else {
+            *entry
+        };
+        self.count += usize::from(is_first_time);
         *entry
     }
 
@@ -278,7 +287,9 @@ impl Numbers {
             chosen, positions, ..
         } = self;
         positions.reset(count);
-        let of_old = chosen.iter().map(|&vertex| mesh.topology[vertex as usize]);
+        let of_old = chosen[..self.count]
+            .iter()
+            .map(|&vertex| mesh.topology[vertex as usize]);
         let all = of_old.chain(new.iter().copied());
         part.topology.extend(all.map(|number| positions.of(number)));
     }
@@ -306,10 +317,9 @@ impl Positions {
     #[inline]
     fn of(&mut self, old: u32) -> u32 {
         let entry = &mut self.table[old as usize];
-        if *entry == UNUSED {
-            *entry = self.used;
-            self.used += 1;
-        }
+        let is_first_time = *entry == UNUSED;
+        *entry = if is_first_time { self.used } else { *entry };
+        self.used += u32::from(is_first_time);
         *entry
     }
 }

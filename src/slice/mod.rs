@@ -30,6 +30,7 @@ pub mod fracturable;
 mod mesh_slicer;
 pub mod pattern;
 mod random;
+mod separate;
 
 pub use cells::{Cutting, Piece, PieceCutter, cut_by_planes};
 pub use clip::Verdict;

@@ -3,9 +3,9 @@
 use super::Irregular;
 use super::classes::{ABOVE, BELOW, BOTH, Classes, ON};
 use super::rim::Rim;
+use crate::geometry::lanes::box_of;
 use crate::geometry::{ConvexHull, Edge, Face};
-use crate::math::{Aabb, Plane};
-use glam::Vec3;
+use crate::math::Plane;
 use smallvec::SmallVec;
 
 /// The numbers that a hull's vertices and faces have in each part, and what each part has of everything.
@@ -125,7 +125,7 @@ impl Numbers {
         writer.write_faces(out, cap)?;
         writer.write_edges(out);
         out.lanes.copy(&out.vertices, &out.faces);
-        out.aabb = box_of(&out.vertices);
+        out.aabb = box_of(&out.lanes.points);
         Ok(())
     }
 }
@@ -166,19 +166,23 @@ impl Writer<'_> {
             .extend(old.iter().map(|&v| hull.vertices[v as usize]));
         out.vertices.extend_from_slice(&self.rim.points);
         let mut around = out.lanes.around.rewrite(count, 2 * self.edges);
-        let (sides, numbers) = (&self.classes.sides[..], &self.faces.numbers[..]);
+        let numbers = &self.faces.numbers[..];
         let mut has_room = true;
-        for &vertex in old {
-            if sides[vertex as usize] == ON {
-                let faces: SmallVec<[u32; 16]> = self.faces_around(vertex).collect();
-                has_room &= around.push(faces.into_iter());
-            } else {
-                has_room &= around.copy(&hull.lanes.around, vertex as usize, numbers);
+        let mut written = 0;
+        for &on in &self.classes.on_vertices {
+            if self.classes.members[on as usize] & self.mask == 0 {
+                continue;
             }
+            let place = self.vertex(on) as usize;
+            has_room &= around.copy(&hull.lanes.around, &old[written..place], numbers);
+            let faces: SmallVec<[u32; 16]> = self.faces_around(on).collect();
+            has_room &= around.push(&faces);
+            written = place + 1;
         }
-        for &edge in self.classes.edges(BOTH) {
-            let [a, b] = hull.edges[edge as usize].faces.map(|f| self.face(f));
-            has_room &= around.push([a.min(b), a.max(b), self.cap()].into_iter());
+        has_room &= around.copy(&hull.lanes.around, &old[written..], numbers);
+        for edge in &self.rim.cut_edges {
+            let [a, b] = edge.faces.map(|face| numbers[face as usize]);
+            has_room &= around.push(&[a.min(b), a.max(b), self.cap()]);
         }
         if has_room { Ok(()) } else { Err(Irregular) }
     }
@@ -208,7 +212,7 @@ impl Writer<'_> {
             written: 0,
         };
         let (classes, faces, loops) = (&self.classes.faces[..], &hull.faces[..], &hull.loops[..]);
-        let mut cut = 0;
+        let mut pieces = self.rim.pieces[self.part].iter();
         for (&index, out) in old.iter().zip(&mut out.faces) {
             let Face {
                 plane,
@@ -216,8 +220,7 @@ impl Writer<'_> {
                 count,
             } = faces[index as usize];
             let corners = if classes[index as usize] == BOTH {
-                cut += 1;
-                self.rim.pieces[self.part].get(cut - 1)
+                pieces.next().ok_or(Irregular)?
             } else {
                 &loops[first as usize..][..count as usize]
             };
@@ -271,18 +274,18 @@ impl Writer<'_> {
                 faces: [faces[f as usize], faces[g as usize]],
             }
         }));
-        let first_cut = self.hull.vertices.len() as u32;
-        for (&edge, cut) in self.classes.edges(BOTH).iter().zip(first_cut..) {
-            let edge = &self.hull.edges[edge as usize];
-            let end = |v: u32| {
-                let is_inside = self.classes.sides[v as usize] == self.mask;
-                self.vertex(if is_inside { v } else { cut })
-            };
-            edges.push(Edge {
-                vertices: edge.vertices.map(end),
-                faces: edge.faces.map(|f| self.face(f)),
-            });
-        }
+        let first_cut = self.vertices.count as u32;
+        edges.extend(
+            (self.rim.cut_edges.iter().zip(first_cut..)).map(|(edge, cut)| {
+                let end = vertices[edge.ends[self.part] as usize];
+                let ends_at_cut = edge.goes_up == (self.mask == BELOW);
+                let [f, g] = edge.faces;
+                Edge {
+                    vertices: if ends_at_cut { [end, cut] } else { [cut, end] },
+                    faces: [faces[f as usize], faces[g as usize]],
+                }
+            }),
+        );
         for on_edge in &self.classes.on_edges {
             let is_inside = on_edge.parts.map(|part| part == self.mask);
             if is_inside != [false; 2] {
@@ -300,17 +303,18 @@ impl Writer<'_> {
                 });
             }
         }
-        for (&face, &[up, down]) in self.classes.cut_faces.iter().zip(&self.rim.chords) {
-            let ends = if self.mask == BELOW {
-                [up, down]
-            } else {
-                [down, up]
-            };
-            edges.push(Edge {
-                vertices: ends.map(|v| self.vertex(v)),
-                faces: [self.face(face), self.cap()],
-            });
-        }
+        let chords = self.classes.cut_faces.iter().zip(&self.rim.chords);
+        edges.extend(chords.map(|(&face, &[up, down])| {
+            let [up, down] = [vertices[up as usize], vertices[down as usize]];
+            Edge {
+                vertices: if self.mask == BELOW {
+                    [up, down]
+                } else {
+                    [down, up]
+                },
+                faces: [faces[face as usize], self.cap()],
+            }
+        }));
     }
 }
 
@@ -352,17 +356,4 @@ impl LoopWriter<'_> {
         self.written += count as u32;
         Ok(())
     }
-}
-
-/// The box around points.
-fn box_of(points: &[Vec3]) -> Aabb {
-    let least = |a: f32, b: f32| if b < a { b } else { a };
-    let most = |a: f32, b: f32| if b > a { b } else { a };
-    let mut all = Aabb::EMPTY;
-    for p in points {
-        let Aabb { min, max } = &mut all;
-        *min = Vec3::new(least(min.x, p.x), least(min.y, p.y), least(min.z, p.z));
-        *max = Vec3::new(most(max.x, p.x), most(max.y, p.y), most(max.z, p.z));
-    }
-    all
 }

@@ -78,9 +78,9 @@ fn from_hull(
 
 /// Sums over some faces of a part, about the point of `hull`.
 fn sum_faces(hull: &ConvexHull, part: &ConvexHull, faces: impl Iterator<Item = u32>) -> Moments {
-    let mut sum = MomentSum::about(hull.moments.apex);
+    let mut sum = MomentSum::about(hull.moments.apex, &part.vertices);
     for face in faces {
-        sum.add_face(&part.vertices, part.face_loop(&part.faces[face as usize]));
+        sum.add_face(part.face_loop(&part.faces[face as usize]));
     }
     sum.finish()
 }

@@ -4,7 +4,7 @@
 
 use super::Irregular;
 use super::classes::{ABOVE, BELOW, BOTH, Classes, ON};
-use crate::geometry::ConvexHull;
+use crate::geometry::{ConvexHull, Edge};
 use crate::math::Plane;
 use crate::slice::clip::crossing;
 use glam::Vec3;
@@ -13,7 +13,9 @@ const NONE: u32 = u32::MAX;
 
 #[derive(Clone, Debug, Default)]
 pub(super) struct Rim {
-    /// One cut point for each cut edge.
+    /// The edges with ends on both sides.
+    pub(super) cut_edges: Vec<CutEdge>,
+    /// One cut point for each of them.
     pub(super) points: Vec<Vec3>,
     /// For each cut face, the corners of its chord: where its loop goes up through the plane, and where it comes down.
     pub(super) chords: Vec<[u32; 2]>,
@@ -25,6 +27,17 @@ pub(super) struct Rim {
     crossings: Vec<[u32; 2]>,
     /// For each vertex and cut point, the one that follows it in the cap.
     next: Vec<u32>,
+}
+
+/// An edge of the hull with ends on both sides.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CutEdge {
+    /// Its end below, and that above.
+    pub(super) ends: [u32; 2],
+    /// Its faces, in the hull's order.
+    pub(super) faces: [u32; 2],
+    /// Whether the first face runs along it from below to above.
+    pub(super) goes_up: bool,
 }
 
 /// Face loops, one after the other.
@@ -40,30 +53,45 @@ impl Loops {
         self.ends.clear();
     }
 
-    /// One loop.
-    pub(super) fn get(&self, index: usize) -> &[u32] {
-        let first = index.checked_sub(1).map_or(0, |before| self.ends[before]);
-        &self.corners[first as usize..self.ends[index] as usize]
+    /// The loops, in order.
+    pub(super) fn iter(&self) -> impl Iterator<Item = &[u32]> {
+        let mut first = 0;
+        self.ends.iter().map(move |&end| {
+            let from = std::mem::replace(&mut first, end as usize);
+            &self.corners[from..end as usize]
+        })
     }
 }
 
 impl Rim {
     /// One cut point for each cut edge, from the end with the smaller number.
     pub(super) fn cut_edges(&mut self, hull: &ConvexHull, plane: &Plane, classes: &Classes) {
-        self.points.clear();
         if self.crossings.len() < hull.faces.len() {
             self.crossings.resize(hull.faces.len(), [NONE; 2]);
         }
-        for &edge in classes.edges(BOTH) {
-            let edge = &hull.edges[edge as usize];
-            let [a, b] = edge.vertices;
-            let goes_up = classes.sides[a as usize] == BELOW;
+        self.cut_edges.clear();
+        self.cut_edges
+            .extend(classes.edges(BOTH).iter().map(|&edge| {
+                let Edge { vertices, faces } = hull.edges[edge as usize];
+                let [from, to] = vertices;
+                let goes_up = classes.sides[from as usize] == BELOW;
+                CutEdge {
+                    ends: if goes_up { [from, to] } else { [to, from] },
+                    faces,
+                    goes_up,
+                }
+            }));
+        self.points.clear();
+        self.points.extend(self.cut_edges.iter().map(|edge| {
+            let [a, b] = edge.ends;
             let [low, high] = [a.min(b), a.max(b)].map(|v| hull.vertices[v as usize]);
-            let cut = (hull.vertices.len() + self.points.len()) as u32;
-            self.points.push(crossing(plane, low, high).0);
+            crossing(plane, low, high).0
+        }));
+        let first = hull.vertices.len() as u32;
+        for (edge, cut) in self.cut_edges.iter().zip(first..) {
             let [forward, backward] = edge.faces.map(|face| face as usize);
-            self.crossings[forward][usize::from(!goes_up)] = cut;
-            self.crossings[backward][usize::from(goes_up)] = cut;
+            self.crossings[forward][usize::from(!edge.goes_up)] = cut;
+            self.crossings[backward][usize::from(edge.goes_up)] = cut;
         }
     }
 

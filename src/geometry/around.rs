@@ -1,0 +1,139 @@
+//! The faces that meet in each vertex of a hull.
+
+use super::convex::Face;
+
+/// Faces around each vertex, ascending, one vertex after the other.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct FacesAround {
+    faces: Vec<u32>,
+    /// Where each vertex's run begins in `faces`, and where the last one ends.
+    first: Vec<u32>,
+}
+
+impl Default for FacesAround {
+    /// Of no vertex.
+    fn default() -> Self {
+        Self {
+            faces: Vec::new(),
+            first: vec![0],
+        }
+    }
+}
+
+impl FacesAround {
+    /// Counting sort of all corners by vertex.
+    pub(crate) fn sort_corners(&mut self, vertices: usize, faces: &[Face], loops: &[u32]) {
+        self.first.resize(vertices + 1, 0);
+        loops.iter().for_each(|&v| self.first[v as usize + 1] += 1);
+        for v in 0..vertices {
+            self.first[v + 1] += self.first[v];
+        }
+        let mut next = self.first.clone();
+        self.faces.resize(loops.len(), 0);
+        for (index, face) in (0..).zip(faces) {
+            for &v in &loops[face.first as usize..][..face.count as usize] {
+                self.faces[next[v as usize] as usize] = index;
+                next[v as usize] += 1;
+            }
+        }
+    }
+
+    /// Makes room for so many vertices with so many corners, to be written in order.
+    pub(crate) fn rewrite(&mut self, vertices: usize, corners: usize) -> AroundWriter<'_> {
+        self.first.resize(vertices + 1, 0);
+        self.faces.resize(corners, 0);
+        AroundWriter {
+            ends: &mut self.first[1..],
+            faces: &mut self.faces,
+            written: 0,
+        }
+    }
+
+    /// The faces that meet in a vertex, ascending.
+    pub(crate) fn of(&self, vertex: usize) -> &[u32] {
+        &self.faces[self.first[vertex] as usize..self.first[vertex + 1] as usize]
+    }
+}
+
+/// Most vertices of a hull have no more faces around them.
+const USUALLY_AROUND: usize = 8;
+
+/// Writes the faces around vertices, one vertex after the other.
+#[derive(Debug)]
+pub(crate) struct AroundWriter<'a> {
+    /// Of the vertices that are still to come.
+    ends: &'a mut [u32],
+    faces: &'a mut [u32],
+    written: usize,
+}
+
+impl AroundWriter<'_> {
+    /// Writes the faces around `vertices` of `other`, which are called `numbers` here, in the same order. False if there is
+    /// no room left.
+    pub(crate) fn copy(&mut self, other: &FacesAround, vertices: &[u32], numbers: &[u32]) -> bool {
+        let Some((ends, rest)) =
+            std::mem::take(&mut self.ends).split_at_mut_checked(vertices.len())
+        else {
+            return false;
+        };
+        self.ends = rest;
+        let (firsts, all) = (&other.first[..], &other.faces[..]);
+        let (room, mut written) = (&mut *self.faces, self.written);
+        let mut has_room = true;
+        for (&vertex, end) in vertices.iter().zip(ends) {
+            let first = firsts[vertex as usize] as usize;
+            let count = firsts[vertex as usize + 1] as usize - first;
+            let from = all.get(first..first + USUALLY_AROUND);
+            let to = room.get_mut(written..written + USUALLY_AROUND);
+            if let (Some(from), Some(to), true) = (from, to, count <= USUALLY_AROUND) {
+                // More than are there, which the next vertex writes over: there is no guessing how many it will be.
+                for (to, &from) in to.iter_mut().zip(from) {
+                    *to = numbers[from as usize];
+                }
+            } else if let Some(to) = room.get_mut(written..written + count) {
+                for (to, &from) in to.iter_mut().zip(&all[first..]) {
+                    *to = numbers[from as usize];
+                }
+            } else {
+                has_room = false;
+            }
+            written += count;
+            *end = written as u32;
+        }
+        self.written = written;
+        has_room
+    }
+
+    /// Writes the faces around the next vertex, ascending. False if there is no room left.
+    #[inline]
+    pub(crate) fn push(&mut self, faces: &[u32]) -> bool {
+        let to = (self.faces).get_mut(self.written..self.written + faces.len());
+        let ends = std::mem::take(&mut self.ends);
+        let (Some(to), Some((end, rest))) = (to, ends.split_first_mut()) else {
+            return false;
+        };
+        to.copy_from_slice(faces);
+        self.written += faces.len();
+        *end = self.written as u32;
+        self.ends = rest;
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::geometry::primitives::icosphere;
+
+    #[test]
+    fn faces_around_a_vertex_are_those_whose_loops_name_it() {
+        let hull = icosphere(1.0, 1).expect("a ball is valid");
+        for vertex in 0..hull.vertices().len() {
+            let expected: Vec<u32> = (0..)
+                .zip(hull.faces())
+                .filter(|(_, face)| hull.face_loop(face).contains(&(vertex as u32)))
+                .map(|(index, _)| index)
+                .collect();
+            assert_eq!(hull.lanes.faces_around(vertex), expected);
+        }
+    }
+}

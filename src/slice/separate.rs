@@ -1,0 +1,146 @@
+//! Pieces whose visual meshes fall apart, as a piece for each part.
+//!
+//! A plane through a table's legs leaves four stumps in one half of the table's hull. Each of them gets the convex hull
+//! around itself, and falls on its own. Parts whose hulls reach into each other, such as the links of a chain or a ball in
+//! a bowl, would be pushed apart as soon as they were bodies; they stay one piece, with the hull around all of them.
+
+use super::cell_clip::{CellClipper, CutPlane};
+use super::components::{label_count, labels, meshes_of};
+use super::{Piece, SliceError, Verdict};
+use crate::geometry::{ConvexHull, HullError, TriMesh};
+use glam::Vec3;
+
+/// As [`PieceCutter::separate`](super::PieceCutter::separate).
+pub(super) fn separate(
+    pieces: &mut Vec<Piece>,
+    clipper: &mut CellClipper,
+) -> Result<(), SliceError> {
+    let mut separate = Vec::with_capacity(pieces.len());
+    for piece in pieces.drain(..) {
+        match &piece.visual {
+            Some(mesh) => match parts_of(mesh, clipper)? {
+                parts if parts.len() > 1 => separate.extend(parts),
+                _ => separate.push(piece),
+            },
+            None => separate.push(piece),
+        }
+    }
+    *pieces = separate;
+    Ok(())
+}
+
+/// A piece for each part of a mesh; none if the mesh is in one part.
+fn parts_of(mesh: &TriMesh, clipper: &mut CellClipper) -> Result<Vec<Piece>, SliceError> {
+    let mut labels = labels(mesh);
+    let mut parts = Parts::new(mesh, &labels)?;
+    if parts.hulls.iter().flatten().count() < 2 {
+        return Ok(Vec::new());
+    }
+    parts.join_thin_ones(mesh, &mut labels)?;
+    while let Some([kept, joined]) = parts.find_overlap(clipper) {
+        parts.join(mesh, &mut labels, [kept, joined])?;
+    }
+    let hulls = parts.hulls.into_iter().flatten();
+    let pieces = hulls
+        .zip(meshes_of(mesh, &labels))
+        .map(|(hull, visual)| Piece {
+            volume: hull.volume(),
+            hull,
+            visual: Some(visual),
+        });
+    Ok(pieces.collect())
+}
+
+/// The hulls around the parts of a mesh, by label.
+struct Parts {
+    /// None for a label without triangles, and for a part too thin for a hull.
+    hulls: Vec<Option<ConvexHull>>,
+}
+
+impl Parts {
+    fn new(mesh: &TriMesh, labels: &[u32]) -> Result<Self, SliceError> {
+        let hulls = (0..label_count(labels) as u32).map(|label| hull_around(mesh, labels, label));
+        Ok(Self {
+            hulls: hulls.collect::<Result<_, _>>()?,
+        })
+    }
+
+    /// Joins parts without a hull to the largest one.
+    fn join_thin_ones(&mut self, mesh: &TriMesh, labels: &mut [u32]) -> Result<(), SliceError> {
+        let volume = |part: &usize| self.hulls[*part].as_ref().map_or(0.0, ConvexHull::volume);
+        let largest = (0..self.hulls.len()).max_by(|a, b| volume(a).total_cmp(&volume(b)));
+        let Some(largest) = largest else {
+            return Ok(());
+        };
+        let mut is_grown = false;
+        for label in &mut *labels {
+            if self.hulls[*label as usize].is_none() {
+                *label = largest as u32;
+                is_grown = true;
+            }
+        }
+        if is_grown {
+            self.hulls[largest] = hull_around(mesh, labels, largest as u32)?;
+        }
+        Ok(())
+    }
+
+    /// Two parts whose hulls reach into each other.
+    fn find_overlap(&self, clipper: &mut CellClipper) -> Option<[usize; 2]> {
+        let hulls = || self.hulls.iter().enumerate();
+        let pairs = hulls().flat_map(|a| hulls().skip(a.0 + 1).map(move |b| [a, b]));
+        let mut overlaps = pairs.filter_map(|[(i, a), (j, b)]| {
+            let is_overlap = overlap(a.as_ref()?, b.as_ref()?, clipper);
+            is_overlap.then_some([i, j])
+        });
+        overlaps.next()
+    }
+
+    /// Makes one part of two.
+    fn join(
+        &mut self,
+        mesh: &TriMesh,
+        labels: &mut [u32],
+        [kept, joined]: [usize; 2],
+    ) -> Result<(), SliceError> {
+        for label in &mut *labels {
+            if *label == joined as u32 {
+                *label = kept as u32;
+            }
+        }
+        self.hulls[joined] = None;
+        self.hulls[kept] = hull_around(mesh, labels, kept as u32)?;
+        Ok(())
+    }
+}
+
+/// The hull around the triangles with one label; none if there are none, or they are too thin.
+fn hull_around(
+    mesh: &TriMesh,
+    labels: &[u32],
+    label: u32,
+) -> Result<Option<ConvexHull>, SliceError> {
+    let own = mesh.triangles.iter().zip(labels);
+    let own = own.filter(|&(_, &l)| l == label);
+    let mut used: Vec<u32> = own.flat_map(|(corners, _)| *corners).collect();
+    used.sort_unstable();
+    used.dedup();
+    let points: Vec<Vec3> = (used.into_iter())
+        .map(|vertex| mesh.positions[vertex as usize])
+        .collect();
+    match ConvexHull::from_points(&points) {
+        Ok(hull) => Ok(Some(hull)),
+        Err(HullError::Flat { .. } | HullError::TooFewPoints { .. }) => Ok(None),
+        Err(error) => Err(error.into()),
+    }
+}
+
+/// Whether two hulls have more in common than the thickness of a plane.
+fn overlap(a: &ConvexHull, b: &ConvexHull, clipper: &mut CellClipper) -> bool {
+    if !a.aabb().overlaps(&b.aabb()) {
+        return false;
+    }
+    clipper.load(a);
+    let mut planes = b.faces().iter().map(|face| CutPlane::from(face.plane));
+    planes.all(|plane| clipper.clip(plane) != Verdict::Above)
+}
