@@ -244,10 +244,17 @@ fn generate_contacts(
 fn solve(
     mut bodies: ResMut<Bodies>,
     mut contacts: ResMut<Contacts>,
+    fractures: Res<Fractures>,
     settings: Settings,
     mut report: ResMut<StepReport>,
 ) {
-    step::solve(&mut bodies, &mut contacts, &settings.get(), &mut report);
+    step::solve(
+        &mut bodies,
+        &mut contacts,
+        &fractures,
+        &settings.get(),
+        &mut report,
+    );
 }
 
 fn attach_bonds(bodies: Res<Bodies>, mut contacts: ResMut<Contacts>, mut bonds: ResMut<Bonds>) {

@@ -57,14 +57,20 @@ const MAX_ROUNDS: u32 = 3;
 
 impl Contacts {
     /// Solves what is not solved yet.
-    fn solve_round(&mut self, bodies: &mut Bodies, settings: &StepSettings, round: u32) {
+    fn solve_round(
+        &mut self,
+        bodies: &mut Bodies,
+        fractures: &Fractures,
+        settings: &StepSettings,
+        round: u32,
+    ) {
         let StepSettings {
             gravity, config, h, ..
         } = *settings;
         let substeps = SubstepSettings::new(config, gravity.0, h);
         let round = Round {
             is_first: round == 0,
-            may_break: round < MAX_ROUNDS,
+            may_break: round < MAX_ROUNDS && fractures.can_afford(&settings.budget),
         };
         let Self {
             solver, manifolds, ..
@@ -271,7 +277,7 @@ impl Simulation {
         broadphase(bodies, contacts, settings, report);
         generate_contacts(bodies, contacts, cache, settings, report);
         attach_bonds(bodies, contacts, bonds);
-        solve(bodies, contacts, settings, report);
+        solve(bodies, contacts, fractures, settings, report);
         fracture(bodies, contacts, cache, fractures, bonds, settings, report);
         break_bonds(bodies, contacts, bonds);
         integrate(bodies, report);
@@ -378,6 +384,7 @@ pub fn attach_bonds(bodies: &Bodies, contacts: &mut Contacts, bonds: &mut Bonds)
 pub fn solve(
     bodies: &mut Bodies,
     contacts: &mut Contacts,
+    fractures: &Fractures,
     settings: &StepSettings,
     report: &mut StepReport,
 ) {
@@ -387,7 +394,7 @@ pub fn solve(
     let energy_before = config
         .measure_error
         .then(|| bodies.energy(gravity.0, false).iter().sum::<f64>());
-    contacts.solve_round(bodies, settings, 0);
+    contacts.solve_round(bodies, fractures, settings, 0);
     contacts.energy_before = energy_before;
     if !contacts.is_broken {
         report_solution(bodies, contacts, settings, report);
@@ -442,7 +449,7 @@ pub fn fracture(
         generate_contacts(bodies, contacts, cache, settings, report);
         contacts.take_solved_back(bodies);
         bonds.attach(bodies, &mut contacts.manifolds, &mut contacts.solver.bonded);
-        contacts.solve_round(bodies, settings, round);
+        contacts.solve_round(bodies, fractures, settings, round);
     }
     if was_broken {
         report_solution(bodies, contacts, settings, report);

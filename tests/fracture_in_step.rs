@@ -236,7 +236,7 @@ fn cut_in_place(inherits: bool) -> (f32, f32) {
         .map(|p| f32::from(u8::from(p.normal_impulse > 0.0)))
         .collect();
     let share = warm.iter().sum::<f32>() / warm.len() as f32;
-    step::solve(bodies, contacts, &settings, report);
+    step::solve(bodies, contacts, fractures, &settings, report);
     step::fracture(bodies, contacts, cache, fractures, bonds, &settings, report);
     step::integrate(bodies, report);
     step::age_cache(bodies, contacts, cache, &settings);

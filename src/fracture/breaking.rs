@@ -4,7 +4,7 @@ use super::budget::FractureBudget;
 use super::impact::{self, ImpulseSum};
 use super::inheritance::{Line, hand_down};
 use super::pieces::{Division, Plan, replace};
-use super::{Blow, CutError, CutRequest, Fractures};
+use super::{Blow, CutError, CutRequest, Fractures, LEAST_PIECES};
 use crate::contact::BodyId;
 use crate::contact::cache::ContactCache;
 use crate::contact::manifold::Manifold;
@@ -53,9 +53,13 @@ impl Workshop {
         self.waiting.len()
     }
 
-    /// Pieces that blows may still make in this step. Those that are no more, for whatever reason, do not count.
-    fn left(&mut self, bodies: &Bodies, budget: &FractureBudget) -> usize {
+    /// Forgets pieces that are no more, for whatever reason.
+    fn take_stock(&mut self, bodies: &Bodies) {
         self.alive.retain(|piece| bodies.is(piece.slot, piece.body));
+    }
+
+    /// Pieces that blows may still make in this step.
+    pub(super) fn left(&self, budget: &FractureBudget) -> usize {
         budget.left(self.made, self.alive.len())
     }
 }
@@ -76,6 +80,7 @@ pub fn make_cuts(
     fractures.expired.clear();
     fractures.workshop.made = 0;
     remove_old_pieces(fractures, bodies, cache, budget, h);
+    fractures.workshop.take_stock(bodies);
     if fractures.requests.is_empty() && fractures.workshop.waiting.is_empty() {
         return;
     }
@@ -124,7 +129,8 @@ pub fn break_overloaded(
     impact::sum_impulses(&mut workshop.impacts, bodies, manifolds);
     workshop.shares.clear();
     workshop.shares.resize(bodies.slots(), 0.0);
-    let mut left = workshop.left(bodies, budget);
+    workshop.take_stock(bodies);
+    let mut left = workshop.left(budget);
     let mut divisions = Vec::new();
     let mut hit: Vec<_> = (0..bodies.slots() as u32)
         .filter(|&slot| solver.is_waiting(slot))
@@ -135,7 +141,7 @@ pub fn break_overloaded(
         // If it cannot be broken now, it has to bear everything.
         bodies.is_overloaded[slot as usize] = true;
         let sum = workshop.impacts[slot as usize];
-        if left < 2 {
+        if left < LEAST_PIECES {
             workshop.waiting.extend(wait(bodies, slot, &sum));
             continue;
         }
@@ -186,6 +192,12 @@ pub fn note_loads(
     for (slot, sum) in (0..).zip(&workshop.impacts) {
         if let Some(fracturable) = bodies.fracturable(slot) {
             bodies.is_overloaded[slot as usize] = sum.impulse() > fracturable.strength;
+        }
+    }
+    // Another blow does not break them twice.
+    for entry in &workshop.waiting {
+        if bodies.is(entry.slot, entry.body) {
+            bodies.is_overloaded[entry.slot as usize] = true;
         }
     }
 }
@@ -279,7 +291,7 @@ fn add_waiting(
     bodies: &Bodies,
     budget: &FractureBudget,
 ) {
-    let mut left = workshop.left(bodies, budget);
+    let mut left = workshop.left(budget);
     let cuts = plans.len();
     workshop.waiting.retain(|entry| {
         let slot = entry.slot;
@@ -288,7 +300,7 @@ fn add_waiting(
         if is_cut || !can_break {
             return false;
         }
-        if left < 2 {
+        if left < LEAST_PIECES {
             return true;
         }
         let most = bodies.most_pieces(slot).min(left);

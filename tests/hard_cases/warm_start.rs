@@ -176,7 +176,7 @@ impl Runner {
                 &mut self.tally,
             );
         }
-        step::solve(bodies, contacts, settings, report);
+        step::solve(bodies, contacts, fractures, settings, report);
         self.before.clear();
         for m in contacts.manifolds() {
             let points = m.points().iter();
