@@ -43,7 +43,8 @@ impl Books {
             let known = self.depth[fracture.parent_slot as usize];
             let depth = known.filter(|&(id, _)| id == fracture.parent);
             let depth = depth.map_or(0, |(_, depth)| depth);
-            self.generations.resize(self.generations.len().max(depth + 1), 0);
+            self.generations
+                .resize(self.generations.len().max(depth + 1), 0);
             self.generations[depth] += 1;
             for (&slot, &id) in fracture.pieces.iter().zip(&fracture.ids) {
                 self.depth[slot as usize] = Some((id, depth + 1));
@@ -87,7 +88,10 @@ impl Books {
             "ledger_angular_momentum_error_worst: {:.2e}",
             worst(Ledger::angular_momentum_error)
         );
-        println!("ledger_energy_gain_worst: {:.2e}", worst(Ledger::energy_gain));
+        println!(
+            "ledger_energy_gain_worst: {:.2e}",
+            worst(Ledger::energy_gain)
+        );
         println!(
             "energy_rise_of_a_step_rel: {:.2e}",
             self.largest_rise / self.energy_in

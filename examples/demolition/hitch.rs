@@ -4,35 +4,37 @@ use crate::support::stats;
 
 /// Steps to either side that are looked at.
 const REACH: usize = 15;
-/// Least number of neighbours that a median is taken of.
+/// Least number of steps without fracture that a median is taken of.
 const LEAST: usize = 5;
 
-/// What a step with fractures is compared with.
+/// What a step is to be, to be compared with those around it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Neighbours {
-    /// The steps without a fracture that are at most 15 steps away; if there are fewer than five of these, the five nearest.
-    ///
-    /// Asks for the most: a step in which pieces are made is compared with those in which none are, however far away,
-    /// and a wall at rest before the first blow counts as much as the rubble after it.
+pub(crate) enum Kind {
+    /// Pieces were made in it.
+    Fracture,
+    /// None were: how much steps differ anyway.
     Quiet,
-    /// All steps that are at most 15 steps away: what somebody sees who looks at the clock alone.
-    All,
 }
 
-/// The time of each step in which pieces were made, over the median of its neighbours; NaN for the others.
-pub(crate) fn ratios(times: &[f64], made: &[usize], neighbours: Neighbours) -> Vec<f64> {
+/// The time of each step of a kind over the median of its neighbours; NaN for the others.
+///
+/// Neighbours are the steps without fracture that are at most 15 steps away. Where there are fewer than five of these,
+/// because something breaks all the time, they are all steps that are at most 15 steps away.
+pub(crate) fn ratios(times: &[f64], made: &[usize], kind: Kind) -> Vec<f64> {
     let ratio = |step: usize| {
-        if made[step] == 0 {
+        if (made[step] > 0) != (kind == Kind::Fracture) {
             return f64::NAN;
         }
-        let mut around: Vec<usize> = (0..times.len())
-            .filter(|&other| other != step && (neighbours == Neighbours::All || made[other] == 0))
+        let from = step.saturating_sub(REACH);
+        let to = (step + REACH + 1).min(times.len());
+        let around = || (from..to).filter(|&other| other != step);
+        let quiet: Vec<f64> = around()
+            .filter(|&i| made[i] == 0)
+            .map(|i| times[i])
             .collect();
-        around.sort_by_key(|other| other.abs_diff(step));
-        let near = around.iter().filter(|other| other.abs_diff(step) <= REACH);
-        let count = near.count().max(LEAST).min(around.len());
-        let times_around: Vec<f64> = around[..count].iter().map(|&other| times[other]).collect();
-        times[step] / stats::median(&times_around)
+        let all: Vec<f64> = around().map(|i| times[i]).collect();
+        let neighbours = if quiet.len() < LEAST { all } else { quiet };
+        times[step] / stats::median(&neighbours)
     };
     (0..times.len()).map(ratio).collect()
 }
@@ -47,7 +49,10 @@ pub(crate) fn worst(ratios: &[f64]) -> (f64, usize) {
     let numbered = (1..).zip(ratios.iter().copied()).map(|(i, r)| (r, i));
     numbered
         .filter(|(ratio, _)| ratio.is_finite())
-        .fold((f64::NAN, 0), |worst, next| {
-            if worst.0 >= next.0 { worst } else { next }
-        })
+        .fold(
+            (f64::NAN, 0),
+            |worst, next| {
+                if worst.0 >= next.0 { worst } else { next }
+            },
+        )
 }

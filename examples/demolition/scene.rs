@@ -120,5 +120,5 @@ pub(crate) fn shots() -> Result<Vec<Shot>, support::Error> {
             body,
         }
     };
-    Ok((0..24).map(shot).collect())
+    Ok((0..20).map(shot).collect())
 }

@@ -59,7 +59,12 @@ impl ContactSolver {
         let mut rehearsal = std::mem::take(&mut self.rehearsal);
         let anybody = rehearsal.choose(&self.islands, manifolds, bodies, settings);
         if anybody {
-            let Rehearsal { cast, islands, batch, .. } = &mut rehearsal;
+            let Rehearsal {
+                cast,
+                islands,
+                batch,
+                ..
+            } = &mut rehearsal;
             let takes_part = |slot: u32| cast[slot as usize] != NONE;
             let moves = |slot: u32| bodies.velocity[slot as usize].inverse_mass > 0.0;
             islands.find(manifolds, bodies, |m| {
@@ -119,7 +124,9 @@ impl Rehearsal {
         self.cast.clear();
         self.cast.resize(bodies.slots(), NONE);
         let mut anybody = false;
-        let large = (0..).zip(&islands.list).filter(|(_, island)| is_large(island));
+        let large = (0..)
+            .zip(&islands.list)
+            .filter(|(_, island)| is_large(island));
         for (number, island) in large {
             let of_island = || {
                 let indices = &islands.manifolds[island.manifolds.clone()];
