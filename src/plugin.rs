@@ -298,9 +298,16 @@ fn make_cuts(
     mut bodies: ResMut<Bodies>,
     mut cache: ResMut<ContactCache>,
     mut fractures: ResMut<Fractures>,
+    mut bonds: ResMut<Bonds>,
     settings: Settings,
 ) {
-    step::cut(&mut bodies, &mut cache, &mut fractures, &settings.get());
+    step::cut(
+        &mut bodies,
+        &mut cache,
+        &mut fractures,
+        &mut bonds,
+        &settings.get(),
+    );
 }
 
 fn fracture(

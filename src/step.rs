@@ -273,7 +273,7 @@ impl Simulation {
             ..
         } = self;
         mass_properties(bodies, report);
-        cut(bodies, cache, fractures, settings);
+        cut(bodies, cache, fractures, bonds, settings);
         broadphase(bodies, contacts, settings, report);
         generate_contacts(bodies, contacts, cache, settings, report);
         attach_bonds(bodies, contacts, bonds);
@@ -309,9 +309,11 @@ pub fn cut(
     bodies: &mut Bodies,
     cache: &mut ContactCache,
     fractures: &mut Fractures,
+    bonds: &mut Bonds,
     settings: &StepSettings,
 ) {
-    make_cuts(fractures, bodies, cache, &settings.budget, settings.h);
+    let StepSettings { budget, h, .. } = settings;
+    make_cuts(fractures, bodies, cache, bonds, budget, *h);
 }
 
 /// Phase 3: pairs of bodies whose boxes, with all they may reach within the step, overlap.
@@ -441,6 +443,7 @@ pub fn fracture(
             bodies,
             manifolds,
             cache,
+            bonds,
             &settings.budget,
             solver,
         );

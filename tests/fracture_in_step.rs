@@ -223,7 +223,7 @@ fn cut_in_place(inherits: bool) -> (f32, f32) {
         ..
     } = &mut simulation;
     step::mass_properties(bodies, report);
-    step::cut(bodies, cache, fractures, &settings);
+    step::cut(bodies, cache, fractures, bonds, &settings);
     assert_eq!(bodies.len(), 5, "four pieces and the floor");
     if !inherits {
         cache.clear();

@@ -4,7 +4,7 @@ use super::budget::FractureBudget;
 use super::impact::{self, ImpulseSum};
 use super::inheritance::{Line, hand_down};
 use super::pieces::{Division, Plan, replace};
-use super::{Blow, CutError, CutRequest, Fractures, LEAST_PIECES};
+use super::{Blow, Bonds, CutError, CutRequest, Fractures, LEAST_PIECES};
 use crate::contact::BodyId;
 use crate::contact::cache::ContactCache;
 use crate::contact::manifold::Manifold;
@@ -66,12 +66,13 @@ impl Workshop {
 
 /// Makes the cuts that were asked for and breaks what has waited for its turn; removes pieces whose time is over.
 ///
-/// Pieces get slots, parents lose theirs, and the parents' multipliers go to the pieces. Results are in `fractures`. `h`:
+/// Pieces get slots, parents lose theirs, and the parents' multipliers and bonds go to the pieces. Results are in `fractures`. `h`:
 /// length of the step, s.
 pub fn make_cuts(
     fractures: &mut Fractures,
     bodies: &mut Bodies,
     cache: &mut ContactCache,
+    bonds: &mut Bonds,
     budget: &FractureBudget,
     h: f32,
 ) {
@@ -97,7 +98,7 @@ pub fn make_cuts(
         let stands = index < cuts && bodies.is_overloaded[plan.slot as usize];
         let division = Division::new(bodies, &plan, &mut fractures.workshop.cutter);
         let made = division.and_then(|division| {
-            fractures.replace(bodies, plan.slot, division, budget, &mut lines)
+            fractures.replace(bodies, bonds, plan.slot, division, budget, &mut lines)
         });
         match made {
             Ok(fracture) => fracture
@@ -122,6 +123,7 @@ pub fn break_overloaded(
     bodies: &mut Bodies,
     manifolds: &[Manifold],
     cache: &mut ContactCache,
+    bonds: &mut Bonds,
     budget: &FractureBudget,
     solver: &ContactSolver,
 ) {
@@ -165,7 +167,7 @@ pub fn break_overloaded(
     impact::apply_shares(&workshop.shares, bodies, manifolds);
     let mut lines = Lines::new();
     for (slot, division, blow) in divisions {
-        if let Ok(fracture) = fractures.replace(bodies, slot, division, budget, &mut lines) {
+        if let Ok(fracture) = fractures.replace(bodies, bonds, slot, division, budget, &mut lines) {
             fracture.blow = Some(blow);
         }
     }
@@ -217,6 +219,7 @@ impl Fractures {
     fn replace(
         &mut self,
         bodies: &mut Bodies,
+        bonds: &mut Bonds,
         slot: u32,
         division: Division,
         budget: &FractureBudget,
@@ -224,6 +227,7 @@ impl Fractures {
     ) -> Result<&mut super::Fracture, CutError> {
         let line = Line::of(bodies, slot);
         let fracture = replace(bodies, slot, division, budget)?;
+        bonds.inherit(bodies, &line, &fracture.pieces);
         lines.push((line, fracture.pieces.clone()));
         let workshop = &mut self.workshop;
         workshop.made += fracture.pieces.len();

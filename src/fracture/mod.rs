@@ -9,6 +9,7 @@
 //! `v_i = v + omega x r_i`, `omega_i = omega`, which conserves momentum, angular momentum and energy exactly; the
 //! [`Ledger`] shows the rounding.
 
+mod bond_inheritance;
 pub mod bonds;
 mod breaking;
 mod budget;
