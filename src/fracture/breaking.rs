@@ -85,17 +85,11 @@ pub fn make_cuts(
     if fractures.requests.is_empty() && fractures.workshop.waiting.is_empty() {
         return;
     }
-    let mut plans = collect_requests(fractures, bodies);
-    let cuts = plans.len();
-    add_waiting(&mut plans, &mut fractures.workshop, bodies, budget);
-    for (plan, _) in &plans {
-        bodies.wake(plan.slot);
-    }
-    bodies.unpark_woken(cache);
     let mut lines = Lines::new();
-    for (index, (plan, requests)) in plans.into_iter().enumerate() {
+    for (plan, requests) in collect_requests(fractures, bodies) {
+        bodies.wake(plan.slot);
         // A load that the parent stood must not break a piece that was cut off, but a blow may.
-        let stands = index < cuts && bodies.is_overloaded[plan.slot as usize];
+        let stands = bodies.is_overloaded[plan.slot as usize];
         let division = Division::new(bodies, &plan, &mut fractures.workshop.cutter);
         let made = division.and_then(|division| {
             fractures.replace(bodies, bonds, plan.slot, division, budget, &mut lines)
@@ -111,7 +105,43 @@ pub fn make_cuts(
             }
         }
     }
+    break_waiting(fractures, bodies, bonds, budget, &mut lines);
+    bodies.unpark_woken(cache);
     hand_down(&lines, bodies, cache);
+}
+
+/// Breaks the bodies that have waited longest, as far as the budget goes. What was cut in this step waits no more.
+fn break_waiting(
+    fractures: &mut Fractures,
+    bodies: &mut Bodies,
+    bonds: &mut Bonds,
+    budget: &FractureBudget,
+    lines: &mut Lines,
+) {
+    let mut waiting = std::mem::take(&mut fractures.workshop.waiting);
+    waiting.retain(|entry| {
+        let slot = entry.slot;
+        if !(bodies.is(slot, entry.body) && bodies.is_active(slot)) {
+            return false;
+        }
+        let left = fractures.workshop.left(budget);
+        if left < LEAST_PIECES {
+            return true;
+        }
+        bodies.wake(slot);
+        let plan = Plan {
+            slot,
+            blow: Some(entry.cutting.clone()),
+            cuts: SmallVec::new(),
+            most: bodies.most_pieces(slot).min(left),
+        };
+        // One that makes no pieces bears it.
+        if let Ok(division) = Division::new(bodies, &plan, &mut fractures.workshop.cutter) {
+            let _ = fractures.replace(bodies, bonds, slot, division, budget, lines);
+        }
+        false
+    });
+    fractures.workshop.waiting = waiting;
 }
 
 /// Breaks the bodies whose solve was given up because they were hit with more than they bear.
@@ -286,38 +316,6 @@ fn check_request(request: &CutRequest, bodies: &Bodies) -> Result<(), CutError> 
     }
     check_plane(&request.plane).map_err(SliceError::from)?;
     Ok(())
-}
-
-/// Adds the bodies that have waited longest, as far as the budget goes. What is cut on request in this step waits no more.
-fn add_waiting(
-    plans: &mut Vec<(Plan, SmallVec<[CutRequest; 2]>)>,
-    workshop: &mut Workshop,
-    bodies: &Bodies,
-    budget: &FractureBudget,
-) {
-    let mut left = workshop.left(budget);
-    let cuts = plans.len();
-    workshop.waiting.retain(|entry| {
-        let slot = entry.slot;
-        let is_cut = plans[..cuts].iter().any(|(plan, _)| plan.slot == slot);
-        let can_break = bodies.is(slot, entry.body) && bodies.is_active(slot);
-        if is_cut || !can_break {
-            return false;
-        }
-        if left < LEAST_PIECES {
-            return true;
-        }
-        let most = bodies.most_pieces(slot).min(left);
-        left -= most;
-        let plan = Plan {
-            slot,
-            blow: Some(entry.cutting.clone()),
-            cuts: SmallVec::new(),
-            most,
-        };
-        plans.push((plan, SmallVec::new()));
-        false
-    });
 }
 
 /// Removes pieces that have slept for longer than the budget allows.
