@@ -1,13 +1,14 @@
 //! A wall of bricks is shot to rubble, through the plugin, with the default budget of pieces for a step.
 //!
 //! `cargo run --release --example demolition` prints what happened as `name: value` lines and writes pictures, a contact
-//! sheet of them, and a plot of the step's time under `target/demolition/`. 514 bricks break into cells, and their pieces
-//! break again.
+//! sheet of them, and a plot of the step's time under `target/demolition/`; with `-- --publish` a smaller sheet to `docs/`.
+//! 514 bricks break into cells, and their pieces break again.
 //!
 //! What a fracture costs is told as the ratio of the time of a step in which something broke to the median of the steps
-//! around it ([`hitch`] says which ones), and next to it the same for steps in which nothing broke. A step is one `App::update`: entities of the pieces and messages are in it.
-//! `cpu_...` is the processor's time of all threads, where the system tells it: other programs on the machine do not
-//! count there. Threads that wait for work in a busy loop do, so it is best read on one (`taskset -c 0`).
+//! around it ([`hitch`] says which ones), and next to it the same for steps in which nothing broke: those differ too, with
+//! what moves and how fast. A step is one `App::update`: entities of the pieces and messages are in it. `cpu_...` is the
+//! processor's time of all threads, where the system tells it: other programs on the machine do not count there. Threads
+//! that wait for work in a busy loop do, so it is best read on one (`taskset -c 0`).
 #![expect(
     clippy::print_stdout,
     clippy::print_stderr,
@@ -44,6 +45,8 @@ const FOLDER: &str = "target/demolition";
 const STEPS: usize = 176;
 /// Steps after which a picture is taken.
 const PICTURES: [usize; 9] = [40, 56, 72, 90, 106, 122, 140, 158, STEPS];
+/// Which of the pictures are on the sheet for `docs/`.
+const PUBLISHED: [usize; 6] = [0, 2, 3, 4, 6, 8];
 
 fn main() -> ExitCode {
     match demolition() {
@@ -84,6 +87,10 @@ fn demolition() -> Result<(), support::Error> {
     }
     bar.finish();
     contact_sheet(&pictures, 3, 3).save(Path::new(FOLDER).join("contact_sheet.png"))?;
+    if std::env::args().any(|argument| argument == "--publish") {
+        let some = PUBLISHED.map(|number| pictures[number].clone());
+        contact_sheet(&some, 3, 4).save("docs/demolition.png")?;
+    }
     run.plot()?;
     println!("bricks: {}", wall.len() - 1);
     println!("shots: {}", shots.len());

@@ -7,9 +7,9 @@ use bevy_cleave::step::Simulation;
 pub(crate) fn glass() -> Fracturable {
     Fracturable {
         strength: 20.0,
-        pattern: FracturePattern::Radial { rays: 13, rings: 7 },
+        pattern: FracturePattern::Radial { rays: 16, rings: 8 },
         toughness: 8.0,
-        most_pieces: 104,
+        most_pieces: 144,
         least_volume: 1e-7,
         generations: 0,
         ..Fracturable::default()
@@ -76,11 +76,12 @@ pub(crate) fn grow(simulation: &mut Simulation, laths: &[u32]) -> Result<(), Bon
 pub(crate) fn stone() -> Fracturable {
     Fracturable {
         strength: 2000.0,
+        least_energy: 1500.0,
         pattern: FracturePattern::Voronoi {
             cells: 24,
             focus: 0.5,
         },
-        toughness: 1500.0,
+        toughness: 100.0,
         most_pieces: 24,
         least_volume: 1e-4,
         generations: 1,

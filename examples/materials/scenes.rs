@@ -98,7 +98,7 @@ pub(crate) fn glass() -> Result<Demo, Error> {
 /// A wall with mortar, and a ball.
 pub(crate) fn brick() -> Result<Demo, Error> {
     let (eye, target) = (Vec3::new(2.6, 1.9, 3.4), Vec3::new(0.0, 0.75, -0.2));
-    let mut demo = Demo::new("brick", [8, 45], eye, target)?;
+    let mut demo = Demo::new("brick", [8, 32], eye, target)?;
     let size = Vec3::new(0.25, 0.125, 0.125);
     let mut bricks = Vec::new();
     for course in 0..12_u8 {
@@ -114,14 +114,14 @@ pub(crate) fn brick() -> Result<Demo, Error> {
         }
     }
     recipes::lay(&mut demo.simulation, &bricks)?;
-    demo.shoot(0.12, Vec3::new(-0.2, 0.85, 2.6), Vec3::new(0.0, 0.8, -18.0))?;
+    demo.shoot(0.09, Vec3::new(-0.2, 0.95, 2.6), Vec3::new(0.0, 0.8, -14.0))?;
     Ok(demo)
 }
 
 /// A beam of laths on two trestles, and a ball that falls on it.
 pub(crate) fn wood() -> Result<Demo, Error> {
     let (eye, target) = (Vec3::new(1.7, 1.6, 2.6), Vec3::new(0.0, 0.55, 0.0));
-    let mut demo = Demo::new("wood", [9, 22], eye, target)?;
+    let mut demo = Demo::new("wood", [14, 36], eye, target)?;
     for side in [-0.95, 0.95] {
         demo.fix(Vec3::new(0.12, 0.7, 0.5), Vec3::new(side, 0.35, 0.0))?;
     }
@@ -138,7 +138,7 @@ pub(crate) fn wood() -> Result<Demo, Error> {
         }
     }
     recipes::grow(&mut demo.simulation, &laths)?;
-    demo.shoot(0.17, Vec3::new(0.1, 3.0, 0.0), Vec3::new(0.0, -12.0, 0.0))?;
+    demo.shoot(0.17, Vec3::new(0.1, 3.0, 0.0), Vec3::new(0.0, -7.0, 0.0))?;
     Ok(demo)
 }
 

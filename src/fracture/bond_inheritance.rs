@@ -2,10 +2,9 @@
 
 use super::bonds::{Bonds, Joint};
 use super::inheritance::Line;
-use super::neighbours::touching_area;
+use super::neighbours::area_in_pose;
 use crate::math::Pose;
 use crate::solver::bodies::Bodies;
-use glam::Quat;
 use smallvec::SmallVec;
 
 impl Bonds {
@@ -23,12 +22,22 @@ impl Bonds {
             if joint.is_loose || !bodies.contains(other) {
                 continue;
             }
-            let area = |&piece: &u32| Some((piece, touching_area(bodies, piece, other)?));
-            let areas: SmallVec<[(u32, f32); 4]> = pieces.iter().filter_map(area).collect();
-            let whole: f32 = areas.iter().map(|(_, area)| area).sum();
-            heirs.extend(areas.into_iter().map(|(piece, area)| {
-                let piece_in_parent = Pose::new(parent.origin_of(bodies, piece), Quat::IDENTITY);
-                joint.handed_to(bodies, is_first, piece, &piece_in_parent, area / whole)
+            let other_in_parent = if is_first {
+                joint.b_in_a
+            } else {
+                joint.b_in_a.inverse()
+            };
+            // As they were bonded: since then, both may have moved a little.
+            let places = pieces.iter().filter_map(|&piece| {
+                let origin = parent.origin_of(bodies, piece);
+                let pose = Pose::new(other_in_parent.position - origin, other_in_parent.rotation);
+                let area = area_in_pose(bodies, piece, other, &pose)?;
+                Some((piece, pose, area))
+            });
+            let places: SmallVec<[(u32, Pose, f32); 4]> = places.collect();
+            let whole: f32 = places.iter().map(|(_, _, area)| area).sum();
+            heirs.extend(places.into_iter().map(|(piece, pose, area)| {
+                joint.between(bodies, [piece, other], pose, area / whole)
             }));
         }
         self.joints.retain(|joint| !is_of_parent(joint));
@@ -38,48 +47,22 @@ impl Bonds {
 }
 
 impl Joint {
-    /// The share of a joint that goes to a piece of its first or its second body.
-    fn handed_to(
-        &self,
-        bodies: &Bodies,
-        is_first: bool,
-        piece: u32,
-        piece_in_parent: &Pose,
-        share: f32,
-    ) -> Self {
-        let piece_id = bodies.id(piece);
+    /// A share of a joint for two bodies; `pose` is that of the second in the frame of the first.
+    fn between(&self, bodies: &Bodies, slots: [u32; 2], pose: Pose, share: f32) -> Self {
+        let [i, j] = slots.map(|slot| bodies.id(slot));
+        let (bodies, slots, b_in_a) = if i < j {
+            ((i, j), slots, pose)
+        } else {
+            ((j, i), [slots[1], slots[0]], pose.inverse())
+        };
         let mut bond = self.bond;
         bond.area *= share;
-        let (other, other_in_parent) = if is_first {
-            ((self.bodies.1, self.slots[1]), self.b_in_a)
-        } else {
-            ((self.bodies.0, self.slots[0]), self.b_in_a.inverse())
-        };
-        let other_in_piece = between(piece_in_parent, &other_in_parent);
-        let ids = if piece_id < other.0 {
-            (piece_id, other.0)
-        } else {
-            (other.0, piece_id)
-        };
-        let (slots, b_in_a) = if piece_id < other.0 {
-            ([piece, other.1], other_in_piece)
-        } else {
-            ([other.1, piece], other_in_piece.inverse())
-        };
         Self {
-            bodies: ids,
+            bodies,
             slots,
             bond,
             b_in_a,
             ..*self
         }
     }
-}
-
-/// A pose as seen from another one, both given in the same frame.
-fn between(frame: &Pose, pose: &Pose) -> Pose {
-    Pose::new(
-        frame.inverse_transform_point(pose.position),
-        frame.rotation.inverse() * pose.rotation,
-    )
 }
