@@ -258,10 +258,17 @@ fn generate_contacts(
 fn solve(
     mut bodies: ResMut<Bodies>,
     mut contacts: ResMut<Contacts>,
+    fractures: Res<Fractures>,
     settings: Settings,
     mut report: ResMut<StepReport>,
 ) {
-    step::solve(&mut bodies, &mut contacts, &settings.get(), &mut report);
+    step::solve(
+        &mut bodies,
+        &mut contacts,
+        &fractures,
+        &settings.get(),
+        &mut report,
+    );
 }
 
 fn attach_bonds(bodies: Res<Bodies>, mut contacts: ResMut<Contacts>, mut bonds: ResMut<Bonds>) {
@@ -305,9 +312,16 @@ fn make_cuts(
     mut bodies: ResMut<Bodies>,
     mut cache: ResMut<ContactCache>,
     mut fractures: ResMut<Fractures>,
+    mut bonds: ResMut<Bonds>,
     settings: Settings,
 ) {
-    step::cut(&mut bodies, &mut cache, &mut fractures, &settings.get());
+    step::cut(
+        &mut bodies,
+        &mut cache,
+        &mut fractures,
+        &mut bonds,
+        &settings.get(),
+    );
 }
 
 fn fracture(

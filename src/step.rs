@@ -57,14 +57,20 @@ const MAX_ROUNDS: u32 = 3;
 
 impl Contacts {
     /// Solves what is not solved yet.
-    fn solve_round(&mut self, bodies: &mut Bodies, settings: &StepSettings, round: u32) {
+    fn solve_round(
+        &mut self,
+        bodies: &mut Bodies,
+        fractures: &Fractures,
+        settings: &StepSettings,
+        round: u32,
+    ) {
         let StepSettings {
             gravity, config, h, ..
         } = *settings;
         let substeps = SubstepSettings::new(config, gravity.0, h);
         let round = Round {
             is_first: round == 0,
-            may_break: round < MAX_ROUNDS,
+            may_break: round < MAX_ROUNDS && fractures.can_afford(&settings.budget),
         };
         let Self {
             solver, manifolds, ..
@@ -267,11 +273,11 @@ impl Simulation {
             ..
         } = self;
         mass_properties(bodies, report);
-        cut(bodies, cache, fractures, settings);
+        cut(bodies, cache, fractures, bonds, settings);
         broadphase(bodies, contacts, settings, report);
         generate_contacts(bodies, contacts, cache, settings, report);
         attach_bonds(bodies, contacts, bonds);
-        solve(bodies, contacts, settings, report);
+        solve(bodies, contacts, fractures, settings, report);
         fracture(bodies, contacts, cache, fractures, bonds, settings, report);
         break_bonds(bodies, contacts, bonds);
         integrate(bodies, report);
@@ -303,9 +309,11 @@ pub fn cut(
     bodies: &mut Bodies,
     cache: &mut ContactCache,
     fractures: &mut Fractures,
+    bonds: &mut Bonds,
     settings: &StepSettings,
 ) {
-    make_cuts(fractures, bodies, cache, &settings.budget, settings.h);
+    let StepSettings { budget, h, .. } = settings;
+    make_cuts(fractures, bodies, cache, bonds, budget, *h);
 }
 
 /// Phase 3: pairs of bodies whose boxes, with all they may reach within the step, overlap.
@@ -378,6 +386,7 @@ pub fn attach_bonds(bodies: &Bodies, contacts: &mut Contacts, bonds: &mut Bonds)
 pub fn solve(
     bodies: &mut Bodies,
     contacts: &mut Contacts,
+    fractures: &Fractures,
     settings: &StepSettings,
     report: &mut StepReport,
 ) {
@@ -387,7 +396,7 @@ pub fn solve(
     let energy_before = config
         .measure_error
         .then(|| bodies.energy(gravity.0, false).iter().sum::<f64>());
-    contacts.solve_round(bodies, settings, 0);
+    contacts.solve_round(bodies, fractures, settings, 0);
     contacts.energy_before = energy_before;
     if !contacts.is_broken {
         report_solution(bodies, contacts, settings, report);
@@ -434,6 +443,7 @@ pub fn fracture(
             bodies,
             manifolds,
             cache,
+            bonds,
             &settings.budget,
             solver,
         );
@@ -442,7 +452,7 @@ pub fn fracture(
         generate_contacts(bodies, contacts, cache, settings, report);
         contacts.take_solved_back(bodies);
         bonds.attach(bodies, &mut contacts.manifolds, &mut contacts.solver.bonded);
-        contacts.solve_round(bodies, settings, round);
+        contacts.solve_round(bodies, fractures, settings, round);
     }
     if was_broken {
         report_solution(bodies, contacts, settings, report);

@@ -160,3 +160,16 @@ fn pieces_go_when_they_have_slept_for_long_enough() {
         "the first went after {asleep_for} steps of sleep"
     );
 }
+
+/// Bodies may make up to 256 pieces and make eight: 20 pieces a step are two cubes and a third in four pieces, from the
+/// queue as under the blow.
+#[test]
+fn what_waits_counts_with_the_pieces_that_it_makes() {
+    let budget = FractureBudget {
+        pieces_per_step: 20,
+        ..Default::default()
+    };
+    let made = pieces_of_steps(&mut row(6, budget), 60);
+    let steps: Vec<_> = made.into_iter().filter(|&pieces| pieces > 0).collect();
+    assert_eq!(steps, [20, 20]);
+}

@@ -12,7 +12,8 @@
 //! Bodies that turn about each other need 1.5 times the strength that keeps them on their circle.
 //!
 //! Bonds hold where contacts do: the bodies must touch, their layers must let them, and one of them must be dynamic. They
-//! go with their bodies; those of a body that is cut go with it. All methods of the solver bear them.
+//! go with their bodies; those of a body that breaks or is cut go to the pieces that lie on the bonded neighbour. All methods
+//! of the solver bear them.
 
 use super::neighbours::{close_pairs, touching_area};
 use crate::collide::relative_pose;
@@ -104,24 +105,24 @@ pub struct BrokenBond {
 
 /// A bond with its bodies.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Joint {
+pub(super) struct Joint {
     /// Ascending.
-    bodies: (BodyId, BodyId),
-    slots: [u32; 2],
-    bond: Bond,
+    pub(super) bodies: (BodyId, BodyId),
+    pub(super) slots: [u32; 2],
+    pub(super) bond: Bond,
     /// Pose of B in A's frame when the bond was made.
-    b_in_a: Pose,
+    pub(super) b_in_a: Pose,
     /// Whether no step has seen the joint yet.
-    is_new: bool,
+    pub(super) is_new: bool,
     /// Loosened joints wait for the next contacts of their pair, whose impulses from the step before may still pull.
-    is_loose: bool,
+    pub(super) is_loose: bool,
 }
 
 /// All bonds of a simulation.
 #[derive(Debug, Default, Resource)]
 pub struct Bonds {
     /// Sorted by bodies.
-    joints: Vec<Joint>,
+    pub(super) joints: Vec<Joint>,
     /// Bonds that broke in the last step.
     pub broken: Vec<BrokenBond>,
 }

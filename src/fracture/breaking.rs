@@ -4,7 +4,7 @@ use super::budget::FractureBudget;
 use super::impact::{self, ImpulseSum};
 use super::inheritance::{Line, hand_down};
 use super::pieces::{Division, Plan, replace};
-use super::{Blow, CutError, CutRequest, Fractures};
+use super::{Blow, Bonds, CutError, CutRequest, Fractures, LEAST_PIECES};
 use crate::contact::BodyId;
 use crate::contact::cache::ContactCache;
 use crate::contact::manifold::Manifold;
@@ -53,21 +53,26 @@ impl Workshop {
         self.waiting.len()
     }
 
-    /// Pieces that blows may still make in this step. Those that are no more, for whatever reason, do not count.
-    fn left(&mut self, bodies: &Bodies, budget: &FractureBudget) -> usize {
+    /// Forgets pieces that are no more, for whatever reason.
+    fn take_stock(&mut self, bodies: &Bodies) {
         self.alive.retain(|piece| bodies.is(piece.slot, piece.body));
+    }
+
+    /// Pieces that blows may still make in this step.
+    pub(super) fn left(&self, budget: &FractureBudget) -> usize {
         budget.left(self.made, self.alive.len())
     }
 }
 
 /// Makes the cuts that were asked for and breaks what has waited for its turn; removes pieces whose time is over.
 ///
-/// Pieces get slots, parents lose theirs, and the parents' multipliers go to the pieces. Results are in `fractures`. `h`:
+/// Pieces get slots, parents lose theirs, and the parents' multipliers and bonds go to the pieces. Results are in `fractures`. `h`:
 /// length of the step, s.
 pub fn make_cuts(
     fractures: &mut Fractures,
     bodies: &mut Bodies,
     cache: &mut ContactCache,
+    bonds: &mut Bonds,
     budget: &FractureBudget,
     h: f32,
 ) {
@@ -76,23 +81,18 @@ pub fn make_cuts(
     fractures.expired.clear();
     fractures.workshop.made = 0;
     remove_old_pieces(fractures, bodies, cache, budget, h);
+    fractures.workshop.take_stock(bodies);
     if fractures.requests.is_empty() && fractures.workshop.waiting.is_empty() {
         return;
     }
-    let mut plans = collect_requests(fractures, bodies);
-    let cuts = plans.len();
-    add_waiting(&mut plans, &mut fractures.workshop, bodies, budget);
-    for (plan, _) in &plans {
-        bodies.wake(plan.slot);
-    }
-    bodies.unpark_woken(cache);
     let mut lines = Lines::new();
-    for (index, (plan, requests)) in plans.into_iter().enumerate() {
+    for (plan, requests) in collect_requests(fractures, bodies) {
+        bodies.wake(plan.slot);
         // A load that the parent stood must not break a piece that was cut off, but a blow may.
-        let stands = index < cuts && bodies.is_overloaded[plan.slot as usize];
+        let stands = bodies.is_overloaded[plan.slot as usize];
         let division = Division::new(bodies, &plan, &mut fractures.workshop.cutter);
         let made = division.and_then(|division| {
-            fractures.replace(bodies, plan.slot, division, budget, &mut lines)
+            fractures.replace(bodies, bonds, plan.slot, division, budget, &mut lines)
         });
         match made {
             Ok(fracture) => fracture
@@ -105,7 +105,43 @@ pub fn make_cuts(
             }
         }
     }
+    break_waiting(fractures, bodies, bonds, budget, &mut lines);
+    bodies.unpark_woken(cache);
     hand_down(&lines, bodies, cache);
+}
+
+/// Breaks the bodies that have waited longest, as far as the budget goes. What was cut in this step waits no more.
+fn break_waiting(
+    fractures: &mut Fractures,
+    bodies: &mut Bodies,
+    bonds: &mut Bonds,
+    budget: &FractureBudget,
+    lines: &mut Lines,
+) {
+    let mut waiting = std::mem::take(&mut fractures.workshop.waiting);
+    waiting.retain(|entry| {
+        let slot = entry.slot;
+        if !(bodies.is(slot, entry.body) && bodies.is_active(slot)) {
+            return false;
+        }
+        let left = fractures.workshop.left(budget);
+        if left < LEAST_PIECES {
+            return true;
+        }
+        bodies.wake(slot);
+        let plan = Plan {
+            slot,
+            blow: Some(entry.cutting.clone()),
+            cuts: SmallVec::new(),
+            most: bodies.most_pieces(slot).min(left),
+        };
+        // One that makes no pieces bears it.
+        if let Ok(division) = Division::new(bodies, &plan, &mut fractures.workshop.cutter) {
+            let _ = fractures.replace(bodies, bonds, slot, division, budget, lines);
+        }
+        false
+    });
+    fractures.workshop.waiting = waiting;
 }
 
 /// Breaks the bodies whose solve was given up because they were hit with more than they bear.
@@ -117,6 +153,7 @@ pub fn break_overloaded(
     bodies: &mut Bodies,
     manifolds: &[Manifold],
     cache: &mut ContactCache,
+    bonds: &mut Bonds,
     budget: &FractureBudget,
     solver: &ContactSolver,
 ) {
@@ -124,7 +161,8 @@ pub fn break_overloaded(
     impact::sum_impulses(&mut workshop.impacts, bodies, manifolds);
     workshop.shares.clear();
     workshop.shares.resize(bodies.slots(), 0.0);
-    let mut left = workshop.left(bodies, budget);
+    workshop.take_stock(bodies);
+    let mut left = workshop.left(budget);
     let mut divisions = Vec::new();
     let mut hit: Vec<_> = (0..bodies.slots() as u32)
         .filter(|&slot| solver.is_waiting(slot))
@@ -135,7 +173,7 @@ pub fn break_overloaded(
         // If it cannot be broken now, it has to bear everything.
         bodies.is_overloaded[slot as usize] = true;
         let sum = workshop.impacts[slot as usize];
-        if left < 2 {
+        if left < LEAST_PIECES {
             workshop.waiting.extend(wait(bodies, slot, &sum));
             continue;
         }
@@ -159,7 +197,7 @@ pub fn break_overloaded(
     impact::apply_shares(&workshop.shares, bodies, manifolds);
     let mut lines = Lines::new();
     for (slot, division, blow) in divisions {
-        if let Ok(fracture) = fractures.replace(bodies, slot, division, budget, &mut lines) {
+        if let Ok(fracture) = fractures.replace(bodies, bonds, slot, division, budget, &mut lines) {
             fracture.blow = Some(blow);
         }
     }
@@ -188,6 +226,12 @@ pub fn note_loads(
             bodies.is_overloaded[slot as usize] = sum.impulse() > fracturable.strength;
         }
     }
+    // Another blow does not break them twice.
+    for entry in &workshop.waiting {
+        if bodies.is(entry.slot, entry.body) {
+            bodies.is_overloaded[entry.slot as usize] = true;
+        }
+    }
 }
 
 /// A body that waits for its turn to break.
@@ -205,6 +249,7 @@ impl Fractures {
     fn replace(
         &mut self,
         bodies: &mut Bodies,
+        bonds: &mut Bonds,
         slot: u32,
         division: Division,
         budget: &FractureBudget,
@@ -212,6 +257,7 @@ impl Fractures {
     ) -> Result<&mut super::Fracture, CutError> {
         let line = Line::of(bodies, slot);
         let fracture = replace(bodies, slot, division, budget)?;
+        bonds.inherit(bodies, &line, &fracture.pieces);
         lines.push((line, fracture.pieces.clone()));
         let workshop = &mut self.workshop;
         workshop.made += fracture.pieces.len();
@@ -270,38 +316,6 @@ fn check_request(request: &CutRequest, bodies: &Bodies) -> Result<(), CutError> 
     }
     check_plane(&request.plane).map_err(SliceError::from)?;
     Ok(())
-}
-
-/// Adds the bodies that have waited longest, as far as the budget goes. What is cut on request in this step waits no more.
-fn add_waiting(
-    plans: &mut Vec<(Plan, SmallVec<[CutRequest; 2]>)>,
-    workshop: &mut Workshop,
-    bodies: &Bodies,
-    budget: &FractureBudget,
-) {
-    let mut left = workshop.left(bodies, budget);
-    let cuts = plans.len();
-    workshop.waiting.retain(|entry| {
-        let slot = entry.slot;
-        let is_cut = plans[..cuts].iter().any(|(plan, _)| plan.slot == slot);
-        let can_break = bodies.is(slot, entry.body) && bodies.is_active(slot);
-        if is_cut || !can_break {
-            return false;
-        }
-        if left < 2 {
-            return true;
-        }
-        let most = bodies.most_pieces(slot).min(left);
-        left -= most;
-        let plan = Plan {
-            slot,
-            blow: Some(entry.cutting.clone()),
-            cuts: SmallVec::new(),
-            most,
-        };
-        plans.push((plan, SmallVec::new()));
-        false
-    });
 }
 
 /// Removes pieces that have slept for longer than the budget allows.

@@ -31,12 +31,21 @@ impl Line {
         }
     }
 
+    pub(super) fn id(&self) -> BodyId {
+        self.id
+    }
+
+    /// Where the frame of a piece is in that of the parent, along whose axes it lies, m.
+    pub(super) fn origin_of(&self, bodies: &Bodies, piece: u32) -> Vec3 {
+        let way = bodies.pose(piece).position - self.centre_of_mass;
+        self.centre + rotate(self.rotation.inverse(), way)
+    }
+
     fn family<'a>(&self, pieces: &[u32], bodies: &'a Bodies) -> Option<Family<'a>> {
         let heir = |&slot: &u32| {
-            let way = bodies.pose(slot).position - self.centre_of_mass;
             Some(Heir {
                 id: bodies.id(slot),
-                origin: self.centre + rotate(self.rotation.inverse(), way),
+                origin: self.origin_of(bodies, slot),
                 hull: bodies.convex(slot)?.hull(),
                 code_box: bodies.kd_box[slot as usize]?,
             })

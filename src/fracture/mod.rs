@@ -9,6 +9,7 @@
 //! `v_i = v + omega x r_i`, `omega_i = omega`, which conserves momentum, angular momentum and energy exactly; the
 //! [`Ledger`] shows the rounding.
 
+mod bond_inheritance;
 pub mod bonds;
 mod breaking;
 mod budget;
@@ -31,6 +32,9 @@ use crate::solver::bodies::{Bodies, BodyError};
 use bevy_ecs::resource::Resource;
 use breaking::Workshop;
 use smallvec::SmallVec;
+
+/// Pieces that a body must make to be broken.
+const LEAST_PIECES: usize = 2;
 
 /// Why a cut that was asked for was not made. The body is left as it was.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -140,5 +144,10 @@ impl Fractures {
     /// Number of bodies that were hit with more than they bear and wait for a budget to break.
     pub fn waiting(&self) -> usize {
         self.workshop.waiting()
+    }
+
+    /// Whether blows may break anything more in this step.
+    pub(crate) fn can_afford(&self, budget: &FractureBudget) -> bool {
+        self.workshop.left(budget) >= LEAST_PIECES
     }
 }

@@ -3,7 +3,7 @@
 use super::bonds::{can_move, smaller_extent};
 use super::shared_area;
 use crate::collide::relative_pose;
-use crate::math::{Plane, rotate};
+use crate::math::{Plane, Pose, rotate};
 use crate::solver::bodies::{Bodies, Shape};
 use glam::Vec3;
 
@@ -43,8 +43,14 @@ pub(super) fn close_pairs(bodies: &Bodies, slots: &[u32]) -> Vec<[u32; 2]> {
     pairs
 }
 
-/// Area over which two bodies touch face to face; `None` if it is too small for a bond or nothing of the two can move.
+/// Area over which two bodies touch face to face as they lie; `None` if it is too small for a bond or nothing of the two can
+/// move.
 pub(super) fn touching_area(bodies: &Bodies, a: u32, b: u32) -> Option<f32> {
+    area_in_pose(bodies, a, b, &relative_pose(bodies, a, b))
+}
+
+/// The same, if the pose of B in A's frame were `b_in_a`.
+pub(super) fn area_in_pose(bodies: &Bodies, a: u32, b: u32, b_in_a: &Pose) -> Option<f32> {
     if !can_move(bodies, a, b) {
         return None;
     }
@@ -52,16 +58,16 @@ pub(super) fn touching_area(bodies: &Bodies, a: u32, b: u32) -> Option<f32> {
     let gap = TOUCHING_SHARE * extent;
     let area = match (&bodies.info(a).shape, &bodies.info(b).shape) {
         (Shape::Convex(first), Shape::Convex(second)) => {
-            let b_in_a = relative_pose(bodies, a, b);
-            shared_area::of_hulls(first.hull(), second.hull(), &b_in_a, gap)
+            shared_area::of_hulls(first.hull(), second.hull(), b_in_a, gap)
         }
         (Shape::Convex(mesh), Shape::HalfSpace(half_space)) => {
-            let b_in_a = relative_pose(bodies, a, b);
             let normal = rotate(b_in_a.rotation, half_space.normal);
             let plane = Plane::through(b_in_a.position, normal);
             shared_area::on_half_space(mesh.hull(), &plane, gap)
         }
-        (Shape::HalfSpace(_), Shape::Convex(_)) => return touching_area(bodies, b, a),
+        (Shape::HalfSpace(_), Shape::Convex(_)) => {
+            return area_in_pose(bodies, b, a, &b_in_a.inverse());
+        }
         (Shape::HalfSpace(_), Shape::HalfSpace(_)) => 0.0,
     };
     (area > LEAST_AREA * extent * extent).then_some(area)

@@ -5,6 +5,7 @@ use super::bodies::{Bodies, Motion, SolverBody};
 use super::demand::{Demand, Effort, SubstepSettings, Travel};
 use super::islands::Islands;
 use super::limit::BodyBlow;
+use super::rehearsal::{Rehearsal, is_large};
 use super::rows::{PointRows, Row};
 use super::team::Team;
 use super::ties::{BondedManifold, is_new_bond};
@@ -29,9 +30,9 @@ const TASKS_PER_THREAD: usize = 4;
 /// The rows of a step and the working copies of the bodies they join; buffers are reused.
 #[derive(Debug, Default)]
 pub struct ContactSolver {
-    islands: Islands,
+    pub(super) islands: Islands,
     /// By island.
-    demands: Vec<Demand>,
+    pub(super) demands: Vec<Demand>,
     /// Islands of each batch.
     ranges: Vec<Range<usize>>,
     /// Those of earlier rounds of the step, then as many as there are `ranges`, and perhaps some from other steps.
@@ -41,12 +42,15 @@ pub struct ContactSolver {
     /// Number of batches from earlier rounds.
     earlier: usize,
     /// By slot: how far the bodies are in this step.
-    progress: Vec<Progress>,
+    pub(super) progress: Vec<Progress>,
+    /// By island: whether its rehearsal broke a body, so that it is not solved in this round.
+    pub(super) is_set_aside: Vec<bool>,
+    pub(super) rehearsal: Rehearsal,
 }
 
 /// How far a body is within a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Progress {
+pub(super) enum Progress {
     /// As it was before the step.
     #[default]
     Open,
@@ -130,7 +134,10 @@ impl ContactSolver {
             waiting.for_each(|progress| *progress = Progress::Open);
         }
         self.progress.resize(bodies.slots(), Progress::Open);
-        self.find_batches(manifolds, bodies, settings);
+        self.find_islands(manifolds, bodies, settings);
+        self.is_set_aside.clear();
+        let is_set_aside = round.may_break && self.rehearse(manifolds, bodies, settings);
+        self.make_batches();
         self.solve_batches(manifolds, bodies, settings, round.may_break);
         self.write_back(bodies);
         self.move_free_bodies(bodies, settings);
@@ -141,13 +148,14 @@ impl ContactSolver {
                 batch.judge_bonds(&mut self.bonded);
             }
         }
-        batches.iter().any(|batch| batch.is_broken)
+        is_set_aside || batches.iter().any(|batch| batch.is_broken)
     }
 
-    /// Bodies (by slot) that got through the last round although they were hit with more than they bear, and with what.
+    /// Bodies (by slot) that got through the step although they were hit with more than they bear, and with what.
     pub fn overloaded(&self) -> impl Iterator<Item = (u32, BodyBlow)> {
-        let batches = self.batches[self.earlier..][..self.ranges.len()].iter();
-        batches.flat_map(|batch| batch.overloaded.iter().copied())
+        let batches = self.batches[..self.earlier + self.ranges.len()].iter();
+        let solved = batches.filter(|batch| !batch.is_broken);
+        solved.flat_map(|batch| batch.overloaded.iter().copied())
     }
 
     /// Whether the body in `slot` is as it was before the step, because something in its island breaks.
@@ -167,6 +175,18 @@ impl ContactSolver {
         bodies: &Bodies,
         settings: &SubstepSettings,
     ) {
+        self.find_islands(manifolds, bodies, settings);
+        self.is_set_aside.clear();
+        self.make_batches();
+    }
+
+    /// Finds the islands and what they ask for.
+    fn find_islands(
+        &mut self,
+        manifolds: &[Manifold],
+        bodies: &Bodies,
+        settings: &SubstepSettings,
+    ) {
         let progress = &self.progress;
         let is_open = |slot: u32| progress.get(slot as usize) != Some(&Progress::Moved);
         let is_open = |m: &Manifold| is_open(m.a) && is_open(m.b);
@@ -176,9 +196,18 @@ impl ContactSolver {
             let demand = self.demand(i, manifolds, bodies, settings);
             self.demands.push(demand);
         }
+    }
+
+    /// Decides which of the islands that are not set aside are solved together.
+    fn make_batches(&mut self) {
+        self.is_set_aside.resize(self.demands.len(), false);
         self.ranges.clear();
         let mut first = 0;
         while first < self.demands.len() {
+            if self.is_set_aside[first] {
+                first += 1;
+                continue;
+            }
             let end = self.end_of_batch(first);
             self.ranges.push(first..end);
             first = end;
@@ -206,7 +235,7 @@ impl ContactSolver {
                 bodies,
                 settings,
                 has_team: team.is_some(),
-                may_break,
+                may_break: may_break && !is_large(&islands.list[range.start]),
             };
             batch.load(&step, range.clone(), demand);
             batch.tie(bonded, manifolds);
@@ -301,6 +330,7 @@ impl ContactSolver {
         let (mut end, mut total) = (first + 1, size(first));
         while !demand.can_hit
             && end < self.demands.len()
+            && !self.is_set_aside[end]
             && self.demands[end].is_solved_like(demand)
             && total + size(end) <= BATCH
         {

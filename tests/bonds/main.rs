@@ -6,6 +6,7 @@ mod app;
 mod dice;
 
 mod areas;
+mod inheritance;
 mod plugin;
 mod rows;
 mod rules;

@@ -130,23 +130,6 @@ fn bodies_that_are_apart_break_their_bond_in_the_first_step() {
 }
 
 #[test]
-fn bonds_of_a_body_that_is_cut_go_with_it() {
-    let (mut simulation, slots) = chain(2, -Vec3::Y, Bond::new(10.0 * WEIGHT, 1.0));
-    (0..30).for_each(|_| simulation.step(H));
-    let across = Plane::through(-Vec3::Y, Vec3::X);
-    simulation.slice(slots[1], across).expect("there");
-    simulation.step(H);
-    assert_eq!(simulation.fractures.done.len(), 1);
-    simulation.step(H);
-    assert!(simulation.bonds.is_empty());
-    (0..60).for_each(|_| simulation.step(H));
-    assert!(
-        simulation.bodies.centre_of_mass(slots[2]).y < -4.0,
-        "all fall"
-    );
-}
-
-#[test]
 fn a_bond_holds_what_was_bonded_with_an_overlap_or_a_gap_where_it_is() {
     for gap in [-0.01_f32, 0.005] {
         let at = Vec3::new(0.0, -1.0 - gap, 0.0);

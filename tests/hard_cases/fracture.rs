@@ -79,6 +79,7 @@ fn body_cut_into_fifty_moving_pieces_loses_nothing() {
         &mut simulation.bodies,
         &mut simulation.cache,
         &mut simulation.fractures,
+        &mut simulation.bonds,
         &settings,
     );
     let pieces = simulation.bodies.len();

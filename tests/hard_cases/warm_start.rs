@@ -160,7 +160,7 @@ impl Runner {
             ..
         } = &mut self.simulation;
         step::mass_properties(bodies, report);
-        step::cut(bodies, cache, fractures, settings);
+        step::cut(bodies, cache, fractures, bonds, settings);
         step::broadphase(bodies, contacts, settings, report);
         if self.start == Start::Feature {
             step::generate_contacts(bodies, contacts, &mut ContactCache::new(), settings, report);
@@ -176,7 +176,7 @@ impl Runner {
                 &mut self.tally,
             );
         }
-        step::solve(bodies, contacts, settings, report);
+        step::solve(bodies, contacts, fractures, settings, report);
         self.before.clear();
         for m in contacts.manifolds() {
             let points = m.points().iter();

@@ -1,0 +1,183 @@
+//! Large islands: which of their bodies break, found from the neighbourhood of the blows before the whole is solved.
+//!
+//! An island in which a body breaks is solved once for nothing, and again with the pieces. For a wall of a thousand bricks
+//! that is the step twice over, for the sake of a few bricks. So where it matters, what may break is solved alone first, with
+//! the bodies around it and without the rest: how hard a blow is decides itself in its neighbourhood. Its impulses say what
+//! breaks, and how much of the blow that bears; the island is solved as a whole when no rehearsal breaks anything any more.
+
+use super::batch::{Batch, Step, side};
+use super::bodies::Bodies;
+use super::contact_solver::{ContactSolver, Progress};
+use super::demand::SubstepSettings;
+use super::islands::{Island, Islands};
+use super::limit::BodyBlow;
+use super::rows::Row;
+use crate::contact::manifold::Manifold;
+
+/// Manifolds from which an island is large: a tenth of a millisecond, which nobody minds to spend twice.
+const LARGE: usize = 192;
+
+/// How many contacts away from a blow bodies take part.
+const RINGS: usize = 2;
+
+/// How much harder a blow may be than one between its two bodies alone: others may stand behind the one that is hit.
+const BACKING: f32 = 2.0;
+
+/// Marks a slot of no island that takes part.
+const NONE: u32 = u32::MAX;
+
+/// Buffers.
+#[derive(Debug, Default)]
+pub(super) struct Rehearsal {
+    /// By slot: the large island in whose rehearsal the body takes part.
+    cast: Vec<u32>,
+    /// Those that join with the next ring.
+    joining: Vec<u32>,
+    islands: Islands,
+    batch: Batch,
+}
+
+/// Whether an island is rehearsed.
+pub(super) fn is_large(island: &Island) -> bool {
+    island.manifolds.len() >= LARGE
+}
+
+impl ContactSolver {
+    /// Rehearses the large islands that have been found. Bodies of those in which a body breaks wait, and `manifolds` hold the
+    /// impulses of the rehearsal; whether there are any.
+    pub(super) fn rehearse(
+        &mut self,
+        manifolds: &mut [Manifold],
+        bodies: &Bodies,
+        settings: &SubstepSettings,
+    ) -> bool {
+        self.is_set_aside.clear();
+        self.is_set_aside.resize(self.islands.list.len(), false);
+        if !bodies.any_fracturable() || !self.islands.list.iter().any(is_large) {
+            return false;
+        }
+        let mut rehearsal = std::mem::take(&mut self.rehearsal);
+        let anybody = rehearsal.choose(&self.islands, manifolds, bodies, settings);
+        if anybody {
+            let Rehearsal {
+                cast,
+                islands,
+                batch,
+                ..
+            } = &mut rehearsal;
+            let takes_part = |slot: u32| cast[slot as usize] != NONE;
+            let moves = |slot: u32| bodies.velocity[slot as usize].inverse_mass > 0.0;
+            islands.find(manifolds, bodies, |m| {
+                let counts = |slot: u32| takes_part(slot) || !moves(slot);
+                counts(m.a) && counts(m.b) && (takes_part(m.a) || takes_part(m.b))
+            });
+            for part in 0..islands.list.len() {
+                let slots = &islands.slots[islands.list[part].bodies.clone()];
+                let Some(&slot) = slots.iter().find(|&&slot| takes_part(slot)) else {
+                    continue;
+                };
+                let whole = cast[slot as usize] as usize;
+                let step = Step {
+                    islands,
+                    manifolds,
+                    bodies,
+                    settings,
+                    has_team: false,
+                    may_break: true,
+                };
+                batch.load(&step, part..part + 1, &self.demands[whole]);
+                batch.tie(&self.bonded, manifolds);
+                batch.solve(manifolds, None);
+                if batch.is_broken {
+                    batch.store_impulses(manifolds);
+                    self.is_set_aside[whole] = true;
+                }
+            }
+        }
+        self.rehearsal = rehearsal;
+        self.wait_for_next_round(bodies);
+        self.is_set_aside.contains(&true)
+    }
+
+    /// Notes that the bodies of islands that are set aside wait.
+    fn wait_for_next_round(&mut self, bodies: &Bodies) {
+        let islands = self.islands.list.iter().zip(&self.is_set_aside);
+        for (island, _) in islands.filter(|(_, is_set_aside)| **is_set_aside) {
+            for &slot in &self.islands.slots[island.bodies.clone()] {
+                if bodies.velocity[slot as usize].inverse_mass > 0.0 {
+                    self.progress[slot as usize] = Progress::Waiting;
+                }
+            }
+        }
+    }
+}
+
+impl Rehearsal {
+    /// Chooses who takes part: the bodies of contacts that may break one, and those around them; whether there is anybody.
+    fn choose(
+        &mut self,
+        islands: &Islands,
+        manifolds: &[Manifold],
+        bodies: &Bodies,
+        settings: &SubstepSettings,
+    ) -> bool {
+        self.cast.clear();
+        self.cast.resize(bodies.slots(), NONE);
+        let mut anybody = false;
+        let large = (0..)
+            .zip(&islands.list)
+            .filter(|(_, island)| is_large(island));
+        for (number, island) in large {
+            let of_island = || {
+                let indices = &islands.manifolds[island.manifolds.clone()];
+                indices.iter().map(|&index| &manifolds[index as usize])
+            };
+            let blows = of_island().filter(|m| may_break(m, bodies, settings.step()));
+            self.joining.clear();
+            self.joining.extend(blows.flat_map(|m| [m.a, m.b]));
+            anybody |= !self.joining.is_empty();
+            for _ in 0..=RINGS {
+                for slot in self.joining.drain(..) {
+                    // Nothing gets from one side of a fixed body to the other.
+                    if bodies.velocity[slot as usize].inverse_mass > 0.0 {
+                        self.cast[slot as usize] = number;
+                    }
+                }
+                let cast = &self.cast;
+                let takes_part = |slot: u32| cast[slot as usize] != NONE;
+                let rim = of_island().filter(|m| takes_part(m.a) != takes_part(m.b));
+                self.joining.extend(rim.flat_map(|m| [m.a, m.b]));
+            }
+        }
+        anybody
+    }
+}
+
+/// Whether a blow at one of the points of a manifold may be more than one of its bodies bears.
+fn may_break(manifold: &Manifold, bodies: &Bodies, step: f32) -> bool {
+    let slots = [manifold.a, manifold.b];
+    let limits = slots.map(|slot| bodies.limit(slot));
+    if limits == [None; 2] {
+        return false;
+    }
+    let slots = slots.map(|slot| slot as usize);
+    let [a, b] = slots.map(|i| &bodies.velocity[i]);
+    let sides = slots.map(|i| side(bodies, i));
+    let mut blow = BodyBlow::default();
+    for point in manifold.points() {
+        let on_a = a.linear + a.angular.cross(point.anchor_a);
+        let on_b = b.linear + b.angular.cross(point.anchor_b);
+        let speed = manifold.normal.dot(on_a - on_b);
+        if speed * step > point.separation {
+            let row = Row::new(manifold.normal, [point.anchor_a, point.anchor_b], sides);
+            let impulse = BACKING * speed / row.diagonal;
+            // The points of a contact share its blow.
+            if impulse > blow.impulse {
+                blow = BodyBlow::default();
+                blow.add(impulse, speed);
+            }
+        }
+    }
+    let mut limits = limits.iter().flatten();
+    limits.any(|limit| limit.is_exceeded_by(&blow))
+}

@@ -1,0 +1,115 @@
+//! What becomes of the bonds of a body that is cut.
+
+use crate::scene::{H, WEIGHT, chain};
+use bevy_cleave::prelude::*;
+use glam::Vec3;
+
+/// Slots and areas of all bonds.
+fn bonds(simulation: &Simulation) -> Vec<([u32; 2], f32)> {
+    let bonds = simulation.bonds.iter();
+    bonds.map(|(slots, bond)| (slots, bond.area)).collect()
+}
+
+fn areas(simulation: &Simulation) -> Vec<f32> {
+    let mut areas: Vec<f32> = bonds(simulation).into_iter().map(|(_, a)| a).collect();
+    areas.sort_by(f32::total_cmp);
+    areas
+}
+
+fn is_near(found: &[f32], wanted: &[f32]) -> bool {
+    let pairs = || found.iter().zip(wanted);
+    found.len() == wanted.len() && pairs().all(|(a, b)| (a - b).abs() < 1e-4)
+}
+
+/// A unit cube that hangs from a fixed one; its lower half, of which nothing holds the other, falls off.
+#[test]
+fn the_piece_that_lies_on_the_neighbour_has_the_whole_bond() {
+    let bond = Bond::new(2.0 * WEIGHT, 1.0);
+    let (mut simulation, slots) = chain(1, Vec3::NEG_Y, bond);
+    let plane = Plane::through(Vec3::new(0.0, -1.1, 0.0), Vec3::Y);
+    simulation.slice(slots[1], plane).expect("a body");
+    (0..60).for_each(|_| simulation.step(H));
+    assert!(
+        is_near(&areas(&simulation), &[1.0]),
+        "{:?}",
+        bonds(&simulation)
+    );
+    let bodies = &simulation.bodies;
+    let mut heights: Vec<f32> = bodies.iter().map(|s| bodies.centre_of_mass(s).y).collect();
+    heights.sort_by(f32::total_cmp);
+    assert!((heights[1] + 0.8).abs() < 2e-3, "{heights:?} m");
+    assert!(
+        heights[0] < -4.0,
+        "the lower half did not fall: {heights:?} m"
+    );
+}
+
+/// Cut upright, the pieces hang side by side, each on its own share of what held the whole with little to spare.
+#[test]
+fn pieces_share_a_bond_by_their_areas_and_hold_what_it_held() {
+    let bond = Bond::new(1.3 * WEIGHT, 1.0);
+    let (mut simulation, slots) = chain(1, Vec3::NEG_Y, bond);
+    (0..60).for_each(|_| simulation.step(H));
+    let plane = Plane::through(Vec3::new(0.25, -1.0, 0.0), Vec3::X);
+    simulation.slice(slots[1], plane).expect("a body");
+    for _ in 0..120 {
+        simulation.step(H);
+        assert!(
+            is_near(&areas(&simulation), &[0.25, 0.75]),
+            "{:?}",
+            bonds(&simulation)
+        );
+    }
+    let bodies = &simulation.bodies;
+    for slot in bodies.iter().filter(|&slot| slot != slots[0]) {
+        let (at, (v, _)) = (bodies.centre_of_mass(slot), bodies.velocity(slot));
+        assert!((at.y + 1.0).abs() < 2e-3, "{at} m");
+        assert!(v.length() < 1e-3, "{v} m/s");
+    }
+}
+
+/// Three cubes in a row below a fixed one; the two in the middle are cut by one plane in one step.
+#[test]
+fn bonds_between_two_bodies_that_are_cut_in_one_step_join_the_pieces_that_face_each_other() {
+    let bond = Bond::new(20.0 * WEIGHT, 1.0);
+    let (mut simulation, slots) = chain(3, Vec3::NEG_Y, bond);
+    let plane = Plane::through(Vec3::new(-0.1, -1.0, 0.0), Vec3::X);
+    for slot in &slots[1..=2] {
+        simulation.slice(*slot, plane).expect("a body");
+    }
+    simulation.step(H);
+    let wanted = [0.4, 0.4, 0.4, 0.6, 0.6, 0.6];
+    assert!(
+        is_near(&areas(&simulation), &wanted),
+        "{:?}",
+        bonds(&simulation)
+    );
+    let bodies = &simulation.bodies;
+    for ([a, b], _) in bonds(&simulation) {
+        let [x, y] = [a, b].map(|slot| bodies.centre_of_mass(slot).x);
+        let is_whole = [a, b]
+            .iter()
+            .any(|slot| [slots[0], slots[3]].contains(slot));
+        assert!(is_whole || (x - y).abs() < 1e-3, "{x} m bonded to {y} m");
+    }
+}
+
+/// Cut upright, both halves of a cube in the middle of a chain hold what hangs below; cut level, the lower half falls
+/// with it, bonded still.
+#[test]
+fn what_hangs_on_a_body_that_is_cut_hangs_on_the_pieces_that_touch_it() {
+    let height_after = |normal: Vec3, bonds: usize| {
+        let bond = Bond::new(10.0 * WEIGHT, 1.0);
+        let (mut simulation, slots) = chain(2, Vec3::NEG_Y, bond);
+        (0..30).for_each(|_| simulation.step(H));
+        let plane = Plane::through(Vec3::new(0.0, -1.0, 0.0), normal);
+        simulation.slice(slots[1], plane).expect("a body");
+        (0..60).for_each(|_| simulation.step(H));
+        assert_eq!(simulation.bonds.len(), bonds);
+        simulation.bodies.centre_of_mass(slots[2]).y
+    };
+    let held = height_after(Vec3::X, 4);
+    assert!((held + 2.0).abs() < 1e-2, "{held} m");
+    let fallen = height_after(Vec3::Y, 2);
+    assert!(fallen < -5.0, "{fallen} m");
+}
