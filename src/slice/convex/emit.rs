@@ -1,7 +1,7 @@
 //! Writing the parts: new numbers, and copies of runs of what the plane leaves alone.
 
 use super::Irregular;
-use super::classes::{ABOVE, BELOW, BOTH, Classes, ON};
+use super::classes::{ABOVE, BELOW, BOTH, Classes};
 use super::rim::Rim;
 use crate::geometry::lanes::box_of;
 use crate::geometry::{ConvexHull, Edge, Face};
