@@ -90,6 +90,9 @@ fn twelve_generations_keep_the_volume_and_do_not_grow_triangles() {
     assert!(mean <= 14.0, "{mean}");
 }
 
+/// A way to choose the plane that cuts a piece.
+type Choose<'a> = &'a dyn Fn(&ConvexHull, &mut Dice) -> Plane;
+
 /// Three faces meet in a corner of a polyhedron at least, so `2 E >= 3 V`, and with Euler's formula its `2 E - 2 F` triangles
 /// are at most `4 F - 12`. A point on an edge that was cut, or on the rim between two cuts in one plane, would add to them.
 #[test]
@@ -103,8 +106,7 @@ fn pieces_have_no_corner_that_is_none_wherever_they_are_cut() {
         Plane::through(middle(piece).lerp(corner, 0.5 * dice.unit()), axis)
     };
     let cube = primitives::cuboid(1.0, 1.0, 1.0).unwrap();
-    let distributions: [&dyn Fn(&ConvexHull, &mut Dice) -> Plane; 4] =
-        [&plane_inside, &middle_of, &anywhere, &along_axes];
+    let distributions: [Choose; 4] = [&plane_inside, &middle_of, &anywhere, &along_axes];
     for (seed, choose) in (10..).zip(distributions) {
         for piece in generations(&cube, 8, seed, choose) {
             let (faces, triangles) = (piece.faces().len(), piece.triangles().count());

@@ -143,7 +143,7 @@ impl<'v> MomentSum<'v> {
 
     /// The sums.
     pub(crate) fn finish(mut self) -> Moments {
-        if self.filled % PAIR != 0 {
+        if !self.filled.is_multiple_of(PAIR) {
             // The volume of a triangle with three equal corners is zero exactly.
             let [corner, ..] = self.block[0];
             self.block[self.filled] = [corner; 3];
