@@ -70,6 +70,14 @@ impl Totals {
         self.momentum_scale += other.momentum_scale;
         self.angular_scale += other.angular_scale;
     }
+
+    /// Takes away sums over some of the bodies about the same point. The scales of errors stay.
+    pub(super) fn take(&mut self, other: &Self) {
+        self.mass -= other.mass;
+        self.momentum -= other.momentum;
+        self.angular_momentum -= other.angular_momentum;
+        self.kinetic_energy -= other.kinetic_energy;
+    }
 }
 
 /// Before and after of one fracture. What was there before is in `after` or in `dropped`.
@@ -80,9 +88,9 @@ pub struct Ledger {
     pub before: Totals,
     /// The pieces that were spawned.
     pub after: Totals,
-    /// The pieces that were too small to be spawned.
+    /// The pieces that were too small to be spawned, and the air between parts that came apart.
     pub dropped: Totals,
-    /// How many were dropped.
+    /// How many pieces were dropped.
     pub dropped_pieces: u32,
 }
 

@@ -9,7 +9,7 @@ use crate::math::{Plane, Pose, rotate};
 use crate::slice::fracturable::Fracturable;
 use crate::slice::{Cutting, Piece, PieceCutter, SliceError, SliceOptions};
 use crate::solver::bodies::{Bodies, BodyDesc, RigidBody, Shape};
-use glam::{Quat, Vec3};
+use glam::{DVec3, Quat, Vec3};
 use smallvec::SmallVec;
 
 /// How one body is to be divided.
@@ -28,6 +28,8 @@ pub(super) struct Plan {
 #[derive(Clone, Debug)]
 pub(super) struct Division {
     pieces: Vec<Piece>,
+    /// What the cuts left, if parts of it came apart.
+    halves: Vec<ConvexHull>,
     /// The planes of the cuts, and those of a blow that divides by planes, body's frame.
     planes: SmallVec<[Plane; 8]>,
 }
@@ -40,7 +42,15 @@ impl Division {
     ) -> Result<Self, CutError> {
         let mesh = bodies.convex(plan.slot).ok_or(CutError::NotDynamic)?;
         let fracturable = bodies.fracturable(plan.slot);
-        let pieces = pieces_of(mesh, fracturable, plan, cutter)?;
+        let mut pieces = pieces_of(mesh, fracturable, plan, cutter)?;
+        let mut halves = Vec::new();
+        if fracturable.is_some_and(|f| f.separate_parts) {
+            halves.extend(pieces.iter().map(|piece| piece.hull.clone()));
+            cutter.separate(&mut pieces)?;
+            if pieces.len() == halves.len() {
+                halves.clear();
+            }
+        }
         if pieces.len() < 2 {
             return Err(CutError::Missed);
         }
@@ -48,7 +58,11 @@ impl Division {
         if let Some(Cutting::Planes(blow)) = &plan.blow {
             planes.extend_from_slice(blow);
         }
-        Ok(Self { pieces, planes })
+        Ok(Self {
+            pieces,
+            halves,
+            planes,
+        })
     }
 
     /// Number of pieces.
@@ -58,8 +72,13 @@ impl Division {
 
     /// Area of the cracks in a body with the hull `whole`, m2: half of what the surface has grown by.
     pub(super) fn crack_area(&self, whole: &ConvexHull) -> f64 {
-        let surfaces = self.pieces.iter().map(|piece| surface(&piece.hull));
-        0.5 * (surfaces.sum::<f64>() - surface(whole))
+        let grown = if self.halves.is_empty() {
+            let surfaces = self.pieces.iter().map(|piece| surface(&piece.hull));
+            surfaces.sum::<f64>()
+        } else {
+            self.halves.iter().map(surface).sum()
+        };
+        0.5 * (grown - surface(whole))
     }
 }
 
@@ -74,7 +93,7 @@ fn surface(hull: &ConvexHull) -> f64 {
             let (u, v) = (corner(w[0]) - corner(*first), corner(w[1]) - corner(*first));
             u.cross(v)
         });
-        0.5 * fan.sum::<glam::DVec3>().length()
+        0.5 * fan.sum::<DVec3>().length()
     };
     hull.faces.iter().map(area).sum()
 }
@@ -112,6 +131,7 @@ pub(super) fn replace(
     let about = bodies.centre_of_mass(slot).as_dvec3();
     let mut ledger = Ledger::default();
     ledger.before.add_body(bodies, slot, about);
+    ledger.dropped = lost_between_parts(bodies, slot, &division, about);
     let mut kept: SmallVec<[u32; 8]> = SmallVec::new();
     for piece in division.pieces {
         let integrals = VolumeIntegrals::of_hull(&piece.hull);
@@ -152,6 +172,32 @@ pub(super) fn replace(
     };
     bodies.remove(slot);
     Ok(fracture)
+}
+
+/// What the hulls of pieces held between the parts that came apart: air that had counted as material.
+fn lost_between_parts(bodies: &Bodies, slot: u32, division: &Division, about: DVec3) -> Totals {
+    let mut lost = Totals::default();
+    if division.halves.is_empty() {
+        return lost;
+    }
+    let totals = |hull: &ConvexHull| {
+        let integrals = VolumeIntegrals::of_hull(hull);
+        let piece = Piece {
+            hull: hull.clone(),
+            volume: integrals.volume,
+            visual: None,
+        };
+        let desc = piece_desc(bodies, slot, piece, &integrals, None);
+        Totals::of_piece(&desc, &integrals, about)
+    };
+    division
+        .halves
+        .iter()
+        .for_each(|half| lost.add(&totals(half)));
+    for piece in &division.pieces {
+        lost.take(&totals(&piece.hull));
+    }
+    lost
 }
 
 /// The body that a piece becomes: in a frame about its own centroid, moving as that part of the parent did.

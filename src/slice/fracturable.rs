@@ -36,6 +36,11 @@ pub struct Fracturable {
     /// Material slot of the cut faces (see [`TriMesh::materials`](crate::geometry::TriMesh::materials)); `None` for no
     /// slots, or 0 if the mesh has some.
     pub cut_material: Option<u16>,
+    /// Whether pieces whose visual meshes are in several parts come apart, as [`PieceCutter::separate`] says. Off, because
+    /// many models are built of parts that only touch, and would fall into them at the first cut.
+    ///
+    /// [`PieceCutter::separate`]: super::PieceCutter::separate
+    pub separate_parts: bool,
 }
 
 impl Default for Fracturable {
@@ -52,6 +57,7 @@ impl Default for Fracturable {
             seed: 0,
             cut_colour: None,
             cut_material: None,
+            separate_parts: false,
         }
     }
 }
