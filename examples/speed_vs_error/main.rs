@@ -29,6 +29,7 @@ mod support;
 
 mod files;
 mod findings;
+mod inheritance;
 mod machine;
 mod order;
 mod pictures;
@@ -114,6 +115,7 @@ fn measure_all(is_quick: bool) -> Result<Results, Error> {
         sweeps,
         files,
         orders: order::measure(),
+        spikes: inheritance::measure(),
         noise: findings::noise(),
         sag: findings::sag(),
         seconds: 0.0,

@@ -2,6 +2,7 @@
 
 use crate::files::{Exact, Files, LEVELS, REFERENCE, mean_and_worst};
 use crate::findings::{LOADS, Noise, SUBSTEPS};
+use crate::inheritance::Spike;
 use crate::mlcp_files::sweeps::Profile;
 use crate::order::{Convergence, PARTS};
 use crate::settings::EXACT;
@@ -20,6 +21,7 @@ pub(crate) struct Results {
     pub(crate) sweeps: Vec<Sweep>,
     pub(crate) files: Files,
     pub(crate) orders: [Convergence; 2],
+    pub(crate) spikes: Vec<Spike>,
     pub(crate) noise: [Noise; 4],
     pub(crate) sag: [[f32; 4]; 3],
     /// What it took, s.
@@ -93,6 +95,7 @@ fn markdown(results: &Results) -> String {
         scene_pictures(sweeps),
         solver_on_files(files),
         convergence(&results.orders),
+        spikes(&results.spikes),
         findings(results),
     ]
     .join("\n")
@@ -338,6 +341,36 @@ fn convergence(orders: &[Convergence]) -> String {
         let errors = motion.errors.map(|e| format!("{e:.2e}")).join(" | ");
         let orders = motion.orders().map(|p| format!("{p:.3}")).join(", ");
         text += &format!("| {} | {errors} | {orders} |\n", motion.title);
+    }
+    text
+}
+
+fn spikes(spikes: &[Spike]) -> String {
+    let mut text = String::from(
+        "\n## Cuts in place\n\nBodies at rest are cut and stay where they are; pieces inherit the contact multipliers of \
+         their parents, or start without any.\n\n",
+    );
+    let columns = [
+        "setting",
+        "inherited",
+        "residual of the step of the cut, relative",
+        "fastest piece after it, m/s",
+        "fastest within a second, m/s",
+        "farthest way in a second, m",
+    ];
+    text += &table_head("cut", columns.into_iter().map(String::from));
+    for spike in spikes {
+        for (outcome, inherits) in spike.outcomes.iter().zip(["yes", "no"]) {
+            text += &format!(
+                "| {} | {} | {inherits} | {:.1e} | {:.1e} | {:.1e} | {:.1e} |\n",
+                spike.title,
+                spike.setting,
+                outcome.residual,
+                outcome.first,
+                outcome.peak,
+                outcome.moved,
+            );
+        }
     }
     text
 }
