@@ -3,8 +3,9 @@
 //!
 //! A bond lets the contact of its pair pull: each point of the manifold bears up to its share of strength times area in
 //! tension and in shear, and returns to where it was when the bond was made; see [`ties`](crate::solver::ties). Where a
-//! point that bears all it can has opened or slid by [`BREAKING_SHARE`] of the smaller body's least extent, or where the
-//! bodies have come too far apart to touch, the bond is broken for good, and the pair is an ordinary contact.
+//! point that bears all it can has opened or slid by [`BREAKING_SHARE`] of the smaller body's least extent, where any has by
+//! [`TEARING_SHARE`], or where the bodies have come too far apart to touch, the bond is broken for good, and the pair is an
+//! ordinary contact.
 //!
 //! The load is shared by at most four points at the rim of the common face. So a rectangular face of depth `d` bears a
 //! bending moment of `strength area d / 2`, three times that of an elastic beam whose stress at the rim is the strength.
@@ -18,7 +19,7 @@
 use super::neighbours::{close_pairs, touching_area};
 use crate::collide::relative_pose;
 use crate::contact::BodyId;
-use crate::contact::manifold::{MAX_POINTS, Manifold};
+use crate::contact::manifold::{ContactPoint, MAX_POINTS, Manifold};
 use crate::math::{Pose, rotate};
 use crate::solver::bodies::{Bodies, RigidBody};
 use crate::solver::ties::BondedManifold;
@@ -28,6 +29,10 @@ use glam::Vec3;
 /// How far a point that bears all it can may open or slide before the bond is broken, as a share of the smaller body's
 /// least extent. The energy that breaking takes is strength times area times this way.
 pub const BREAKING_SHARE: f32 = 1e-3;
+
+/// How far a point may be off, as a share of the same extent, until the bond is broken whatever it bears. A blow may tear bodies
+/// farther apart than sweeps can tell in a step; to pull them back from there would be energy out of nothing.
+pub const TEARING_SHARE: f32 = 0.01;
 
 /// What holds two bodies together.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -255,6 +260,11 @@ impl Bonds {
                     forget_pull(manifold);
                     false
                 }
+                Some((_, manifold)) if joint.is_torn(bodies, manifold) => {
+                    forget_pull(manifold);
+                    broken.push(joint.broken());
+                    false
+                }
                 Some((index, manifold)) => {
                     bonded.push(joint.hold(bodies, index, manifold));
                     joint.is_new = false;
@@ -352,6 +362,16 @@ impl Joint {
             displacement,
             yielded: 0.0,
         }
+    }
+
+    /// Whether a point of the contact is farther from where it was than any bond reaches.
+    fn is_torn(&self, bodies: &Bodies, manifold: &Manifold) -> bool {
+        let most = TEARING_SHARE * smaller_extent(bodies, self.slots);
+        let off = |point: &ContactPoint| {
+            let anchors = [point.anchor_a, point.anchor_b];
+            self.displacement(bodies, anchors).length()
+        };
+        manifold.points().iter().any(|point| off(point) > most)
     }
 
     /// How far what is now at the ends of the anchors of B has moved against what is there of A, world axes, m.
