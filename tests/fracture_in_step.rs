@@ -311,3 +311,37 @@ fn pieces_inherit_the_multipliers_of_their_corners() {
     assert_eq!((inherited, cold), (0.25, 0.0));
     assert!(with <= 0.05, "{with} m/s");
 }
+
+/// Each of the two pieces owns two of the four corners that the block stood on, which bore a quarter each.
+#[test]
+fn pieces_start_with_their_share_of_what_the_face_bore() {
+    let mut simulation = Simulation::default();
+    let floor = BodyDesc::floor(HalfSpace { normal: Vec3::Y });
+    let floor = simulation.bodies.insert(floor).expect("usable");
+    let block = BodyDesc::dynamic(cuboid(Vec3::new(4.0, 2.0, 4.0)), Vec3::Y);
+    let block = simulation.bodies.insert(block).expect("usable");
+    (0..60).for_each(|_| simulation.step(H));
+    let borne = |simulation: &Simulation, slot: u32| -> f32 {
+        let [floor, body] = [floor, slot].map(|slot| simulation.bodies.id(slot));
+        let entries = simulation.cache.entries_of(floor, body);
+        entries.map(|entry| entry.normal_impulse).sum()
+    };
+    let whole = borne(&simulation, block);
+    let plane = Plane::through(-Vec3::X, Vec3::X);
+    simulation.slice(block, plane).expect("a body");
+    let settings = simulation.settings(H);
+    let Simulation {
+        bodies,
+        cache,
+        fractures,
+        bonds,
+        ..
+    } = &mut simulation;
+    step::cut(bodies, cache, fractures, bonds, &settings);
+    let pieces = simulation.fractures.done[0].pieces.clone();
+    let shares: Vec<f32> = (pieces.iter())
+        .map(|&piece| borne(&simulation, piece) / whole)
+        .collect();
+    assert!((shares[0] - 0.25).abs() < 1e-3, "{shares:?}");
+    assert!((shares[1] - 0.75).abs() < 1e-3, "{shares:?}");
+}

@@ -84,18 +84,7 @@ impl Division {
 
 /// Area of a hull's faces, m2.
 fn surface(hull: &ConvexHull) -> f64 {
-    let area = |face| {
-        let corner = |i: u32| hull.vertices[i as usize].as_dvec3();
-        let [first, rest @ ..] = hull.face_loop(face) else {
-            return 0.0;
-        };
-        let fan = rest.windows(2).map(|w| {
-            let (u, v) = (corner(w[0]) - corner(*first), corner(w[1]) - corner(*first));
-            u.cross(v)
-        });
-        0.5 * fan.sum::<DVec3>().length()
-    };
-    hull.faces.iter().map(area).sum()
+    hull.faces.iter().map(|face| hull.face_area(face)).sum()
 }
 
 /// The pieces of a mesh: what the blow makes of it, and then the cuts.

@@ -411,6 +411,19 @@ impl ConvexHull {
         &self.loops[face.first as usize..(face.first + face.count) as usize]
     }
 
+    /// Area of a face, m2.
+    pub(crate) fn face_area(&self, face: &Face) -> f64 {
+        let corner = |i: u32| self.vertices[i as usize].as_dvec3();
+        let [first, rest @ ..] = self.face_loop(face) else {
+            return 0.0;
+        };
+        let fan = rest.windows(2).map(|w| {
+            let (u, v) = (corner(w[0]) - corner(*first), corner(w[1]) - corner(*first));
+            u.cross(v)
+        });
+        0.5 * fan.sum::<DVec3>().length()
+    }
+
     /// The faces as triangle fans.
     pub fn triangles(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
         self.faces.iter().flat_map(|face| {

@@ -1,10 +1,18 @@
 //! What becomes of a body's multipliers when it is cut: each goes to the piece that owns the contact point.
+//!
+//! A block that stands on its four corners leaves four corner pieces, of which each would start with a quarter of the whole
+//! weight on it, and jump. What a face bore is spread over the pieces of the face evenly, by area: a piece that owns points
+//! starts with its share of what they carried together.
 
 use super::{CacheEntry, ContactCache, PairRecord, Table};
 use crate::contact::BodyId;
-use crate::geometry::{ConvexHull, KdBox};
-use crate::math::rotate;
+use crate::geometry::predicates::{length_scale, merge_tolerance};
+use crate::geometry::{ConvexHull, KdBox, KdCode};
+use crate::math::{Plane, rotate};
 use glam::{Quat, Vec3};
+
+/// Cosine of the largest angle between faces that are taken for parts of one: half a degree.
+const SAME_FACE: f32 = 0.99996;
 
 /// A piece of a body that was cut.
 #[derive(Clone, Copy, Debug)]
@@ -34,15 +42,92 @@ pub struct Family<'a> {
 
 impl Family<'_> {
     /// The piece that owns a point of the parent (parent's frame, m): the one that it is deepest in, or nearest to.
-    fn owner(&self, point: Vec3) -> Option<&Heir<'_>> {
-        let distance = |heir: &Heir| {
-            let faces = heir.hull.faces.iter();
-            let place = point - heir.origin;
-            let heights = faces.map(|face| face.plane.distance(place));
-            heights.fold(f32::NEG_INFINITY, f32::max)
+    fn owner(&self, point: Vec3) -> Option<usize> {
+        let distance = |&i: &usize| self.heirs[i].nearest_face(point).1;
+        let by_distance = |a: &usize, b: &usize| distance(a).total_cmp(&distance(b));
+        (0..self.heirs.len()).min_by(by_distance)
+    }
+
+    /// For the entries of one pair: which piece has each, and what its impulses are multiplied with.
+    fn shares(&self, entries: &[CacheEntry], codes: impl Fn(&CacheEntry) -> KdCode) -> Vec<Share> {
+        let point = |entry| self.code_box.decode_centre(codes(entry));
+        let owned = entries.iter().filter_map(|entry| {
+            let (point, impulse) = (point(entry), entry.normal_impulse.max(0.0));
+            let heir = self.owner(point)?;
+            Some((heir, point, impulse))
+        });
+        let owned: Vec<_> = owned.collect();
+        let Some(&(first, point, _)) = owned.first() else {
+            return Vec::new();
         };
-        let by_distance = |a: &&Heir, b: &&Heir| distance(a).total_cmp(&distance(b));
-        self.heirs.iter().min_by(by_distance)
+        let face = self.heirs[first].nearest_face(point).0;
+        let areas: Vec<f32> = (self.heirs.iter())
+            .map(|heir| heir.area_in(&face))
+            .collect();
+        let (area, total): (f32, f32) = (areas.iter().sum(), owned.iter().map(|o| o.2).sum());
+        let factor = |heir: usize| {
+            let own: f32 = (owned.iter().filter(|o| o.0 == heir).map(|o| o.2)).sum();
+            let fair = total * areas[heir] / area;
+            // Where there is nothing to go by, all stays as it was.
+            if own > 0.0 && fair.is_finite() {
+                fair / own
+            } else {
+                1.0
+            }
+        };
+        let shares = owned.iter().map(|&(heir, point, _)| Share {
+            heir,
+            point,
+            factor: factor(heir).min(MOST_RAISE),
+        });
+        shares.collect()
+    }
+}
+
+/// What one piece gets of an entry.
+#[derive(Clone, Copy, Debug)]
+struct Share {
+    heir: usize,
+    /// The contact point, parent's frame, m.
+    point: Vec3,
+    /// What its impulses are multiplied with.
+    factor: f32,
+}
+
+/// Most that a multiplier is raised by.
+const MOST_RAISE: f32 = 4.0;
+
+impl Heir<'_> {
+    /// The face that a point is highest above (parent's frame), and how high, m: below zero inside.
+    fn nearest_face(&self, point: Vec3) -> (Plane, f32) {
+        let nowhere = Plane {
+            normal: Vec3::ZERO,
+            offset: 0.0,
+        };
+        let mut nearest = (nowhere, f32::NEG_INFINITY);
+        for face in &self.hull.faces {
+            let height = face.plane.distance(point - self.origin);
+            if height > nearest.1 {
+                let offset = face.plane.offset + face.plane.normal.dot(self.origin);
+                let plane = Plane {
+                    offset,
+                    ..face.plane
+                };
+                nearest = (plane, height);
+            }
+        }
+        nearest
+    }
+
+    /// Area of its part of a face of the parent (parent's frame), m2.
+    fn area_in(&self, parent: &Plane) -> f32 {
+        let size = length_scale(&self.hull.aabb) + self.origin.abs().max_element();
+        let faces = self.hull.faces.iter().filter(|face| {
+            let offset = face.plane.offset + face.plane.normal.dot(self.origin);
+            face.plane.normal.dot(parent.normal) > SAME_FACE
+                && (offset - parent.offset).abs() < 10.0 * merge_tolerance(size)
+        });
+        faces.map(|face| self.hull.face_area(face) as f32).sum()
     }
 }
 
@@ -68,8 +153,11 @@ impl ContactCache {
             let mut passed: Vec<Named> = Vec::new();
             for pair in current.pairs.iter().filter(is_of) {
                 let entries = &current.entries[pair.range()];
-                let pass = |entry| pass_on(family, pair.bodies, entry, rotation);
-                passed.extend(entries.iter().filter_map(pass));
+                let is_a = pair.bodies.0 == family.parent;
+                let code = |e: &CacheEntry| if is_a { e.code_a } else { e.code_b };
+                let shares = family.shares(entries, code);
+                let pass = |(entry, share)| pass_on(family, pair.bodies, entry, share, rotation);
+                passed.extend(entries.iter().zip(&shares).map(pass));
             }
             passed.sort_by_key(|&(bodies, _)| bodies);
             next.clear();
@@ -99,24 +187,25 @@ fn pass_on(
     family: &Family,
     (a, b): (BodyId, BodyId),
     entry: &CacheEntry,
+    share: &Share,
     rotation_of: impl Fn(BodyId) -> Quat,
-) -> Option<Named> {
-    let (other, codes) = if a == family.parent {
-        (b, [entry.code_a, entry.code_b])
+) -> Named {
+    let (other, code_of_other) = if a == family.parent {
+        (b, entry.code_b)
     } else {
-        (a, [entry.code_b, entry.code_a])
+        (a, entry.code_a)
     };
-    let point = family.code_box.decode_centre(codes[0]);
-    let heir = family.owner(point)?;
-    let own_code = heir.code_box.encode(point - heir.origin);
+    let heir = &family.heirs[share.heir];
+    let own_code = heir.code_box.encode(share.point - heir.origin);
     // The friction impulse is that on B, in A's frame. The piece, whose id is higher, is B.
-    let on_b = rotate(rotation_of(a), entry.friction_impulse);
+    let on_b = rotate(rotation_of(a), share.factor * entry.friction_impulse);
     let on_heir = if a == family.parent { -on_b } else { on_b };
     let passed = CacheEntry {
-        code_a: codes[1],
+        code_a: code_of_other,
         code_b: own_code,
+        normal_impulse: share.factor * entry.normal_impulse,
         friction_impulse: rotate(rotation_of(other).inverse(), on_heir),
         ..*entry
     };
-    Some(((other, heir.id), passed))
+    ((other, heir.id), passed)
 }
