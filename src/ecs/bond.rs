@@ -10,8 +10,8 @@ use bevy_ecs::prelude::*;
 pub trait BondCommands {
     /// Bonds the bodies of two entities as they lie before the next step, in place of a bond that they have.
     ///
-    /// [`BondBroken`] tells when it breaks. Bonds of a body that is despawned or cut go without a message. A bond that
-    /// cannot be made sends a [`BodyWarning`] about `a` with the reason.
+    /// [`BondBroken`] tells when it breaks. Bonds of a body that is despawned go without a message, those of a body that is
+    /// cut go to its pieces. A bond that cannot be made sends a [`BodyWarning`] about `a` with the reason.
     fn bond(&mut self, a: Entity, b: Entity, bond: Bond);
 
     /// Bonds all of these entities that touch face to face over their common areas, with a tensile and shear strength in
