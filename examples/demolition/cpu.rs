@@ -25,7 +25,7 @@ impl CpuClock {
     pub(crate) fn ms_since(&self, earlier: &Self) -> f64 {
         let since = |(task, now): &(String, u64)| {
             let before = earlier.0.iter().find(|(name, _)| name == task);
-            now - before.map_or(0, |&(_, time)| time)
+            now.saturating_sub(before.map_or(0, |&(_, time)| time))
         };
         if self.0.is_empty() {
             f64::NAN

@@ -2,7 +2,7 @@
 //!
 //! A block that stands on its four corners leaves four corner pieces, of which each would start with a quarter of the whole
 //! weight on it, and jump. What a face bore is spread over the pieces of the face evenly, by area: a piece that owns points
-//! starts with its share of what they carried together.
+//! starts with its share of what they carried together. Points that are fewer than span a face stay as they are.
 
 use super::{CacheEntry, ContactCache, PairRecord, Table};
 use crate::contact::BodyId;
@@ -13,6 +13,12 @@ use glam::{Quat, Vec3};
 
 /// Cosine of the largest angle between faces that are taken for parts of one: half a degree.
 const SAME_FACE: f32 = 0.99996;
+
+/// Points that span a face.
+const SPANNING: usize = 3;
+
+/// Most that a multiplier is raised by.
+const MOST_RAISE: f32 = 4.0;
 
 /// A piece of a body that was cut.
 #[derive(Clone, Copy, Debug)]
@@ -43,7 +49,7 @@ pub struct Family<'a> {
 impl Family<'_> {
     /// The piece that owns a point of the parent (parent's frame, m): the one that it is deepest in, or nearest to.
     fn owner(&self, point: Vec3) -> Option<usize> {
-        let distance = |&i: &usize| self.heirs[i].nearest_face(point).1;
+        let distance = |&i: &usize| self.heirs[i].height(point);
         let by_distance = |a: &usize, b: &usize| distance(a).total_cmp(&distance(b));
         (0..self.heirs.len()).min_by(by_distance)
     }
@@ -52,17 +58,15 @@ impl Family<'_> {
     fn shares(&self, entries: &[CacheEntry], codes: impl Fn(&CacheEntry) -> KdCode) -> Vec<Share> {
         let point = |entry| self.code_box.decode_centre(codes(entry));
         let owned = entries.iter().filter_map(|entry| {
-            let (point, impulse) = (point(entry), entry.normal_impulse.max(0.0));
-            let heir = self.owner(point)?;
-            Some((heir, point, impulse))
+            let point = point(entry);
+            let is_in_use = entry.age == 0;
+            let impulse = if is_in_use { entry.normal_impulse } else { 0.0 };
+            Some((self.owner(point)?, point, impulse.max(0.0)))
         });
         let owned: Vec<_> = owned.collect();
-        let Some(&(first, point, _)) = owned.first() else {
-            return Vec::new();
-        };
-        let face = self.heirs[first].nearest_face(point).0;
+        let face = self.common_face(&owned);
         let areas: Vec<f32> = (self.heirs.iter())
-            .map(|heir| heir.area_in(&face))
+            .map(|heir| face.map_or(0.0, |face| heir.area_in(&face)))
             .collect();
         let (area, total): (f32, f32) = (areas.iter().sum(), owned.iter().map(|o| o.2).sum());
         let factor = |heir: usize| {
@@ -82,6 +86,18 @@ impl Family<'_> {
         });
         shares.collect()
     }
+
+    /// The face (parent's frame) of a piece that owns points in which all points lie best; none for points that span none.
+    fn common_face(&self, owned: &[(usize, Vec3, f32)]) -> Option<Plane> {
+        let off = |plane: &Plane| -> f32 {
+            let distances = owned.iter().map(|(_, point, _)| plane.distance(*point));
+            distances.map(f32::abs).sum()
+        };
+        let owners = (0..self.heirs.len()).filter(|heir| owned.iter().any(|o| o.0 == *heir));
+        let faces = owners.flat_map(|heir| self.heirs[heir].faces());
+        let best = faces.min_by(|a, b| off(a).total_cmp(&off(b)));
+        best.filter(|_| owned.len() >= SPANNING)
+    }
 }
 
 /// What one piece gets of an entry.
@@ -94,40 +110,33 @@ struct Share {
     factor: f32,
 }
 
-/// Most that a multiplier is raised by.
-const MOST_RAISE: f32 = 4.0;
-
 impl Heir<'_> {
-    /// The face that a point is highest above (parent's frame), and how high, m: below zero inside.
-    fn nearest_face(&self, point: Vec3) -> (Plane, f32) {
-        let nowhere = Plane {
-            normal: Vec3::ZERO,
-            offset: 0.0,
-        };
-        let mut nearest = (nowhere, f32::NEG_INFINITY);
-        for face in &self.hull.faces {
-            let height = face.plane.distance(point - self.origin);
-            if height > nearest.1 {
-                let offset = face.plane.offset + face.plane.normal.dot(self.origin);
-                let plane = Plane {
-                    offset,
-                    ..face.plane
-                };
-                nearest = (plane, height);
-            }
-        }
-        nearest
+    /// Planes of its faces in the parent's frame.
+    fn faces(&self) -> impl Iterator<Item = Plane> {
+        self.hull.faces.iter().map(|face| Plane {
+            offset: face.plane.offset + face.plane.normal.dot(self.origin),
+            ..face.plane
+        })
+    }
+
+    /// How high a point (parent's frame) is above its surface, m: below zero inside.
+    fn height(&self, point: Vec3) -> f32 {
+        let heights = self.faces().map(|plane| plane.distance(point));
+        heights.fold(f32::NEG_INFINITY, f32::max)
     }
 
     /// Area of its part of a face of the parent (parent's frame), m2.
     fn area_in(&self, parent: &Plane) -> f32 {
         let size = length_scale(&self.hull.aabb) + self.origin.abs().max_element();
-        let faces = self.hull.faces.iter().filter(|face| {
-            let offset = face.plane.offset + face.plane.normal.dot(self.origin);
-            face.plane.normal.dot(parent.normal) > SAME_FACE
-                && (offset - parent.offset).abs() < 10.0 * merge_tolerance(size)
-        });
-        faces.map(|face| self.hull.face_area(face) as f32).sum()
+        let is_part = |plane: &Plane| {
+            plane.normal.dot(parent.normal) > SAME_FACE
+                && (plane.offset - parent.offset).abs() < 10.0 * merge_tolerance(size)
+        };
+        let faces = self.hull.faces.iter().zip(self.faces());
+        let parts = faces.filter(|(_, plane)| is_part(plane));
+        parts
+            .map(|(face, _)| self.hull.face_area(face) as f32)
+            .sum()
     }
 }
 
