@@ -57,12 +57,6 @@ impl ConvexHull {
     }
 }
 
-/// Whether points, which are finite and at least four, are all within the flatness tolerance of one plane.
-pub(crate) fn is_flat(points: &[Vec3]) -> bool {
-    let exact: Vec<DVec3> = points.iter().map(|p| p.as_dvec3()).collect();
-    matches!(first_simplex(&exact), Err(HullError::Flat { .. }))
-}
-
 /// Four points that span a volume: two far apart, the one farthest from their line, the one farthest from that plane.
 ///
 /// Returned so that the fourth lies below the first three.

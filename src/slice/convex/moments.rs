@@ -11,11 +11,9 @@ use super::classes::{BOTH, Classes};
 use super::emit::Numbers;
 use super::{HullHalves, Irregular};
 use crate::geometry::ConvexHull;
-use crate::geometry::hull::is_flat;
 use crate::geometry::moments::{MomentSum, Moments};
-use crate::geometry::predicates::{flat_tolerance, length_scale};
 
-/// Finds the moments of both parts, and checks that each is thick enough for a body.
+/// Finds the moments of both parts, and checks that each has a volume.
 pub(super) fn find_moments(
     hull: &ConvexHull,
     classes: &Classes,
@@ -37,14 +35,15 @@ pub(super) fn find_moments(
     }
 }
 
-/// Whether a part is thick enough for a hull of its own.
-///
-/// Its volume is at most its least width times its shadow, and its shadow at most the sum of those of its box; so most
-/// parts are known to be thick by their volume.
+/// Share of what a part's box could hold below which its volume may be nothing but rounding: a part that is a plane's
+/// tolerance thick and wide still holds 1.6e-13, and sums of `f64` are off by some 1e-16.
+const LEAST_SHARE: f64 = 1e-14;
+
+/// Whether a part has a volume.
 fn is_body(part: &ConvexHull) -> bool {
-    let [x, y, z] = part.aabb.extents().as_dvec3().to_array();
-    let thinnest = f64::from(flat_tolerance(length_scale(&part.aabb)));
-    part.moments.volume() > thinnest * (x * y + y * z + z * x) || !is_flat(&part.vertices)
+    let extents = part.aabb.extents().as_dvec3();
+    let [x, y, z] = extents.to_array();
+    part.moments.volume() > LEAST_SHARE * extents.length() * (x * y + y * z + z * x)
 }
 
 /// Moments of the parts, of which `few` has fewer corners, by addition and subtraction.
