@@ -8,17 +8,19 @@
 #[path = "common/mod.rs"]
 mod common;
 mod dice;
+mod mesh_parts;
 mod slice_common;
 
 use allocation_counter::measure;
 use bevy_cleave::geometry::{MeshError, TriMesh, primitives};
-use bevy_cleave::math::{Plane, Pose};
+use bevy_cleave::math::Plane;
 use bevy_cleave::slice::{
     CapNormals, Halves, MeshSlicer, SliceOptions, Verdict, slice_mesh, split_components,
 };
 use common::{closed_models, model_mesh};
 use dice::Dice;
-use glam::{Quat, Vec2, Vec3, Vec4};
+use glam::{Vec2, Vec3, Vec4};
+use mesh_parts::{cuboid, joined};
 use slice_common::{Worst, check_mesh_cut, defect};
 
 /// Relative error of an area or a volume that is known.
@@ -45,26 +47,6 @@ fn torus(major: f32, minor: f32, around: u32, across: u32) -> TriMesh {
     });
     let triangles = triangles.collect();
     TriMesh::new(positions, triangles).unwrap()
-}
-
-/// Meshes side by side or one in the other, as one; those marked `true` are turned inside out.
-fn joined(parts: &[(&TriMesh, bool)]) -> TriMesh {
-    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
-    for (mesh, is_cavity) in parts {
-        let first = positions.len() as u32;
-        positions.extend_from_slice(mesh.positions());
-        triangles.extend(mesh.triangles().iter().map(|t| {
-            let [a, b, c] = t.map(|v| first + v);
-            if *is_cavity { [a, c, b] } else { [a, b, c] }
-        }));
-    }
-    TriMesh::new(positions, triangles).unwrap()
-}
-
-fn cuboid(size: Vec3, centre: Vec3) -> TriMesh {
-    let hull = primitives::cuboid(size.x, size.y, size.z).unwrap();
-    let pose = Pose::new(centre, Quat::IDENTITY);
-    hull.to_mesh().transformed(&pose)
 }
 
 /// The cells of a grid that are solid, as one surface without inner walls; cells are unit cubes.

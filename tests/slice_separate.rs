@@ -1,30 +1,13 @@
 //! Pieces whose visual meshes fall apart: which parts become pieces of their own, and with which hulls.
 
+mod mesh_parts;
+
 use bevy_cleave::geometry::{TriMesh, primitives};
-use bevy_cleave::math::{Plane, Pose};
+use bevy_cleave::math::Plane;
 use bevy_cleave::prelude::*;
 use bevy_cleave::slice::{Cutting, Piece, PieceCutter, SliceOptions};
-use glam::{Quat, Vec3};
-
-fn cuboid(size: Vec3, centre: Vec3) -> TriMesh {
-    let hull = primitives::cuboid(size.x, size.y, size.z).unwrap();
-    let pose = Pose::new(centre, Quat::IDENTITY);
-    hull.to_mesh().transformed(&pose)
-}
-
-/// Meshes side by side or one in the other, as one; those marked `true` are turned inside out.
-fn joined(parts: &[(TriMesh, bool)]) -> TriMesh {
-    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
-    for (mesh, is_cavity) in parts {
-        let first = positions.len() as u32;
-        positions.extend_from_slice(mesh.positions());
-        triangles.extend(mesh.triangles().iter().map(|t| {
-            let [a, b, c] = t.map(|v| first + v);
-            if *is_cavity { [a, c, b] } else { [a, b, c] }
-        }));
-    }
-    TriMesh::new(positions, triangles).unwrap()
-}
+use glam::Vec3;
+use mesh_parts::{cuboid, joined};
 
 /// A slab of 2 x 0.5 x 1 m with four legs of 0.2 x 1 x 0.2 m that reach 0.1 m into it.
 fn table() -> TriMesh {

@@ -36,6 +36,7 @@ use scene::{Colour, H};
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
+use support::colours::{IRON, clay};
 use support::picture::{Picture, contact_sheet};
 use support::plot::{Panel, time_series};
 use support::render::{Camera, Scene};
@@ -62,7 +63,7 @@ fn demolition() -> Result<(), support::Error> {
     let mut app = scene::app();
     let wall = scene::wall()?;
     for (number, body) in wall.iter().enumerate() {
-        scene::spawn(app.world_mut(), body, scene::clay(number));
+        scene::spawn(app.world_mut(), body, clay(number));
     }
     let shots = scene::shots()?;
     let mut run = Run::default();
@@ -73,7 +74,7 @@ fn demolition() -> Result<(), support::Error> {
     for step in 1..=STEPS {
         for shot in shots.iter().filter(|shot| shot.step == step) {
             run.books.brought_in(&shot.body);
-            scene::spawn(app.world_mut(), &shot.body, scene::IRON);
+            scene::spawn(app.world_mut(), &shot.body, IRON);
         }
         run.step(&mut app);
         if PICTURES.contains(&step) {

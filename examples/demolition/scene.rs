@@ -77,11 +77,6 @@ pub(crate) fn spawn(world: &mut World, body: &BodyDesc, colour: Vec3) {
     world.entity_mut(entity).insert(Colour(colour));
 }
 
-/// Of the brick of a number.
-pub(crate) fn clay(number: usize) -> Vec3 {
-    (0.75 + 0.05 * (number * 7 % 11) as f32) * Vec3::new(0.55, 0.20, 0.12)
-}
-
 /// A brick stands the wall above it, which comes without energy, and breaks where it is hit at some metres per second.
 fn brick(seed: u64) -> Fracturable {
     Fracturable {
@@ -99,9 +94,6 @@ fn brick(seed: u64) -> Fracturable {
         ..Fracturable::default()
     }
 }
-
-/// Of the shots.
-pub(crate) const IRON: Vec3 = Vec3::new(0.06, 0.07, 0.08);
 
 /// Iron balls, one after the other, that sweep over the wall from below.
 pub(crate) fn shots() -> Result<Vec<Shot>, support::Error> {

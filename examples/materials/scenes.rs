@@ -2,6 +2,7 @@
 
 use crate::recipes;
 use crate::support::Error;
+use crate::support::colours::{IRON, clay};
 use bevy_cleave::geometry::primitives;
 use bevy_cleave::prelude::*;
 use glam::{Quat, Vec3};
@@ -17,8 +18,6 @@ pub(crate) struct Demo {
     pub(crate) eye: Vec3,
     pub(crate) target: Vec3,
 }
-
-const IRON: Vec3 = Vec3::new(0.06, 0.07, 0.08);
 
 impl Demo {
     fn new(name: &'static str, shown: [usize; 2], eye: Vec3, target: Vec3) -> Result<Self, Error> {
@@ -107,8 +106,7 @@ pub(crate) fn brick() -> Result<Demo, Error> {
         for i in 0..9_u8 {
             let x = (f32::from(i) + shift - 4.25) * size.x;
             let number = bricks.len();
-            let shade = 0.75 + 0.05 * (number * 7 % 11) as f32;
-            let colour = shade * Vec3::new(0.55, 0.20, 0.12);
+            let colour = clay(number);
             let material = recipes::brick(number as u64);
             bricks.push(demo.put(size, Vec3::new(x, y, 0.0), 1900.0, material, colour)?);
         }

@@ -1,7 +1,7 @@
 //! Cuts in place: how much pieces move at first, with the multipliers of their parent and without.
 
 use crate::measure::{H, simulation_with, steps};
-use crate::structures::{block, cuboid, floor, tower};
+use crate::structures::{block, cuboid, cuts_of_block, floor, tower};
 use bevy_cleave::prelude::*;
 use glam::Vec3;
 
@@ -61,8 +61,7 @@ fn block_to_be_cut(config: SolverConfig) -> Simulation {
         block(&cuboid(Vec3::new(4.0, 2.0, 4.0)), Vec3::Y, 0.6),
     ];
     let mut simulation = settled(config, bodies.into());
-    let places = [-1.0, 0.0, 1.0].map(|x| [(x, Vec3::X), (x, Vec3::Z)]);
-    for (at, normal) in places.into_iter().flatten().chain([(1.0, Vec3::Y)]) {
+    for (at, normal) in cuts_of_block() {
         let plane = Plane::through(at * normal, normal);
         simulation.slice(1, plane).expect("a body");
     }

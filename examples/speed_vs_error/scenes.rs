@@ -373,8 +373,7 @@ fn fracture_block(run: &mut Run) -> f64 {
     let mut simulation = run.simulation([floor(0.6), block(&shape, Vec3::Y, 0.6)]);
     (0..30).for_each(|_| simulation.step(H));
     let mut dice = Dice::new(29);
-    let places = [-1.0, 0.0, 1.0].map(|x| [(x, Vec3::X), (x, Vec3::Z)]);
-    for (at, normal) in places.into_iter().flatten().chain([(1.0, Vec3::Y)]) {
+    for (at, normal) in cuts_of_block() {
         let turned = normal + 0.05 * dice.vector(-1.0, 1.0);
         let through = at * normal + Vec3::Y * (1.0 - normal.y);
         let plane = Plane::through(through, turned);

@@ -57,6 +57,15 @@ impl ConvexHull {
     }
 }
 
+/// The hull of points; none if they are too few or lie in a plane, so that there is no body.
+pub(crate) fn hull_unless_flat(points: &[Vec3]) -> Result<Option<ConvexHull>, HullError> {
+    match ConvexHull::from_points(points) {
+        Ok(hull) => Ok(Some(hull)),
+        Err(HullError::Flat { .. } | HullError::TooFewPoints { .. }) => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
 /// Four points that span a volume: two far apart, the one farthest from their line, the one farthest from that plane.
 ///
 /// Returned so that the fourth lies below the first three.

@@ -1,6 +1,7 @@
 //! A convex cell clipped plane by plane, keeping the inside only.
 
 use super::Verdict;
+use crate::geometry::hull::hull_unless_flat;
 use crate::geometry::predicates::{length_scale, plane_tolerance};
 use crate::geometry::{ConvexHull, HullError};
 use crate::math::Plane;
@@ -295,14 +296,10 @@ impl CellClipper {
         let faces: Vec<&[u32]> = self.cell.faces().map(|(_, corners)| corners).collect();
         let planes: Vec<Plane> = self.cell.faces.iter().map(|face| face.plane).collect();
         let vertices: Vec<Vec3> = self.cell.vertices.iter().map(|v| v.as_vec3()).collect();
-        let Ok(hull) = ConvexHull::from_faces_and_planes(vertices.clone(), &faces, &planes) else {
-            return match ConvexHull::from_points(&vertices) {
-                Ok(hull) => Ok(Some(hull)),
-                Err(HullError::Flat { .. } | HullError::TooFewPoints { .. }) => Ok(None),
-                Err(error) => Err(error),
-            };
-        };
-        Ok(Some(hull))
+        match ConvexHull::from_faces_and_planes(vertices.clone(), &faces, &planes) {
+            Ok(hull) => Ok(Some(hull)),
+            Err(_) => hull_unless_flat(&vertices),
+        }
     }
 
     /// Drops vertices that no face uses: those on the plane of a cut whose faces are all on its far side.

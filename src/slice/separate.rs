@@ -7,7 +7,8 @@
 use super::cell_clip::{CellClipper, CutPlane};
 use super::components::{label_count, labels, meshes_of};
 use super::{Piece, SliceError, Verdict};
-use crate::geometry::{ConvexHull, HullError, TriMesh};
+use crate::geometry::hull::hull_unless_flat;
+use crate::geometry::{ConvexHull, TriMesh};
 use glam::Vec3;
 
 /// As [`PieceCutter::separate`](super::PieceCutter::separate).
@@ -128,11 +129,7 @@ fn hull_around(
     let points: Vec<Vec3> = (used.into_iter())
         .map(|vertex| mesh.positions[vertex as usize])
         .collect();
-    match ConvexHull::from_points(&points) {
-        Ok(hull) => Ok(Some(hull)),
-        Err(HullError::Flat { .. } | HullError::TooFewPoints { .. }) => Ok(None),
-        Err(error) => Err(error.into()),
-    }
+    Ok(hull_unless_flat(&points)?)
 }
 
 /// Whether two hulls have more in common than the thickness of a plane.

@@ -181,8 +181,7 @@ fn cut_block(tilt: f32) -> Simulation {
     );
     (0..30).for_each(|_| simulation.step(H));
     let mut dice = Dice::new(29);
-    let places = [-1.0, 0.0, 1.0].map(|x| [(x, Vec3::X), (x, Vec3::Z)]);
-    for (at, normal) in places.into_iter().flatten().chain([(1.0, Vec3::Y)]) {
+    for (at, normal) in cuts_of_block() {
         let turned = normal + tilt * dice.vector(-1.0, 1.0);
         let through = at * normal + Vec3::Y * (1.0 - normal.y);
         simulation

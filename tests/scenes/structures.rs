@@ -310,3 +310,10 @@ pub(crate) fn rolling_prism(sides: u32, degrees: f64, rate: f32) -> Vec<BodyDesc
     body.linear_velocity = body.angular_velocity.cross(arm);
     bodies
 }
+
+/// The planes that cut a block of 4 x 2 x 4 m into 4 x 2 x 4 pieces: how far along which normal, m; those across it go
+/// through its middle, which is 1 m up.
+pub(crate) fn cuts_of_block() -> impl Iterator<Item = (f32, Vec3)> {
+    let places = [-1.0, 0.0, 1.0].map(|x| [(x, Vec3::X), (x, Vec3::Z)]);
+    places.into_iter().flatten().chain([(1.0, Vec3::Y)])
+}

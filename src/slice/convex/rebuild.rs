@@ -2,6 +2,7 @@
 
 use super::classes::{ABOVE, BELOW};
 use super::{HullHalves, HullVerdict};
+use crate::geometry::hull::hull_unless_flat;
 use crate::geometry::{ConvexHull, HullError};
 use crate::slice::SliceError;
 use glam::Vec3;
@@ -41,9 +42,5 @@ fn hull_without(
         .map(|(&point, _)| point)
         .chain(cuts.iter().copied())
         .collect();
-    match ConvexHull::from_points(&points) {
-        Ok(hull) => Ok(Some(hull)),
-        Err(HullError::Flat { .. } | HullError::TooFewPoints { .. }) => Ok(None),
-        Err(error) => Err(error),
-    }
+    hull_unless_flat(&points)
 }
