@@ -60,3 +60,17 @@ fn a_panic_in_a_task_reaches_the_leader_after_the_others_are_done() {
     assert!(outcome.is_err());
     assert!(done.load(Ordering::Relaxed) <= 49);
 }
+
+#[test]
+fn each_part_is_worked_on_once_with_and_without_a_team() {
+    for count in 0..40 {
+        let mut parts: Vec<u32> = vec![0; count];
+        Team::lead(pool(), |team| {
+            assert!(Team::parts(Some(team), 100, 10) == 4 && Team::parts(Some(team), 25, 10) == 2);
+            assert_eq!(Team::parts(Some(team), 5, 10), 1);
+            Team::each(Some(team), &mut parts, |part| *part += 1);
+        });
+        Team::each(None, &mut parts, |part| *part += 1);
+        assert!(parts.iter().all(|&part| part == 2));
+    }
+}

@@ -76,7 +76,7 @@ impl Source {
             manifolds: &self.manifolds,
             bodies: &self.simulation.bodies,
             settings: &self.settings(),
-            has_team: false,
+            team: None,
             may_break: false,
         };
         batch.load(&step, all, &demand);

@@ -4,17 +4,20 @@
 //! those in which bodies may hit each other have a batch of their own; calm small ones share one, which fills its lanes.
 
 use super::Method;
+use super::arrangement::{Arrangement, Joint, Rule};
 use super::blocks::{Block, Blow, Place, Point, Solid, Source, derive, fill};
 use super::bodies::{Bodies, SolverBody};
 use super::demand::{Demand, Effort, SubstepSettings, Travel};
 use super::exact::ExactScratch;
+use super::follow::{Following, Start, Turn};
 use super::islands::Islands;
-use super::lanes::{F8, WIDTH};
+use super::lanes::F8;
 use super::limit::{BodyBlow, Limit};
 use super::momentum::Pace;
+use super::parts::{Parts, for_blocks, front_mut};
 use super::rows::{PointRows, Side};
-use super::schedule::{ContactOrder, Filling, Schedule};
 use super::spin::Spin;
+use super::team::Team;
 use super::ties::Tie;
 use crate::contact::manifold::Manifold;
 use glam::{Mat3, Quat};
@@ -33,6 +36,13 @@ pub struct TurningBody {
     pub inverse_inertia: Mat3,
 }
 
+impl TurningBody {
+    /// Its rotation since the start of the step.
+    pub fn turn(&self) -> Quat {
+        self.spin.rotation * self.start.inverse()
+    }
+}
+
 /// A manifold whose rows must follow the motion of its bodies.
 #[derive(Clone, Copy, Debug)]
 pub struct MovingManifold {
@@ -42,8 +52,6 @@ pub struct MovingManifold {
     pub place: Place,
     /// Numbers of its bodies within the batch.
     pub bodies: [u32; 2],
-    /// Places of its two bodies among those of the batch that turn, if they do.
-    pub turning: [Option<u32>; 2],
     /// Which of the two bodies the contact points move with: 0 for A, 1 for B.
     pub carrier: usize,
     /// If the two may pass through each other in the step: half the least extent of the carrier, m.
@@ -63,8 +71,11 @@ pub struct Member {
     pub extent: f32,
 }
 
-/// Blocks of a stage, on average, from which a team is faster than one thread with fuller blocks.
-const WIDE_STAGE: usize = 16;
+/// Least blocks of a task: each takes some 500 ns to fill.
+const LEAST_BLOCKS: usize = 16;
+
+/// Least manifolds of a task that takes their impulses back: each takes some 50 ns.
+const LEAST_STORED: usize = 128;
 
 /// What batches are loaded from.
 #[derive(Clone, Copy, Debug)]
@@ -77,8 +88,8 @@ pub struct Step<'a> {
     pub bodies: &'a Bodies,
     /// The sub-steps of an island that asks for nothing.
     pub settings: &'a SubstepSettings,
-    /// Whether several threads are to solve the batch together, in stages.
-    pub has_team: bool,
+    /// Who solves the batch together, in stages, if it is not for one thread.
+    pub team: Option<&'a Team>,
     /// Whether the solve is to be given up when a body is overloaded.
     pub may_break: bool,
 }
@@ -112,6 +123,12 @@ pub struct Batch {
     pub turning: Vec<TurningBody>,
     /// Those of its manifolds whose rows follow the motion.
     pub moving: Vec<MovingManifold>,
+    /// Where its points were at the start of the step, if any of its manifolds moves.
+    pub(super) starts: Vec<Start>,
+    /// By block: which of its lanes follow the motion, likewise.
+    pub(super) following: Vec<Following>,
+    /// By body: how it has turned since the start of the step, likewise.
+    pub(super) turns: Vec<Turn>,
     /// Those of its bodies that break under too large an impulse.
     pub limits: Vec<Limit>,
     /// Those of its bodies (by slot) that are overloaded, and what they were hit with.
@@ -127,9 +144,7 @@ pub struct Batch {
     /// What it took.
     pub effort: Effort,
     pub(super) scratch: BatchScratch,
-    schedule: Schedule,
-    /// By number within the island being loaded: place among the bodies that turn.
-    turning_place: Vec<Option<u32>>,
+    arrangement: Arrangement,
 }
 
 /// Buffers of the sub-steps.
@@ -162,7 +177,7 @@ impl Batch {
             manifolds,
             bodies,
             settings,
-            has_team,
+            team,
             may_break,
         } = *step;
         self.clear();
@@ -179,7 +194,7 @@ impl Batch {
         self.may_break = may_break;
         self.load_limits(bodies);
         self.add_idle_body();
-        self.place_manifolds(range.clone(), islands, manifolds, has_team);
+        self.place_manifolds(range.clone(), step);
         self.make_blocks();
         let mut first = 0;
         for (member, island) in islands.list[range.clone()].iter().enumerate() {
@@ -187,14 +202,15 @@ impl Batch {
             self.fill_lanes(member, first, pairs);
             self.load_turning(member, bodies);
             if demand.can_hit {
-                self.load_moving(first..first + pairs.len(), member, manifolds, bodies);
+                self.load_moving(first..first + pairs.len(), manifolds, bodies);
             }
             first += pairs.len();
         }
         if !self.stages.is_empty() {
             self.copy_fixed_bodies();
         }
-        self.fill_blocks(manifolds);
+        self.fill_blocks(manifolds, team);
+        self.note_starts();
         if demand.can_hit || self.settings.config.method == Method::Exact {
             self.blows.resize(self.points.len(), Blow::default());
         }
@@ -220,7 +236,7 @@ impl Batch {
         self.displacements.resize(count, SolverBody::default());
     }
 
-    fn fill_blocks(&mut self, manifolds: &[Manifold]) {
+    fn fill_blocks(&mut self, manifolds: &[Manifold], team: Option<&Team>) {
         let config = &self.settings.config;
         let source = Source {
             manifolds,
@@ -228,22 +244,46 @@ impl Batch {
             share: 1.0 / config.substeps as f32,
             slop: config.slop,
         };
-        fill(
-            &mut self.blocks,
-            &mut self.points,
-            source,
-            config.lane_width,
-        );
         let width = config.lane_width;
-        derive(&mut self.blocks, &mut self.points, &mut self.solids, width);
+        let (blocks, points) = (&mut self.blocks, &mut self.points);
+        for_blocks(blocks, points, LEAST_BLOCKS, team, |blocks, points| {
+            fill(blocks, points, source, width);
+            derive(blocks, points, source.solids, width);
+        });
         let restitution = self.blocks.iter().flat_map(|block| block.restitution.0);
         self.has_restitution = restitution.fold(0.0, f32::max) > 0.0;
     }
 
+    /// Computes masses and couplings anew, after anchors or inertias have changed.
+    pub(super) fn derive_masses(&mut self, team: Option<&Team>) {
+        let (solids, width) = (&self.solids, self.settings.config.lane_width);
+        let (blocks, points) = (&mut self.blocks, &mut self.points);
+        for_blocks(blocks, points, LEAST_BLOCKS, team, |blocks, points| {
+            derive(blocks, points, solids, width);
+        });
+    }
+
+    /// Remembers where the points of moving manifolds are.
+    fn note_starts(&mut self) {
+        if self.moving.is_empty() {
+            return;
+        }
+        self.starts.clear();
+        self.starts.extend(self.points.iter().map(Start::of));
+        self.following.clear();
+        self.following
+            .resize(self.blocks.len(), Following::default());
+        for moving in &self.moving {
+            let (place, lane) = (moving.place, moving.place.lane as usize);
+            let following = &mut self.following[place.block as usize];
+            following.any = true;
+            following.moves.0[lane] = 1.0;
+            following.on_b.0[lane] = f32::from(moving.carrier == 1);
+        }
+    }
+
     fn clear(&mut self) {
         self.members.clear();
-        self.places.clear();
-        self.stages.clear();
         self.blows.clear();
         self.ties.clear();
         self.slots.clear();
@@ -285,72 +325,50 @@ impl Batch {
     }
 
     /// Gives each manifold a lane.
-    fn place_manifolds(
-        &mut self,
-        range: Range<usize>,
-        islands: &Islands,
-        manifolds: &[Manifold],
-        has_team: bool,
-    ) {
-        let order = self.settings.config.order;
-        let mut filling = match order {
-            ContactOrder::Coloured => Filling::ByColour,
-            ContactOrder::Automatic | ContactOrder::Kept => Filling::Densely,
+    fn place_manifolds(&mut self, range: Range<usize>, step: &Step) {
+        let Step {
+            islands, manifolds, ..
+        } = *step;
+        let config = &self.settings.config;
+        let rule = Rule {
+            order: config.order,
+            has_team: step.team.is_some() && config.method != Method::Exact,
+            bodies: self.bodies.len(),
         };
-        self.place_all(range.clone(), islands, manifolds, filling);
-        let least = self.places.len().div_ceil(WIDTH);
-        if order == ContactOrder::Automatic && self.schedule.blocks() > 2 * least {
-            filling = Filling::ByColour;
-            self.place_all(range.clone(), islands, manifolds, filling);
-        }
-        let mut is_for_team = has_team && self.settings.config.method != Method::Exact;
-        if is_for_team && filling == Filling::Densely {
-            // The same sweeps in the same order, whatever the filling; worth it where stages are wide.
-            self.place_all(range.clone(), islands, manifolds, Filling::ByStage);
-            if self.schedule.blocks() < WIDE_STAGE * self.schedule.stage_count() {
-                is_for_team = false;
-                self.place_all(range, islands, manifolds, filling);
-            }
-        }
-        let places = self.places.iter_mut().map(|(_, place)| place);
-        self.schedule.finish(places);
-        if is_for_team {
-            self.schedule.stages(&mut self.stages);
-        }
-    }
-
-    fn place_all(
-        &mut self,
-        range: Range<usize>,
-        islands: &Islands,
-        manifolds: &[Manifold],
-        filling: Filling,
-    ) {
-        self.places.clear();
-        self.schedule.begin(self.bodies.len(), filling);
-        for (member, island) in self.members.iter().zip(&islands.list[range]) {
+        let indices = || {
+            let islands_of_batch = &islands.list[range.clone()];
+            islands_of_batch.iter().flat_map(|i| i.manifolds.clone())
+        };
+        let bodies = &self.bodies;
+        let members = self.members.iter().zip(&islands.list[range.clone()]);
+        let joints = members.flat_map(|(member, island)| {
             let offset = member.bodies.start as u32;
-            for at in island.manifolds.clone() {
-                let movable = islands.pairs[at].map(|number| {
+            island.manifolds.clone().map(move |at| Joint {
+                bodies: islands.pairs[at].map(|number| {
                     let number = number + offset;
-                    let body = &self.bodies[number as usize];
-                    (body.inverse_mass > 0.0).then_some(number)
-                });
-                let index = islands.manifolds[at];
-                let count = manifolds[index as usize].count;
-                self.places
-                    .push((index, self.schedule.place(movable, count)));
-            }
-        }
+                    let is_movable = bodies[number as usize].inverse_mass > 0.0;
+                    is_movable.then_some(number)
+                }),
+                points: manifolds[islands.manifolds[at] as usize].count,
+            })
+        });
+        self.arrangement.arrange(joints, rule);
+        let names = indices().map(|at| islands.manifolds[at]);
+        let places = self.arrangement.places().iter().copied();
+        self.places.clear();
+        self.places.extend(names.zip(places));
+        self.stages.clear();
+        self.stages.extend_from_slice(self.arrangement.stages());
     }
 
     /// Makes blocks with empty lanes. What they hold from another step is overwritten when they are filled.
     fn make_blocks(&mut self) {
         let idle = self.slots.len() as u32;
         self.blocks
-            .resize_with(self.schedule.points_of_blocks().len(), Block::default);
+            .resize_with(self.arrangement.points_of_blocks().len(), Block::default);
         let mut points = 0;
-        for (block, count) in self.blocks.iter_mut().zip(self.schedule.points_of_blocks()) {
+        let counts = self.arrangement.points_of_blocks();
+        for (block, count) in self.blocks.iter_mut().zip(counts) {
             block.clear(idle, points..points + count);
             points += count;
         }
@@ -371,14 +389,7 @@ impl Batch {
     }
 
     /// Lists the manifolds of an island whose rows follow the motion.
-    fn load_moving(
-        &mut self,
-        places: Range<usize>,
-        member: usize,
-        manifolds: &[Manifold],
-        bodies: &Bodies,
-    ) {
-        let first_body = self.members[member].bodies.start;
+    fn load_moving(&mut self, places: Range<usize>, manifolds: &[Manifold], bodies: &Bodies) {
         for &(index, place) in &self.places[places] {
             let manifold = &manifolds[index as usize];
             let slots = [manifold.a as usize, manifold.b as usize];
@@ -394,7 +405,6 @@ impl Batch {
                 manifold: index,
                 place,
                 bodies: pair,
-                turning: pair.map(|body| self.turning_place[body as usize - first_body]),
                 carrier,
                 clearance: motion.is_fast.then_some(0.5 * extents[carrier]),
             });
@@ -403,12 +413,9 @@ impl Batch {
 
     /// Lists the bodies of an island that turn.
     fn load_turning(&mut self, member: usize, bodies: &Bodies) {
-        self.turning_place.clear();
         for number in self.members[member].bodies.clone() {
             let slot = self.slots[number];
             let spin = bodies.spin(slot, self.settings.step());
-            self.turning_place
-                .push(spin.map(|_| self.turning.len() as u32));
             if let Some(spin) = spin {
                 self.turning.push(TurningBody {
                     body: number as u32,
@@ -435,11 +442,33 @@ impl Batch {
     }
 
     /// Writes the impulses into the contact points.
-    pub fn store_impulses(&self, manifolds: &mut [Manifold]) {
+    pub fn store_impulses(&self, manifolds: &mut [Manifold], team: Option<&Team>) {
+        // Those of one island come in their order.
+        let team = team.filter(|_| self.members.len() == 1);
+        let count = self.places.len();
+        let size = count.div_ceil(Team::parts(team, count, LEAST_STORED));
+        if size == count {
+            return self.store_places(&self.places, 0, manifolds);
+        }
+        let (mut rest, mut first) = (manifolds, 0);
+        let parts = self.places.chunks(size).map(|places| {
+            let past = places.last().map_or(first, |last| last.0 as usize + 1);
+            let part = (places, first, front_mut(&mut rest, past - first));
+            first = past;
+            part
+        });
+        let mut parts: Parts<_> = parts.collect();
+        Team::each(team, &mut parts, |(places, first, manifolds)| {
+            self.store_places(places, *first, manifolds);
+        });
+    }
+
+    /// `first`: index of the first one of `manifolds`.
+    fn store_places(&self, places: &[(u32, Place)], first: usize, manifolds: &mut [Manifold]) {
         let substeps = self.settings.config.substeps;
-        for &(index, place) in &self.places {
+        for &(index, place) in places {
             let block = &self.blocks[place.block as usize];
-            let to = manifolds[index as usize].points_mut();
+            let to = manifolds[index as usize - first].points_mut();
             for (to, point) in to.iter_mut().zip(&self.points[block.points.clone()]) {
                 point.store(place.lane as usize, block, to, substeps);
             }

@@ -17,14 +17,13 @@ use super::rows::{PointRows, Side};
 use super::ties::Tie;
 use crate::contact::manifold::{ContactPoint, MAX_POINTS, Manifold};
 use glam::{Mat3, Vec3};
-use std::cell::Cell;
 use std::ops::Range;
 
 /// Marks a lane without a manifold.
 pub const NO_MANIFOLD: u32 = u32::MAX;
 
 /// Gap of points that are not there, m: far more than anything closes in a step.
-const FAR: f32 = 1e18;
+pub(super) const FAR: f32 = 1e18;
 
 /// What does not change when a body moves, and its inertia: xx, yy, zz, xy, xz and yz of the inverse tensor (world axes,
 /// 1/(kg m2)), 1 / mass (1/kg), least extent (m).
@@ -217,21 +216,6 @@ impl Point {
             - to_a.cross(normal).dot(a.angular)
     }
 
-    /// Moves the point of a lane to the ends of other anchors, with the `gap` that is there now after the displacements.
-    pub fn follow(
-        &mut self,
-        lane: usize,
-        normal: Vec3,
-        anchors: [Vec3; 2],
-        gap: f32,
-        displacements: [&SolverBody; 2],
-    ) {
-        for (lanes, anchor) in self.anchors.iter_mut().zip(anchors) {
-            set_vector(lanes, lane, anchor);
-        }
-        self.separation.0[lane] = gap - self.normal_velocity(lane, normal, displacements);
-    }
-
     /// The point of a lane as rows.
     pub fn rows(&self, lane: usize, block: &Block, tie: Option<&Tie>, rebound: f32) -> PointRows {
         let anchors = [0, 1].map(|k| vector(&self.anchors[k], lane));
@@ -358,7 +342,8 @@ pub struct Source<'a> {
     pub slop: f32,
 }
 
-/// Fills blocks, whose bodies and manifolds are known, and their points; masses come with [`derive()`].
+/// Fills blocks, whose bodies and manifolds are known, and their points, which are all of `points`; masses come with
+/// [`derive()`].
 pub fn fill(blocks: &mut [Block], points: &mut [Point], source: Source<'_>, width: LaneWidth) {
     let kernel = Fill {
         blocks,
@@ -368,12 +353,12 @@ pub fn fill(blocks: &mut [Block], points: &mut [Point], source: Source<'_>, widt
     run(width, kernel);
 }
 
-/// Computes masses and couplings of the points of blocks from anchors and inertias.
-pub fn derive(blocks: &mut [Block], points: &mut [Point], solids: &mut [Solid], width: LaneWidth) {
+/// Computes masses and couplings of the points of blocks, which are all of `points`, from anchors and inertias.
+pub fn derive(blocks: &mut [Block], points: &mut [Point], solids: &[Solid], width: LaneWidth) {
     let kernel = Derive {
         blocks,
         points,
-        solids: Cell::from_mut(solids).as_slice_of_cells(),
+        solids,
     };
     run(width, kernel);
 }
@@ -406,8 +391,10 @@ impl Kernel for Fill<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
+        let mut rest = self.points;
         for block in self.blocks {
-            let points = &mut self.points[block.points.clone()];
+            let (points, after) = rest.split_at_mut(block.points.len());
+            rest = after;
             fill_block::<L>(block, points, &self.source);
         }
     }
@@ -486,7 +473,7 @@ fn tangents<L: Lanes>(n: V3<L>) -> [V3<L>; 2] {
 struct Derive<'a> {
     blocks: &'a mut [Block],
     points: &'a mut [Point],
-    solids: &'a [Cell<Solid>],
+    solids: &'a [Solid],
 }
 
 impl Kernel for Derive<'_> {
@@ -494,13 +481,16 @@ impl Kernel for Derive<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
+        let mut rest = self.points;
         for block in self.blocks {
+            let (points, after) = rest.split_at_mut(block.points.len());
+            rest = after;
             load_masses::<L>(block, self.solids);
             let pair = Masses::<L>::load(block);
             let mass = pair.mass[0] + pair.mass[1];
             let normal = V3::<L>::load(&block.normal);
             let (t1, t2) = (V3::load(&block.tangents[0]), V3::load(&block.tangents[1]));
-            for point in &mut self.points[block.points.clone()] {
+            for point in points {
                 let arms = load_anchors(point);
                 let along_normal = pair.turns(&arms, normal);
                 let of_normal = pair.effect(&arms, normal, &along_normal);
@@ -519,7 +509,7 @@ impl Kernel for Derive<'_> {
 
 /// Copies masses and inertias of the bodies into a block.
 #[inline(always)]
-fn load_masses<L: Lanes>(block: &mut Block, solids: &[Cell<Solid>]) {
+fn load_masses<L: Lanes>(block: &mut Block, solids: &[Solid]) {
     for side in 0..2 {
         let [xx, yy, zz, xy, xz, yz, mass, _] = L::gather(solids, &block.bodies[side]);
         mass.store(&mut block.inverse_mass[side]);

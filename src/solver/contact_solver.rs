@@ -141,14 +141,30 @@ impl ContactSolver {
         self.solve_batches(manifolds, bodies, settings, round.may_break);
         self.write_back(bodies);
         self.move_free_bodies(bodies, settings);
+        self.store_impulses(manifolds);
         let batches = &self.batches[self.earlier..][..self.ranges.len()];
-        for batch in batches {
-            batch.store_impulses(manifolds);
-            if !batch.is_broken {
-                batch.judge_bonds(&mut self.bonded);
+        is_set_aside || batches.iter().any(|batch| batch.is_broken)
+    }
+
+    /// Takes back what contacts and bonds have borne.
+    fn store_impulses(&mut self, manifolds: &mut [Manifold]) {
+        let batches = &self.batches[self.earlier..][..self.ranges.len()];
+        let is_large = |batch: &Batch| batch.places.len() >= WORTH_A_TEAM;
+        match ComputeTaskPool::try_get().filter(|_| batches.iter().any(is_large)) {
+            Some(pool) => Team::lead(pool, |team| {
+                for batch in batches {
+                    batch.store_impulses(manifolds, Some(team));
+                }
+            }),
+            None => {
+                for batch in batches {
+                    batch.store_impulses(manifolds, None);
+                }
             }
         }
-        is_set_aside || batches.iter().any(|batch| batch.is_broken)
+        for batch in batches.iter().filter(|batch| !batch.is_broken) {
+            batch.judge_bonds(&mut self.bonded);
+        }
     }
 
     /// Bodies (by slot) that got through the step although they were hit with more than they bear, and with what.
@@ -234,7 +250,7 @@ impl ContactSolver {
                 manifolds,
                 bodies,
                 settings,
-                has_team: team.is_some(),
+                team,
                 may_break: may_break && !is_large(&islands.list[range.start]),
             };
             batch.load(&step, range.clone(), demand);
@@ -253,9 +269,13 @@ impl ContactSolver {
                 .map(|island| island.manifolds.len())
                 .sum::<usize>()
         };
-        // Where bodies move, most of the work is done body by body, and helpers would only look on.
-        let is_for_team =
-            |range: &Range<usize>| size(range) >= WORTH_A_TEAM && !demands[range.start].can_hit;
+        let is_for_team = |range: &Range<usize>| size(range) >= WORTH_A_TEAM;
+        if let [range] = &self.ranges[..]
+            && !is_for_team(range)
+        {
+            // Where its data are.
+            return batches.for_each(|(batch, range)| solve(batch, range, None));
+        }
         if self.ranges.iter().any(is_for_team) {
             let large = batches.filter(|(_, range)| is_for_team(range));
             Team::lead(pool, |team| {

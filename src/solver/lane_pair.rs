@@ -3,7 +3,7 @@
 use super::FrictionModel;
 use super::blocks::{Block, Masses, V3, symmetric};
 use super::bodies::SolverBody;
-use super::lanes::{F8, Lanes};
+use super::lanes::{F8, Lanes, Numbers};
 use std::cell::Cell;
 
 /// Two bodies in each lane.
@@ -13,7 +13,7 @@ pub(super) struct Pair<L> {
 
 impl<L: Lanes> Pair<L> {
     #[inline(always)]
-    pub(super) fn gather(bodies: &[Cell<SolverBody>], block: &Block) -> Self {
+    pub(super) fn gather<N: Numbers>(bodies: &[N], block: &Block) -> Self {
         let [a, b] = &block.bodies;
         Self {
             columns: [L::gather(bodies, a), L::gather(bodies, b)],
@@ -28,7 +28,7 @@ impl<L: Lanes> Pair<L> {
     }
 
     #[inline(always)]
-    fn linear(&self, side: usize) -> V3<L> {
+    pub(super) fn linear(&self, side: usize) -> V3<L> {
         let c = &self.columns[side];
         V3([c[0], c[1], c[2]])
     }
@@ -52,6 +52,15 @@ impl<L: Lanes> Pair<L> {
         let a = self.linear(0).plus(self.angular(0).cross(anchors[0]));
         let b = self.linear(1).plus(self.angular(1).cross(anchors[1]));
         b.minus(a)
+    }
+
+    /// Velocity of B against A along `direction` at the ends of the anchors.
+    #[inline(always)]
+    pub(super) fn along(&self, direction: V3<L>, anchors: &[V3<L>; 2]) -> L {
+        let linear = direction.dot(self.linear(1).minus(self.linear(0)));
+        let of_a = anchors[0].cross(direction).dot(self.angular(0));
+        let of_b = anchors[1].cross(direction).dot(self.angular(1));
+        linear + of_b - of_a
     }
 
     /// Adds an impulse on B at the ends of the anchors, and its opposite on A.

@@ -72,7 +72,7 @@ pub trait Lanes:
 
     /// The rows that the lanes refer to, as columns.
     #[inline(always)]
-    fn gather<R: Row>(rows: &[Cell<R>], index: &[u32; WIDTH]) -> [Self; 8] {
+    fn gather<R: Numbers>(rows: &[R], index: &[u32; WIDTH]) -> [Self; 8] {
         Self::transpose([
             read(rows, index[0]),
             read(rows, index[1]),
@@ -98,51 +98,61 @@ pub trait Lanes:
 }
 
 #[inline(always)]
-fn read<R: Row, L: Lanes>(rows: &[Cell<R>], index: u32) -> L {
-    L::load(&F8(rows[index as usize].get().numbers()))
+fn read<R: Numbers, L: Lanes>(rows: &[R], index: u32) -> L {
+    L::load(&F8(rows[index as usize].numbers()))
 }
 
 /// Eight numbers that lie in a row in memory.
-pub trait Row: Copy {
+pub trait Numbers {
     /// The numbers.
     fn numbers(&self) -> [f32; 8];
+}
+
+/// Eight numbers that can be written too.
+pub trait Row: Numbers + Copy {
     /// A row of these numbers.
     fn of(numbers: [f32; 8]) -> Self;
 }
 
-impl Row for F8 {
+impl<R: Row> Numbers for Cell<R> {
+    #[inline(always)]
+    fn numbers(&self) -> [f32; 8] {
+        self.get().numbers()
+    }
+}
+
+impl Numbers for F8 {
     #[inline(always)]
     fn numbers(&self) -> [f32; 8] {
         self.0
     }
+}
 
+impl Row for F8 {
     #[inline(always)]
     fn of(numbers: [f32; 8]) -> Self {
         Self(numbers)
     }
 }
 
-impl Row for Solid {
+impl Numbers for Solid {
     #[inline(always)]
     fn numbers(&self) -> [f32; 8] {
         self.0.0
-    }
-
-    #[inline(always)]
-    fn of(numbers: [f32; 8]) -> Self {
-        Self(F8(numbers))
     }
 }
 
 // As one piece: built from its parts, a row would be written in pieces and read as a whole soon after, for which the
 // processor has to wait until the pieces are in the cache.
-impl Row for SolverBody {
+impl Numbers for SolverBody {
     #[inline(always)]
     fn numbers(&self) -> [f32; 8] {
         // SAFETY: a `SolverBody` is eight `f32` in the order of its fields (`repr(C)`, 32 bytes, so no padding).
         unsafe { std::mem::transmute::<Self, [f32; 8]>(*self) }
     }
+}
 
+impl Row for SolverBody {
     #[inline(always)]
     fn of(numbers: [f32; 8]) -> Self {
         // SAFETY: as above, and any eight `f32` are a `SolverBody`.

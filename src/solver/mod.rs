@@ -9,6 +9,7 @@
 //! what rests.
 //! Nothing here knows the ECS.
 
+pub mod arrangement;
 pub mod batch;
 pub mod blocks;
 pub mod bodies;
@@ -17,6 +18,7 @@ pub mod contact_solver;
 pub mod demand;
 pub mod exact;
 mod extrapolate;
+mod follow;
 pub mod integrate;
 pub mod islands;
 mod lane_pair;
@@ -24,6 +26,7 @@ pub mod lanes;
 pub mod limit;
 pub mod mlcp;
 pub mod momentum;
+mod parts;
 pub mod pgs;
 mod prepare;
 mod rehearsal;

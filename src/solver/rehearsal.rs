@@ -82,14 +82,14 @@ impl ContactSolver {
                     manifolds,
                     bodies,
                     settings,
-                    has_team: false,
+                    team: None,
                     may_break: true,
                 };
                 batch.load(&step, part..part + 1, &self.demands[whole]);
                 batch.tie(&self.bonded, manifolds);
                 batch.solve(manifolds, None);
                 if batch.is_broken {
-                    batch.store_impulses(manifolds);
+                    batch.store_impulses(manifolds, None);
                     self.is_set_aside[whole] = true;
                 }
             }

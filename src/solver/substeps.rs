@@ -13,18 +13,18 @@
 //!   relax                      takes the velocity that pushed overlap out from the bodies again; impacts rebound
 //! ```
 
-use super::batch::{Batch, BatchScratch, MovingManifold};
-use super::blocks::{Place, Point, Solid, derive, vector};
+use super::batch::{Batch, BatchScratch};
+use super::blocks::{Place, Point, Solid, vector};
 use super::bodies::SolverBody;
 use super::demand::{Effort, SubstepSettings};
+use super::parts::{Parts, front_mut};
 use super::shift::Shift;
 use super::soft_step::{self, Softness};
 use super::sweep::{Contacts, Pass};
 use super::team::{Shared, Team};
 use super::{Method, SolverConfig, exact};
 use crate::contact::manifold::{ContactPoint, Manifold};
-use crate::math::rotate_by;
-use glam::{Mat3, Quat};
+use glam::Mat3;
 use std::cell::Cell;
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -55,6 +55,9 @@ enum SweepKind {
 /// Least blocks of a task: a microsecond of work, several times what handing it out takes.
 const LEAST_BLOCKS: usize = 4;
 
+/// Least bodies of a task that turns them: each takes some 200 ns.
+const LEAST_TURNING: usize = 32;
+
 fn cells<T>(list: &mut [T]) -> &[Cell<T>] {
     Cell::from_mut(list).as_slice_of_cells()
 }
@@ -67,7 +70,7 @@ impl Batch {
         let effort = &mut effort;
         for substep in 0..settings.config.substeps {
             if substep > 0 {
-                self.follow_motion(f32::INFINITY, manifolds);
+                self.follow_motion(f32::INFINITY, team);
             }
             effort.begin(settings.config.substeps - substep);
             self.apply_gravity(settings);
@@ -76,7 +79,7 @@ impl Batch {
             } else {
                 self.solve_calm_substep(substep == 0, manifolds, effort, team);
             }
-            self.turn_bodies(settings.h);
+            self.turn_bodies(settings.h, team);
             let is_last = substep + 1 == settings.config.substeps;
             if (is_last || self.may_break && self.can_hit()) && self.find_overloaded() {
                 self.is_broken = self.may_break;
@@ -132,7 +135,13 @@ impl Batch {
             width: config.lane_width,
             change: AtomicU32::new(0),
         };
-        for stage in &self.stages {
+        // Targets are found for each point on its own.
+        let all = [0..self.blocks.len()];
+        let stages = match pass {
+            Pass::Targets { .. } => &all[..],
+            _ => &self.stages,
+        };
+        for stage in stages {
             let tasks = (stage.len() / LEAST_BLOCKS).clamp(1, team.threads());
             if tasks == 1 {
                 work.run(stage.clone());
@@ -193,7 +202,7 @@ impl Batch {
         self.move_bodies(settings, manifolds);
         if is_hit {
             // What follows acts where the bodies are now: blows are large enough to matter for the angular momentum.
-            self.follow_motion(MOST_TURN / settings.h, manifolds);
+            self.follow_motion(MOST_TURN / settings.h, team);
         }
         self.relax(settings, tolerance, effort, team);
         if is_hit {
@@ -531,74 +540,34 @@ impl Batch {
     }
 
     /// Turns the bodies that spin, and their inertia with them.
-    fn turn_bodies(&mut self, h: f32) {
-        for turning in self.turning.iter_mut() {
-            let i = turning.body as usize;
-            let omega = &mut self.bodies[i].angular;
-            *omega = turning.spin.advance(*omega, h);
-            let r = Mat3::from_quat(turning.spin.rotation);
-            self.solids[i].set_inverse_inertia(&(r * turning.inverse_inertia * r.transpose()));
-        }
-    }
-
-    /// Points the rows of moving manifolds at where their contact points are now.
-    ///
-    /// A contact point stays at its place on the carrier, and both bodies see the impulse there, or it would change the total
-    /// angular momentum. The gap is what lies between the two anchors, each turned with its own body.
-    ///
-    /// Manifolds of bodies that turn faster than `most` (rad/s) are left as they are: impulses that have acted along the old
-    /// rows could not be taken back along the new ones.
-    fn follow_motion(&mut self, most: f32, manifolds: &[Manifold]) {
-        if self.moving.is_empty() {
-            return;
-        }
-        for i in 0..self.moving.len() {
-            let moving = self.moving[i];
-            let is_slow = |body: u32| self.bodies[body as usize].angular.length() <= most;
-            if moving.bodies.into_iter().all(is_slow) {
-                self.follow_manifold(&moving, manifolds);
+    fn turn_bodies(&mut self, h: f32, team: Option<&Team>) {
+        let count = self.turning.len();
+        let size = count
+            .div_ceil(Team::parts(team, count, LEAST_TURNING))
+            .max(1);
+        let (mut bodies, mut solids) = (&mut self.bodies[..], &mut self.solids[..]);
+        let mut first = 0;
+        let chunks = self.turning.chunks_mut(size).map(|turning| {
+            let past = turning.last().map_or(first, |t| t.body as usize + 1);
+            let part = (
+                first,
+                front_mut(&mut bodies, past - first),
+                front_mut(&mut solids, past - first),
+                turning,
+            );
+            first = past;
+            part
+        });
+        let mut parts: Parts<_> = chunks.collect();
+        Team::each(team, &mut parts, |(first, bodies, solids, turning)| {
+            for turning in turning.iter_mut() {
+                let i = turning.body as usize - *first;
+                let omega = &mut bodies[i].angular;
+                *omega = turning.spin.advance(*omega, h);
+                let r = Mat3::from_quat(turning.spin.rotation);
+                solids[i].set_inverse_inertia(&(r * turning.inverse_inertia * r.transpose()));
             }
-        }
-        let width = self.settings.config.lane_width;
-        derive(&mut self.blocks, &mut self.points, &mut self.solids, width);
-    }
-
-    fn follow_manifold(&mut self, moving: &MovingManifold, manifolds: &[Manifold]) {
-        let manifold = &manifolds[moving.manifold as usize];
-        let (pair, lane) = (moving.bodies, moving.place.lane as usize);
-        let turns = [0, 1].map(|side| self.turn_of(pair[side], moving.turning[side]));
-        let [i, j] = pair.map(|b| b as usize);
-        let q = [&self.displacements[i], &self.displacements[j]];
-        let block = &self.blocks[moving.place.block as usize];
-        let range = block.points.clone();
-        let points = &mut self.points[range.clone()];
-        for (i, (to, point)) in range.zip(points.iter_mut().zip(manifold.points())) {
-            let mut anchors = [turns[0] * point.anchor_a, turns[1] * point.anchor_b];
-            let between = (q[1].linear - q[0].linear) + (anchors[1] - point.anchor_b)
-                - (anchors[0] - point.anchor_a);
-            if moving.carrier == 0 {
-                anchors[1] -= between;
-            } else {
-                anchors[0] += between;
-            }
-            let gap = point.separation + manifold.normal.dot(between);
-            to.follow(lane, manifold.normal, anchors, gap, q);
-            if let Some(tie) = self.ties.get_mut(i) {
-                tie.follow(lane, block, to, between, q);
-            }
-        }
-    }
-
-    /// Rotation of a body since the start of the step; `turning` is its place among those that turn.
-    fn turn_of(&self, body: u32, turning: Option<u32>) -> Mat3 {
-        let turn = match turning.map(|place| &self.turning[place as usize]) {
-            Some(t) => t.spin.rotation * t.start.inverse(),
-            None => {
-                let vector = self.displacements[body as usize].angular;
-                rotate_by(Quat::IDENTITY, vector, 1.0)
-            }
-        };
-        Mat3::from_quat(turn)
+        });
     }
 
     /// The tolerance of a sub-step, m/s: the user's or, where bodies move, a share of the speed of the fastest, whichever

@@ -23,6 +23,9 @@ const SPINS: u32 = 2000;
 /// Pauses between two looks for a task, some 100 ns.
 const PAUSES: u32 = 4;
 
+/// Most parts that a list is cut into.
+pub const MOST_PARTS: usize = 8;
+
 /// A leader and its helpers.
 pub struct Team {
     /// The present list; written by the leader only while no task of it is left.
@@ -72,6 +75,24 @@ impl Team {
     /// Number of threads, the leader among them.
     pub fn threads(&self) -> usize {
         self.helpers + 1
+    }
+
+    /// How many parts to cut a list of `count` elements into, if a part is to have `least` of them: one without a team.
+    pub fn parts(team: Option<&Self>, count: usize, least: usize) -> usize {
+        let most = team.map_or(1, |team| team.threads().min(MOST_PARTS));
+        (count / least).clamp(1, most)
+    }
+
+    /// Does `work` on each of some parts, in any order and on any thread. Without a team, one after the other.
+    pub fn each<P: Send>(team: Option<&Self>, parts: &mut [P], work: impl Fn(&mut P) + Sync) {
+        let Some(team) = team.filter(|_| parts.len() > 1) else {
+            return parts.iter_mut().for_each(work);
+        };
+        let shared = Shared::new(parts);
+        // SAFETY: each task is done once, and touches its own part only.
+        team.run(shared.0.len(), &|task| unsafe {
+            shared.part(task..task + 1).iter_mut().for_each(&work);
+        });
     }
 
     /// Does tasks `0..count`, in any order and on any thread, and returns when all are done. For the leader only, and not

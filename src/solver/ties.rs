@@ -84,22 +84,6 @@ impl Tie {
         }
     }
 
-    /// After the anchors of the point have moved: B has gone `between` against A since the start of the step, m.
-    pub fn follow(
-        &mut self,
-        lane: usize,
-        block: &Block,
-        point: &Point,
-        between: Vec3,
-        displacements: [&SolverBody; 2],
-    ) {
-        for (k, tangent) in block.tangents.iter().enumerate() {
-            let tangent = vector(tangent, lane);
-            let shift = point.normal_velocity(lane, tangent, displacements);
-            self.slide[k].0[lane] = self.start[k].0[lane] + tangent.dot(between) - shift;
-        }
-    }
-
     /// Has the bond of a lane hold still, where it was to go back; returns the largest change of a wanted velocity, m/s.
     /// `normal`: the one along the normal.
     pub fn relax(&mut self, lane: usize, normal: &mut f32) -> f32 {

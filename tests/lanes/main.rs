@@ -7,6 +7,7 @@ mod dice;
 #[path = "../properties/mod.rs"]
 mod properties;
 
+mod arrangement;
 mod blocks;
 mod operations;
 mod schedule;

@@ -1,0 +1,429 @@
+//! Contact points that follow the motion of their bodies within a step.
+//!
+//! Contacts are found once per step. Where bodies move fast against each other, or turn, the rows of later sub-steps must
+//! point at where the contact points are by then. A contact point stays at its place on one of its bodies, the carrier, and
+//! both bodies see the impulse there, or it would change the total angular momentum. The gap is what lies between the two
+//! anchors, each turned with its own body.
+
+use super::batch::{Batch, TurningBody};
+use super::blocks::{Block, FAR, Point, V3, load_anchors};
+use super::bodies::SolverBody;
+use super::lane_pair::{Frame, Pair};
+use super::lanes::{F8, Kernel, LaneWidth, Lanes, Numbers, run};
+use super::parts::{Parts, front, front_mut, of_blocks};
+use super::team::Team;
+use super::ties::Tie;
+use crate::math::rotate_by;
+use glam::Quat;
+
+/// Least bodies of a task: each takes some 20 ns.
+const LEAST_BODIES: usize = 128;
+
+/// Least blocks of a task: each takes some 100 ns.
+const LEAST_BLOCKS: usize = 32;
+
+/// Which lanes of a block follow.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Following {
+    /// Whether any does.
+    pub(super) any: bool,
+    /// 1 in lanes whose points follow, else 0.
+    pub(super) moves: F8,
+    /// 1 in lanes whose points stay on B, 0 where they stay on A.
+    pub(super) on_b: F8,
+}
+
+/// A point at the start of the step.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Start {
+    anchors: [[F8; 3]; 2],
+    separation: F8,
+}
+
+impl Start {
+    /// The place of a point that has not moved yet.
+    pub(super) fn of(point: &Point) -> Self {
+        Self {
+            anchors: point.anchors,
+            separation: point.separation,
+        }
+    }
+}
+
+/// How a body has turned since the start of the step: the quaternion x, y, z, w, then 1 if its points may follow, else 0.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Turn(F8);
+
+impl Turn {
+    fn new(rotation: Quat, may_follow: bool) -> Self {
+        let [x, y, z, w] = rotation.to_array();
+        Self(F8([x, y, z, w, f32::from(may_follow), 0.0, 0.0, 0.0]))
+    }
+}
+
+impl Numbers for Turn {
+    #[inline(always)]
+    fn numbers(&self) -> [f32; 8] {
+        self.0.0
+    }
+}
+
+impl Batch {
+    /// Points the rows of moving manifolds at where their contact points are now.
+    ///
+    /// Manifolds of bodies that turn faster than `most` (rad/s) are left as they are: impulses that have acted along the old
+    /// rows could not be taken back along the new ones.
+    pub(super) fn follow_motion(&mut self, most: f32, team: Option<&Team>) {
+        if self.moving.is_empty() {
+            return;
+        }
+        self.find_turns(most, team);
+        self.follow_blocks(team);
+        self.derive_masses(team);
+    }
+
+    /// How each body has turned since the start of the step.
+    fn find_turns(&mut self, most: f32, team: Option<&Team>) {
+        let count = self.bodies.len();
+        self.turns.resize(count, Turn::default());
+        let size = count.div_ceil(Team::parts(team, count, LEAST_BODIES));
+        let (mut bodies, mut displacements) = (&self.bodies[..], &self.displacements[..]);
+        let mut turning = &self.turning[..];
+        let mut end = 0;
+        let mut parts: Parts<_> = self.turns.chunks_mut(size).collect();
+        let mut parts: Parts<_> = parts
+            .drain(..)
+            .map(|turns| {
+                let first = end as u32;
+                end += turns.len();
+                let those = turning.partition_point(|t| (t.body as usize) < end);
+                let turning = front(&mut turning, those);
+                let bodies = front(&mut bodies, turns.len());
+                let displacements = front(&mut displacements, turns.len());
+                (turns, first, bodies, displacements, turning)
+            })
+            .collect();
+        Team::each(team, &mut parts, |part| {
+            let (turns, first, bodies, displacements, turning) = part;
+            let mut turning = turning.iter().peekable();
+            let bodies = bodies.iter().zip(displacements.iter());
+            for (number, (turn, (body, moved))) in (*first..).zip(turns.iter_mut().zip(bodies)) {
+                let spins = turning.next_if(|t| t.body == number);
+                let rotation = spins.map_or_else(|| small_turn(moved), TurningBody::turn);
+                *turn = Turn::new(rotation, body.angular.length() <= most);
+            }
+        });
+    }
+
+    fn follow_blocks(&mut self, team: Option<&Team>) {
+        let width = self.settings.config.lane_width;
+        let blocks = &self.blocks;
+        let count = Team::parts(team, blocks.len(), LEAST_BLOCKS);
+        let (mut points, mut ties) = (&mut self.points[..], &mut self.ties[..]);
+        let (turns, displacements) = (&self.turns, &self.displacements);
+        let mut parts: Parts<_> = of_blocks(blocks, count)
+            .map(|(range, of_points)| Follow {
+                blocks: &blocks[range.clone()],
+                following: &self.following[range],
+                points: front_mut(&mut points, of_points.len()),
+                ties: front_mut(&mut ties, of_points.len()),
+                starts: &self.starts[of_points],
+                turns,
+                displacements,
+            })
+            .collect();
+        Team::each(team, &mut parts, |part| part.run(width));
+    }
+}
+
+/// The turn of a body whose axes need not be followed.
+fn small_turn(moved: &SolverBody) -> Quat {
+    rotate_by(Quat::IDENTITY, moved.angular, 1.0)
+}
+
+/// Some blocks, and all that is about their points.
+struct Follow<'a> {
+    blocks: &'a [Block],
+    following: &'a [Following],
+    points: &'a mut [Point],
+    /// Empty where nothing is bonded.
+    ties: &'a mut [Tie],
+    starts: &'a [Start],
+    turns: &'a [Turn],
+    displacements: &'a [SolverBody],
+}
+
+impl Follow<'_> {
+    fn run(&mut self, width: LaneWidth) {
+        if self.ties.is_empty() {
+            run(width, Tied::<false>(self));
+        } else {
+            run(width, Tied::<true>(self));
+        }
+    }
+}
+
+struct Tied<'p, 'a, const TIED: bool>(&'p mut Follow<'a>);
+
+impl<const TIED: bool> Kernel for Tied<'_, '_, TIED> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Follow {
+            blocks,
+            following,
+            points,
+            ties,
+            starts,
+            turns,
+            displacements,
+        } = self.0;
+        let first = blocks.first().map_or(0, |block| block.points.start);
+        for (block, following) in blocks.iter().zip(following.iter()) {
+            if !following.any {
+                continue;
+            }
+            let carried = Carried::<L>::load(block, following, turns, displacements);
+            for i in block.points.start - first..block.points.end - first {
+                let (follows, between) = carried.follow(&starts[i], &mut points[i]);
+                if TIED {
+                    carried.follow_tie(&mut ties[i], &points[i], follows, &between);
+                }
+            }
+        }
+    }
+}
+
+/// The bodies of a block, with how they have moved and turned since the start of the step.
+struct Carried<L> {
+    frame: Frame<L>,
+    moved: Pair<L>,
+    turns: [[V3<L>; 3]; 2],
+    /// 1 in lanes whose points follow.
+    moves: L,
+    on_b: L,
+}
+
+impl<L: Lanes> Carried<L> {
+    #[inline(always)]
+    fn load(
+        block: &Block,
+        following: &Following,
+        turns: &[Turn],
+        displacements: &[SolverBody],
+    ) -> Self {
+        let [a, b] = &block.bodies;
+        let (a, b) = (L::gather(turns, a), L::gather(turns, b));
+        Self {
+            frame: Frame::load(block),
+            moved: Pair::gather(displacements, block),
+            turns: [matrix(&a), matrix(&b)],
+            moves: L::load(&following.moves) * a[4] * b[4],
+            on_b: L::load(&following.on_b),
+        }
+    }
+
+    /// Moves a point; returns in which lanes it is there and follows, and how far B has gone against A there, m.
+    #[inline(always)]
+    fn follow(&self, start: &Start, point: &mut Point) -> (L, V3<L>) {
+        let (zero, normal) = (L::splat(0.0), &self.frame.normal);
+        let gap = L::load(&start.separation);
+        let follows = L::splat(FAR).if_above(gap, self.moves, zero);
+        let [from_a, from_b] = [V3::load(&start.anchors[0]), V3::load(&start.anchors[1])];
+        let [to_a, to_b] = [
+            turned(&self.turns[0], from_a),
+            turned(&self.turns[1], from_b),
+        ];
+        let apart = self.moved.linear(1).minus(self.moved.linear(0));
+        let between = apart.plus(to_b.minus(from_b)).minus(to_a.minus(from_a));
+        let on_a = to_b.minus(between);
+        let on_b = to_a.plus(between);
+        let anchors = [select(self.on_b, on_b, to_a), select(self.on_b, to_b, on_a)];
+        let gap = gap + normal.dot(between) - self.moved.along(*normal, &anchors);
+        let before = load_anchors::<L>(point);
+        select(follows, anchors[0], before[0]).store(&mut point.anchors[0]);
+        select(follows, anchors[1], before[1]).store(&mut point.anchors[1]);
+        follows
+            .if_above(zero, gap, L::load(&point.separation))
+            .store(&mut point.separation);
+        (follows, between)
+    }
+
+    /// Bonded lanes: how far B is off along the tangents, less what displacements add to it.
+    #[inline(always)]
+    fn follow_tie(&self, tie: &mut Tie, point: &Point, follows: L, between: &V3<L>) {
+        let anchors = load_anchors(point);
+        for k in 0..2 {
+            let tangent = self.frame.tangents[k];
+            let shift = self.moved.along(tangent, &anchors);
+            let slide = L::load(&tie.start[k]) + tangent.dot(*between) - shift;
+            follows
+                .if_above(L::splat(0.0), slide, L::load(&tie.slide[k]))
+                .store(&mut tie.slide[k]);
+        }
+    }
+}
+
+/// `yes` in lanes where `mask` is 1, `no` where it is 0.
+#[inline(always)]
+fn select<L: Lanes>(mask: L, yes: V3<L>, no: V3<L>) -> V3<L> {
+    let zero = L::splat(0.0);
+    let ([a, b, c], [x, y, z]) = (yes.0, no.0);
+    V3([
+        mask.if_above(zero, a, x),
+        mask.if_above(zero, b, y),
+        mask.if_above(zero, c, z),
+    ])
+}
+
+/// Columns of the rotation matrices of quaternions.
+#[inline(always)]
+fn matrix<L: Lanes>(turn: &[L; 8]) -> [V3<L>; 3] {
+    let [x, y, z, w, ..] = *turn;
+    let (one, x2, y2, z2) = (L::splat(1.0), x + x, y + y, z + z);
+    let (xx, xy, xz) = (x * x2, x * y2, x * z2);
+    let (yy, yz, zz) = (y * y2, y * z2, z * z2);
+    let (wx, wy, wz) = (w * x2, w * y2, w * z2);
+    [
+        V3([one - (yy + zz), xy + wz, xz - wy]),
+        V3([xy - wz, one - (xx + zz), yz + wx]),
+        V3([xz + wy, yz - wx, one - (xx + yy)]),
+    ]
+}
+
+#[inline(always)]
+fn turned<L: Lanes>(columns: &[V3<L>; 3], v: V3<L>) -> V3<L> {
+    let [x, y, z] = v.0;
+    let sum = columns[0].times(x).plus(columns[1].times(y));
+    sum.plus(columns[2].times(z))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Follow, Following, Start, Turn};
+    use crate::solver::blocks::{Block, FAR, Point, set_vector, vector};
+    use crate::solver::bodies::SolverBody;
+    use crate::solver::lanes::{LaneWidth, WIDTH};
+    use crate::solver::ties::Tie;
+    use glam::{Mat3, Quat, Vec3};
+    use rand_core::Rng;
+    use rand_pcg::Pcg32;
+
+    /// From [-1, 1].
+    fn signed(random: &mut Pcg32) -> f32 {
+        (random.next_u32() >> 8) as f32 / 8_388_608.0 - 1.0
+    }
+
+    fn direction(random: &mut Pcg32) -> Vec3 {
+        [(); 3].map(|()| signed(random)).into()
+    }
+
+    /// Bodies that have moved and turned, the last of which turns too fast to be followed.
+    fn bodies(random: &mut Pcg32, count: usize) -> (Vec<SolverBody>, Vec<Quat>) {
+        let moved = (0..count).map(|_| SolverBody {
+            linear: direction(random),
+            angular: direction(random),
+            ..SolverBody::default()
+        });
+        let moved = moved.collect();
+        let turn = || Quat::from_vec4(direction(random).extend(1.0)).normalize();
+        (moved, std::iter::repeat_with(turn).take(count).collect())
+    }
+
+    /// A block of manifolds with one to three points; the last lane does not follow, and every other one stays on B.
+    fn block(random: &mut Pcg32, bodies: u32) -> (Block, Vec<Point>, Vec<Tie>, Following) {
+        let (mut block, mut following) = (Block::default(), Following::default());
+        block.points = 0..3;
+        let (mut points, mut ties) = (vec![Point::default(); 3], vec![Tie::default(); 3]);
+        for lane in 0..WIDTH {
+            block.put(lane, 0, [0; 2].map(|_: u32| random.next_u32() % bodies));
+            set_vector(&mut block.normal, lane, direction(random).normalize());
+            for k in 0..2 {
+                set_vector(&mut block.tangents[k], lane, direction(random));
+            }
+            following.any = true;
+            following.moves.0[lane] = f32::from(u8::from(lane + 1 < WIDTH));
+            following.on_b.0[lane] = (lane % 2) as f32;
+            for (k, (point, tie)) in points.iter_mut().zip(&mut ties).enumerate() {
+                point.separation.0[lane] = if k <= lane % 3 { signed(random) } else { FAR };
+                for anchor in &mut point.anchors {
+                    set_vector(anchor, lane, direction(random));
+                }
+                tie.start[0].0[lane] = signed(random);
+            }
+        }
+        (block, points, ties, following)
+    }
+
+    /// The definition: anchors on A and B, gap and first slide of a point that has followed.
+    fn followed(
+        [from_a, from_b]: [Vec3; 2],
+        turns: [Quat; 2],
+        [a, b]: [&SolverBody; 2],
+        is_on_b: bool,
+    ) -> ([Vec3; 2], Vec3) {
+        let [to_a, to_b] = [
+            Mat3::from_quat(turns[0]) * from_a,
+            Mat3::from_quat(turns[1]) * from_b,
+        ];
+        let between = (b.linear - a.linear) + (to_b - from_b) - (to_a - from_a);
+        let anchors = if is_on_b {
+            [to_a + between, to_b]
+        } else {
+            [to_a, to_b - between]
+        };
+        (anchors, between)
+    }
+
+    #[test]
+    fn points_follow_their_carriers_in_lanes_as_one_by_one() {
+        let mut random = Pcg32::new(3, 5);
+        for round in 0..300 {
+            let (moved, turns) = bodies(&mut random, 5);
+            let lanes_of = |turn: &Quat, is_slow| Turn::new(*turn, is_slow);
+            let turn_rows: Vec<Turn> = (0..5).map(|i| lanes_of(&turns[i], i < 4)).collect();
+            let (block, before, ties, following) = block(&mut random, 5);
+            let starts: Vec<Start> = before.iter().map(Start::of).collect();
+            let (mut points, mut new_ties) = (before.clone(), ties.clone());
+            let width = [LaneWidth::Widest, LaneWidth::Four, LaneWidth::One][round % 3];
+            let mut follow = Follow {
+                blocks: std::slice::from_ref(&block),
+                following: &[following],
+                points: &mut points,
+                ties: &mut new_ties,
+                starts: &starts,
+                turns: &turn_rows,
+                displacements: &moved,
+            };
+            follow.run(width);
+            for lane in 0..WIDTH {
+                let pair = block.pair(lane).map(|body| body as usize);
+                let stays = lane + 1 == WIDTH || pair.contains(&4);
+                for (k, point) in points.iter().enumerate() {
+                    let anchors = [0, 1].map(|side| vector(&before[k].anchors[side], lane));
+                    let new = [0, 1].map(|side| vector(&point.anchors[side], lane));
+                    let gap = before[k].separation.0[lane];
+                    if stays || gap == FAR {
+                        assert_eq!((new, point.separation.0[lane]), (anchors, gap));
+                        assert_eq!(new_ties[k].slide[0].0[lane], ties[k].slide[0].0[lane]);
+                        continue;
+                    }
+                    let bodies = pair.map(|body| &moved[body]);
+                    let is_on_b = lane % 2 == 1;
+                    let turns = pair.map(|body| turns[body]);
+                    let (expected, between) = followed(anchors, turns, bodies, is_on_b);
+                    assert_eq!(new, expected);
+                    let normal = vector(&block.normal, lane);
+                    let shift = point.normal_velocity(lane, normal, bodies);
+                    let expected = gap + normal.dot(between) - shift;
+                    assert_eq!(point.separation.0[lane], expected);
+                    let tangent = vector(&block.tangents[0], lane);
+                    let shift = point.normal_velocity(lane, tangent, bodies);
+                    let expected = ties[k].start[0].0[lane] + tangent.dot(between) - shift;
+                    assert_eq!(new_ties[k].slide[0].0[lane], expected);
+                }
+            }
+        }
+    }
+}
