@@ -136,9 +136,9 @@ impl Batch {
             change: AtomicU32::new(0),
         };
         // Targets are found for each point on its own.
-        let all = [0..self.blocks.len()];
+        let all = 0..self.blocks.len();
         let stages = match pass {
-            Pass::Targets { .. } => &all[..],
+            Pass::Targets { .. } => std::slice::from_ref(&all),
             _ => &self.stages,
         };
         for stage in stages {

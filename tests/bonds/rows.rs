@@ -80,7 +80,7 @@ impl Scene {
             slop: 0.0,
         };
         fill(&mut blocks, &mut points, source, LaneWidth::One);
-        derive(&mut blocks, &mut points, &mut solids, LaneWidth::One);
+        derive(&mut blocks, &mut points, &solids, LaneWidth::One);
         let mut ties = vec![Tie::default(); MAX_POINTS];
         for lane in 0..WIDTH {
             if dice.below(2) == 0 {
