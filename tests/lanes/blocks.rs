@@ -164,7 +164,7 @@ impl Blocks {
             slop: SLOP,
         };
         fill(&mut blocks, &mut points, source, width);
-        derive(&mut blocks, &mut points, &mut scene.solids.clone(), width);
+        derive(&mut blocks, &mut points, &scene.solids, width);
         Self {
             places,
             blocks,
