@@ -5,9 +5,6 @@ use super::lanes::WIDTH;
 use super::schedule::{ContactOrder, Filling, Schedule};
 use std::ops::Range;
 
-/// Blocks of a stage, on average, from which a team is faster than one thread with fuller blocks.
-const WIDE_STAGE: usize = 8;
-
 /// A manifold as a schedule sees it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Joint {
@@ -15,6 +12,8 @@ pub struct Joint {
     pub bodies: [Option<u32>; 2],
     /// Number of its points.
     pub points: u32,
+    /// Number of its [domain](super::domains).
+    pub domain: u32,
 }
 
 /// What an arrangement is made by.
@@ -22,10 +21,10 @@ pub struct Joint {
 pub struct Rule {
     /// How manifolds are put into blocks.
     pub order: ContactOrder,
-    /// Whether several threads are to solve the blocks together, in stages.
-    pub has_team: bool,
     /// Number of bodies.
     pub bodies: usize,
+    /// Number of domains.
+    pub domains: usize,
 }
 
 /// Places of manifolds; buffers are reused.
@@ -37,8 +36,9 @@ pub struct Arrangement {
     joints: Vec<Joint>,
     /// Those that are to be.
     new_joints: Vec<Joint>,
+    /// Indices of joints, domain by domain.
+    order: Vec<u32>,
     places: Vec<Place>,
-    stages: Vec<Range<usize>>,
 }
 
 impl Arrangement {
@@ -51,6 +51,7 @@ impl Arrangement {
         }
         std::mem::swap(&mut self.joints, &mut self.new_joints);
         self.rule = Some(rule);
+        self.sort_by_domain();
         self.place_manifolds(rule);
     }
 
@@ -59,9 +60,9 @@ impl Arrangement {
         &self.places
     }
 
-    /// Parts of the blocks that share no body, for a team; empty if one thread is to solve them.
-    pub fn stages(&self) -> &[Range<usize>] {
-        &self.stages
+    /// Blocks of the domains.
+    pub fn domains(&self) -> impl Iterator<Item = Range<usize>> {
+        self.schedule.domains()
     }
 
     /// Of each block, the points of its largest manifold.
@@ -69,40 +70,48 @@ impl Arrangement {
         self.schedule.points_of_blocks()
     }
 
+    fn sort_by_domain(&mut self) {
+        self.order.clear();
+        self.order.extend(0..self.joints.len() as u32);
+        // Those of a domain stay in their order.
+        let joints = &self.joints;
+        self.order
+            .sort_unstable_by_key(|&joint| (joints[joint as usize].domain, joint));
+    }
+
     fn place_manifolds(&mut self, rule: Rule) {
-        let mut filling = match rule.order {
+        let filling = match rule.order {
             ContactOrder::Coloured => Filling::ByColour,
             ContactOrder::Automatic | ContactOrder::Kept => Filling::Densely,
         };
-        self.place_all(rule.bodies, filling);
+        self.place_all(rule, filling);
         let least = self.places.len().div_ceil(WIDTH);
         if rule.order == ContactOrder::Automatic && self.schedule.blocks() > 2 * least {
-            filling = Filling::ByColour;
-            self.place_all(rule.bodies, filling);
-        }
-        let mut has_team = rule.has_team;
-        if has_team && filling == Filling::Densely {
-            // The same sweeps in the same order, whatever the filling; worth it where stages are wide.
-            self.place_all(rule.bodies, Filling::ByStage);
-            if self.schedule.blocks() < WIDE_STAGE * self.schedule.stage_count() {
-                has_team = false;
-                self.place_all(rule.bodies, filling);
-            }
+            self.place_all(rule, Filling::ByColour);
         }
         self.schedule.finish(self.places.iter_mut());
-        self.stages.clear();
-        if has_team {
-            self.schedule.stages(&mut self.stages);
-        }
     }
 
-    fn place_all(&mut self, bodies: usize, filling: Filling) {
+    fn place_all(&mut self, rule: Rule, filling: Filling) {
         let Self {
-            schedule, joints, ..
+            schedule,
+            joints,
+            places,
+            order,
+            ..
         } = self;
-        schedule.begin(bodies, filling);
-        self.places.clear();
-        let places = joints.iter().map(|j| schedule.place(j.bodies, j.points));
-        self.places.extend(places);
+        schedule.begin(rule.bodies, filling);
+        places.clear();
+        places.resize(joints.len(), Place::default());
+        let mut rest = &order[..];
+        for domain in 0..rule.domains as u32 {
+            let end = rest.partition_point(|&at| joints[at as usize].domain <= domain);
+            for &at in &rest[..end] {
+                let joint = &joints[at as usize];
+                places[at as usize] = schedule.place(joint.bodies, joint.points);
+            }
+            rest = &rest[end..];
+            schedule.end_domain();
+        }
     }
 }

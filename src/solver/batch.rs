@@ -8,6 +8,7 @@ use super::arrangement::{Arrangement, Joint, Rule};
 use super::blocks::{Block, Blow, Place, Point, Solid, Source, derive, fill};
 use super::bodies::{Bodies, SolverBody};
 use super::demand::{Demand, Effort, SubstepSettings, Travel};
+use super::domains::{self, Domains};
 use super::exact::ExactScratch;
 use super::follow::{Following, Start, Turn};
 use super::islands::Islands;
@@ -88,7 +89,7 @@ pub struct Step<'a> {
     pub bodies: &'a Bodies,
     /// The sub-steps of an island that asks for nothing.
     pub settings: &'a SubstepSettings,
-    /// Who solves the batch together, in stages, if it is not for one thread.
+    /// Who solves the domains of the batch together, if it is not for one thread.
     pub team: Option<&'a Team>,
     /// Whether the solve is to be given up when a body is overloaded.
     pub may_break: bool,
@@ -103,8 +104,8 @@ pub struct Batch {
     pub places: Vec<(u32, Place)>,
     /// Blocks of its manifolds.
     pub blocks: Vec<Block>,
-    /// Parts of the blocks that share no body, if a team is to solve them.
-    pub stages: Vec<Range<usize>>,
+    /// Blocks of its [`domains`], in their order.
+    pub domains: Vec<Range<usize>>,
     /// Points of its blocks.
     pub points: Vec<Point>,
     /// Blows of its points; none if nothing can hit.
@@ -144,12 +145,15 @@ pub struct Batch {
     /// What it took.
     pub effort: Effort,
     pub(super) scratch: BatchScratch,
+    cuts: Domains,
     arrangement: Arrangement,
 }
 
 /// Buffers of the sub-steps.
 #[derive(Debug, Default)]
 pub(super) struct BatchScratch {
+    /// By body: the number of its copy.
+    copies: Vec<Option<u32>>,
     pub(super) exact: ExactScratch,
     pub(super) pace: Pace<f32>,
     /// Impulses and velocities of the sweep before.
@@ -206,7 +210,7 @@ impl Batch {
             }
             first += pairs.len();
         }
-        if !self.stages.is_empty() {
+        if team.is_some() {
             self.copy_fixed_bodies();
         }
         self.fill_blocks(manifolds, team);
@@ -218,17 +222,25 @@ impl Batch {
         self.effort = Effort::new(&self.settings.config, most_points.unwrap_or(0));
     }
 
-    /// Gives each block its own copies of the fixed bodies and of the idle one, so that blocks of a stage, which different
+    /// Gives each domain its own copies of the fixed bodies and of the idle one, so that domains of a stage, which different
     /// threads solve, write to different bodies.
     fn copy_fixed_bodies(&mut self) {
-        for block in &mut self.blocks {
-            for number in block.bodies.iter_mut().flatten() {
-                let body = self.bodies[*number as usize];
-                if body.inverse_mass == 0.0 {
+        let copies = &mut self.scratch.copies;
+        for domain in &self.domains[1..] {
+            copies.clear();
+            copies.resize(self.bodies.len(), None);
+            for block in &mut self.blocks[domain.clone()] {
+                for number in block.bodies.as_flattened_mut() {
+                    let body = self.bodies[*number as usize];
+                    if body.inverse_mass > 0.0 {
+                        continue;
+                    }
                     let solid = self.solids[*number as usize];
-                    *number = self.bodies.len() as u32;
-                    self.bodies.push(body);
-                    self.solids.push(solid);
+                    *number = *copies[*number as usize].get_or_insert_with(|| {
+                        self.bodies.push(body);
+                        self.solids.push(solid);
+                        self.bodies.len() as u32 - 1
+                    });
                 }
             }
         }
@@ -329,36 +341,54 @@ impl Batch {
         let Step {
             islands, manifolds, ..
         } = *step;
-        let config = &self.settings.config;
+        let islands_of_batch = &islands.list[range];
+        let manifolds_of_batch = islands_of_batch.iter().flat_map(|i| i.manifolds.clone());
+        self.cut_domains(manifolds_of_batch.clone().count(), step);
         let rule = Rule {
-            order: config.order,
-            has_team: step.team.is_some() && config.method != Method::Exact,
+            order: self.settings.config.order,
             bodies: self.bodies.len(),
+            domains: self.cuts.count(),
         };
-        let indices = || {
-            let islands_of_batch = &islands.list[range.clone()];
-            islands_of_batch.iter().flat_map(|i| i.manifolds.clone())
-        };
-        let bodies = &self.bodies;
-        let members = self.members.iter().zip(&islands.list[range.clone()]);
+        let (bodies, cuts) = (&self.bodies, &self.cuts);
+        let members = self.members.iter().zip(islands_of_batch);
         let joints = members.flat_map(|(member, island)| {
             let offset = member.bodies.start as u32;
-            island.manifolds.clone().map(move |at| Joint {
-                bodies: islands.pairs[at].map(|number| {
+            island.manifolds.clone().map(move |at| {
+                let bodies = islands.pairs[at].map(|number| {
                     let number = number + offset;
                     let is_movable = bodies[number as usize].inverse_mass > 0.0;
                     is_movable.then_some(number)
-                }),
-                points: manifolds[islands.manifolds[at] as usize].count,
+                });
+                Joint {
+                    bodies,
+                    points: manifolds[islands.manifolds[at] as usize].count,
+                    domain: cuts.of(bodies),
+                }
             })
         });
         self.arrangement.arrange(joints, rule);
-        let names = indices().map(|at| islands.manifolds[at]);
+        let names = manifolds_of_batch.map(|at| islands.manifolds[at]);
         let places = self.arrangement.places().iter().copied();
         self.places.clear();
         self.places.extend(names.zip(places));
-        self.stages.clear();
-        self.stages.extend_from_slice(self.arrangement.stages());
+        self.domains.clear();
+        self.domains.extend(self.arrangement.domains());
+    }
+
+    /// Cuts a large island into domains.
+    fn cut_domains(&mut self, manifolds: usize, step: &Step) {
+        let is_whole = self.members.len() > 1 || self.settings.config.method == Method::Exact;
+        let leaves = if is_whole {
+            1
+        } else {
+            domains::leaves(manifolds)
+        };
+        let bodies = self.bodies.iter().zip(&self.slots);
+        let centres = bodies.map(|(body, &slot)| {
+            let is_movable = body.inverse_mass > 0.0;
+            is_movable.then(|| step.bodies.centre[slot as usize])
+        });
+        self.cuts.cut(centres, self.settings.gravity, leaves);
     }
 
     /// Makes blocks with empty lanes. What they hold from another step is overwritten when they are filled.

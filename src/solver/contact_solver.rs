@@ -3,6 +3,7 @@
 use super::batch::{Batch, Member, Step, side};
 use super::bodies::{Bodies, Motion, SolverBody};
 use super::demand::{Demand, Effort, SubstepSettings, Travel};
+use super::domains::LEAST_MANIFOLDS;
 use super::islands::Islands;
 use super::limit::BodyBlow;
 use super::rehearsal::{Rehearsal, is_large};
@@ -21,8 +22,8 @@ const BATCH: usize = 192;
 /// Manifolds from which it pays to ask other threads for help: about 100 us of work, ten times what they take to come.
 const WORTH_HELP: usize = 256;
 
-/// Manifolds of a batch from which all threads solve it together.
-const WORTH_A_TEAM: usize = 1500;
+/// Manifolds of a batch from which all threads solve it together: there are several domains then.
+const WORTH_A_TEAM: usize = 2 * LEAST_MANIFOLDS;
 
 /// Tasks for each thread, so that none waits long for the last one.
 const TASKS_PER_THREAD: usize = 4;

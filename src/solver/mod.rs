@@ -16,6 +16,7 @@ pub mod bodies;
 pub mod body;
 pub mod contact_solver;
 pub mod demand;
+pub mod domains;
 pub mod exact;
 mod extrapolate;
 mod follow;

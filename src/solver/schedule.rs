@@ -21,7 +21,7 @@ pub enum ContactOrder {
 /// Colours, as bits of a mask; a manifold that finds none free gets a block of its own, behind all others.
 const COLOURS: usize = 31;
 
-/// Stage of those.
+/// Colour of those.
 const NO_COLOUR: u32 = u32::MAX;
 
 /// How a [`Schedule`] puts manifolds into blocks.
@@ -30,9 +30,7 @@ pub enum Filling {
     /// In their order, each into the first block that it may be in.
     #[default]
     Densely,
-    /// In their order too, but stage by stage: blocks of a stage share no body, at the price of some lanes.
-    ByStage,
-    /// By colour, which is the stage.
+    /// By colour: blocks of one colour share no body.
     ByColour,
 }
 
@@ -40,11 +38,15 @@ pub enum Filling {
 #[derive(Debug, Default)]
 pub struct Schedule {
     filling: Filling,
-    /// By body, in order: the first block or stage behind all that hold it.
+    /// By body, in order: the first block behind all that hold it.
     free_from: Vec<u32>,
+    /// The first block of the present domain.
+    first: u32,
+    /// Number of blocks of the domains that are filled.
+    ends: Vec<u32>,
     /// By body, coloured: the colours of its manifolds.
     taken: Vec<u32>,
-    /// By stage: the block that has a lane left, if any.
+    /// By colour: the block that has a lane left, if any.
     open: Vec<Option<u32>>,
     blocks: Vec<Draft>,
     /// By block: itself if it has a lane left, else a later block, on the way to the first that has.
@@ -60,7 +62,8 @@ struct Draft {
     used: u16,
     /// Points of its largest manifold.
     points: u16,
-    stage: u32,
+    /// Domain, then colour.
+    group: (u32, u32),
     /// Its number before all are brought into their order.
     number: u32,
 }
@@ -72,6 +75,8 @@ impl Schedule {
         self.blocks.clear();
         self.open.clear();
         self.next.clear();
+        self.ends.clear();
+        self.first = 0;
         if filling == Filling::ByColour {
             self.taken.clear();
             self.taken.resize(bodies, 0);
@@ -79,6 +84,21 @@ impl Schedule {
             self.free_from.clear();
             self.free_from.resize(bodies, 0);
         }
+    }
+
+    /// Ends a domain: what comes next goes into blocks of its own, behind all others.
+    pub fn end_domain(&mut self) {
+        self.first = self.blocks.len() as u32;
+        self.ends.push(self.first);
+        self.open.clear();
+        self.taken.fill(0);
+    }
+
+    /// Blocks of the domains that have been ended.
+    pub fn domains(&self) -> impl Iterator<Item = Range<usize>> {
+        let firsts = std::iter::once(&0).chain(&self.ends);
+        let ranges = firsts.zip(&self.ends);
+        ranges.map(|(first, end)| *first as usize..*end as usize)
     }
 
     /// Number of blocks.
@@ -91,7 +111,6 @@ impl Schedule {
     pub fn place(&mut self, bodies: [Option<u32>; 2], count: u32) -> Place {
         let block = match self.filling {
             Filling::Densely => self.place_densely(bodies),
-            Filling::ByStage => self.place_by_stage(bodies),
             Filling::ByColour => self.place_by_colour(bodies),
         };
         let draft = &mut self.blocks[block as usize];
@@ -114,7 +133,7 @@ impl Schedule {
             self.next[block as usize] = block + 1;
         } else if let Some(open) = self
             .open
-            .get_mut(self.blocks[block as usize].stage as usize)
+            .get_mut(self.blocks[block as usize].group.1 as usize)
         {
             *open = None;
         }
@@ -126,7 +145,7 @@ impl Schedule {
             return;
         }
         self.blocks
-            .sort_unstable_by_key(|block| (block.stage, block.number));
+            .sort_unstable_by_key(|block| (block.group, block.number));
         self.rank.clear();
         self.rank.resize(self.blocks.len(), 0);
         for (rank, block) in (0..).zip(&self.blocks) {
@@ -135,21 +154,6 @@ impl Schedule {
         for place in places {
             place.block = self.rank[place.block as usize];
         }
-    }
-
-    /// Puts ranges of blocks that share no body into `stages`, in their order. Not for dense filling.
-    pub fn stages(&self, stages: &mut Vec<Range<usize>>) {
-        let mut first = 0;
-        let same = |a: &Draft, b: &Draft| a.stage == b.stage && a.stage != NO_COLOUR;
-        for stage in self.blocks.chunk_by(same) {
-            stages.push(first..first + stage.len());
-            first += stage.len();
-        }
-    }
-
-    /// Number of stages; not for dense filling.
-    pub fn stage_count(&self) -> usize {
-        self.open.len()
     }
 
     /// Of each block, the points of its largest manifold.
@@ -165,28 +169,20 @@ impl Schedule {
         block
     }
 
-    fn place_by_stage(&mut self, bodies: [Option<u32>; 2]) -> u32 {
-        let stage = self.earliest(bodies);
-        for body in bodies.into_iter().flatten() {
-            self.free_from[body as usize] = stage + 1;
-        }
-        self.open_in(stage)
-    }
-
-    /// The first block or stage behind those that hold one of the bodies.
+    /// The first block of the domain behind those that hold one of the bodies.
     fn earliest(&self, bodies: [Option<u32>; 2]) -> u32 {
         let bodies = bodies.into_iter().flatten();
         let earliest = bodies.map(|body| self.free_from[body as usize]).max();
-        earliest.unwrap_or(0)
+        earliest.unwrap_or(0).max(self.first)
     }
 
-    /// A block of a stage with a lane left.
-    fn open_in(&mut self, stage: u32) -> u32 {
-        let i = stage as usize;
+    /// A block of a colour with a lane left.
+    fn open_in(&mut self, colour: u32) -> u32 {
+        let i = colour as usize;
         if i >= self.open.len() {
             self.open.resize(i + 1, None);
         }
-        let block = self.open[i].unwrap_or_else(|| self.make_block(stage));
+        let block = self.open[i].unwrap_or_else(|| self.make_block(colour));
         self.open[i] = Some(block);
         block
     }
@@ -220,12 +216,12 @@ impl Schedule {
         self.open_in(colour)
     }
 
-    fn make_block(&mut self, stage: u32) -> u32 {
+    fn make_block(&mut self, colour: u32) -> u32 {
         let number = self.blocks.len() as u32;
         self.blocks.push(Draft {
             used: 0,
             points: 0,
-            stage,
+            group: (self.ends.len() as u32, colour),
             number,
         });
         number

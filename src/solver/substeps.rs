@@ -17,6 +17,7 @@ use super::batch::{Batch, BatchScratch};
 use super::blocks::{Place, Point, Solid, vector};
 use super::bodies::SolverBody;
 use super::demand::{Effort, SubstepSettings};
+use super::domains;
 use super::parts::{Parts, front_mut};
 use super::shift::Shift;
 use super::soft_step::{self, Softness};
@@ -51,9 +52,6 @@ enum SweepKind {
     /// Without.
     Relax,
 }
-
-/// Least blocks of a task: a microsecond of work, several times what handing it out takes.
-const LEAST_BLOCKS: usize = 4;
 
 /// Least bodies of a task that turns them: each takes some 200 ns.
 const LEAST_TURNING: usize = 32;
@@ -96,9 +94,9 @@ impl Batch {
         !self.blows.is_empty()
     }
 
-    /// Does a pass over all contacts, stage by stage if there is a team; returns the largest velocity change if it measures.
+    /// Does a pass over all contacts, several domains at a time if there is a team; returns the largest velocity change if it measures.
     pub fn pass(&mut self, pass: Pass, team: Option<&Team>) -> f32 {
-        let Some(team) = team.filter(|_| !self.stages.is_empty()) else {
+        let Some(team) = team else {
             let mut contacts = Contacts {
                 blocks: &self.blocks,
                 points: &mut self.points,
@@ -135,23 +133,11 @@ impl Batch {
             width: config.lane_width,
             change: AtomicU32::new(0),
         };
-        // Targets are found for each point on its own.
-        let all = 0..self.blocks.len();
-        let stages = match pass {
-            Pass::Targets { .. } => std::slice::from_ref(&all),
-            _ => &self.stages,
-        };
-        for stage in stages {
-            let tasks = (stage.len() / LEAST_BLOCKS).clamp(1, team.threads());
-            if tasks == 1 {
-                work.run(stage.clone());
-            } else {
-                let size = stage.len().div_ceil(tasks);
-                team.run(tasks, &|task| {
-                    let first = stage.start + task * size;
-                    work.run(first.min(stage.end)..(first + size).min(stage.end));
-                });
-            }
+        let mut first = 0;
+        for count in domains::stages(self.domains.len()) {
+            let stage = &self.domains[first..first + count];
+            team.run(count, &|domain| work.run(stage[domain].clone()));
+            first += count;
         }
         f32::from_bits(work.change.load(Ordering::Relaxed))
     }

@@ -1,8 +1,10 @@
 //! Threads that work through many short lists of tasks together, with almost nothing in between.
 //!
-//! A sweep over a large heap has a dozen stages of a few microseconds each, one after the other; to hand each to the task
-//! pool would take as long as the stage. So helpers come once for many stages: they look for tasks without rest, and the
-//! thread that leads never waits for a helper that has not taken a task. Without helpers it does all tasks itself.
+//! A sub-step of a large heap has a dozen passes and loops of some 100 us each, one after the other; to hand each to the task
+//! pool would take a good part of that. So helpers come once for all: they look for tasks without rest, and the thread that
+//! leads never waits for a helper that has not taken a task. Without helpers it does all tasks itself.
+//!
+//! A thread prefers the same tasks of every list, whose data are in its cache, and takes those of others if these are late.
 #![allow(
     unsafe_code,
     reason = "tasks borrow from the leader's stack, and write to parts of one list"
@@ -26,11 +28,14 @@ const PAUSES: u32 = 4;
 /// Most parts that a list is cut into.
 pub const MOST_PARTS: usize = 8;
 
+/// Most tasks of a list.
+pub const MOST_TASKS: usize = 32;
+
 /// A leader and its helpers.
 pub struct Team {
     /// The present list; written by the leader only while no task of it is left.
     tasks: UnsafeCell<Tasks<'static>>,
-    /// Number of the list in the upper half, tasks that nobody has taken in the lower half.
+    /// Number of the list in the upper half, a bit for each task that nobody has taken in the lower half.
     left: AtomicU64,
     /// Tasks of the present list that are done.
     done: AtomicU32,
@@ -62,8 +67,9 @@ impl Team {
         };
         let mut result = None;
         pool.scope(|scope| {
-            for _ in 0..team.helpers {
-                scope.spawn(async { team.help() });
+            for helper in 1..team.threads() {
+                let team = &team;
+                scope.spawn(async move { team.help(helper) });
             }
             // However the work ends, the helpers must go.
             let _over = Dismissal(&team.is_over);
@@ -95,28 +101,32 @@ impl Team {
         });
     }
 
-    /// Does tasks `0..count`, in any order and on any thread, and returns when all are done. For the leader only, and not
-    /// from within a task.
+    /// Does tasks `0..count`, of which there may be 32, in any order and on any thread, and returns when all are done. For the
+    /// leader only, and not from within a task.
+    ///
+    /// # Panics
+    /// If there are more.
     pub fn run(&self, count: usize, tasks: Tasks<'_>) {
+        assert!(count <= MOST_TASKS, "a list has 32 tasks at most");
         let list = (self.left.load(Ordering::Relaxed) >> 32).wrapping_add(1);
         self.done.store(0, Ordering::Relaxed);
         // SAFETY: the list before is done, so nobody reads `tasks` (see `Sync`). That this one is borrowed for longer than it
         // lives does not matter: it is called by those who took one of its tasks only, and this function does not return, nor
         // unwind, before all of them are done.
         unsafe { *self.tasks.get() = std::mem::transmute::<Tasks<'_>, Tasks<'static>>(tasks) };
+        let all = (1_u64 << count) - 1;
         let count = count as u32;
-        self.left
-            .store(list << 32 | u64::from(count), Ordering::Release);
+        self.left.store(list << 32 | all, Ordering::Release);
         let wait = WaitForAll { team: self, count };
-        while self.take_one() {}
+        while self.take_one(0) {}
         drop(wait);
     }
 
     /// Looks for tasks until the leader is done.
-    fn help(&self) {
+    fn help(&self, thread: usize) {
         let mut idle = 0;
         while !self.is_over.load(Ordering::Acquire) {
-            if self.take_one() {
+            if self.take_one(thread) {
                 idle = 0;
             } else if idle < SPINS {
                 idle += 1;
@@ -128,22 +138,28 @@ impl Team {
         }
     }
 
-    /// Does a task that nobody has taken; whether there was one.
-    fn take_one(&self) -> bool {
+    /// Does a task that nobody has taken, one of the thread's own if there is any; whether there was one.
+    fn take_one(&self, thread: usize) -> bool {
         let seen = self.left.load(Ordering::Acquire);
-        let count = seen as u32;
-        if count == 0 {
+        let open = seen as u32;
+        if open == 0 {
             return false;
         }
+        let own = (thread..MOST_TASKS).step_by(self.threads());
+        let own = own.map(|task| open & 1 << task).find(|&bit| bit != 0);
+        let task = own.unwrap_or(open).trailing_zeros();
         // The number of the list keeps this from taking a task of a later one.
-        let taken =
-            self.left
-                .compare_exchange_weak(seen, seen - 1, Ordering::Acquire, Ordering::Relaxed);
+        let taken = self.left.compare_exchange_weak(
+            seen,
+            seen & !(1 << task),
+            Ordering::Acquire,
+            Ordering::Relaxed,
+        );
         if taken.is_ok() {
             // SAFETY: a task has been taken and is not done yet, so the leader does not write (see `Sync`).
             let tasks = unsafe { *self.tasks.get() };
             let _done = CountDone(&self.done);
-            tasks(count as usize - 1);
+            tasks(task as usize);
         }
         true
     }
@@ -178,7 +194,9 @@ impl Drop for WaitForAll<'_> {
         // Tasks that nobody will do any more, if the leader's own panicked.
         let left = self.team.left.load(Ordering::Acquire);
         let forgotten = self.team.left.swap(left >> 32 << 32, Ordering::AcqRel) as u32;
-        self.team.done.fetch_add(forgotten, Ordering::Release);
+        self.team
+            .done
+            .fetch_add(forgotten.count_ones(), Ordering::Release);
         let mut spins = 0;
         while self.team.done.load(Ordering::Acquire) < self.count {
             if spins < SPINS {

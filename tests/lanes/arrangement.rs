@@ -1,17 +1,19 @@
-//! Arrangements are kept as long as nothing that they rest on changes.
+//! Arrangements are kept as long as nothing that they rest on changes, and domains that are solved side by side share no body.
 
 use crate::dice::Dice;
 use crate::properties::cases;
 use bevy_cleave::solver::arrangement::{Arrangement, Joint, Rule};
 use bevy_cleave::solver::blocks::Place;
+use bevy_cleave::solver::domains::{Domains, leaves, stages};
 use bevy_cleave::solver::schedule::ContactOrder;
+use glam::Vec3;
 use proptest::prelude::*;
 use std::ops::Range;
 
 fn outcome(arrangement: &Arrangement) -> (Vec<Place>, Vec<Range<usize>>, Vec<usize>) {
     (
         arrangement.places().to_vec(),
-        arrangement.stages().to_vec(),
+        arrangement.domains().collect(),
         arrangement.points_of_blocks().collect(),
     )
 }
@@ -23,6 +25,7 @@ fn random_joint(dice: &mut Dice, bodies: usize) -> Joint {
     Joint {
         bodies: [Some(a as u32), (!is_fixed).then_some(b as u32)],
         points: 1 + dice.below(4) as u32,
+        domain: dice.below(3) as u32,
     }
 }
 
@@ -34,8 +37,8 @@ fn random_rule(dice: &mut Dice, bodies: usize) -> Rule {
     ];
     Rule {
         order: orders[dice.below(3)],
-        has_team: dice.below(2) == 0,
         bodies,
+        domains: 3 + dice.below(2),
     }
 }
 
@@ -68,4 +71,91 @@ proptest! {
             }
         }
     }
+
+    /// What different threads may solve at a time: no two manifolds in different domains of a stage share a body that moves.
+    /// Within a domain manifolds stay in their order, if that is asked for.
+    #[test]
+    fn domains_of_a_stage_share_no_body_and_keep_their_order(seed: u64) {
+        let mut dice = Dice::new(seed);
+        let bodies = 4 + dice.below(60);
+        let is_fixed = |body: usize| body.is_multiple_of(7);
+        let centre = |body: usize| (!is_fixed(body)).then(|| dice.vector(-5.0, 5.0));
+        let centres: Vec<Option<Vec3>> = (0..bodies).map(centre).collect();
+        let leaves = [1, 2, 4, 8][dice.below(4)];
+        let mut cuts = Domains::default();
+        cuts.cut(centres.iter().copied(), dice.vector(-1.0, 1.0), leaves);
+        let joint = |_| {
+            let joint = random_joint(&mut dice, bodies);
+            let movable = |body: u32| (!is_fixed(body as usize)).then_some(body);
+            let pair = joint.bodies.map(|body| body.and_then(movable));
+            Joint { bodies: pair, domain: cuts.of(pair), ..joint }
+        };
+        let joints: Vec<Joint> = (0..200).map(joint).collect();
+        let order = [ContactOrder::Kept, ContactOrder::Coloured][dice.below(2)];
+        let mut arrangement = Arrangement::default();
+        let domains = cuts.count();
+        arrangement.arrange(joints.iter().copied(), Rule { order, bodies, domains });
+        let (places, ranges, points) = outcome(&arrangement);
+        prop_assert_eq!(ranges.len(), domains);
+        prop_assert_eq!(ranges.iter().map(Range::len).sum::<usize>(), points.len());
+        let first_of_stage = |domain: u32| {
+            let ends = stages(domains).scan(0, |end, count| {
+                *end += count;
+                Some(*end)
+            });
+            ends.take_while(|&end| end <= domain as usize).count()
+        };
+        for (i, (joint, place)) in joints.iter().zip(&places).enumerate() {
+            prop_assert!(ranges[joint.domain as usize].contains(&(place.block as usize)));
+            for (other, earlier) in joints[..i].iter().zip(&places) {
+                let mut movable = other.bodies.iter().flatten();
+                if !movable.any(|body| joint.bodies.contains(&Some(*body))) {
+                    continue;
+                }
+                let is_same = joint.domain == other.domain;
+                prop_assert!(is_same || first_of_stage(joint.domain) != first_of_stage(other.domain));
+                prop_assert!(earlier.block != place.block);
+                let keeps_order = order == ContactOrder::Kept && is_same;
+                prop_assert!(!keeps_order || earlier.block < place.block);
+            }
+        }
+    }
+}
+
+#[test]
+fn leaves_of_a_cloud_are_of_a_size_and_separators_small() {
+    let mut dice = Dice::new(9);
+    let side = 16;
+    let at = |i: usize| {
+        Vec3::new(
+            (i % side) as f32,
+            (i / side % side) as f32,
+            (i / 256) as f32,
+        )
+    };
+    let mut jitter = |i: usize| at(i) + 0.2 * dice.vector(-1.0, 1.0);
+    let centres: Vec<Option<Vec3>> = (0..side * side * side).map(|i| Some(jitter(i))).collect();
+    let mut cuts = Domains::default();
+    cuts.cut(centres.iter().copied(), Vec3::NEG_Y, 4);
+    let mut sizes = [0; 7];
+    for i in 0..centres.len() as u32 {
+        sizes[cuts.of([Some(i), None]) as usize] += 1;
+        // The neighbours along x, y and z: the manifolds of a grid.
+        for step in [1, 16, 256] {
+            if (i / step) % 16 < 15 {
+                let domain = cuts.of([Some(i), Some(i + step)]) as usize;
+                sizes[domain] += usize::from(domain > 3);
+            }
+        }
+    }
+    assert!(
+        sizes[..4].iter().all(|leaf| (900..1150).contains(leaf)),
+        "{sizes:?}"
+    );
+    // A cut through the whole grid crosses 256 of 11 520 edges, those of its halves 128 each; jitter makes the cuts uneven.
+    assert!(
+        sizes[4..].iter().all(|&separator| separator < 400),
+        "{sizes:?}"
+    );
+    assert_eq!([1, 1999, 2000, 4000, 1 << 20].map(leaves), [1, 1, 2, 4, 8]);
 }
