@@ -120,7 +120,7 @@ impl Renewal {
         manifold: Option<(usize, &Manifold)>,
     ) {
         let points = points_of(manifold.map(|(_, manifold)| manifold));
-        let count = points.len() + survivors(old, points).count();
+        let count = points.len() + old.iter().filter(|entry| survives(entry, points)).count();
         self.entries = self.entries - old.len() + count;
         self.pairs -= usize::from(count == 0);
         self.changes.push(Change {
@@ -172,8 +172,7 @@ impl Renewal {
             let new = change.manifold.map(|index| &solved.manifolds[index]);
             let name = new.map(|new| bodies_of(new, solved.ids));
             if let Some(bodies) = pair.map(|pair| pair.bodies).or(name) {
-                let survivors = survivors(&share.entries[old], points_of(new));
-                writer.push(bodies, fresh(new, solved.rotations).chain(survivors));
+                writer.push(bodies, new, &share.entries[old], solved.rotations);
             }
             done = change.pair + usize::from(!change.is_new);
         }
@@ -199,16 +198,6 @@ fn renew_in_place(entries: &mut [CacheEntry], same: Option<&Manifold>, rotations
 fn survives(entry: &CacheEntry, points: &[ContactPoint]) -> bool {
     let is_replaced = entry.taken || points.iter().any(|point| is_exact(point, entry));
     entry.age < MAX_AGE && !is_replaced
-}
-
-/// The entries of a pair that live on beside its points, a step older.
-fn survivors(old: &[CacheEntry], points: &[ContactPoint]) -> impl Iterator<Item = CacheEntry> {
-    let survivors = old.iter().filter(|entry| survives(entry, points));
-    survivors.map(|entry| CacheEntry {
-        age: entry.age + 1,
-        taken: false,
-        ..*entry
-    })
 }
 
 /// Writes a part of a table.
@@ -239,22 +228,36 @@ impl Writer<'_> {
         self.take_room(run.len()).copy_from_slice(run);
     }
 
-    /// Adds a pair, unless it has no entries.
-    fn push(&mut self, bodies: (BodyId, BodyId), entries: impl Iterator<Item = CacheEntry>) {
-        let first = self.next as u32;
-        let mut count = 0;
-        for (entry, to) in entries.zip(self.entries.iter_mut()) {
-            *to = entry;
-            count += 1;
+    /// Adds a pair, unless it has no entries: those of its points, then the old ones that live on.
+    fn push(
+        &mut self,
+        bodies: (BodyId, BodyId),
+        manifold: Option<&Manifold>,
+        old: &[CacheEntry],
+        rotations: &[Quat],
+    ) {
+        let first = self.next;
+        let points = points_of(manifold);
+        let room = self.take_room(points.len());
+        for (to, new) in room.iter_mut().zip(fresh(manifold, rotations)) {
+            *to = new;
         }
-        self.take_room(count);
-        if count > 0
+        for entry in old.iter().filter(|entry| survives(entry, points)) {
+            for to in self.take_room(1) {
+                *to = CacheEntry {
+                    age: entry.age + 1,
+                    taken: false,
+                    ..*entry
+                };
+            }
+        }
+        if self.next > first
             && let Some(to) = self.pairs.next()
         {
             *to = PairRecord {
                 bodies,
-                first,
-                count: count as u32,
+                first: first as u32,
+                count: (self.next - first) as u32,
             };
         }
     }
