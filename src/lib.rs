@@ -28,6 +28,7 @@ pub mod fracture;
 pub mod geometry;
 pub mod mass;
 pub mod math;
+mod parts;
 pub mod plugin;
 pub mod slice;
 pub mod solver;

@@ -335,46 +335,69 @@ impl NaiveCache {
     }
 }
 
-/// A random set of touching pairs with random codes out of a few, no code twice in a pair.
-fn random_manifolds(random: &mut Dice, ids: &[BodyId]) -> Vec<Manifold> {
+/// A random manifold of a pair, or none; codes are out of a few, no code twice.
+fn random_manifold(random: &mut Dice, a: usize, b: usize) -> Option<Manifold> {
+    if random.below(3) > 0 {
+        return None;
+    }
+    let first = random.below(6) as u32;
+    let points: Vec<ContactPoint> = (0..1 + random.below(4) as u32)
+        .map(|i| ContactPoint {
+            code_a: KdCode(first + i),
+            code_b: KdCode(7),
+            ..ContactPoint::default()
+        })
+        .collect();
+    Some(Manifold {
+        a: a as u32,
+        b: b as u32,
+        ..manifold(&points)
+    })
+}
+
+/// Random manifolds with random impulses, sorted; of a thousand pairs, `kept` are as `before`.
+fn random_manifolds(
+    random: &mut Dice,
+    ids: &[BodyId],
+    before: &[Manifold],
+    kept: usize,
+) -> Vec<Manifold> {
+    let name = |m: &Manifold| (ids[m.a as usize], ids[m.b as usize]);
     let mut manifolds = Vec::new();
     for a in 0..ids.len() {
-        for b in 0..ids.len() {
-            if ids[a] >= ids[b] || random.below(3) > 0 {
-                continue;
+        for b in (0..ids.len()).filter(|&b| ids[a] < ids[b]) {
+            if random.below(1000) < kept {
+                let found = before.binary_search_by_key(&(ids[a], ids[b]), name);
+                manifolds.extend(found.map(|index| before[index]));
+            } else {
+                manifolds.extend(random_manifold(random, a, b));
             }
-            let first = random.below(6) as u32;
-            let points: Vec<ContactPoint> = (0..1 + random.below(4) as u32)
-                .map(|i| ContactPoint {
-                    code_a: KdCode(first + i),
-                    code_b: KdCode(7),
-                    normal_impulse: random.in_range(-1.0, 1.0) + 2.0,
-                    ..ContactPoint::default()
-                })
-                .collect();
-            manifolds.push(Manifold {
-                a: a as u32,
-                b: b as u32,
-                ..manifold(&points)
-            });
         }
     }
-    manifolds.sort_by_key(|m| (ids[m.a as usize], ids[m.b as usize]));
+    for point in manifolds.iter_mut().flat_map(Manifold::points_mut) {
+        point.normal_impulse = random.in_range(-1.0, 1.0) + 2.0;
+    }
+    manifolds.sort_by_key(name);
     manifolds
 }
 
-#[test]
-fn merge_of_sorted_lists_equals_a_hash_map() {
-    let ids = [4, 0, 9, 7, 2, 5].map(BodyId);
-    let (rotations, boxes) = ([Quat::IDENTITY; 6], [None; 6]);
+/// Plays random steps and compares with the plain scheme; of a thousand pairs, `kept` stay as they were in each.
+fn check_against_hash_map(ids: &[BodyId], steps: usize, kept: usize) {
+    let (rotations, boxes) = (vec![Quat::IDENTITY; ids.len()], vec![None; ids.len()]);
     let mut random = Dice::new(12345);
     let mut cache = ContactCache::new();
     let mut naive = NaiveCache::default();
-    for number in 0..2000 {
-        let solved = random_manifolds(&mut random, &ids);
+    let mut solved = Vec::new();
+    for number in 0..steps {
+        // Now and then nothing touches.
+        solved = if number % 50 == 49 {
+            Vec::new()
+        } else {
+            random_manifolds(&mut random, ids, &solved, kept)
+        };
         let mut manifolds = solved.clone();
-        cache.warm_start(&mut manifolds, &ids, &rotations, &boxes, H);
-        cache.store_and_age(&solved, &ids, &rotations, H);
+        cache.warm_start(&mut manifolds, ids, &rotations, &boxes, H);
+        cache.store_and_age(&solved, ids, &rotations, H);
         let keys: Vec<_> = solved
             .iter()
             .flat_map(|m| m.points().iter().map(|p| (m.a, m.b, *p)))
@@ -392,12 +415,33 @@ fn merge_of_sorted_lists_equals_a_hash_map() {
             .collect();
         assert_eq!(warm, expected, "step {number}");
         assert_eq!(cache.len(), naive.0.len(), "step {number}");
+        let sorted = cache.pairs().is_sorted_by(|l, r| l < r);
+        assert!(sorted, "step {number}");
+        let mut found = 0;
         for (a, b) in cache.pairs() {
             for entry in cache.entries_of(a, b) {
                 let twin = naive.0[&(a, entry.code_a, b, entry.code_b)];
                 assert_eq!((entry.normal_impulse, entry.age), (twin.impulse, twin.age));
+                found += 1;
             }
+            let ages = cache.entries_of(a, b).map(|entry| entry.age);
+            assert!(ages.is_sorted() && cache.entries_of(a, b).count() > 0);
         }
+        assert_eq!(found, naive.0.len(), "step {number}");
+    }
+}
+
+#[test]
+fn merge_of_sorted_lists_equals_a_hash_map() {
+    check_against_hash_map(&[4, 0, 9, 7, 2, 5].map(BodyId), 2000, 0);
+}
+
+#[test]
+fn merge_in_several_parts_equals_a_hash_map() {
+    // Some 700 of 2016 pairs touch.
+    let ids: Vec<BodyId> = (0..64).map(|i| BodyId(i * 37 % 64)).collect();
+    for kept in [0, 900, 999] {
+        check_against_hash_map(&ids, 120, kept);
     }
 }
 

@@ -33,17 +33,22 @@
 //! "Constraint-Based Physics With Real-Time Object Slicing": the key, the ages and the limit of ten steps.
 
 mod inherit;
+mod matching;
+mod plan;
+mod renewal;
 
 pub use inherit::{Family, Heir};
 
 use super::{BodyId, Manifold};
-use crate::contact::manifold::{ContactPoint, MAX_POINTS};
+use crate::contact::manifold::ContactPoint;
 use crate::geometry::{KdBox, KdCode};
 use crate::math::rotate;
+use crate::parts::{Pieces, run_parts};
 use bevy_ecs::resource::Resource;
 use glam::{Quat, Vec3};
-use std::cmp::Ordering;
-use std::iter::Peekable;
+use matching::{Matched, WarmStart};
+use plan::Plan;
+use renewal::{Renewal, Solved};
 
 /// An entry is evicted when it was not hit for more than this many steps.
 pub const MAX_AGE: u32 = 10;
@@ -90,7 +95,7 @@ impl CacheEntry {
 }
 
 /// A run of entries that belong to one pair.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct PairRecord {
     bodies: (BodyId, BodyId),
     first: u32,
@@ -122,6 +127,19 @@ impl Table {
         &self.entries[found.map_or(0..0, |i| self.pairs[i].range())]
     }
 
+    /// Index of the first pair, from `start` on, that is not before `bodies`. Looks at `guess` first.
+    fn first_from(&self, start: usize, bodies: (BodyId, BodyId), guess: usize) -> usize {
+        let is_before = |pair: &PairRecord| pair.bodies < bodies;
+        if guess > start
+            && let Some([before, from]) = self.pairs.get(guess - 1..=guess)
+            && is_before(before)
+            && !is_before(from)
+        {
+            return guess;
+        }
+        start + self.pairs[start..].partition_point(is_before)
+    }
+
     /// Appends a pair of another table with its impulses scaled.
     fn copy_pair(&mut self, other: &Table, pair: &PairRecord, scale: f32) {
         let first = self.entries.len();
@@ -132,49 +150,6 @@ impl Table {
             ..*entry
         }));
         self.close_pair(pair.bodies, first);
-    }
-
-    /// Renews pairs where they are, from the first one on as long as none gets or loses an entry, and takes their
-    /// manifolds. Returns their number.
-    fn renew_front(
-        &mut self,
-        manifolds: &mut Peekable<std::slice::Iter<Manifold>>,
-        ids: &[BodyId],
-        rotations: &[Quat],
-    ) -> usize {
-        for (index, pair) in self.pairs.iter().enumerate() {
-            let entries = &mut self.entries[pair.range()];
-            let next = manifolds.peek().map(|m| bodies_of(m, ids));
-            if next.is_some_and(|bodies| bodies < pair.bodies) {
-                return index;
-            }
-            let is_same = |_: &&Manifold| next == Some(pair.bodies);
-            let same = manifolds.peek().copied().filter(is_same);
-            let points = same.map_or(&[][..], Manifold::points);
-            let (fresh, old) = entries.split_at_mut(points.len().min(entries.len()));
-            let stays = |e: &CacheEntry| e.age < MAX_AGE && !is_replaced(e, points);
-            if !continues_as(points, fresh) || !old.iter().all(stays) {
-                return index;
-            }
-            old.iter_mut().for_each(|entry| entry.age += 1);
-            if let Some(manifold) = same {
-                let to_a = rotations[manifold.a as usize].inverse();
-                for (entry, point) in fresh.iter_mut().zip(points) {
-                    *entry = CacheEntry::of(point, to_a);
-                }
-                manifolds.next();
-            }
-        }
-        self.pairs.len()
-    }
-
-    /// Appends the first pairs of another table.
-    fn copy_front(&mut self, other: &Self, count: usize) {
-        let end = count
-            .checked_sub(1)
-            .map_or(0, |last| other.pairs[last].range().end);
-        self.pairs.extend_from_slice(&other.pairs[..count]);
-        self.entries.extend_from_slice(&other.entries[..end]);
     }
 
     /// Ends a pair whose entries have been pushed since `first`; a pair without entries is not recorded.
@@ -266,6 +241,10 @@ pub struct ContactCache {
     parked_h: f32,
     /// Whether an entry is marked as taken.
     any_taken: bool,
+    /// How the work of the present pass is split, and what comes of each part.
+    plan: Plan,
+    matched: Vec<Matched>,
+    renewals: Vec<Renewal>,
 }
 
 impl ContactCache {
@@ -360,46 +339,26 @@ impl ContactCache {
         h: f32,
     ) -> CacheStats {
         debug_assert!(is_sorted(manifolds, ids));
+        self.plan.split(&self.current, manifolds, ids);
+        let pass = WarmStart {
+            ids,
+            rotations,
+            boxes,
+            // No step before (or one of no length): entries are matched, multipliers start at zero.
+            scale: ratio(h, self.h),
+            any_taken: self.any_taken,
+        };
+        let shares = self.plan.shares(&mut self.current);
+        let sizes = self.plan.manifolds().map(|range| range.len());
+        let pieces = Pieces::new(manifolds, sizes);
+        let matched = self.plan.one_each(&mut self.matched);
+        run_parts(
+            matched.iter_mut().zip(shares.zip(pieces)),
+            |(matched, (share, manifolds))| *matched = pass.run(share, manifolds),
+        );
         let mut stats = CacheStats::default();
-        // No step before (or one of no length): entries are matched, multipliers start at zero.
-        let scale = ratio(h, self.h);
-        let Table { pairs, entries } = &mut self.current;
-        if std::mem::take(&mut self.any_taken) {
-            entries.iter_mut().for_each(|entry| entry.taken = false);
-        }
-        let mut pairs = pairs.iter().peekable();
-        for manifold in manifolds {
-            let bodies = bodies_of(manifold, ids);
-            while pairs.next_if(|pair| pair.bodies < bodies).is_some() {}
-            let range = pairs
-                .peek()
-                .filter(|pair| pair.bodies == bodies)
-                .map_or(0..0, |pair| pair.range());
-            let rotation = rotations[manifold.a as usize];
-            let entries = &mut entries[range];
-            let normal = manifold.normal;
-            if continues(manifold.points(), entries) {
-                stats.points += manifold.count;
-                stats.exact_hits += manifold.count;
-                for (point, entry) in manifold.points_mut().iter_mut().zip(entries) {
-                    let entry = Some(&*entry).filter(|entry| entry.is_finite());
-                    apply(point, entry, normal, rotation, scale);
-                }
-                continue;
-            }
-            let measure = Nearness::of(
-                boxes[manifold.a as usize].as_ref(),
-                boxes[manifold.b as usize].as_ref(),
-            );
-            self.any_taken = true;
-            let matches = match_points(manifold.points(), entries, &measure, &mut stats);
-            for (point, found) in manifold.points_mut().iter_mut().zip(matches) {
-                let entry = found
-                    .map(|index| entries[index])
-                    .filter(|entry| entry.age == 0 && entry.is_finite());
-                apply(point, entry.as_ref(), normal, rotation, scale);
-            }
-        }
+        matched.iter().for_each(|part| stats.add(&part.stats));
+        self.any_taken = matched.iter().any(|part| part.any_taken);
         stats
     }
 
@@ -417,26 +376,29 @@ impl ContactCache {
         debug_assert!(is_sorted(manifolds, ids));
         self.h = h;
         self.any_taken = false;
-        let Self { current, next, .. } = self;
-        let mut manifolds = manifolds.iter().peekable();
-        let renewed = current.renew_front(&mut manifolds, ids, rotations);
-        if renewed == current.pairs.len() && manifolds.peek().is_none() {
+        self.plan.split(&self.current, manifolds, ids);
+        let solved = Solved {
+            manifolds,
+            ids,
+            rotations,
+        };
+        let renewals = self.plan.one_each(&mut self.renewals);
+        let parts = self.plan.shares(&mut self.current);
+        let parts = parts.zip(self.plan.manifolds());
+        run_parts(
+            renewals.iter_mut().zip(parts),
+            |(renewal, (share, range))| renewal.renew(share, &solved.part(range)),
+        );
+        if renewals.iter().all(Renewal::is_in_place) {
             return;
         }
-        next.clear();
-        next.copy_front(current, renewed);
-        for pair in &current.pairs[renewed..] {
-            while let Some(new) = manifolds.next_if(|m| bodies_of(m, ids) < pair.bodies) {
-                store_pair(next, Some(new), &[], bodies_of(new, ids), rotations);
-            }
-            let same = manifolds.next_if(|m| bodies_of(m, ids) == pair.bodies);
-            let old = &current.entries[pair.range()];
-            store_pair(next, same, old, pair.bodies, rotations);
-        }
-        for new in manifolds {
-            store_pair(next, Some(new), &[], bodies_of(new, ids), rotations);
-        }
-        std::mem::swap(current, next);
+        let writers = Renewal::writers(renewals, &mut self.next);
+        let parts = self.plan.shares(&mut self.current);
+        let parts = parts.zip(self.plan.manifolds());
+        run_parts(writers.zip(parts), |((renewal, writer), (share, range))| {
+            renewal.write(&share, &solved.part(range), writer)
+        });
+        std::mem::swap(&mut self.current, &mut self.next);
     }
 }
 
@@ -450,234 +412,12 @@ fn is_sorted(manifolds: &[Manifold], ids: &[BodyId]) -> bool {
     manifolds.is_sorted_by(|l, r| bodies_of(l, ids) < bodies_of(r, ids))
 }
 
-/// Sets a point's impulses to an entry's, or to zero.
-fn apply(
-    point: &mut ContactPoint,
-    entry: Option<&CacheEntry>,
-    normal: Vec3,
-    rotation_a: Quat,
-    scale: f32,
-) {
-    let Some(entry) = entry else {
-        point.normal_impulse = 0.0;
-        point.friction_impulse = Vec3::ZERO;
-        return;
-    };
-    let friction = rotate(rotation_a, entry.friction_impulse);
-    point.normal_impulse = scale * entry.normal_impulse;
-    point.friction_impulse = scale * (friction - normal * normal.dot(friction));
-}
-
-/// Writes one pair: the points of its manifold, then the old entries that live on.
-fn store_pair(
-    next: &mut Table,
-    manifold: Option<&Manifold>,
-    old: &[CacheEntry],
-    bodies: (BodyId, BodyId),
-    rotations: &[Quat],
-) {
-    let first = next.entries.len();
-    let points = manifold.map_or(&[][..], Manifold::points);
-    if let Some(manifold) = manifold {
-        let to_a = rotations[manifold.a as usize].inverse();
-        let new = points.iter().map(|point| CacheEntry::of(point, to_a));
-        next.entries.extend(new);
-    }
-    next.entries.extend(
-        old.iter()
-            .filter(|entry| entry.age < MAX_AGE && !is_replaced(entry, points))
-            .map(|entry| CacheEntry {
-                age: entry.age + 1,
-                taken: false,
-                ..*entry
-            }),
-    );
-    next.close_pair(bodies, first);
-}
-
-/// Whether a point took the entry's place.
-fn is_replaced(entry: &CacheEntry, points: &[ContactPoint]) -> bool {
-    entry.taken || points.iter().any(|point| is_exact(point, entry))
-}
-
 /// Whether the points are those of the entries, in the same order.
 fn continues_as(points: &[ContactPoint], entries: &[CacheEntry]) -> bool {
     points.len() == entries.len() && points.iter().zip(entries).all(|(p, e)| is_exact(p, e))
 }
 
-/// Whether the points are those of the step before, in the same order: then there is nothing to search for.
-fn continues(points: &[ContactPoint], entries: &[CacheEntry]) -> bool {
-    let fresh = entries.get(..points.len());
-    fresh.is_some_and(|e| continues_as(points, e) && e.iter().all(|e| e.age == 0 && !e.taken))
-}
-
 /// Whether a point lies in an entry's cells on both bodies.
 fn is_exact(point: &ContactPoint, entry: &CacheEntry) -> bool {
     point.code_a == entry.code_a && point.code_b == entry.code_b
-}
-
-/// Pairs the points of a manifold with entries, one to one: for each point the index of its entry.
-///
-/// Fresh entries under the point's own codes first; then fresh entries nearby, the closest couple first; then old
-/// entries under the point's own codes. Any tie goes to the first point and the first entry.
-fn match_points(
-    points: &[ContactPoint],
-    entries: &mut [CacheEntry],
-    measure: &Nearness,
-    stats: &mut CacheStats,
-) -> [Option<usize>; MAX_POINTS] {
-    let mut matches = [None; MAX_POINTS];
-    let take = |found: &mut Option<usize>, entries: &mut [CacheEntry], index: usize| {
-        entries[index].taken = true;
-        *found = Some(index);
-    };
-    for (point, found) in points.iter().zip(&mut matches) {
-        let exact = |e: &CacheEntry| !e.taken && e.age == 0 && is_exact(point, e);
-        if let Some(index) = entries.iter().position(exact) {
-            take(found, entries, index);
-            stats.exact_hits += 1;
-        }
-    }
-    if matches[..points.len()].contains(&None) {
-        let mut couples = Couples::new(points, &matches, entries, measure);
-        while let Some((i, index)) = couples.take_closest() {
-            take(&mut matches[i], entries, index);
-            stats.near_hits += 1;
-        }
-    }
-    for (point, found) in points.iter().zip(&mut matches) {
-        if found.is_some() {
-            continue;
-        }
-        let exact = |e: &CacheEntry| !e.taken && is_exact(point, e);
-        match entries.iter().position(exact) {
-            Some(index) => {
-                take(found, entries, index);
-                stats.stale_hits += 1;
-            }
-            None => stats.misses += 1,
-        }
-    }
-    stats.points += points.len() as u32;
-    matches
-}
-
-/// Most fresh entries of a pair that nearness looks at; a step stores [`MAX_POINTS`], a cut may leave more.
-const MAX_FRESH: usize = 8;
-
-/// Distances between the points without entry and the fresh entries without point of one pair.
-#[derive(Debug)]
-struct Couples {
-    /// Row: point; column: entry. `None`: taken, or not near.
-    distances: [[Option<Distance>; MAX_FRESH]; MAX_POINTS],
-}
-
-impl Couples {
-    fn new(
-        points: &[ContactPoint],
-        matches: &[Option<usize>],
-        entries: &[CacheEntry],
-        measure: &Nearness,
-    ) -> Self {
-        let mut distances = [[None; MAX_FRESH]; MAX_POINTS];
-        for (column, entry) in entries.iter().take(MAX_FRESH).enumerate() {
-            if entry.taken || entry.age > 0 {
-                continue;
-            }
-            let there = measure.place(entry.code_a, entry.code_b);
-            for (row, point) in points.iter().enumerate() {
-                if matches[row].is_none() {
-                    let here = measure.place(point.code_a, point.code_b);
-                    distances[row][column] = measure.distance(here, there);
-                }
-            }
-        }
-        Self { distances }
-    }
-
-    /// Removes the closest couple: point and entry.
-    fn take_closest(&mut self) -> Option<(usize, usize)> {
-        let mut best: Option<(Distance, usize, usize)> = None;
-        for (row, distances) in self.distances.iter().enumerate() {
-            for (column, distance) in distances.iter().enumerate() {
-                if let Some(distance) = distance
-                    && best.is_none_or(|b| distance.order(&b.0) == Ordering::Less)
-                {
-                    best = Some((*distance, row, column));
-                }
-            }
-        }
-        let (_, row, column) = best?;
-        self.distances[row] = [None; MAX_FRESH];
-        for distances in &mut self.distances {
-            distances[column] = None;
-        }
-        Some((row, column))
-    }
-}
-
-/// How far a point and an entry are apart, on the body where they are closer and on the other one; squared, m2.
-#[derive(Clone, Copy, Debug)]
-struct Distance {
-    closer: f32,
-    farther: f32,
-}
-
-impl Distance {
-    fn order(&self, other: &Self) -> Ordering {
-        self.closer
-            .total_cmp(&other.closer)
-            .then(self.farther.total_cmp(&other.farther))
-    }
-}
-
-/// Measures distances between cells of two bodies' boxes.
-#[derive(Debug)]
-struct Nearness {
-    /// Edge lengths of the cells (m) of those boxes whose cells are fine enough to tell points apart.
-    cell_sizes: [Option<Vec3>; 2],
-    /// Largest distance that counts as near, m.
-    bound: f32,
-}
-
-impl Nearness {
-    /// The bound is a share of the smaller box. A box with cells larger than that does not count: two corners of a
-    /// small body on a kilometre of terrain would both be "in the same cell" there.
-    fn of(a: Option<&KdBox>, b: Option<&KdBox>) -> Self {
-        let longest = |b: Option<&KdBox>| b.map_or(f32::INFINITY, |b| b.extents.max_element());
-        let bound = NEAR_SHARE * longest(a).min(longest(b));
-        let fine = |b: Option<&KdBox>| {
-            b.map(KdBox::cell_size)
-                .filter(|size| 2.0 * size.max_element() <= bound)
-        };
-        Self {
-            cell_sizes: [fine(a), fine(b)],
-            bound,
-        }
-    }
-
-    /// Where two cells are on A and on B, from the corner of each box, m.
-    fn place(&self, code_a: KdCode, code_b: KdCode) -> [Option<Vec3>; 2] {
-        let on = |size: Option<Vec3>, code: KdCode| size.map(|size| code.cell().as_vec3() * size);
-        [
-            on(self.cell_sizes[0], code_a),
-            on(self.cell_sizes[1], code_b),
-        ]
-    }
-
-    /// Distance between two places; `None` if not near on either body.
-    fn distance(&self, here: [Option<Vec3>; 2], there: [Option<Vec3>; 2]) -> Option<Distance> {
-        let on = |side: usize| match (here[side], there[side]) {
-            (Some(p), Some(q)) => p.distance_squared(q),
-            _ => f32::INFINITY,
-        };
-        let (d_a, d_b) = (on(0), on(1));
-        let distance = Distance {
-            closer: d_a.min(d_b),
-            farther: d_a.max(d_b),
-        };
-        // Without any box the bound is infinite too, and nothing is near.
-        let near = distance.closer.is_finite() && distance.closer <= self.bound * self.bound;
-        near.then_some(distance)
-    }
 }
