@@ -36,8 +36,9 @@ pub struct Arrangement {
     joints: Vec<Joint>,
     /// Those that are to be.
     new_joints: Vec<Joint>,
-    /// Indices of joints, domain by domain.
+    /// Indices of joints, domain by domain, and where those of each domain end.
     order: Vec<u32>,
+    ends: Vec<usize>,
     places: Vec<Place>,
 }
 
@@ -51,7 +52,7 @@ impl Arrangement {
         }
         std::mem::swap(&mut self.joints, &mut self.new_joints);
         self.rule = Some(rule);
-        self.sort_by_domain();
+        self.sort_by_domain(rule.domains);
         self.place_manifolds(rule);
     }
 
@@ -70,13 +71,23 @@ impl Arrangement {
         self.schedule.points_of_blocks()
     }
 
-    fn sort_by_domain(&mut self) {
-        self.order.clear();
-        self.order.extend(0..self.joints.len() as u32);
-        // Those of a domain stay in their order.
-        let joints = &self.joints;
-        self.order
-            .sort_unstable_by_key(|&joint| (joints[joint as usize].domain, joint));
+    /// Lists the joints of each domain in their order.
+    fn sort_by_domain(&mut self, domains: usize) {
+        self.order.resize(self.joints.len(), 0);
+        self.ends.clear();
+        self.ends.resize(domains, 0);
+        for joint in &self.joints {
+            self.ends[joint.domain as usize] += 1;
+        }
+        let mut first = 0;
+        for end in &mut self.ends {
+            first += std::mem::replace(end, first);
+        }
+        for (index, joint) in (0..).zip(&self.joints) {
+            let end = &mut self.ends[joint.domain as usize];
+            self.order[*end] = index;
+            *end += 1;
+        }
     }
 
     fn place_manifolds(&mut self, rule: Rule) {
@@ -98,19 +109,19 @@ impl Arrangement {
             joints,
             places,
             order,
+            ends,
             ..
         } = self;
         schedule.begin(rule.bodies, filling);
         places.clear();
         places.resize(joints.len(), Place::default());
-        let mut rest = &order[..];
-        for domain in 0..rule.domains as u32 {
-            let end = rest.partition_point(|&at| joints[at as usize].domain <= domain);
-            for &at in &rest[..end] {
+        let mut first = 0;
+        for &end in ends.iter() {
+            for &at in &order[first..end] {
                 let joint = &joints[at as usize];
                 places[at as usize] = schedule.place(joint.bodies, joint.points);
             }
-            rest = &rest[end..];
+            first = end;
             schedule.end_domain();
         }
     }

@@ -15,8 +15,8 @@ use super::islands::Islands;
 use super::lanes::F8;
 use super::limit::{BodyBlow, Limit};
 use super::momentum::Pace;
-use super::parts::{Parts, for_blocks, front_mut};
 use super::rows::{PointRows, Side};
+use super::shares::{Parts, for_blocks, front_mut};
 use super::spin::Spin;
 use super::team::Team;
 use super::ties::Tie;
@@ -72,9 +72,6 @@ pub struct Member {
     pub extent: f32,
 }
 
-/// Least blocks of a task: each takes some 500 ns to fill.
-const LEAST_BLOCKS: usize = 16;
-
 /// Least manifolds of a task that takes their impulses back: each takes some 50 ns.
 const LEAST_STORED: usize = 128;
 
@@ -114,12 +111,16 @@ pub struct Batch {
     pub ties: Vec<Tie>,
     /// Slots of its bodies.
     pub slots: Vec<u32>,
+    /// Numbers of the two bodies of each of its manifolds.
+    pairs: Vec<[u32; 2]>,
     /// Velocities of its bodies, and of one that nothing happens to, for the lanes that are not used.
     pub bodies: Vec<SolverBody>,
     /// Displacements of its bodies since the start of the step: centre (m) and rotation vector (rad).
     pub displacements: Vec<SolverBody>,
     /// Masses and inertias of its bodies.
     pub solids: Vec<Solid>,
+    /// Of bodies that are copies, behind all others: which ones they copy.
+    originals: Vec<u32>,
     /// Those of its bodies that turn.
     pub turning: Vec<TurningBody>,
     /// Those of its manifolds whose rows follow the motion.
@@ -145,7 +146,7 @@ pub struct Batch {
     /// What it took.
     pub effort: Effort,
     pub(super) scratch: BatchScratch,
-    cuts: Domains,
+    pub(super) cuts: Domains,
     arrangement: Arrangement,
 }
 
@@ -186,29 +187,19 @@ impl Batch {
         } = *step;
         self.clear();
         self.settings = settings.for_demand(demand);
-        let first = islands.list[range.start].manifolds.start;
-        for island in &islands.list[range.clone()] {
-            self.load_bodies(&islands.slots[island.bodies.clone()], bodies);
-            if let Some(member) = self.members.last_mut() {
-                let Range { start, end } = island.manifolds;
-                member.places = start - first..end - first;
-                member.contacts = island.points.len();
-            }
-        }
+        self.load_islands(range.clone(), step);
+        self.load_bodies(bodies);
         self.may_break = may_break;
         self.load_limits(bodies);
         self.add_idle_body();
-        self.place_manifolds(range.clone(), step);
+        self.place_manifolds(range.clone(), islands);
         self.make_blocks();
-        let mut first = 0;
-        for (member, island) in islands.list[range.clone()].iter().enumerate() {
-            let pairs = &islands.pairs[island.manifolds.clone()];
-            self.fill_lanes(member, first, pairs);
+        for member in 0..self.members.len() {
+            self.fill_lanes(member);
             self.load_turning(member, bodies);
             if demand.can_hit {
-                self.load_moving(first..first + pairs.len(), manifolds, bodies);
+                self.load_moving(member, manifolds, bodies);
             }
-            first += pairs.len();
         }
         if team.is_some() {
             self.copy_fixed_bodies();
@@ -236,9 +227,11 @@ impl Batch {
                         continue;
                     }
                     let solid = self.solids[*number as usize];
-                    *number = *copies[*number as usize].get_or_insert_with(|| {
+                    let original = *number;
+                    *number = *copies[original as usize].get_or_insert_with(|| {
                         self.bodies.push(body);
                         self.solids.push(solid);
+                        self.originals.push(original);
                         self.bodies.len() as u32 - 1
                     });
                 }
@@ -258,7 +251,7 @@ impl Batch {
         };
         let width = config.lane_width;
         let (blocks, points) = (&mut self.blocks, &mut self.points);
-        for_blocks(blocks, points, LEAST_BLOCKS, team, |blocks, points| {
+        for_blocks(blocks, points, &self.domains, team, |blocks, points| {
             fill(blocks, points, source, width);
             derive(blocks, points, source.solids, width);
         });
@@ -270,7 +263,7 @@ impl Batch {
     pub(super) fn derive_masses(&mut self, team: Option<&Team>) {
         let (solids, width) = (&self.solids, self.settings.config.lane_width);
         let (blocks, points) = (&mut self.blocks, &mut self.points);
-        for_blocks(blocks, points, LEAST_BLOCKS, team, |blocks, points| {
+        for_blocks(blocks, points, &self.domains, team, |blocks, points| {
             derive(blocks, points, solids, width);
         });
     }
@@ -299,9 +292,11 @@ impl Batch {
         self.blows.clear();
         self.ties.clear();
         self.slots.clear();
+        self.pairs.clear();
         self.bodies.clear();
         self.displacements.clear();
         self.solids.clear();
+        self.originals.clear();
         self.turning.clear();
         self.moving.clear();
         self.limits.clear();
@@ -309,11 +304,48 @@ impl Batch {
         self.is_broken = false;
     }
 
-    /// Copies the bodies of an island.
-    fn load_bodies(&mut self, slots: &[u32], bodies: &Bodies) {
-        let first = self.slots.len();
-        self.slots.extend_from_slice(slots);
-        let slots = || slots.iter().map(|&slot| slot as usize);
+    /// Numbers the bodies of the islands.
+    fn load_islands(&mut self, range: Range<usize>, step: &Step) {
+        let islands = step.islands;
+        let first = islands.list[range.start].manifolds.start;
+        for island in &islands.list[range] {
+            let offset = self.slots.len() as u32;
+            self.slots
+                .extend_from_slice(&islands.slots[island.bodies.clone()]);
+            let pairs = islands.pairs[island.manifolds.clone()].iter();
+            self.pairs
+                .extend(pairs.map(|pair| pair.map(|number| number + offset)));
+            let Range { start, end } = island.manifolds;
+            self.members.push(Member {
+                bodies: offset as usize..self.slots.len(),
+                places: start - first..end - first,
+                contacts: island.points.len(),
+                ..Member::default()
+            });
+        }
+        self.cut_domains(step.bodies);
+        self.cuts.sort(&mut self.slots, &mut self.pairs);
+    }
+
+    /// Cuts a large island into domains.
+    fn cut_domains(&mut self, bodies: &Bodies) {
+        let leaves = domains::leaves(self.pairs.len());
+        let SubstepSettings {
+            config, gravity, ..
+        } = &self.settings;
+        if leaves == 1 || self.members.len() > 1 || config.method == Method::Exact {
+            return self.cuts.keep_whole();
+        }
+        let centres = self.slots.iter().map(|&slot| {
+            let is_movable = bodies.velocity[slot as usize].inverse_mass > 0.0;
+            is_movable.then(|| bodies.centre[slot as usize])
+        });
+        self.cuts.cut(centres, *gravity, leaves);
+    }
+
+    /// Copies the bodies.
+    fn load_bodies(&mut self, bodies: &Bodies) {
+        let slots = || self.slots.iter().map(|&slot| slot as usize);
         self.bodies.extend(slots().map(|i| bodies.velocity[i]));
         self.solids.extend(slots().map(|i| {
             let inverse_mass = bodies.velocity[i].inverse_mass;
@@ -323,10 +355,6 @@ impl Batch {
                 bodies.least_extent[i],
             )
         }));
-        self.members.push(Member {
-            bodies: first..self.slots.len(),
-            ..Member::default()
-        });
     }
 
     fn add_idle_body(&mut self) {
@@ -337,58 +365,32 @@ impl Batch {
     }
 
     /// Gives each manifold a lane.
-    fn place_manifolds(&mut self, range: Range<usize>, step: &Step) {
-        let Step {
-            islands, manifolds, ..
-        } = *step;
-        let islands_of_batch = &islands.list[range];
-        let manifolds_of_batch = islands_of_batch.iter().flat_map(|i| i.manifolds.clone());
-        self.cut_domains(manifolds_of_batch.clone().count(), step);
+    fn place_manifolds(&mut self, range: Range<usize>, islands: &Islands) {
         let rule = Rule {
             order: self.settings.config.order,
             bodies: self.bodies.len(),
             domains: self.cuts.count(),
         };
+        let of_batch = islands.list[range]
+            .iter()
+            .flat_map(|island| island.manifolds.clone());
         let (bodies, cuts) = (&self.bodies, &self.cuts);
-        let members = self.members.iter().zip(islands_of_batch);
-        let joints = members.flat_map(|(member, island)| {
-            let offset = member.bodies.start as u32;
-            island.manifolds.clone().map(move |at| {
-                let bodies = islands.pairs[at].map(|number| {
-                    let number = number + offset;
-                    let is_movable = bodies[number as usize].inverse_mass > 0.0;
-                    is_movable.then_some(number)
-                });
-                Joint {
-                    bodies,
-                    points: manifolds[islands.manifolds[at] as usize].count,
-                    domain: cuts.of(bodies),
-                }
-            })
+        let joints = self.pairs.iter().zip(of_batch.clone()).map(|(pair, at)| {
+            let is_movable = |body: u32| bodies[body as usize].inverse_mass > 0.0;
+            let bodies = pair.map(|body| is_movable(body).then_some(body));
+            Joint {
+                bodies,
+                points: islands.counts[at],
+                domain: cuts.of(bodies),
+            }
         });
         self.arrangement.arrange(joints, rule);
-        let names = manifolds_of_batch.map(|at| islands.manifolds[at]);
+        let names = of_batch.map(|at| islands.manifolds[at]);
         let places = self.arrangement.places().iter().copied();
         self.places.clear();
         self.places.extend(names.zip(places));
         self.domains.clear();
         self.domains.extend(self.arrangement.domains());
-    }
-
-    /// Cuts a large island into domains.
-    fn cut_domains(&mut self, manifolds: usize, step: &Step) {
-        let is_whole = self.members.len() > 1 || self.settings.config.method == Method::Exact;
-        let leaves = if is_whole {
-            1
-        } else {
-            domains::leaves(manifolds)
-        };
-        let bodies = self.bodies.iter().zip(&self.slots);
-        let centres = bodies.map(|(body, &slot)| {
-            let is_movable = body.inverse_mass > 0.0;
-            is_movable.then(|| step.bodies.centre[slot as usize])
-        });
-        self.cuts.cut(centres, self.settings.gravity, leaves);
     }
 
     /// Makes blocks with empty lanes. What they hold from another step is overwritten when they are filled.
@@ -405,22 +407,23 @@ impl Batch {
         self.points.resize(points, Point::default());
     }
 
-    /// Names the bodies and manifolds of the lanes of an island. `first`: place of its first manifold.
-    fn fill_lanes(&mut self, member: usize, first: usize, pairs: &[[u32; 2]]) {
+    /// Names the bodies and manifolds of the lanes of an island.
+    fn fill_lanes(&mut self, member: usize) {
         let member = &mut self.members[member];
-        let offset = member.bodies.start as u32;
-        for (pair, &(index, place)) in pairs.iter().zip(&self.places[first..]) {
-            let pair = pair.map(|number| number + offset);
+        let places = &self.places[member.places.clone()];
+        for (pair, &(index, place)) in self.pairs[member.places.clone()].iter().zip(places) {
             let block = &mut self.blocks[place.block as usize];
-            block.put(place.lane as usize, index, pair);
+            block.put(place.lane as usize, index, *pair);
             let [a, b] = pair.map(|number| self.solids[number as usize].extent());
             member.extent = member.extent.max(a.min(b));
         }
     }
 
     /// Lists the manifolds of an island whose rows follow the motion.
-    fn load_moving(&mut self, places: Range<usize>, manifolds: &[Manifold], bodies: &Bodies) {
-        for &(index, place) in &self.places[places] {
+    fn load_moving(&mut self, member: usize, manifolds: &[Manifold], bodies: &Bodies) {
+        let places = self.members[member].places.clone();
+        for (&(index, place), &pair) in self.places[places.clone()].iter().zip(&self.pairs[places])
+        {
             let manifold = &manifolds[index as usize];
             let slots = [manifold.a as usize, manifold.b as usize];
             let extents = slots.map(|i| bodies.least_extent[i]);
@@ -429,7 +432,6 @@ impl Batch {
             if !motion.is_noticeable {
                 continue;
             }
-            let pair = self.blocks[place.block as usize].pair(place.lane as usize);
             let carrier = carrier(slots, bodies);
             self.moving.push(MovingManifold {
                 manifold: index,
@@ -465,10 +467,17 @@ impl Batch {
             for i in block.points.clone().take(place.count as usize) {
                 let rebound = self.blows.get(i).map_or(0.0, |blow| blow.rebound.0[lane]);
                 let mut point = self.points[i].rows(lane, block, self.ties.get(i), rebound);
-                point.bodies = point.bodies.map(|body| body - first_body);
+                point.bodies = point.bodies.map(|body| self.original(body) - first_body);
                 rows.push(point);
             }
         }
+    }
+
+    /// The body itself, or the one that it is a copy of.
+    fn original(&self, body: u32) -> u32 {
+        let first_copy = self.bodies.len() - self.originals.len();
+        let copy = (body as usize).checked_sub(first_copy);
+        copy.map_or(body, |copy| self.originals[copy])
     }
 
     /// Writes the impulses into the contact points.

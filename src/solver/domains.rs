@@ -13,7 +13,9 @@
 //! alone. Each domain keeps the order of its manifolds. A thread keeps to its leaves, whose data stay in its cache; stages of
 //! a colouring would hand half of all bodies to the other core dozens of times per sweep.
 
+use super::team::Team;
 use glam::Vec3;
+use std::ops::Range;
 
 /// Least manifolds of a leaf, on average: some 50 us of a sweep, a hundred times what threads need to meet.
 pub const LEAST_MANIFOLDS: usize = 1000;
@@ -34,9 +36,13 @@ pub fn leaves(manifolds: usize) -> usize {
 /// Which bodies are in which leaf; buffers are reused.
 #[derive(Debug, Default)]
 pub struct Domains {
-    leaves: usize,
-    /// By number of a body.
+    /// Bodies of the leaves, once they are [sorted](Self::sort).
+    leaves: Vec<Range<usize>>,
+    /// By number of a body; for those that contacts do not move, the number of leaves.
     leaf: Vec<u8>,
+    /// By old number of a body: its new one.
+    renamed: Vec<u32>,
+    old_slots: Vec<u32>,
     /// By half that is being cut.
     cuts: Vec<Cut>,
 }
@@ -95,20 +101,70 @@ impl Cut {
 }
 
 impl Domains {
-    /// Cuts bodies into `leaves` leaves, by their centres of mass, m; those that contacts do not move have none (`None`), and
-    /// are in no leaf.
+    /// Leaves all bodies together.
+    pub fn keep_whole(&mut self) {
+        self.leaves.clear();
+    }
+
+    /// Cuts bodies into `leaves` leaves, more than one, by their centres of mass, m; those that contacts do not move have none,
+    /// and are in no leaf.
     pub fn cut(
         &mut self,
         centres: impl Iterator<Item = Option<Vec3>> + Clone,
         gravity: Vec3,
         leaves: usize,
     ) {
-        self.leaves = leaves;
         self.leaf.clear();
         self.leaf.extend(centres.clone().map(|_| 0));
         for level in 0..leaves.ilog2() {
             self.halve(centres.clone(), gravity, 1 << level);
         }
+        let mut ends = [0; MOST_LEAVES];
+        for (leaf, centre) in self.leaf.iter_mut().zip(centres) {
+            match centre {
+                Some(_) => ends[*leaf as usize] += 1,
+                None => *leaf = leaves as u8,
+            }
+        }
+        self.leaves.clear();
+        let mut first = 0;
+        self.leaves.extend(ends[..leaves].iter().map(|count| {
+            first += count;
+            first - count..first
+        }));
+    }
+
+    /// Gives the bodies new numbers, leaf by leaf, those that contacts do not move behind all others: what one thread writes
+    /// lies together. `slots` are those of the bodies by number, `pairs` hold numbers.
+    pub fn sort(&mut self, slots: &mut [u32], pairs: &mut [[u32; 2]]) {
+        if self.leaves.is_empty() {
+            return;
+        }
+        let mut next = [0; MOST_LEAVES + 1];
+        for (next, leaf) in next.iter_mut().zip(&self.leaves) {
+            *next = leaf.start as u32;
+        }
+        next[self.leaves.len()] = self.leaves.last().map_or(0, |leaf| leaf.end) as u32;
+        self.old_slots.clear();
+        self.old_slots.extend_from_slice(slots);
+        self.renamed.clear();
+        for (leaf, slot) in self.leaf.iter().zip(&self.old_slots) {
+            let number = &mut next[*leaf as usize];
+            slots[*number as usize] = *slot;
+            self.renamed.push(*number);
+            *number += 1;
+        }
+        for pair in pairs {
+            *pair = pair.map(|body| self.renamed[body as usize]);
+        }
+        for (number, leaf) in (0..).zip(&self.leaves) {
+            self.leaf[leaf.clone()].fill(number);
+        }
+    }
+
+    /// Bodies of the leaves, after they have been sorted; none if all are together.
+    pub fn leaves(&self) -> &[Range<usize>] {
+        &self.leaves
     }
 
     /// Cuts each of `count` parts in two.
@@ -144,8 +200,26 @@ impl Domains {
         }
     }
 
+    /// Parts of `count` bodies that a team works on at a time: the leaves and the rest; all at once without a team.
+    pub(super) fn shares_of_bodies(
+        &self,
+        count: usize,
+        team: Option<&Team>,
+    ) -> impl Iterator<Item = Range<usize>> {
+        let leaves = if team.is_some() {
+            &self.leaves[..]
+        } else {
+            &[]
+        };
+        let end = leaves.last().map_or(0, |leaf| leaf.end);
+        leaves.iter().cloned().chain(std::iter::once(end..count))
+    }
+
     /// The domain of a manifold that joins these bodies; of bodies that contacts do not move, `None`.
     pub fn of(&self, bodies: [Option<u32>; 2]) -> u32 {
+        if self.leaves.is_empty() {
+            return 0;
+        }
         let [Some(a), Some(b)] = bodies else {
             let body = bodies.into_iter().flatten().next();
             return body.map_or(0, |body| u32::from(self.leaf[body as usize]));
@@ -153,13 +227,13 @@ impl Domains {
         let [a, b] = [a, b].map(|body| u32::from(self.leaf[body as usize]));
         // The stage that brings both together; before it come `n + n / 2 + ...` domains.
         let stage = u32::BITS - (a ^ b).leading_zeros();
-        let count = self.leaves as u32;
+        let count = self.leaves.len() as u32;
         2 * count - (2 * count >> stage) + (a >> stage)
     }
 
     /// Number of domains.
     pub fn count(&self) -> usize {
-        2 * self.leaves - 1
+        (2 * self.leaves.len()).max(2) - 1
     }
 }
 

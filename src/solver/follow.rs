@@ -10,17 +10,11 @@ use super::blocks::{Block, FAR, Point, V3, load_anchors};
 use super::bodies::SolverBody;
 use super::lane_pair::{Frame, Pair};
 use super::lanes::{F8, Kernel, LaneWidth, Lanes, Numbers, run};
-use super::parts::{Parts, front, front_mut, of_blocks};
+use super::shares::{Parts, front, front_mut, points_of, shares};
 use super::team::Team;
 use super::ties::Tie;
 use crate::math::rotate_by;
 use glam::Quat;
-
-/// Least bodies of a task: each takes some 20 ns.
-const LEAST_BODIES: usize = 128;
-
-/// Least blocks of a task: each takes some 100 ns.
-const LEAST_BLOCKS: usize = 32;
 
 /// Which lanes of a block follow.
 #[derive(Clone, Copy, Debug, Default)]
@@ -84,27 +78,28 @@ impl Batch {
 
     /// How each body has turned since the start of the step.
     fn find_turns(&mut self, most: f32, team: Option<&Team>) {
-        let count = self.bodies.len();
-        self.turns.resize(count, Turn::default());
-        let size = count.div_ceil(Team::parts(team, count, LEAST_BODIES));
-        let (mut bodies, mut displacements) = (&self.bodies[..], &self.displacements[..]);
-        let mut turning = &self.turning[..];
-        let mut end = 0;
-        let mut parts: Parts<_> = self.turns.chunks_mut(size).collect();
+        self.turns.resize(self.bodies.len(), Turn::default());
+        let mut rest = (
+            &mut self.turns[..],
+            &self.bodies[..],
+            &self.displacements[..],
+            &self.turning[..],
+        );
+        let parts = self.cuts.shares_of_bodies(self.bodies.len(), team);
         let mut parts: Parts<_> = parts
-            .drain(..)
-            .map(|turns| {
-                let first = end as u32;
-                end += turns.len();
-                let those = turning.partition_point(|t| (t.body as usize) < end);
-                let turning = front(&mut turning, those);
-                let bodies = front(&mut bodies, turns.len());
-                let displacements = front(&mut displacements, turns.len());
-                (turns, first, bodies, displacements, turning)
+            .map(|range| {
+                let spinning = rest.3.partition_point(|t| (t.body as usize) < range.end);
+                (
+                    range.start as u32,
+                    front_mut(&mut rest.0, range.len()),
+                    front(&mut rest.1, range.len()),
+                    front(&mut rest.2, range.len()),
+                    front(&mut rest.3, spinning),
+                )
             })
             .collect();
         Team::each(team, &mut parts, |part| {
-            let (turns, first, bodies, displacements, turning) = part;
+            let (first, turns, bodies, displacements, turning) = part;
             let mut turning = turning.iter().peekable();
             let bodies = bodies.iter().zip(displacements.iter());
             for (number, (turn, (body, moved))) in (*first..).zip(turns.iter_mut().zip(bodies)) {
@@ -118,20 +113,23 @@ impl Batch {
     fn follow_blocks(&mut self, team: Option<&Team>) {
         let width = self.settings.config.lane_width;
         let blocks = &self.blocks;
-        let count = Team::parts(team, blocks.len(), LEAST_BLOCKS);
         let (mut points, mut ties) = (&mut self.points[..], &mut self.ties[..]);
         let (turns, displacements) = (&self.turns, &self.displacements);
-        let mut parts: Parts<_> = of_blocks(blocks, count)
-            .map(|(range, of_points)| Follow {
-                blocks: &blocks[range.clone()],
-                following: &self.following[range],
+        let shares = shares(&self.domains, blocks.len(), team);
+        let parts = shares.iter().map(|share| {
+            let of_points = points_of(&blocks[share.clone()]);
+            let ties_there = if ties.is_empty() { 0 } else { of_points.len() };
+            Follow {
+                blocks: &blocks[share.clone()],
+                following: &self.following[share.clone()],
                 points: front_mut(&mut points, of_points.len()),
-                ties: front_mut(&mut ties, of_points.len()),
+                ties: front_mut(&mut ties, ties_there),
                 starts: &self.starts[of_points],
                 turns,
                 displacements,
-            })
-            .collect();
+            }
+        });
+        let mut parts: Parts<_> = parts.collect();
         Team::each(team, &mut parts, |part| part.run(width));
     }
 }

@@ -22,6 +22,17 @@ pub struct Island {
     pub points: Range<usize>,
 }
 
+/// What islands need of a manifold, which is large: one after the other in memory.
+#[derive(Clone, Copy, Debug)]
+struct Link {
+    /// Slots.
+    bodies: [u32; 2],
+    /// First a slot of the island that it belongs to, then the index of that; `NONE` if it belongs to none.
+    of: u32,
+    /// Number of its points.
+    points: u32,
+}
+
 /// The islands of a step; buffers are reused.
 #[derive(Debug, Default)]
 pub struct Islands {
@@ -31,8 +42,12 @@ pub struct Islands {
     pub manifolds: Vec<u32>,
     /// The two bodies of each of `manifolds`, as numbers within the island.
     pub pairs: Vec<[u32; 2]>,
+    /// Number of points of each of `manifolds`.
+    pub counts: Vec<u32>,
     /// Slots of bodies, island by island, in the order in which the manifolds name them.
     pub slots: Vec<u32>,
+    /// By manifold.
+    links: Vec<Link>,
     /// Union-find over slots.
     parent: Vec<u32>,
     /// By slot of a root: index of its island.
@@ -53,43 +68,46 @@ impl Islands {
         let moves = |slot: u32| bodies.velocity[slot as usize].inverse_mass > 0.0;
         self.parent.clear();
         self.parent.extend(0..bodies.slots() as u32);
-        for m in manifolds {
-            if moves(m.a) && moves(m.b) && is_open(m) {
-                join(&mut self.parent, m.a, m.b);
-            }
+        self.links.clear();
+        for manifold in manifolds {
+            let (a, b) = (manifold.a, manifold.b);
+            let of = match (moves(a), moves(b)) {
+                _ if !is_open(manifold) => None,
+                (true, true) => {
+                    join(&mut self.parent, a, b);
+                    Some(a)
+                }
+                (true, false) => Some(a),
+                (false, true) => Some(b),
+                (false, false) => None,
+            };
+            self.links.push(Link {
+                bodies: [a, b],
+                of: of.unwrap_or(NONE),
+                points: manifold.count,
+            });
         }
-        let root = |parent: &mut Vec<u32>, m: &Manifold| match (moves(m.a), moves(m.b)) {
-            _ if !is_open(m) => None,
-            (true, _) => Some(find(parent, m.a)),
-            (_, true) => Some(find(parent, m.b)),
-            _ => None,
-        };
-        self.count(manifolds, root);
-        self.sort(manifolds, root);
-        self.number_bodies(manifolds, bodies.slots());
+        self.count();
+        self.sort();
+        self.number_bodies(bodies.slots());
     }
 
     /// Makes the islands and counts their manifolds and points.
-    fn count(
-        &mut self,
-        manifolds: &[Manifold],
-        root: impl Fn(&mut Vec<u32>, &Manifold) -> Option<u32>,
-    ) {
+    fn count(&mut self) {
         self.list.clear();
         self.island_of.clear();
         self.island_of.resize(self.parent.len(), NONE);
-        for manifold in manifolds {
-            let Some(root) = root(&mut self.parent, manifold) else {
-                continue;
-            };
+        for link in self.links.iter_mut().filter(|link| link.of != NONE) {
+            let root = find(&mut self.parent, link.of);
             let island = &mut self.island_of[root as usize];
             if *island == NONE {
                 *island = self.list.len() as u32;
                 self.list.push(Island::default());
             }
+            link.of = *island;
             let island = &mut self.list[*island as usize];
             island.manifolds.end += 1;
-            island.points.end += manifold.count as usize;
+            island.points.end += link.points as usize;
         }
         let (mut manifolds, mut points) = (0, 0);
         for island in &mut self.list {
@@ -103,36 +121,30 @@ impl Islands {
     }
 
     /// Sorts the manifolds by island.
-    fn sort(
-        &mut self,
-        manifolds: &[Manifold],
-        root: impl Fn(&mut Vec<u32>, &Manifold) -> Option<u32>,
-    ) {
+    fn sort(&mut self) {
+        let used = self.links.iter().filter(|link| link.of != NONE).count();
         self.manifolds.clear();
-        self.manifolds.resize(manifolds.len(), 0);
-        let mut used = 0;
-        for (index, manifold) in manifolds.iter().enumerate() {
-            if let Some(root) = root(&mut self.parent, manifold) {
-                let island = &mut self.list[self.island_of[root as usize] as usize];
-                self.manifolds[island.manifolds.end] = index as u32;
-                island.manifolds.end += 1;
-                used += 1;
-            }
+        self.manifolds.resize(used, 0);
+        let links = (0..).zip(&self.links).filter(|(_, link)| link.of != NONE);
+        for (index, link) in links {
+            let island = &mut self.list[link.of as usize];
+            self.manifolds[island.manifolds.end] = index;
+            island.manifolds.end += 1;
         }
-        self.manifolds.truncate(used);
     }
 
     /// Numbers the bodies of each island.
-    fn number_bodies(&mut self, manifolds: &[Manifold], slots: usize) {
+    fn number_bodies(&mut self, slots: usize) {
         self.slots.clear();
         self.pairs.clear();
+        self.counts.clear();
         self.number.clear();
         self.number.resize(slots, NONE);
         for island in &mut self.list {
             let first = self.slots.len();
             for &index in &self.manifolds[island.manifolds.clone()] {
-                let manifold = &manifolds[index as usize];
-                let pair = [manifold.a, manifold.b].map(|slot| {
+                let link = &self.links[index as usize];
+                let pair = link.bodies.map(|slot| {
                     let number = &mut self.number[slot as usize];
                     if *number == NONE {
                         *number = (self.slots.len() - first) as u32;
@@ -141,6 +153,7 @@ impl Islands {
                     *number
                 });
                 self.pairs.push(pair);
+                self.counts.push(link.points);
             }
             island.bodies = first..self.slots.len();
             for &slot in &self.slots[island.bodies.clone()] {

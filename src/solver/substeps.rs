@@ -18,7 +18,7 @@ use super::blocks::{Place, Point, Solid, vector};
 use super::bodies::SolverBody;
 use super::demand::{Effort, SubstepSettings};
 use super::domains;
-use super::parts::{Parts, front_mut};
+use super::shares::{Parts, front_mut};
 use super::shift::Shift;
 use super::soft_step::{self, Softness};
 use super::sweep::{Contacts, Pass};
@@ -52,9 +52,6 @@ enum SweepKind {
     /// Without.
     Relax,
 }
-
-/// Least bodies of a task that turns them: each takes some 200 ns.
-const LEAST_TURNING: usize = 32;
 
 fn cells<T>(list: &mut [T]) -> &[Cell<T>] {
     Cell::from_mut(list).as_slice_of_cells()
@@ -527,24 +524,22 @@ impl Batch {
 
     /// Turns the bodies that spin, and their inertia with them.
     fn turn_bodies(&mut self, h: f32, team: Option<&Team>) {
-        let count = self.turning.len();
-        let size = count
-            .div_ceil(Team::parts(team, count, LEAST_TURNING))
-            .max(1);
-        let (mut bodies, mut solids) = (&mut self.bodies[..], &mut self.solids[..]);
-        let mut first = 0;
-        let chunks = self.turning.chunks_mut(size).map(|turning| {
-            let past = turning.last().map_or(first, |t| t.body as usize + 1);
-            let part = (
-                first,
-                front_mut(&mut bodies, past - first),
-                front_mut(&mut solids, past - first),
-                turning,
-            );
-            first = past;
-            part
+        let count = self.bodies.len();
+        let mut rest = (
+            &mut self.bodies[..],
+            &mut self.solids[..],
+            &mut self.turning[..],
+        );
+        let parts = self.cuts.shares_of_bodies(count, team).map(|range| {
+            let spinning = rest.2.partition_point(|t| (t.body as usize) < range.end);
+            (
+                range.start,
+                front_mut(&mut rest.0, range.len()),
+                front_mut(&mut rest.1, range.len()),
+                front_mut(&mut rest.2, spinning),
+            )
         });
-        let mut parts: Parts<_> = chunks.collect();
+        let mut parts: Parts<_> = parts.collect();
         Team::each(team, &mut parts, |(first, bodies, solids, turning)| {
             for turning in turning.iter_mut() {
                 let i = turning.body as usize - *first;

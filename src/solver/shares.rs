@@ -1,0 +1,63 @@
+//! Lists cut along the domains of a batch, for a team of threads.
+
+use super::blocks::{Block, Point};
+use super::team::Team;
+use smallvec::SmallVec;
+use std::ops::Range;
+
+/// Parts of a list, on the stack.
+pub(super) type Parts<P> = SmallVec<[P; 16]>;
+
+/// Takes the first `count` elements off a list.
+pub(super) fn front<'a, T>(list: &mut &'a [T], count: usize) -> &'a [T] {
+    let (front, rest) = list.split_at(count);
+    *list = rest;
+    front
+}
+
+/// Takes the first `count` elements off a list that is written.
+pub(super) fn front_mut<'a, T>(list: &mut &'a mut [T], count: usize) -> &'a mut [T] {
+    let (front, rest) = std::mem::take(list).split_at_mut(count);
+    *list = rest;
+    front
+}
+
+/// The ranges that a team works on at a time; all of `0..count` at once without one.
+pub(super) fn shares(
+    ranges: &[Range<usize>],
+    count: usize,
+    team: Option<&Team>,
+) -> Parts<Range<usize>> {
+    if team.is_some() {
+        ranges.iter().cloned().collect()
+    } else {
+        std::iter::once(0..count).collect()
+    }
+}
+
+/// Where the points of some blocks lie.
+pub(super) fn points_of(blocks: &[Block]) -> Range<usize> {
+    match (blocks.first(), blocks.last()) {
+        (Some(first), Some(last)) => first.points.start..last.points.end,
+        _ => 0..0,
+    }
+}
+
+/// Does `work` on the blocks of each domain and their points.
+pub(super) fn for_blocks(
+    blocks: &mut [Block],
+    points: &mut [Point],
+    domains: &[Range<usize>],
+    team: Option<&Team>,
+    work: impl Fn(&mut [Block], &mut [Point]) + Sync,
+) {
+    let shares = shares(domains, blocks.len(), team);
+    let (mut blocks, mut points) = (blocks, points);
+    let parts = shares.iter().map(|share| {
+        let blocks = front_mut(&mut blocks, share.len());
+        let points = front_mut(&mut points, points_of(blocks).len());
+        (blocks, points)
+    });
+    let mut parts: Parts<_> = parts.collect();
+    Team::each(team, &mut parts, |(blocks, points)| work(blocks, points));
+}
