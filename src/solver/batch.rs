@@ -16,7 +16,7 @@ use super::lanes::F8;
 use super::limit::{BodyBlow, Limit};
 use super::momentum::Pace;
 use super::rows::{PointRows, Side};
-use super::shares::{Parts, for_blocks, front_mut};
+use super::shares::{Parts, front_mut, parts_of_blocks};
 use super::spin::Spin;
 use super::team::Team;
 use super::ties::Tie;
@@ -205,7 +205,9 @@ impl Batch {
             self.copy_fixed_bodies();
         }
         self.fill_blocks(manifolds, team);
-        self.note_starts();
+        let restitution = self.blocks.iter().flat_map(|block| block.restitution.0);
+        self.has_restitution = restitution.fold(0.0, f32::max) > 0.0;
+        self.mark_following();
         if demand.can_hit || self.settings.config.method == Method::Exact {
             self.blows.resize(self.points.len(), Blow::default());
         }
@@ -250,31 +252,41 @@ impl Batch {
             slop: config.slop,
         };
         let width = config.lane_width;
+        let follows = !self.moving.is_empty();
+        self.starts
+            .resize(self.points.len() * usize::from(follows), Start::default());
+        let mut starts = &mut self.starts[..];
         let (blocks, points) = (&mut self.blocks, &mut self.points);
-        for_blocks(blocks, points, &self.domains, team, |blocks, points| {
+        let parts = parts_of_blocks(blocks, points, &self.domains, team);
+        let parts = parts.into_iter().map(|(blocks, points)| {
+            let count = points.len() * usize::from(follows);
+            (blocks, points, front_mut(&mut starts, count))
+        });
+        let mut parts: Parts<_> = parts.collect();
+        Team::each(team, &mut parts, |(blocks, points, starts)| {
             fill(blocks, points, source, width);
             derive(blocks, points, source.solids, width);
+            for (start, point) in starts.iter_mut().zip(points.iter()) {
+                *start = Start::of(point);
+            }
         });
-        let restitution = self.blocks.iter().flat_map(|block| block.restitution.0);
-        self.has_restitution = restitution.fold(0.0, f32::max) > 0.0;
     }
 
     /// Computes masses and couplings anew, after anchors or inertias have changed.
     pub(super) fn derive_masses(&mut self, team: Option<&Team>) {
         let (solids, width) = (&self.solids, self.settings.config.lane_width);
         let (blocks, points) = (&mut self.blocks, &mut self.points);
-        for_blocks(blocks, points, &self.domains, team, |blocks, points| {
+        let mut parts = parts_of_blocks(blocks, points, &self.domains, team);
+        Team::each(team, &mut parts, |(blocks, points)| {
             derive(blocks, points, solids, width);
         });
     }
 
-    /// Remembers where the points of moving manifolds are.
-    fn note_starts(&mut self) {
+    /// Marks the lanes of moving manifolds.
+    fn mark_following(&mut self) {
         if self.moving.is_empty() {
             return;
         }
-        self.starts.clear();
-        self.starts.extend(self.points.iter().map(Start::of));
         self.following.clear();
         self.following
             .resize(self.blocks.len(), Following::default());

@@ -17,8 +17,9 @@ use super::team::Team;
 use glam::Vec3;
 use std::ops::Range;
 
-/// Least manifolds of a leaf, on average: some 50 us of a sweep, a hundred times what threads need to meet.
-pub const LEAST_MANIFOLDS: usize = 1000;
+/// Least manifolds of a leaf, on average: some 50 us of a sweep, a hundred times what threads need to meet. A cut costs
+/// structures precision, for support gets across it once per sweep only, so there are no more of them than pay.
+pub const LEAST_MANIFOLDS: usize = 2000;
 
 /// Most leaves.
 const MOST_LEAVES: usize = 8;

@@ -43,21 +43,18 @@ pub(super) fn points_of(blocks: &[Block]) -> Range<usize> {
     }
 }
 
-/// Does `work` on the blocks of each domain and their points.
-pub(super) fn for_blocks(
-    blocks: &mut [Block],
-    points: &mut [Point],
+/// The blocks that a team works on at a time, with their points.
+pub(super) fn parts_of_blocks<'a>(
+    mut blocks: &'a mut [Block],
+    mut points: &'a mut [Point],
     domains: &[Range<usize>],
     team: Option<&Team>,
-    work: impl Fn(&mut [Block], &mut [Point]) + Sync,
-) {
+) -> Parts<(&'a mut [Block], &'a mut [Point])> {
     let shares = shares(domains, blocks.len(), team);
-    let (mut blocks, mut points) = (blocks, points);
     let parts = shares.iter().map(|share| {
         let blocks = front_mut(&mut blocks, share.len());
         let points = front_mut(&mut points, points_of(blocks).len());
         (blocks, points)
     });
-    let mut parts: Parts<_> = parts.collect();
-    Team::each(team, &mut parts, |(blocks, points)| work(blocks, points));
+    parts.collect()
 }

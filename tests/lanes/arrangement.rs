@@ -157,5 +157,5 @@ fn leaves_of_a_cloud_are_of_a_size_and_separators_small() {
         sizes[4..].iter().all(|&separator| separator < 400),
         "{sizes:?}"
     );
-    assert_eq!([1, 1999, 2000, 4000, 1 << 20].map(leaves), [1, 1, 2, 4, 8]);
+    assert_eq!([1, 3999, 4000, 9000, 1 << 20].map(leaves), [1, 1, 2, 4, 8]);
 }
