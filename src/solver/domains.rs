@@ -229,7 +229,7 @@ impl Domains {
         // The stage that brings both together; before it come `n + n / 2 + ...` domains.
         let stage = u32::BITS - (a ^ b).leading_zeros();
         let count = self.leaves.len() as u32;
-        2 * count - (2 * count >> stage) + (a >> stage)
+        2 * count - ((2 * count) >> stage) + (a >> stage)
     }
 
     /// Number of domains.
