@@ -190,7 +190,6 @@ impl Batch {
         self.load_islands(range.clone(), step);
         self.load_bodies(bodies);
         self.may_break = may_break;
-        self.load_limits(bodies);
         self.add_idle_body();
         self.place_manifolds(range.clone(), islands);
         self.make_blocks();
@@ -204,6 +203,7 @@ impl Batch {
         if team.is_some() {
             self.copy_fixed_bodies();
         }
+        self.load_limits(bodies);
         self.fill_blocks(manifolds, team);
         let restitution = self.blocks.iter().flat_map(|block| block.restitution.0);
         self.has_restitution = restitution.fold(0.0, f32::max) > 0.0;

@@ -16,8 +16,9 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 /// What all parts of a pass read and write.
 ///
-/// Blocks of one stage share no body that is written with different numbers: movable ones are in one block of a stage at
-/// most, and fixed ones have a copy in each block (see [`Batch`](super::batch::Batch)). Each has its own points.
+/// [Domains](super::domains) of one stage share no body: movable ones are in one leaf, and touched by the separators on the way
+/// up from it, one a stage; fixed ones have a copy in each domain (see [`Batch`](super::batch::Batch)). Each has its own
+/// blocks, and these their own points.
 pub(super) struct Shift<'a> {
     pub(super) pass: Pass,
     pub(super) blocks: &'a [Block],
@@ -36,7 +37,7 @@ pub(super) struct Shift<'a> {
 }
 
 impl Shift<'_> {
-    /// Does the pass for some blocks of a stage. Different threads must be given different blocks of the same stage.
+    /// Does the pass for the blocks of a domain. Different threads must be given different domains of the same stage.
     pub(super) fn run(&self, blocks: Range<usize>) {
         let blocks = &self.blocks[blocks];
         let [Some(first), Some(last)] = [blocks.first(), blocks.last()] else {
@@ -50,7 +51,7 @@ impl Shift<'_> {
         } else {
             &self.blows[range.clone()]
         };
-        // SAFETY: points and their ties follow their blocks, and no other thread has these blocks; of the bodies, blocks of
+        // SAFETY: points and their ties follow their blocks, and no other thread has these blocks; of the bodies, domains of
         // one stage write different ones, see above. Displacements are not written.
         let change = unsafe {
             let mut contacts = Contacts {
