@@ -37,6 +37,20 @@ where
     });
 }
 
+/// Takes the first `count` elements off a list.
+pub(crate) fn front<'l, T>(list: &mut &'l [T], count: usize) -> &'l [T] {
+    let (front, rest) = list.split_at(count);
+    *list = rest;
+    front
+}
+
+/// Takes the first `count` elements off a list that is written.
+pub(crate) fn front_mut<'l, T>(list: &mut &'l mut [T], count: usize) -> &'l mut [T] {
+    let (front, rest) = std::mem::take(list).split_at_mut(count);
+    *list = rest;
+    front
+}
+
 /// Splits a list into pieces of the given sizes, from either end.
 #[derive(Debug)]
 pub(crate) struct Pieces<'l, T, S> {
@@ -56,9 +70,7 @@ impl<'l, T, S: Iterator<Item = usize>> Iterator for Pieces<'l, T, S> {
 
     fn next(&mut self) -> Option<Self::Item> {
         let size = self.sizes.next()?;
-        let (piece, rest) = std::mem::take(&mut self.rest).split_at_mut(size);
-        self.rest = rest;
-        Some(piece)
+        Some(front_mut(&mut self.rest, size))
     }
 
     fn size_hint(&self) -> (usize, Option<usize>) {

@@ -16,11 +16,12 @@ use super::lanes::F8;
 use super::limit::{BodyBlow, Limit};
 use super::momentum::Pace;
 use super::rows::{PointRows, Side};
-use super::shares::{Parts, front_mut, parts_of_blocks};
+use super::shares::{Parts, parts_of_blocks};
 use super::spin::Spin;
 use super::team::Team;
 use super::ties::Tie;
 use crate::contact::manifold::Manifold;
+use crate::parts::front_mut;
 use glam::{Mat3, Quat};
 use std::ops::Range;
 

@@ -151,17 +151,14 @@ impl ContactSolver {
     fn store_impulses(&mut self, manifolds: &mut [Manifold]) {
         let batches = &self.batches[self.earlier..][..self.ranges.len()];
         let is_large = |batch: &Batch| batch.places.len() >= WORTH_A_TEAM;
-        match ComputeTaskPool::try_get().filter(|_| batches.iter().any(is_large)) {
-            Some(pool) => Team::lead(pool, |team| {
-                for batch in batches {
-                    batch.store_impulses(manifolds, Some(team));
-                }
-            }),
-            None => {
-                for batch in batches {
-                    batch.store_impulses(manifolds, None);
-                }
+        let mut store = |team: Option<&Team>| {
+            for batch in batches {
+                batch.store_impulses(manifolds, team);
             }
+        };
+        match ComputeTaskPool::try_get().filter(|_| batches.iter().any(is_large)) {
+            Some(pool) => Team::lead(pool, |team| store(Some(team))),
+            None => store(None),
         }
         for batch in batches.iter().filter(|batch| !batch.is_broken) {
             batch.judge_bonds(&mut self.bonded);
@@ -260,10 +257,6 @@ impl ContactSolver {
         };
         let new_batches = &mut self.batches[self.earlier..];
         let batches = new_batches.iter_mut().zip(&self.ranges);
-        let pool = ComputeTaskPool::try_get();
-        let Some(pool) = pool.filter(|_| islands.manifolds.len() >= WORTH_HELP) else {
-            return batches.for_each(|(batch, range)| solve(batch, range, None));
-        };
         let size = |range: &Range<usize>| {
             let list = &islands.list[range.clone()];
             list.iter()
@@ -271,12 +264,13 @@ impl ContactSolver {
                 .sum::<usize>()
         };
         let is_for_team = |range: &Range<usize>| size(range) >= WORTH_A_TEAM;
-        if let [range] = &self.ranges[..]
-            && !is_for_team(range)
-        {
-            // Where its data are.
+        // A single small batch is solved where its data are.
+        let is_worth_help = islands.manifolds.len() >= WORTH_HELP
+            && (self.ranges.len() > 1 || self.ranges.iter().any(is_for_team));
+        let pool = ComputeTaskPool::try_get();
+        let Some(pool) = pool.filter(|_| is_worth_help) else {
             return batches.for_each(|(batch, range)| solve(batch, range, None));
-        }
+        };
         if self.ranges.iter().any(is_for_team) {
             let large = batches.filter(|(_, range)| is_for_team(range));
             Team::lead(pool, |team| {

@@ -10,10 +10,11 @@ use super::blocks::{Block, FAR, Point, V3, load_anchors};
 use super::bodies::SolverBody;
 use super::lane_pair::{Frame, Pair};
 use super::lanes::{F8, Kernel, LaneWidth, Lanes, Numbers, run};
-use super::shares::{Parts, front, front_mut, points_of, shares};
+use super::shares::{Parts, points_of, shares};
 use super::team::Team;
 use super::ties::Tie;
 use crate::math::rotate_by;
+use crate::parts::{front, front_mut};
 use glam::Quat;
 
 /// Which lanes of a block follow.

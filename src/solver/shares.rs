@@ -2,25 +2,12 @@
 
 use super::blocks::{Block, Point};
 use super::team::Team;
+use crate::parts::front_mut;
 use smallvec::SmallVec;
 use std::ops::Range;
 
 /// Parts of a list, on the stack.
 pub(super) type Parts<P> = SmallVec<[P; 16]>;
-
-/// Takes the first `count` elements off a list.
-pub(super) fn front<'a, T>(list: &mut &'a [T], count: usize) -> &'a [T] {
-    let (front, rest) = list.split_at(count);
-    *list = rest;
-    front
-}
-
-/// Takes the first `count` elements off a list that is written.
-pub(super) fn front_mut<'a, T>(list: &mut &'a mut [T], count: usize) -> &'a mut [T] {
-    let (front, rest) = std::mem::take(list).split_at_mut(count);
-    *list = rest;
-    front
-}
 
 /// The ranges that a team works on at a time; all of `0..count` at once without one.
 pub(super) fn shares(

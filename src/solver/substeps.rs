@@ -18,13 +18,14 @@ use super::blocks::{Place, Point, Solid, vector};
 use super::bodies::SolverBody;
 use super::demand::{Effort, SubstepSettings};
 use super::domains;
-use super::shares::{Parts, front_mut};
+use super::shares::Parts;
 use super::shift::Shift;
 use super::soft_step::{self, Softness};
 use super::sweep::{Contacts, Pass};
 use super::team::{Shared, Team};
 use super::{Method, SolverConfig, exact};
 use crate::contact::manifold::{ContactPoint, Manifold};
+use crate::parts::front_mut;
 use glam::Mat3;
 use std::cell::Cell;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -91,7 +92,8 @@ impl Batch {
         !self.blows.is_empty()
     }
 
-    /// Does a pass over all contacts, several domains at a time if there is a team; returns the largest velocity change if it measures.
+    /// Does a pass over all contacts, several domains at a time if there is a team; returns the largest velocity change if it
+    /// measures.
     pub fn pass(&mut self, pass: Pass, team: Option<&Team>) -> f32 {
         let Some(team) = team else {
             let mut contacts = Contacts {

@@ -7,7 +7,7 @@ use super::plan::Share;
 use super::{CacheEntry, MAX_AGE, PairRecord, Table, bodies_of, continues_as, is_exact};
 use crate::contact::manifold::ContactPoint;
 use crate::contact::{BodyId, Manifold};
-use crate::parts::Pieces;
+use crate::parts::{Pieces, front_mut};
 use glam::Quat;
 use std::ops::Range;
 
@@ -264,9 +264,7 @@ impl Writer<'_> {
 
     /// Takes the room of the next `count` entries.
     fn take_room(&mut self, count: usize) -> &mut [CacheEntry] {
-        let (room, rest) = std::mem::take(&mut self.entries).split_at_mut(count);
-        self.entries = rest;
         self.next += count;
-        room
+        front_mut(&mut self.entries, count)
     }
 }
