@@ -17,9 +17,9 @@ use crate::slice::fracturable::Fracturable;
 use bevy_ecs::resource::Resource;
 use glam::{Mat3, Quat, Vec3};
 
-/// Velocity and inverse mass: all that a sweep of the solver touches of a body, half a cache line.
+/// Velocity and inverse mass: all that a sweep of the solver touches of a body, half a cache line and never parts of two.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[repr(C)]
+#[repr(C, align(32))]
 pub struct SolverBody {
     /// Velocity of the centre of mass, m/s.
     pub linear: Vec3,

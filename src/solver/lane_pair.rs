@@ -23,8 +23,8 @@ impl<L: Lanes> Pair<L> {
     #[inline(always)]
     pub(super) fn scatter(self, bodies: &[Cell<SolverBody>], block: &Block) {
         let [a, b] = self.columns;
-        L::scatter(a, bodies, &block.bodies[0]);
-        L::scatter(b, bodies, &block.bodies[1]);
+        L::scatter(a, bodies, &block.bodies[0], block.used);
+        L::scatter(b, bodies, &block.bodies[1], block.used);
     }
 
     #[inline(always)]
@@ -130,8 +130,12 @@ pub(super) fn store_three<L: Lanes>(values: [L; 3], to: &mut [F8; 3]) {
 pub(super) fn project<L: Lanes>(model: FrictionModel, wish: [L; 2], radius: L) -> [L; 2] {
     match model {
         FrictionModel::Disc => {
-            let squared = wish[0] * wish[0] + wish[1] * wish[1];
-            let shrink = squared.if_above(radius * radius, radius / squared.sqrt(), L::splat(1.0));
+            let (squared, bound) = (wish[0] * wish[0] + wish[1] * wish[1], radius * radius);
+            // Where all lanes stick, as they do at rest, nothing has to wait for root and division.
+            if !squared.is_any_above(bound) {
+                return wish;
+            }
+            let shrink = squared.if_above(bound, radius / squared.sqrt(), L::splat(1.0));
             [wish[0] * shrink, wish[1] * shrink]
         }
         FrictionModel::Box => {

@@ -1,8 +1,9 @@
 //! Eight numbers at a time, with whatever the processor has.
 //!
-//! A loop over [`Lanes`] is written once and compiled three times: for AVX2 (8 lanes in a register), for SSE2 (2 x 4 lanes)
-//! and in plain Rust. Which one runs is decided at run time. All three round every operation on its own, in the same
-//! order, and none fuses a multiplication with an addition, so all give the same bits.
+//! A loop over [`Lanes`] is written once and compiled four times: for AVX2 (8 lanes in a register), the same with the 32
+//! registers of AVX-512VL, for SSE2 (2 x 4 lanes) and in plain Rust. Which one runs is decided at run time. All of them round
+//! every operation on its own, in the same order, and none fuses a multiplication with an addition, so all give the same
+//! bits.
 #![allow(
     unsafe_code,
     reason = "processor intrinsics; every block says why it is sound"
@@ -52,6 +53,8 @@ pub trait Lanes:
     fn sqrt(self) -> Self;
     /// `yes` in lanes where `self > bound`, else `no`.
     fn if_above(self, bound: Self, yes: Self, no: Self) -> Self;
+    /// Whether `self > bound` in any lane.
+    fn is_any_above(self, bound: Self) -> bool;
     /// Eight rows, one of each lane, as columns; or columns as rows.
     fn transpose(rows: [Self; 8]) -> [Self; 8];
 
@@ -85,11 +88,14 @@ pub trait Lanes:
         ])
     }
 
-    /// Writes what [`gather`](Self::gather) reads. Lanes that share a row must hold the same numbers.
+    /// Writes what [`gather`](Self::gather) reads, of the first `used` lanes. Those that share a row must hold the same numbers.
     #[inline(always)]
-    fn scatter<R: Row>(columns: [Self; 8], rows: &[Cell<R>], index: &[u32; WIDTH]) {
+    fn scatter<R: Row>(columns: [Self; 8], rows: &[Cell<R>], index: &[u32; WIDTH], used: usize) {
         let from = Self::transpose(columns);
         for lane in 0..WIDTH {
+            if lane >= used {
+                break;
+            }
             let mut numbers = F8::default();
             from[lane].store(&mut numbers);
             rows[index[lane] as usize].set(R::of(numbers.0));
@@ -174,6 +180,10 @@ pub trait Kernel {
 pub fn run<K: Kernel>(width: LaneWidth, kernel: K) -> K::Output {
     #[cfg(target_arch = "x86_64")]
     match width {
+        LaneWidth::Widest if std::arch::is_x86_feature_detected!("avx512vl") => {
+            // SAFETY: the processor has AVX-512VL, as was just found out, and with it AVX2.
+            return unsafe { x86::run_avx512vl(kernel) };
+        }
         LaneWidth::Widest if std::arch::is_x86_feature_detected!("avx2") => {
             // SAFETY: the processor has AVX2, as was just found out.
             return unsafe { x86::run_avx2(kernel) };
@@ -261,6 +271,11 @@ impl Lanes for Plain {
     }
 
     #[inline(always)]
+    fn is_any_above(self, bound: Self) -> bool {
+        self.0.iter().zip(&bound.0).any(|(x, bound)| x > bound)
+    }
+
+    #[inline(always)]
     fn transpose(rows: [Self; 8]) -> [Self; 8] {
         std::array::from_fn(|column| Self(rows.map(|row| row.0[column])))
     }
@@ -271,13 +286,19 @@ mod x86 {
     use super::{Add, Div, F8, Kernel, Lanes, Mul, Sub};
     use std::arch::x86_64::*;
 
+    /// As [`run_avx2`], with twice as many registers: two bodies and the frame of a contact do not fit 16.
+    #[target_feature(enable = "avx2,avx512f,avx512vl")]
+    pub(super) fn run_avx512vl<K: Kernel>(kernel: K) -> K::Output {
+        kernel.run::<Avx2>()
+    }
+
     /// All that is inlined into this function may use AVX2.
     #[target_feature(enable = "avx2")]
     pub(super) fn run_avx2<K: Kernel>(kernel: K) -> K::Output {
         kernel.run::<Avx2>()
     }
 
-    /// Eight lanes in one register. Private to this module: values exist within [`run_avx2`] only.
+    /// Eight lanes in one register. Private to this module: values exist within [`run_avx2`] and [`run_avx512vl`] only.
     #[derive(Clone, Copy)]
     pub(super) struct Avx2(__m256);
 
@@ -285,8 +306,8 @@ mod x86 {
     #[derive(Clone, Copy)]
     pub(super) struct Sse2(__m128, __m128);
 
-    // SAFETY of all blocks below for `Avx2`: values of the type exist only within `run_avx2`, which runs only where the
-    // processor has AVX2. Loads and stores are unaligned ones from and to `F8`, which is 32 bytes of `f32`.
+    // SAFETY of all blocks below for `Avx2`: values of the type exist only within `run_avx2` and `run_avx512vl`, which run only
+    // where the processor has AVX2. Loads and stores are unaligned ones from and to `F8`, which is 32 bytes of `f32`.
     operators! { Avx2,
         // SAFETY: see above.
         Add add: |a, b| Self(unsafe { _mm256_add_ps(a.0, b.0) });
@@ -342,6 +363,12 @@ mod x86 {
                 let is_above = _mm256_cmp_ps::<_CMP_GT_OQ>(self.0, bound.0);
                 _mm256_blendv_ps(no.0, yes.0, is_above)
             })
+        }
+
+        #[inline(always)]
+        fn is_any_above(self, bound: Self) -> bool {
+            // SAFETY: see above.
+            unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_GT_OQ>(self.0, bound.0)) != 0 }
         }
 
         #[inline(always)]
@@ -463,6 +490,13 @@ mod x86 {
                 select(self.0, bound.0, yes.0, no.0),
                 select(self.1, bound.1, yes.1, no.1),
             )
+        }
+
+        #[inline(always)]
+        fn is_any_above(self, bound: Self) -> bool {
+            // SAFETY: see above.
+            let above = |a, b| unsafe { _mm_movemask_ps(_mm_cmpgt_ps(a, b)) };
+            above(self.0, bound.0) | above(self.1, bound.1) != 0
         }
 
         #[inline(always)]

@@ -245,15 +245,12 @@ struct State<'p, L, const TIED: bool> {
 }
 
 impl<L: Lanes, const TIED: bool> State<'_, L, TIED> {
-    /// Moves the normal impulse to `wish`, or to its bound; returns the change. The tangents see it.
+    /// Moves the normal impulse to `wish`, or to its bound; returns the change.
     #[inline(always)]
     fn move_normal(&mut self, wish: L) -> L {
         let new = self.bounds.normal(wish);
         let delta = new - self.impulse[0];
         self.impulse[0] = new;
-        let [to_t1, to_t2] = &self.point.coupling;
-        self.velocity[1] = self.velocity[1] + L::load(to_t1) * delta;
-        self.velocity[2] = self.velocity[2] + L::load(to_t2) * delta;
         delta
     }
 
@@ -266,18 +263,24 @@ impl<L: Lanes, const TIED: bool> State<'_, L, TIED> {
         [t1 - v1 * mass, t2 - v2 * mass]
     }
 
-    /// Moves friction to `wish`, within the bound of the present normal impulse; returns the changes. The normal sees them.
+    /// Moves friction to `wish`, within the bound of the present normal impulse; returns the changes.
     #[inline(always)]
     fn move_tangents(&mut self, wish: [L; 2]) -> [L; 2] {
         let [normal, t1, t2] = self.impulse;
         let new = project(self.model, wish, self.bounds.radius(normal));
-        let delta = [new[0] - t1, new[1] - t2];
         [self.impulse[1], self.impulse[2]] = new;
-        let [from_t1, from_t2] = &self.point.coupling;
-        self.velocity[0] =
-            self.velocity[0] + (L::load(from_t1) * delta[0] + L::load(from_t2) * delta[1]);
-        delta
+        [new[0] - t1, new[1] - t2]
     }
+}
+
+/// By how much an impulse along one of normal and tangents changes what is wanted along the other, `mass` of which a change
+/// of velocity asks for.
+///
+/// This is multiplied while the first impulse is still waited for: the second one then follows from it by two operations.
+#[inline(always)]
+fn load_coupling<L: Lanes>(point: &Point, mass: L) -> [L; 2] {
+    let [t1, t2] = &point.coupling;
+    [L::load(t1) * mass, L::load(t2) * mass]
 }
 
 /// What a sweep does to a point.
@@ -317,15 +320,17 @@ impl<L: Lanes> Rule<L> for Feeding<L> {
     fn solve<const TIED: bool>(&self, state: &mut State<'_, L, TIED>) -> [L; 3] {
         let (one, below_zero) = (L::splat(1.0), L::splat(-f32::MIN_POSITIVE));
         let friction = self.friction(state);
-        let [t1, t2] = state.move_tangents(friction);
         let wanted = L::load(&state.point.wanted);
         let mass = L::load(&state.point.normal_mass);
-        let correction = (state.velocity[0] - wanted) * mass;
         // A gap is to be closed at a negative velocity; only what overlaps gives way, or what is bonded.
         let overlaps = state.bounds.if_bonded(one, wanted);
         let scale = overlaps.if_above(below_zero, self.mass_scale, one);
         let keep = overlaps.if_above(below_zero, self.keep, one);
-        let wish = keep * state.impulse[0] - scale * correction;
+        let per_speed = scale * mass;
+        let alone = keep * state.impulse[0] - (state.velocity[0] - wanted) * per_speed;
+        let [from_t1, from_t2] = load_coupling(state.point, per_speed);
+        let [t1, t2] = state.move_tangents(friction);
+        let wish = alone - (from_t1 * t1 + from_t2 * t2);
         [state.move_normal(wish), t1, t2]
     }
 }
@@ -344,8 +349,10 @@ impl<L: Lanes> Rule<L> for Settling {
         let target = state.rebound.if_above(zero, state.rebound, at_rest);
         let mass = L::load(&state.point.normal_mass);
         let wish = state.impulse[0] - (state.velocity[0] - target) * mass;
+        let [t1, t2] = state.stopping_friction();
+        let [to_t1, to_t2] = load_coupling(state.point, L::load(&state.point.tangent_mass));
         let normal = state.move_normal(wish);
-        let [t1, t2] = state.move_tangents(state.stopping_friction());
+        let [t1, t2] = state.move_tangents([t1 - to_t1 * normal, t2 - to_t2 * normal]);
         [normal, t1, t2]
     }
 }

@@ -37,6 +37,7 @@ struct Operations([F8; 2]);
 struct Results {
     computed: [F8; 5],
     chosen: [F8; 4],
+    is_any_above: bool,
 }
 
 impl Kernel for Operations {
@@ -45,7 +46,10 @@ impl Kernel for Operations {
     #[inline(always)]
     fn run<L: Lanes>(self) -> Results {
         let [a, b] = [L::load(&self.0[0]), L::load(&self.0[1])];
-        let mut results = Results::default();
+        let mut results = Results {
+            is_any_above: a.is_any_above(b),
+            ..Results::default()
+        };
         let computed = [a + b, a - b, a * b, a / b, a.sqrt()];
         let one = L::splat(1.0);
         let chosen = [
@@ -100,6 +104,8 @@ fn check_operations(a: F8, b: F8) {
             let found = results.chosen.map(|lanes| lanes.0[lane]);
             assert_eq!(bits(found), bits(chosen), "{width:?}, {x:e} and {y:e}");
         }
+        let is_any_above = a.0.iter().zip(b.0).any(|(&x, y)| x > y);
+        assert_eq!(results.is_any_above, is_any_above, "{width:?}, {a:?} {b:?}");
     }
 }
 
@@ -175,6 +181,7 @@ struct Move<'a> {
     rows: &'a mut [SolverBody],
     from: [u32; WIDTH],
     to: [u32; WIDTH],
+    used: usize,
 }
 
 impl Kernel for Move<'_> {
@@ -184,7 +191,7 @@ impl Kernel for Move<'_> {
     fn run<L: Lanes>(self) -> [F8; 8] {
         let rows = Cell::from_mut(self.rows).as_slice_of_cells();
         let columns = L::gather(rows, &self.from);
-        L::scatter(columns, rows, &self.to);
+        L::scatter(columns, rows, &self.to, self.used);
         stored(columns)
     }
 }
@@ -212,20 +219,27 @@ fn gather_reads_and_scatter_writes_the_rows_that_are_named_bit_for_bit() {
             // What is read may be the same row in several lanes, what is written may not.
             let from = [(); WIDTH].map(|()| dice.below(count) as u32);
             let first = dice.below(count);
-            let to = std::array::from_fn(|lane| ((first + lane) % count) as u32);
-            for width in WIDTHS {
-                check_move(width, &rows, from, to);
+            let to: [u32; WIDTH] = std::array::from_fn(|lane| ((first + lane) % count) as u32);
+            for (width, used) in WIDTHS
+                .into_iter()
+                .flat_map(|w| (0..=WIDTH).map(move |used| (w, used)))
+            {
+                check_move(width, &rows, from, &to[..used]);
             }
         }
     }
 }
 
-fn check_move(width: LaneWidth, rows: &[F8], from: [u32; WIDTH], to: [u32; WIDTH]) {
+/// `to`: of the lanes in use.
+fn check_move(width: LaneWidth, rows: &[F8], from: [u32; WIDTH], to: &[u32]) {
     let mut bodies: Vec<SolverBody> = rows.iter().copied().map(body).collect();
+    let mut all = [u32::MAX; WIDTH];
+    all[..to.len()].copy_from_slice(to);
     let kernel = Move {
         rows: &mut bodies,
         from,
-        to,
+        to: all,
+        used: to.len(),
     };
     let columns = run(width, kernel);
     let read = from.map(|i| rows[i as usize]);
@@ -245,19 +259,24 @@ fn check_move(width: LaneWidth, rows: &[F8], from: [u32; WIDTH], to: [u32; WIDTH
 fn scatter_of_lanes_that_share_a_row_writes_it_once() {
     let rows = [F8([1.0; 8]), F8([2.0; 8])];
     for width in WIDTHS {
-        check_move(width, &rows, [1; WIDTH], [0; WIDTH]);
+        check_move(width, &rows, [1; WIDTH], &[0; WIDTH]);
     }
 }
 
 #[test]
 #[should_panic(expected = "index out of bounds")]
 fn gather_beyond_the_rows_panics_in_four_lanes() {
-    check_move(LaneWidth::Four, &[F8::default(); 4], [4; WIDTH], [0; WIDTH]);
+    check_move(
+        LaneWidth::Four,
+        &[F8::default(); 4],
+        [4; WIDTH],
+        &[0; WIDTH],
+    );
 }
 
 #[test]
 #[should_panic(expected = "index out of bounds")]
 fn scatter_beyond_the_rows_panics_in_the_widest_lanes() {
     let to = [0, 0, 0, 0, 0, 0, 0, 9];
-    check_move(LaneWidth::Widest, &[F8::default(); 4], [0; WIDTH], to);
+    check_move(LaneWidth::Widest, &[F8::default(); 4], [0; WIDTH], &to);
 }
