@@ -1,6 +1,7 @@
 //! Where the manifolds of a batch are, kept from step to step while the same bodies touch at as many points.
 
 use super::blocks::Place;
+use super::colouring::Colouring;
 use super::lanes::WIDTH;
 use super::schedule::{ContactOrder, Filling, Schedule};
 use std::ops::Range;
@@ -31,6 +32,7 @@ pub struct Rule {
 #[derive(Debug, Default)]
 pub struct Arrangement {
     schedule: Schedule,
+    colouring: Colouring,
     rule: Option<Rule>,
     /// Those that are arranged.
     joints: Vec<Joint>,
@@ -39,7 +41,18 @@ pub struct Arrangement {
     /// Indices of joints, domain by domain, and where those of each domain end.
     order: Vec<u32>,
     ends: Vec<usize>,
+    layout: Layout,
+}
+
+/// What has come of it.
+#[derive(Debug, Default)]
+struct Layout {
+    /// By manifold.
     places: Vec<Place>,
+    /// By block: points of its largest manifold.
+    points: Vec<u16>,
+    /// By domain: the end of its blocks.
+    ends: Vec<usize>,
 }
 
 impl Arrangement {
@@ -58,17 +71,19 @@ impl Arrangement {
 
     /// Places of the manifolds, in their order.
     pub fn places(&self) -> &[Place] {
-        &self.places
+        &self.layout.places
     }
 
     /// Blocks of the domains.
     pub fn domains(&self) -> impl Iterator<Item = Range<usize>> {
-        self.schedule.domains()
+        let ends = &self.layout.ends;
+        let firsts = std::iter::once(&0).chain(ends);
+        firsts.zip(ends).map(|(first, end)| *first..*end)
     }
 
     /// Of each block, the points of its largest manifold.
     pub fn points_of_blocks(&self) -> impl ExactSizeIterator<Item = usize> {
-        self.schedule.points_of_blocks()
+        self.layout.points.iter().map(|&points| usize::from(points))
     }
 
     /// Lists the joints of each domain in their order.
@@ -91,38 +106,61 @@ impl Arrangement {
     }
 
     fn place_manifolds(&mut self, rule: Rule) {
-        let filling = match rule.order {
-            ContactOrder::Coloured => Filling::ByColour,
-            ContactOrder::Automatic | ContactOrder::Kept => Filling::Densely,
-        };
-        self.place_all(rule, filling);
-        let least = self.places.len().div_ceil(WIDTH);
-        if rule.order == ContactOrder::Automatic && self.schedule.blocks() > 2 * least {
-            self.place_all(rule, Filling::ByColour);
-        }
-        self.schedule.finish(self.places.iter_mut());
-    }
-
-    fn place_all(&mut self, rule: Rule, filling: Filling) {
         let Self {
             schedule,
+            colouring,
             joints,
-            places,
             order,
             ends,
+            layout,
             ..
         } = self;
-        schedule.begin(rule.bodies, filling);
-        places.clear();
-        places.resize(joints.len(), Place::default());
-        let mut first = 0;
-        for &end in ends.iter() {
-            for &at in &order[first..end] {
-                let joint = &joints[at as usize];
-                places[at as usize] = schedule.place(joint.bodies, joint.points);
-            }
-            first = end;
-            schedule.end_domain();
+        let least = joints.len().div_ceil(WIDTH);
+        let domains = Domains {
+            joints,
+            order,
+            ends,
+            bodies: rule.bodies,
+        };
+        if rule.order != ContactOrder::Coloured {
+            domains.place(schedule, layout);
         }
+        let is_long = layout.points.len() > 2 * least;
+        if rule.order == ContactOrder::Coloured || rule.order == ContactOrder::Automatic && is_long
+        {
+            domains.place(colouring, layout);
+        }
+    }
+}
+
+/// Joints, sorted by domain.
+struct Domains<'a> {
+    joints: &'a [Joint],
+    order: &'a [u32],
+    ends: &'a [usize],
+    bodies: usize,
+}
+
+impl Domains<'_> {
+    /// Places the manifolds in one way, domain by domain.
+    fn place(&self, filling: &mut impl Filling, layout: &mut Layout) {
+        filling.begin(self.bodies);
+        layout.places.resize(self.joints.len(), Place::default());
+        layout.ends.clear();
+        let mut first = 0;
+        for &end in self.ends {
+            let domain = &self.order[first..end];
+            for &at in domain {
+                let Joint { bodies, points, .. } = self.joints[at as usize];
+                filling.add(bodies, points);
+            }
+            for (&at, place) in domain.iter().zip(filling.end_domain()) {
+                layout.places[at as usize] = place;
+            }
+            layout.ends.push(filling.points_of_blocks().len());
+            first = end;
+        }
+        layout.points.clear();
+        layout.points.extend_from_slice(filling.points_of_blocks());
     }
 }

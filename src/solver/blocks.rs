@@ -5,11 +5,10 @@
 //! `K P`. A point's friction and normal are solved from one `dv`; the normal sees what friction did through the couplings
 //! `t . K n`, and the bodies get the sum of both. That is what solving one row after the other comes to, in half the work.
 //!
-//! Manifolds are put into blocks in their order: each into the first block behind all blocks that hold an earlier manifold
-//! of one of its bodies and that has a lane left. So the sweep over blocks does exactly what the sweep over manifolds in
-//! their order would do, whatever the number of lanes. Colouring, which fills blocks better by giving up the order, lets a
-//! pyramid of 30 rows creep by 18 cm where this one moves by 3 cm (4 sub-steps): an order from the ground up carries
-//! support through a whole stack in one sweep.
+//! Manifolds are put into blocks so that those which share a body keep their order ([`schedule`](super::schedule)): the sweep
+//! over blocks does exactly what the sweep over manifolds in their order would do, whatever the number of lanes. Colouring,
+//! which fills blocks better in narrow structures by giving up the order, lets a pyramid of 30 rows creep by 18 cm where this
+//! one moves by 3 cm (4 sub-steps): an order from the ground up carries support through a whole stack in one sweep.
 
 use super::bodies::SolverBody;
 use super::lanes::{F8, Kernel, LaneWidth, Lanes, WIDTH, run};

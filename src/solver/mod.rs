@@ -14,6 +14,7 @@ pub mod batch;
 pub mod blocks;
 pub mod bodies;
 pub mod body;
+pub mod colouring;
 pub mod contact_solver;
 pub mod demand;
 pub mod domains;

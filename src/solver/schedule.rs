@@ -1,8 +1,14 @@
-//! Which manifold goes into which lane of which block; see [`blocks`](super::blocks).
+//! Manifolds in blocks in their order: a sweep does what it would do one manifold after the other.
+//!
+//! Only manifolds that share a body need to keep their order. So blocks are filled one after the other with manifolds all of
+//! whose earlier neighbours are in blocks before, as instructions of a program are scheduled; and because a block takes as
+//! many rows as its largest manifold has points, with manifolds of as many points as long as eight of them are ready. A
+//! pile, half of whose manifolds have one point, fills 97 % of its lanes, where the first free lane behind all neighbours
+//! would fill 55 %.
 
 use super::blocks::Place;
 use super::lanes::WIDTH;
-use std::ops::Range;
+use crate::contact::manifold::MAX_POINTS;
 
 /// How manifolds are put into blocks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -18,212 +24,146 @@ pub enum ContactOrder {
     Coloured,
 }
 
-/// Colours, as bits of a mask; a manifold that finds none free gets a block of its own, behind all others.
-const COLOURS: usize = 31;
+/// A way to put manifolds into blocks.
+pub trait Filling {
+    /// Forgets the blocks. `bodies` is how many bodies there are.
+    fn begin(&mut self, bodies: usize);
 
-/// Colour of those.
-const NO_COLOUR: u32 = u32::MAX;
+    /// Takes the next manifold of a domain, with `count` points, which joins these bodies; those that contacts do not move are
+    /// `None`.
+    fn add(&mut self, bodies: [Option<u32>; 2], count: u32);
 
-/// How a [`Schedule`] puts manifolds into blocks.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Filling {
-    /// In their order, each into the first block that it may be in.
-    #[default]
-    Densely,
-    /// By colour: blocks of one colour share no body.
-    ByColour,
+    /// Places the manifolds that were added since the last domain ended, in blocks of their own behind all others; returns
+    /// their places in the order in which they came.
+    fn end_domain(&mut self) -> impl Iterator<Item = Place>;
+
+    /// Of each block, the points of its largest manifold.
+    fn points_of_blocks(&self) -> &[u16];
 }
 
-/// Places manifolds; buffers are reused.
+/// No manifold.
+const NONE: u32 = u32::MAX;
+
+/// A manifold that is to be placed.
+#[derive(Clone, Copy, Debug)]
+struct Waiting {
+    /// For each of its bodies the next manifold that joins it.
+    next: [u32; 2],
+    /// For how many earlier manifolds it waits.
+    waits: u8,
+    /// Number of its points.
+    points: u8,
+    place: Place,
+}
+
+/// Places manifolds in their order; buffers are reused.
 #[derive(Debug, Default)]
 pub struct Schedule {
-    filling: Filling,
-    /// By body, in order: the first block behind all that hold it.
-    free_from: Vec<u32>,
-    /// The first block of the present domain.
-    first: u32,
-    /// Number of blocks of the domains that are filled.
-    ends: Vec<u32>,
-    /// By body, coloured: the colours of its manifolds.
-    taken: Vec<u32>,
-    /// By colour: the block that has a lane left, if any.
-    open: Vec<Option<u32>>,
-    blocks: Vec<Draft>,
-    /// By block: itself if it has a lane left, else a later block, on the way to the first that has.
-    next: Vec<u32>,
-    /// By block: its number among all blocks in the end.
-    rank: Vec<u32>,
+    /// By body: the last manifold of this domain that joins it, times two, plus which of its bodies that is.
+    last: Vec<u32>,
+    /// Manifolds of this domain.
+    domain: Vec<Waiting>,
+    /// By number of points: manifolds that wait for none, as they came to that, and how many of them are placed.
+    ready: [Vec<u32>; MAX_POINTS + 1],
+    placed: [usize; MAX_POINTS + 1],
+    /// By block, of this domain and those before it: points of its largest manifold.
+    points: Vec<u16>,
 }
 
-/// A block that is being filled.
-#[derive(Clone, Copy, Debug)]
-struct Draft {
-    /// Lanes in use.
-    used: u16,
-    /// Points of its largest manifold.
-    points: u16,
-    /// Domain, then colour.
-    group: (u32, u32),
-    /// Its number before all are brought into their order.
-    number: u32,
+impl Filling for Schedule {
+    fn begin(&mut self, bodies: usize) {
+        self.last.clear();
+        self.last.resize(bodies, NONE);
+        self.domain.clear();
+        self.points.clear();
+    }
+
+    fn add(&mut self, bodies: [Option<u32>; 2], count: u32) {
+        let mut manifold = Waiting {
+            next: [NONE; 2],
+            waits: 0,
+            points: count as u8,
+            place: Place::default(),
+        };
+        let index = self.domain.len() as u32;
+        for (side, body) in bodies.into_iter().enumerate() {
+            let Some(body) = body else { continue };
+            let last = &mut self.last[body as usize];
+            if *last != NONE {
+                self.domain[(*last / 2) as usize].next[(*last % 2) as usize] = index;
+                manifold.waits += 1;
+            }
+            *last = 2 * index + side as u32;
+        }
+        self.domain.push(manifold);
+    }
+
+    fn end_domain(&mut self) -> impl Iterator<Item = Place> {
+        self.last.fill(NONE);
+        self.ready.iter_mut().for_each(Vec::clear);
+        self.placed = [0; MAX_POINTS + 1];
+        for (index, manifold) in (0..).zip(&self.domain) {
+            if manifold.waits == 0 {
+                self.ready[usize::from(manifold.points)].push(index);
+            }
+        }
+        while let Some(points) = self.most_ready() {
+            self.fill_block(points);
+        }
+        self.domain.drain(..).map(|manifold| manifold.place)
+    }
+
+    fn points_of_blocks(&self) -> &[u16] {
+        &self.points
+    }
 }
 
 impl Schedule {
-    /// Forgets the blocks. `bodies` is how many bodies there are.
-    pub fn begin(&mut self, bodies: usize, filling: Filling) {
-        self.filling = filling;
-        self.blocks.clear();
-        self.open.clear();
-        self.next.clear();
-        self.ends.clear();
-        self.first = 0;
-        if filling == Filling::ByColour {
-            self.taken.clear();
-            self.taken.resize(bodies, 0);
-        } else {
-            self.free_from.clear();
-            self.free_from.resize(bodies, 0);
+    /// The number of points of which most manifolds are ready or, if of none there are enough for a block, the largest one.
+    fn most_ready(&self) -> Option<usize> {
+        let ready = |points: usize| self.ready[points].len() - self.placed[points];
+        let with_most = (0..=MAX_POINTS).max_by_key(|&points| ready(points))?;
+        if ready(with_most) >= WIDTH {
+            return Some(with_most);
+        }
+        (0..=MAX_POINTS).rev().find(|&points| ready(points) > 0)
+    }
+
+    /// Fills a block with manifolds that are ready, of `points` points or, when these run out, of fewer.
+    fn fill_block(&mut self, points: usize) {
+        let block = self.points.len() as u32;
+        self.points.push(points as u16);
+        let mut taken = [NONE; WIDTH];
+        let mut used = 0;
+        for count in (0..=points).rev() {
+            let ready = &self.ready[count][self.placed[count]..];
+            let more = ready.len().min(WIDTH - used);
+            taken[used..used + more].copy_from_slice(&ready[..more]);
+            self.placed[count] += more;
+            used += more;
+        }
+        for (lane, &index) in taken[..used].iter().enumerate() {
+            let manifold = &mut self.domain[index as usize];
+            manifold.place = Place {
+                block,
+                lane: lane as u16,
+                count: u16::from(manifold.points),
+            };
+            for next in manifold.next {
+                self.release(next);
+            }
         }
     }
 
-    /// Ends a domain: what comes next goes into blocks of its own, behind all others.
-    pub fn end_domain(&mut self) {
-        self.first = self.blocks.len() as u32;
-        self.ends.push(self.first);
-        self.open.clear();
-        self.taken.fill(0);
-    }
-
-    /// Blocks of the domains that have been ended.
-    pub fn domains(&self) -> impl Iterator<Item = Range<usize>> {
-        let firsts = std::iter::once(&0).chain(&self.ends);
-        let ranges = firsts.zip(&self.ends);
-        ranges.map(|(first, end)| *first as usize..*end as usize)
-    }
-
-    /// Number of blocks.
-    pub fn blocks(&self) -> usize {
-        self.blocks.len()
-    }
-
-    /// The place of the next manifold, with `count` points, which joins these bodies; those that contacts do not move are
-    /// `None`. The blocks are not numbered in their order yet, see [`finish`](Self::finish).
-    pub fn place(&mut self, bodies: [Option<u32>; 2], count: u32) -> Place {
-        let block = match self.filling {
-            Filling::Densely => self.place_densely(bodies),
-            Filling::ByColour => self.place_by_colour(bodies),
-        };
-        let draft = &mut self.blocks[block as usize];
-        let lane = draft.used;
-        draft.used += 1;
-        draft.points = draft.points.max(count as u16);
-        if usize::from(draft.used) == WIDTH {
-            self.close(block);
-        }
-        Place {
-            block,
-            lane,
-            count: count as u16,
-        }
-    }
-
-    /// A block has no lane left.
-    fn close(&mut self, block: u32) {
-        if self.filling == Filling::Densely {
-            self.next[block as usize] = block + 1;
-        } else if let Some(open) = self
-            .open
-            .get_mut(self.blocks[block as usize].group.1 as usize)
-        {
-            *open = None;
-        }
-    }
-
-    /// Brings the blocks into their order and numbers the places anew.
-    pub fn finish<'a>(&mut self, places: impl Iterator<Item = &'a mut Place>) {
-        if self.filling == Filling::Densely {
+    /// A manifold no longer waits for one of those before it.
+    fn release(&mut self, index: u32) {
+        if index == NONE {
             return;
         }
-        self.blocks
-            .sort_unstable_by_key(|block| (block.group, block.number));
-        self.rank.clear();
-        self.rank.resize(self.blocks.len(), 0);
-        for (rank, block) in (0..).zip(&self.blocks) {
-            self.rank[block.number as usize] = rank;
+        let manifold = &mut self.domain[index as usize];
+        manifold.waits -= 1;
+        if manifold.waits == 0 {
+            self.ready[usize::from(manifold.points)].push(index);
         }
-        for place in places {
-            place.block = self.rank[place.block as usize];
-        }
-    }
-
-    /// Of each block, the points of its largest manifold.
-    pub fn points_of_blocks(&self) -> impl ExactSizeIterator<Item = usize> {
-        self.blocks.iter().map(|block| usize::from(block.points))
-    }
-
-    fn place_densely(&mut self, bodies: [Option<u32>; 2]) -> u32 {
-        let block = self.open_from(self.earliest(bodies));
-        for body in bodies.into_iter().flatten() {
-            self.free_from[body as usize] = block + 1;
-        }
-        block
-    }
-
-    /// The first block of the domain behind those that hold one of the bodies.
-    fn earliest(&self, bodies: [Option<u32>; 2]) -> u32 {
-        let bodies = bodies.into_iter().flatten();
-        let earliest = bodies.map(|body| self.free_from[body as usize]).max();
-        earliest.unwrap_or(0).max(self.first)
-    }
-
-    /// A block of a colour with a lane left.
-    fn open_in(&mut self, colour: u32) -> u32 {
-        let i = colour as usize;
-        if i >= self.open.len() {
-            self.open.resize(i + 1, None);
-        }
-        let block = self.open[i].unwrap_or_else(|| self.make_block(colour));
-        self.open[i] = Some(block);
-        block
-    }
-
-    /// The first block from `from` on with a lane left; makes it if there is none.
-    fn open_from(&mut self, from: u32) -> u32 {
-        let mut block = from;
-        while let Some(&next) = self.next.get(block as usize) {
-            if next == block {
-                return block;
-            }
-            // Halves the way for those who come after.
-            let after = self.next.get(next as usize).copied().unwrap_or(next);
-            self.next[block as usize] = after;
-            block = next;
-        }
-        self.next.push(block);
-        self.make_block(0)
-    }
-
-    fn place_by_colour(&mut self, bodies: [Option<u32>; 2]) -> u32 {
-        let bodies = || bodies.into_iter().flatten().map(|body| body as usize);
-        let taken = bodies().fold(0, |taken, body| taken | self.taken[body]);
-        let colour = (!taken).trailing_zeros();
-        if colour as usize >= COLOURS {
-            return self.make_block(NO_COLOUR);
-        }
-        for body in bodies() {
-            self.taken[body] |= 1 << colour;
-        }
-        self.open_in(colour)
-    }
-
-    fn make_block(&mut self, colour: u32) -> u32 {
-        let number = self.blocks.len() as u32;
-        self.blocks.push(Draft {
-            used: 0,
-            points: 0,
-            group: (self.ends.len() as u32, colour),
-            number,
-        });
-        number
     }
 }

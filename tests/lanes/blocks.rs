@@ -138,15 +138,19 @@ struct Blocks {
 impl Blocks {
     fn new(scene: &Scene, friction: FrictionModel, width: LaneWidth) -> Self {
         let mut schedule = Schedule::default();
-        schedule.begin(scene.bodies.len(), Filling::Densely);
-        let place = |m: &Manifold| {
+        schedule.begin(scene.bodies.len());
+        for m in &scene.manifolds {
             let moves = |body: &u32| scene.bodies[*body as usize].inverse_mass > 0.0;
-            schedule.place([m.a, m.b].map(|body| Some(body).filter(moves)), m.count)
-        };
-        let places: Vec<Place> = scene.manifolds.iter().map(place).collect();
+            schedule.add([m.a, m.b].map(|body| Some(body).filter(moves)), m.count);
+        }
+        let places: Vec<Place> = schedule.end_domain().collect();
         let mut blocks = Vec::new();
         let mut count = 0;
-        for points in schedule.points_of_blocks() {
+        for points in schedule
+            .points_of_blocks()
+            .iter()
+            .map(|&points| usize::from(points))
+        {
             let mut block = Block::default();
             block.clear(BODIES as u32, count..count + points);
             blocks.push(block);

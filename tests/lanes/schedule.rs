@@ -3,6 +3,7 @@
 use crate::dice::Dice;
 use crate::properties::cases;
 use bevy_cleave::solver::blocks::Place;
+use bevy_cleave::solver::colouring::Colouring;
 use bevy_cleave::solver::lanes::WIDTH;
 use bevy_cleave::solver::schedule::{Filling, Schedule};
 use proptest::prelude::*;
@@ -10,44 +11,37 @@ use proptest::prelude::*;
 /// Two bodies, of which either may be one that contacts do not move, and a number of points.
 type Joint = ([Option<u32>; 2], u32);
 
-fn place_all(joints: &[Joint], bodies: usize) -> (Vec<Place>, Vec<usize>) {
-    let mut schedule = Schedule::default();
-    schedule.begin(bodies, Filling::Densely);
-    let places = joints.iter().map(|&(pair, n)| schedule.place(pair, n));
-    let places = places.collect();
-    (places, schedule.points_of_blocks().collect())
+fn place_all(
+    mut filling: impl Filling,
+    joints: &[Joint],
+    bodies: usize,
+) -> (Vec<Place>, Vec<usize>) {
+    filling.begin(bodies);
+    for &(pair, count) in joints {
+        filling.add(pair, count);
+    }
+    let places = filling.end_domain().collect();
+    let points = filling.points_of_blocks().iter();
+    (places, points.map(|&count| usize::from(count)).collect())
+}
+
+fn in_order(joints: &[Joint], bodies: usize) -> (Vec<Place>, Vec<usize>) {
+    place_all(Schedule::default(), joints, bodies)
+}
+
+fn by_colour(joints: &[Joint], bodies: usize) -> (Vec<Place>, Vec<usize>) {
+    place_all(Colouring::default(), joints, bodies)
 }
 
 fn share_a_body(a: &Joint, b: &Joint) -> bool {
     a.0.iter().flatten().any(|body| b.0.contains(&Some(*body)))
 }
 
-/// The block of each joint by the definition: the first one behind all that hold an earlier joint of one of its bodies that
-/// has a lane left.
-fn blocks_by_definition(joints: &[Joint]) -> Vec<u32> {
-    let (mut blocks, mut used) = (Vec::<u32>::new(), Vec::new());
-    for (i, joint) in joints.iter().enumerate() {
-        let earlier = joints[..i].iter().zip(&blocks);
-        let shared = earlier.filter(|(other, _)| share_a_body(other, joint));
-        let mut block = shared.map(|(_, block)| block + 1).max().unwrap_or(0) as usize;
-        used.resize(used.len().max(block + 1), 0);
-        while used.get(block) == Some(&WIDTH) {
-            block += 1;
-        }
-        used.resize(used.len().max(block + 1), 0);
-        used[block] += 1;
-        blocks.push(block as u32);
-    }
-    blocks
-}
-
 fn check(joints: &[Joint], bodies: usize) {
-    let (places, points) = place_all(joints, bodies);
-    let blocks: Vec<u32> = places.iter().map(|place| place.block).collect();
-    assert_eq!(blocks, blocks_by_definition(joints));
+    let (places, points) = in_order(joints, bodies);
+    check_blocks(&places, &points);
     for (i, (joint, place)) in joints.iter().zip(&places).enumerate() {
         assert_eq!(u32::from(place.count), joint.1);
-        assert!(place.count as usize <= points[place.block as usize]);
         for (other, earlier) in joints[..i].iter().zip(&places) {
             assert!(
                 !share_a_body(joint, other) || earlier.block < place.block,
@@ -55,12 +49,28 @@ fn check(joints: &[Joint], bodies: usize) {
             );
         }
     }
+}
+
+/// The lanes of each block are the first ones, and its points those of its largest manifold.
+fn check_blocks(places: &[Place], points: &[usize]) {
     for (block, &count) in points.iter().enumerate() {
         let held = || places.iter().filter(|place| place.block as usize == block);
-        let lanes: Vec<u16> = held().map(|place| place.lane).collect();
+        let mut lanes: Vec<u16> = held().map(|place| place.lane).collect();
+        lanes.sort_unstable();
         assert!(lanes.iter().copied().eq(0..lanes.len() as u16), "{lanes:?}");
         assert!(lanes.len() <= WIDTH);
         assert_eq!(held().map(|place| place.count as usize).max(), Some(count));
+    }
+}
+
+fn check_colours(joints: &[Joint], bodies: usize) {
+    let (places, points) = by_colour(joints, bodies);
+    check_blocks(&places, &points);
+    for (i, (joint, place)) in joints.iter().zip(&places).enumerate() {
+        assert_eq!(u32::from(place.count), joint.1);
+        for (other, earlier) in joints[..i].iter().zip(&places) {
+            assert!(!share_a_body(joint, other) || earlier.block != place.block);
+        }
     }
 }
 
@@ -84,35 +94,81 @@ proptest! {
     ) {
         check(&joints, bodies);
     }
+
+    #[test]
+    fn no_block_of_a_colour_holds_a_movable_body_twice((joints, bodies) in joints()) {
+        check_colours(&joints, bodies);
+    }
+}
+
+#[test]
+fn manifolds_of_a_colour_share_blocks_with_those_of_as_many_points() {
+    let points = [1, 2, 3, 4, 2, 1, 4, 3];
+    let apart: Vec<Joint> = (0..64)
+        .map(|i| ([None, Some(i)], points[i as usize % 8]))
+        .collect();
+    assert_eq!(by_colour(&apart, 64).1, [4, 4, 3, 3, 2, 2, 1, 1]);
+}
+
+#[test]
+fn manifolds_that_find_no_colour_get_blocks_of_their_own() {
+    let star: Vec<Joint> = (1..41).map(|i| ([Some(0), Some(i)], 1 + i % 4)).collect();
+    check_colours(&star, 41);
+    assert_eq!(by_colour(&star, 41).1.len(), 40);
 }
 
 #[test]
 fn chain_takes_a_block_for_each_link() {
     let chain: Vec<Joint> = (0..20).map(|i| ([Some(i), Some(i + 1)], 4)).collect();
     check(&chain, 21);
-    assert_eq!(place_all(&chain, 21).1.len(), 20);
+    assert_eq!(in_order(&chain, 21).1.len(), 20);
 }
 
 #[test]
 fn bodies_on_a_floor_fill_all_lanes() {
     let apart: Vec<Joint> = (0..64).map(|i| ([None, Some(i)], 4)).collect();
     check(&apart, 64);
-    assert_eq!(place_all(&apart, 64).1, vec![4; 64 / WIDTH]);
+    assert_eq!(in_order(&apart, 64).1, vec![4; 64 / WIDTH]);
 }
 
 #[test]
 fn same_joints_after_others_are_placed_as_if_there_had_been_none() {
-    let mut dice = Dice::new(5);
-    let mut schedule = Schedule::default();
-    let mut places = Vec::new();
-    for _ in 0..3 {
-        let other = (0..dice.below(50) as u32).map(|i| [Some(i), Some(i + 1)]);
-        schedule.begin(64, Filling::Densely);
-        for pair in other {
-            schedule.place(pair, 1);
+    fn check(mut filling: impl Filling) {
+        let mut dice = Dice::new(5);
+        let mut places: Vec<Vec<Place>> = Vec::new();
+        for _ in 0..3 {
+            filling.begin(64);
+            for i in 0..dice.below(50) as u32 {
+                filling.add([Some(i), Some(i + 1)], 1);
+            }
+            drop(filling.end_domain());
+            filling.begin(10);
+            for body in [0, 1, 0] {
+                filling.add([Some(body), Some(body + 2)], 2);
+            }
+            places.push(filling.end_domain().collect());
         }
-        schedule.begin(10, Filling::Densely);
-        places.push([0, 1, 0].map(|body| schedule.place([Some(body), Some(body + 2)], 2)));
+        assert!(places.iter().all(|p| *p == places[0]), "{places:?}");
     }
-    assert!(places.iter().all(|p| *p == places[0]), "{places:?}");
+    check(Schedule::default());
+    check(Colouring::default());
+}
+
+/// 500 bodies in no order with as many points as in a heap: the neighbours of a body are few enough to wait for.
+#[test]
+fn joints_of_a_heap_fill_their_lanes_in_their_order() {
+    let mut dice = Dice::new(11);
+    let points = [1, 1, 1, 1, 2, 2, 3, 4];
+    let joints: Vec<Joint> = (0..1500)
+        .map(|_| {
+            let a = dice.below(500);
+            let b = (a + 1 + dice.below(499)) % 500;
+            ([Some(a as u32), Some(b as u32)], points[dice.below(8)])
+        })
+        .collect();
+    let (places, rows) = in_order(&joints, 500);
+    check_blocks(&places, &rows);
+    let used: u32 = joints.iter().map(|joint| joint.1).sum();
+    let lanes = WIDTH * rows.iter().sum::<usize>();
+    assert!(used as usize * 100 >= lanes * 93, "{used} of {lanes}");
 }

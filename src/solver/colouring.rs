@@ -1,0 +1,108 @@
+//! Manifolds in blocks by colour: those of one colour share no body, so that their order does not matter.
+//!
+//! A block takes as many rows as its largest manifold has points. So the manifolds of a colour are put into blocks by number
+//! of points, the largest first: a pile, whose manifolds have one point or two as often as four, fills its lanes.
+
+use super::blocks::Place;
+use super::lanes::WIDTH;
+use super::schedule::Filling;
+use crate::contact::manifold::MAX_POINTS;
+
+/// Colours, as bits of a mask; a manifold that finds none free gets a block of its own, behind all others.
+const COLOURS: usize = 31;
+
+/// A manifold that is to be placed.
+#[derive(Clone, Copy, Debug)]
+struct Coloured {
+    /// Its colour; that behind the last one if none was free.
+    colour: u8,
+    /// Number of its points.
+    points: u8,
+}
+
+/// Colours manifolds and places them; buffers are reused.
+#[derive(Debug, Default)]
+pub struct Colouring {
+    /// By body: the colours of its manifolds in this domain.
+    taken: Vec<u32>,
+    /// Manifolds of this domain.
+    domain: Vec<Coloured>,
+    /// By block, of this domain and those before it: points of its largest manifold.
+    points: Vec<u16>,
+}
+
+impl Filling for Colouring {
+    fn begin(&mut self, bodies: usize) {
+        self.taken.clear();
+        self.taken.resize(bodies, 0);
+        self.domain.clear();
+        self.points.clear();
+    }
+
+    fn add(&mut self, bodies: [Option<u32>; 2], count: u32) {
+        let bodies = || bodies.into_iter().flatten().map(|body| body as usize);
+        let taken = bodies().fold(0, |taken, body| taken | self.taken[body]);
+        let colour = (!taken).trailing_zeros() as usize;
+        if colour < COLOURS {
+            for body in bodies() {
+                self.taken[body] |= 1 << colour;
+            }
+        }
+        self.domain.push(Coloured {
+            colour: colour.min(COLOURS) as u8,
+            points: count as u8,
+        });
+    }
+
+    fn end_domain(&mut self) -> impl Iterator<Item = Place> {
+        let mut next = first_lanes(&self.domain, self.points.len() * WIDTH);
+        let Self {
+            taken,
+            domain,
+            points,
+        } = self;
+        taken.fill(0);
+        domain.drain(..).map(
+            move |Coloured {
+                      colour,
+                      points: count,
+                  }| {
+                let next = &mut next[usize::from(colour)][usize::from(count)];
+                let (block, lane) = (*next / WIDTH, *next % WIDTH);
+                let is_alone = usize::from(colour) == COLOURS;
+                *next += if is_alone { WIDTH } else { 1 };
+                if points.len() <= block {
+                    points.resize(block + 1, 0);
+                }
+                points[block] = points[block].max(u16::from(count));
+                Place {
+                    block: block as u32,
+                    lane: lane as u16,
+                    count: u16::from(count),
+                }
+            },
+        )
+    }
+
+    fn points_of_blocks(&self) -> &[u16] {
+        &self.points
+    }
+}
+
+/// By colour and number of points: the first of all lanes, those before `from` being taken, that such a manifold gets.
+fn first_lanes(manifolds: &[Coloured], from: usize) -> [[usize; MAX_POINTS + 1]; COLOURS + 1] {
+    let mut lanes = [[0; MAX_POINTS + 1]; COLOURS + 1];
+    for manifold in manifolds {
+        lanes[usize::from(manifold.colour)][usize::from(manifold.points)] += 1;
+    }
+    let mut end = from;
+    for (colour, counts) in lanes.iter_mut().enumerate() {
+        end = end.next_multiple_of(WIDTH);
+        let size = if colour == COLOURS { WIDTH } else { 1 };
+        for count in counts.iter_mut().rev() {
+            let first = end;
+            end += size * std::mem::replace(count, first);
+        }
+    }
+    lanes
+}
