@@ -189,8 +189,8 @@ impl Kernel for Transposes<'_> {
         for block in blocks.iter() {
             let [a, b] = &block.bodies;
             let (of_a, of_b) = (L::gather(bodies, a), L::gather(bodies, b));
-            L::scatter(of_a, bodies, a);
-            L::scatter(of_b, bodies, b);
+            L::scatter(of_a, bodies, a, block.used);
+            L::scatter(of_b, bodies, b, block.used);
         }
     }
 }
