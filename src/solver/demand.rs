@@ -187,11 +187,14 @@ pub struct Travel {
 impl Travel {
     /// `extents`: least extents of the bodies, m; `step`, s.
     pub fn of([a, b]: [&SolverBody; 2], extents: [f32; 2], step: f32) -> Self {
-        let turn = step * a.angular.length().max(b.angular.length());
-        let way = step * (b.linear - a.linear).length();
+        // Squares, so that no root has to be taken for each manifold of the scene.
+        let square = |x: f32| x * x;
+        let spin = a.angular.length_squared().max(b.angular.length_squared());
+        let turn = square(step) * spin;
+        let way = square(step) * (b.linear - a.linear).length_squared();
         Self {
-            is_noticeable: turn > TURN || way > TRAVEL * extents[0].min(extents[1]),
-            is_fast: way > extents[0] + extents[1],
+            is_noticeable: turn > square(TURN) || way > square(TRAVEL * extents[0].min(extents[1])),
+            is_fast: way > square(extents[0] + extents[1]),
         }
     }
 }

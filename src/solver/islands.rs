@@ -23,17 +23,37 @@ pub struct Island {
 }
 
 /// What islands need of a manifold, which is large: one after the other in memory.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Link {
     /// Slots.
     bodies: [u32; 2],
-    /// First a slot of the island that it belongs to, then the index of that; `NONE` if it belongs to none.
+    /// A slot of the island that it belongs to; `NONE` if it belongs to none.
     of: u32,
     /// Number of its points.
-    points: u32,
+    points: u16,
+    /// Whether contacts move both bodies.
+    joins: bool,
 }
 
-/// The islands of a step; buffers are reused.
+impl Link {
+    fn new(manifold: &Manifold, bodies: &Bodies, is_open: bool) -> Self {
+        let (a, b) = (manifold.a, manifold.b);
+        let moves = [a, b].map(|slot| bodies.velocity[slot as usize].inverse_mass > 0.0);
+        let of = match moves {
+            [true, _] => a,
+            [false, true] => b,
+            [false, false] => NONE,
+        };
+        Self {
+            bodies: [a, b],
+            of: if is_open { of } else { NONE },
+            points: manifold.count as u16,
+            joins: is_open && moves == [true; 2],
+        }
+    }
+}
+
+/// The islands of a step, kept while the same bodies touch at as many points; buffers are reused.
 #[derive(Debug, Default)]
 pub struct Islands {
     /// The islands, in the order of their first manifolds.
@@ -46,8 +66,11 @@ pub struct Islands {
     pub counts: Vec<u32>,
     /// Slots of bodies, island by island, in the order in which the manifolds name them.
     pub slots: Vec<u32>,
-    /// By manifold.
+    /// By manifold: what the islands are made of, and what the present step has.
     links: Vec<Link>,
+    new_links: Vec<Link>,
+    /// By manifold: the index of its island, if it belongs to one.
+    island: Vec<u32>,
     /// Union-find over slots.
     parent: Vec<u32>,
     /// By slot of a root: index of its island.
@@ -65,27 +88,17 @@ impl Islands {
         bodies: &Bodies,
         is_open: impl Fn(&Manifold) -> bool,
     ) {
-        let moves = |slot: u32| bodies.velocity[slot as usize].inverse_mass > 0.0;
+        self.new_links.clear();
+        let links = manifolds.iter().map(|m| Link::new(m, bodies, is_open(m)));
+        self.new_links.extend(links);
+        if self.links == self.new_links {
+            return;
+        }
+        std::mem::swap(&mut self.links, &mut self.new_links);
         self.parent.clear();
         self.parent.extend(0..bodies.slots() as u32);
-        self.links.clear();
-        for manifold in manifolds {
-            let (a, b) = (manifold.a, manifold.b);
-            let of = match (moves(a), moves(b)) {
-                _ if !is_open(manifold) => None,
-                (true, true) => {
-                    join(&mut self.parent, a, b);
-                    Some(a)
-                }
-                (true, false) => Some(a),
-                (false, true) => Some(b),
-                (false, false) => None,
-            };
-            self.links.push(Link {
-                bodies: [a, b],
-                of: of.unwrap_or(NONE),
-                points: manifold.count,
-            });
+        for &Link { bodies: [a, b], .. } in self.links.iter().filter(|link| link.joins) {
+            join(&mut self.parent, a, b);
         }
         self.count();
         self.sort();
@@ -97,17 +110,22 @@ impl Islands {
         self.list.clear();
         self.island_of.clear();
         self.island_of.resize(self.parent.len(), NONE);
-        for link in self.links.iter_mut().filter(|link| link.of != NONE) {
+        self.island.clear();
+        for link in &self.links {
+            if link.of == NONE {
+                self.island.push(NONE);
+                continue;
+            }
             let root = find(&mut self.parent, link.of);
             let island = &mut self.island_of[root as usize];
             if *island == NONE {
                 *island = self.list.len() as u32;
                 self.list.push(Island::default());
             }
-            link.of = *island;
+            self.island.push(*island);
             let island = &mut self.list[*island as usize];
             island.manifolds.end += 1;
-            island.points.end += link.points as usize;
+            island.points.end += usize::from(link.points);
         }
         let (mut manifolds, mut points) = (0, 0);
         for island in &mut self.list {
@@ -122,12 +140,12 @@ impl Islands {
 
     /// Sorts the manifolds by island.
     fn sort(&mut self) {
-        let used = self.links.iter().filter(|link| link.of != NONE).count();
+        let islands = (0..).zip(&self.island);
+        let islands = islands.filter(|(_, island)| **island != NONE);
         self.manifolds.clear();
-        self.manifolds.resize(used, 0);
-        let links = (0..).zip(&self.links).filter(|(_, link)| link.of != NONE);
-        for (index, link) in links {
-            let island = &mut self.list[link.of as usize];
+        self.manifolds.resize(islands.clone().count(), 0);
+        for (index, &island) in islands {
+            let island = &mut self.list[island as usize];
             self.manifolds[island.manifolds.end] = index;
             island.manifolds.end += 1;
         }
@@ -153,7 +171,7 @@ impl Islands {
                     *number
                 });
                 self.pairs.push(pair);
-                self.counts.push(link.points);
+                self.counts.push(u32::from(link.points));
             }
             island.bodies = first..self.slots.len();
             for &slot in &self.slots[island.bodies.clone()] {

@@ -9,6 +9,7 @@ mod properties;
 
 mod arrangement;
 mod blocks;
+mod islands;
 mod operations;
 mod schedule;
 
