@@ -15,15 +15,19 @@
 mod classes;
 mod emit;
 mod moments;
+mod numbers;
 mod rebuild;
 mod rim;
+mod select;
 
 use super::SliceError;
 use crate::geometry::ConvexHull;
+use crate::geometry::lanes::wide::Avx2;
 use crate::geometry::predicates::check_plane;
 use crate::math::Plane;
 use classes::Classes;
-use emit::Numbers;
+use emit::Writer;
+use numbers::Numbers;
 use rim::Rim;
 
 /// What a plane does to a hull.
@@ -93,6 +97,28 @@ pub struct HullSlicer {
     classes: Classes,
     rim: Rim,
     numbers: Numbers,
+    registers: Registers,
+}
+
+/// Which registers may be used. All give the same bits; the choice is for tests.
+#[derive(Clone, Copy, Debug, Default)]
+enum Registers {
+    /// The widest that the processor has.
+    #[default]
+    Widest,
+    /// Those that all processors of its kind have.
+    #[cfg(test)]
+    Narrow,
+}
+
+impl Registers {
+    fn find(self) -> Option<Avx2> {
+        match self {
+            Self::Widest => Avx2::find(),
+            #[cfg(test)]
+            Self::Narrow => None,
+        }
+    }
 }
 
 /// The rim is not one simple loop, or a part is not a polyhedron.
@@ -155,18 +181,28 @@ impl HullSlicer {
             classes,
             rim,
             numbers,
+            registers,
         } = self;
-        classes.find_edges(hull);
+        let wide = registers.find();
+        classes.find_edges(hull, wide);
         classes.find_faces(hull, plane);
         rim.cut_edges(hull, plane, classes);
         rim.divide_faces(hull, classes)?;
         rim.find_cap(hull, classes)?;
-        numbers.count(classes, rim)?;
+        numbers.count(hull, classes, rim)?;
         let parts = [&mut halves.below, &mut halves.above];
         for (part, out) in parts.into_iter().enumerate() {
-            let plane = [*plane, plane.flipped()][part];
-            numbers.emit(hull, classes, rim, part, plane, out)?;
+            let writer = Writer {
+                hull,
+                classes,
+                rim,
+                part,
+                numbers: &numbers.parts[part],
+                plane: [*plane, plane.flipped()][part],
+                wide,
+            };
+            writer.write(out)?;
         }
-        moments::find_moments(hull, classes, numbers, halves)
+        moments::find_moments(hull, classes, numbers, halves, wide)
     }
 }

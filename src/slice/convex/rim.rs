@@ -3,7 +3,7 @@
 //! Vertices are named by their numbers in the hull, with the cut points numbered after them.
 
 use super::Irregular;
-use super::classes::{ABOVE, BELOW, BOTH, Classes, ON};
+use super::classes::{ABOVE, BELOW, Classes, ON};
 use crate::geometry::{ConvexHull, Edge};
 use crate::math::Plane;
 use crate::slice::clip::crossing;
@@ -53,12 +53,12 @@ impl Loops {
         self.ends.clear();
     }
 
-    /// The loops, in order.
-    pub(super) fn iter(&self) -> impl Iterator<Item = &[u32]> {
+    /// The loops, in order: lists of corners that begin with one, and how many it has.
+    pub(super) fn iter(&self) -> impl Iterator<Item = (&[u32], usize)> {
         let mut first = 0;
         self.ends.iter().map(move |&end| {
             let from = std::mem::replace(&mut first, end as usize);
-            &self.corners[from..end as usize]
+            (&self.corners[from..], end as usize - from)
         })
     }
 }
@@ -70,17 +70,16 @@ impl Rim {
             self.crossings.resize(hull.faces.len(), [NONE; 2]);
         }
         self.cut_edges.clear();
-        self.cut_edges
-            .extend(classes.edges(BOTH).iter().map(|&edge| {
-                let Edge { vertices, faces } = hull.edges[edge as usize];
-                let [from, to] = vertices;
-                let goes_up = classes.sides[from as usize] == BELOW;
-                CutEdge {
-                    ends: if goes_up { [from, to] } else { [to, from] },
-                    faces,
-                    goes_up,
-                }
-            }));
+        self.cut_edges.extend(classes.cut_edges.iter().map(|&edge| {
+            let Edge { vertices, faces } = hull.edges[edge as usize];
+            let [from, to] = vertices;
+            let goes_up = classes.sides[from as usize] == BELOW;
+            CutEdge {
+                ends: if goes_up { [from, to] } else { [to, from] },
+                faces,
+                goes_up,
+            }
+        }));
         self.points.clear();
         self.points.extend(self.cut_edges.iter().map(|edge| {
             let [a, b] = edge.ends;
@@ -110,7 +109,7 @@ impl Rim {
         chords.clear();
         pieces.iter_mut().for_each(Loops::clear);
         let mut result = Ok(());
-        for &face in &classes.cut_faces {
+        for &face in classes.cut_faces.indices() {
             let crossings = std::mem::replace(&mut crossings[face as usize], [NONE; 2]);
             let corners = hull.face_loop(&hull.faces[face as usize]);
             let divided = match *corners {
