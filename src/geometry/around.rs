@@ -106,7 +106,7 @@ impl AroundWriter<'_> {
     }
 
     /// Writes the faces around the next vertex, ascending. False if there is no room left.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn push(&mut self, faces: &[u32]) -> bool {
         let to = (self.faces).get_mut(self.written..self.written + faces.len());
         let ends = std::mem::take(&mut self.ends);

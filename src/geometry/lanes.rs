@@ -228,8 +228,8 @@ pub(crate) fn bounds(points: &[Points4], turn: &Mat3, shift: Vec3) -> Aabb {
 
 /// The box around points in their own frame.
 pub(crate) fn box_of(points: &[Points4]) -> Aabb {
-    let lower = |a: Vec4, b: Vec4| Vec4::select(b.cmplt(a), b, a);
-    let higher = |a: Vec4, b: Vec4| Vec4::select(b.cmpgt(a), b, a);
+    let lower: fn(Vec4, Vec4) -> Vec4 = |a, b| Vec4::select(b.cmplt(a), b, a);
+    let higher: fn(Vec4, Vec4) -> Vec4 = |a, b| Vec4::select(b.cmpgt(a), b, a);
     let (mut least, mut most) = ([Vec4::INFINITY; 3], [Vec4::NEG_INFINITY; 3]);
     for group in points {
         let coordinates = [group.x, group.y, group.z];
@@ -239,16 +239,13 @@ pub(crate) fn box_of(points: &[Points4]) -> Aabb {
             most[axis] = higher(most[axis], along);
         }
     }
-    let least = least.map(|lanes| lanes.to_array().into_iter().fold(f32::INFINITY, f32::min));
-    let most = most.map(|lanes| {
-        lanes
-            .to_array()
-            .into_iter()
-            .fold(f32::NEG_INFINITY, f32::max)
-    });
+    let across = |[x, y, z]: [Vec4; 3], pick: fn(Vec4, Vec4) -> Vec4| {
+        let [a, b, c, d] = columns([x, y, z, Vec4::ZERO]).map(Vec4::from_array);
+        pick(pick(a, b), pick(c, d)).truncate()
+    };
     Aabb {
-        min: Vec3::from_array(least),
-        max: Vec3::from_array(most),
+        min: across(least, lower),
+        max: across(most, higher),
     }
 }
 

@@ -86,7 +86,7 @@ impl Neg for Moments {
     }
 }
 
-/// Triangles that wait to be summed up.
+/// Triangles that wait to be summed up; there may be a few more.
 const BLOCK: usize = 32;
 
 /// Triangles that are summed up side by side: as many `f64` as fit in the widest register. The order of the sums is the
@@ -104,7 +104,7 @@ pub(crate) struct MomentSum<'v> {
     apex: [f64; 3],
     wide: Option<Avx2>,
     /// Corners of the triangles that are not in the sums yet.
-    block: [[u32; 3]; BLOCK],
+    block: [[u32; 3]; BLOCK + LANES],
     filled: usize,
     /// Six volumes, first moments, diagonal and products, as [`Moments`] has them, in each lane.
     sums: [Lanes; 10],
@@ -117,7 +117,7 @@ impl<'v> MomentSum<'v> {
             vertices,
             apex: apex.to_array(),
             wide,
-            block: [[0; 3]; BLOCK],
+            block: [[0; 3]; BLOCK + LANES],
             filled: 0,
             sums: [[0.0; LANES]; 10],
         }
@@ -132,24 +132,29 @@ impl<'v> MomentSum<'v> {
         match corners.as_chunks() {
             // No face has fewer corners, so that all are triangles.
             (triangles, []) if triangles.len() == faces.len() => self.add_triangles(triangles),
-            _ => (faces.iter()).for_each(|face| self.add_face(&loops[face.range()])),
+            _ => faces.iter().for_each(|face| self.add_face(face, loops)),
         }
     }
 
-    /// Adds a face as a triangle fan about its first corner.
+    /// Adds a face, whose loop is in `loops`, as a triangle fan about its first corner.
     #[inline]
-    pub(crate) fn add_face(&mut self, corners: &[u32]) {
-        let [a, b, ref rest @ ..] = *corners else {
-            return;
-        };
-        let mut last = b;
-        for &next in rest {
+    pub(crate) fn add_face(&mut self, face: &Face, loops: &[u32]) {
+        let corners = face.range();
+        if let (Some(&[a, b, c, d]), 3..=4) = (loops[corners.start..].first_chunk(), face.count) {
+            // No branch between three corners and four, because there is no guessing: the next face writes over what is too
+            // much.
             if self.filled >= BLOCK {
                 self.add_block();
             }
-            self.block[self.filled] = [a, last, next];
-            self.filled += 1;
-            last = next;
+            self.block[self.filled] = [a, b, c];
+            self.block[self.filled + 1] = [a, c, d];
+            self.filled += face.count as usize - 2;
+        } else if let [a, b, ref rest @ ..] = loops[corners] {
+            let mut last = b;
+            for &next in rest {
+                self.add_triangles(&[[a, last, next]]);
+                last = next;
+            }
         }
     }
 
@@ -158,7 +163,7 @@ impl<'v> MomentSum<'v> {
             if self.filled >= BLOCK {
                 self.add_block();
             }
-            let room = &mut self.block[self.filled..];
+            let room = &mut self.block[self.filled..BLOCK];
             let (now, later) = triangles.split_at(triangles.len().min(room.len()));
             for (room, triangle) in room.iter_mut().zip(now) {
                 *room = *triangle;
@@ -169,7 +174,7 @@ impl<'v> MomentSum<'v> {
     }
 
     /// The sums.
-    pub(crate) fn finish(mut self) -> Moments {
+    pub(crate) fn finish(&mut self) -> Moments {
         let rest = self.filled % LANES;
         if rest != 0 {
             // The volume of a triangle with three equal corners is zero exactly.
@@ -188,15 +193,19 @@ impl<'v> MomentSum<'v> {
         }
     }
 
+    /// Adds as many triangles of the block as there are whole fours, and keeps the rest.
     fn add_block(&mut self) {
-        let filled = std::mem::take(&mut self.filled);
+        let (fours, rest) = self.block[..self.filled].as_chunks();
         let block = Block {
             vertices: self.vertices,
             apex: self.apex,
-            triangles: self.block[..filled].as_chunks().0,
+            triangles: fours,
             sums: &mut self.sums,
         };
         run(self.wide, block);
+        let rest = self.filled - rest.len()..self.filled;
+        self.filled = rest.len();
+        self.block.copy_within(rest, 0);
     }
 }
 

@@ -275,7 +275,7 @@ fn copy_corners(
 }
 
 /// As [`copy_corners`], of a face with many corners or near the end of a list.
-#[cold]
+#[inline(never)]
 fn copy_many_corners(from: &[u32], to: &mut [u32]) -> Result<(), Irregular> {
     let to = to.get_mut(..from.len()).ok_or(Irregular)?;
     to.copy_from_slice(from);

@@ -107,7 +107,7 @@ impl Summing<'_> {
     fn sum_faces(&self, part: &ConvexHull, faces: impl Iterator<Item = u32>) -> Moments {
         let mut sum = self.about_apex(&part.vertices);
         for face in faces {
-            sum.add_face(part.face_loop(&part.faces[face as usize]));
+            sum.add_face(&part.faces[face as usize], &part.loops);
         }
         sum.finish()
     }

@@ -119,28 +119,26 @@ pub(super) fn select<const N: usize>(
     wanted: impl Fn(Bits) -> [u8; N],
 ) {
     let mut counts = [0; N];
-    let rooms = selections.map(|selection| selection.restart(count));
-    let Some((last, whole)) = bits.split_last() else {
-        return;
-    };
-    let mut first = 0;
-    for &bits in whole {
-        let wanted = wanted(bits);
-        for list in 0..N {
-            counts[list] += push(
-                &mut rooms[list].indices[counts[list]..],
-                first,
-                wanted[list],
-            );
+    let mut lists = selections;
+    if let Some((last, whole)) = bits.split_last() {
+        let mut rooms = lists.each_mut().map(|list| list.restart(count));
+        let mut first = 0;
+        for &bits in whole {
+            let wanted = wanted(bits);
+            for list in 0..N {
+                counts[list] += push(&mut rooms[list][counts[list]..], first, wanted[list]);
+            }
+            first += GROUP as u32;
         }
-        first += GROUP as u32;
+        let wanted = wanted(*last);
+        let beyond = bits.len() * GROUP - count;
+        for list in 0..N {
+            let wanted = wanted[list] & u8::MAX >> beyond;
+            counts[list] += push(&mut rooms[list][counts[list]..], first, wanted);
+        }
     }
-    let beyond = bits.len() * GROUP - count;
-    let wanted = wanted(*last);
-    for list in 0..N {
-        let wanted = wanted[list] & u8::MAX >> beyond;
-        counts[list] += push(&mut rooms[list].indices[counts[list]..], first, wanted);
-        rooms[list].count = counts[list];
+    for (list, count) in lists.into_iter().zip(counts) {
+        list.count = count;
     }
 }
 
@@ -151,8 +149,7 @@ pub(super) fn select_and_number(
     part: usize,
     numbers: &mut [u32],
 ) {
-    selection.restart(numbers.len());
-    let room = &mut selection.indices[..];
+    let room = selection.restart(numbers.len());
     let (groups, rest) = numbers.as_chunks_mut();
     let (mut first, mut count) = (0, 0);
     for (bits, numbers) in bits.iter().zip(groups) {
@@ -199,13 +196,12 @@ impl Selection {
         self.count
     }
 
-    /// Empty, with room for `count` indices and for those that the last group writes over the end.
-    fn restart(&mut self, count: usize) -> &mut Self {
+    /// Room for `count` indices, and for those that the last group writes over the end.
+    fn restart(&mut self, count: usize) -> &mut [u32] {
         if self.indices.len() < count + GROUP {
             self.indices.resize(count + GROUP, 0);
         }
-        self.count = 0;
-        self
+        &mut self.indices
     }
 }
 
