@@ -51,7 +51,9 @@ impl FacesAround {
 
     /// The faces around all vertices, one vertex after the other.
     pub(crate) fn faces_mut(&mut self) -> &mut [u32] {
-        &mut self.faces
+        // Room that nothing was written to is no vertex's.
+        let end = self.first.last().map_or(0, |&end| end as usize);
+        &mut self.faces[..end]
     }
 
     /// The faces that meet in a vertex, ascending.

@@ -206,3 +206,72 @@ impl HullSlicer {
         moments::find_moments(hull, classes, numbers, halves, wide)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::lanes::HullLanes;
+    use crate::geometry::primitives::{cuboid, icosphere, regular_prism};
+    use glam::Vec3;
+    use rand_core::Rng;
+    use rand_pcg::Pcg32;
+
+    /// A number between -1 and 1.
+    fn signed(dice: &mut Pcg32) -> f32 {
+        f32::from((dice.next_u32() >> 16) as u16) / 32768.0 - 1.0
+    }
+
+    /// A plane through a point of a hull, or through one, two or three of its vertices.
+    fn plane(dice: &mut Pcg32, hull: &ConvexHull) -> Plane {
+        let count = hull.vertices().len() as u32;
+        let mut vertex = || hull.vertices()[(dice.next_u32() % count) as usize];
+        let [a, b, c] = [vertex(), vertex(), vertex()];
+        let normal = Vec3::new(signed(dice), signed(dice), signed(dice));
+        match dice.next_u32() % 4 {
+            0 => Plane::through(a, normal),
+            1 => Plane::through(a, (b - a).cross(normal)),
+            2 => Plane::through(a, (b - a).cross(c - a)),
+            _ => Plane::through((a + b + c) / 3.0, normal),
+        }
+    }
+
+    #[test]
+    fn wide_and_narrow_registers_give_the_same_bits_and_the_lanes_of_the_faces() {
+        let mut dice = Pcg32::new(1, 1);
+        let mut wide = HullSlicer::default();
+        let mut narrow = HullSlicer {
+            registers: Registers::Narrow,
+            ..HullSlicer::default()
+        };
+        let bodies = [
+            cuboid(1.0, 0.7, 1.3),
+            icosphere(0.5, 1),
+            icosphere(0.5, 2),
+            regular_prism(33, 1.0, 0.3),
+        ];
+        let mut cuts = 0;
+        for body in bodies {
+            let mut hulls = vec![body.expect("valid sizes")];
+            for _ in 0..200 {
+                let hull = hulls.swap_remove(dice.next_u32() as usize % hulls.len());
+                let plane = plane(&mut dice, &hull);
+                let found = [&mut wide, &mut narrow].map(|slicer| slicer.slice(&hull, plane));
+                // Written out, because `0.0 == -0.0`.
+                let [of_wide, of_narrow] = found.each_ref().map(|found| format!("{found:?}"));
+                assert_eq!(of_wide, of_narrow);
+                match found {
+                    [Ok(HullSlice::Cut(halves)), _] => {
+                        cuts += 1;
+                        for part in [&halves.below, &halves.above] {
+                            let lanes = HullLanes::of(&part.vertices, &part.faces, &part.loops);
+                            assert_eq!(part.lanes, lanes);
+                        }
+                        hulls.extend([halves.below, halves.above]);
+                    }
+                    _ => hulls.push(hull),
+                }
+            }
+        }
+        assert!(cuts > 400, "{cuts}");
+    }
+}

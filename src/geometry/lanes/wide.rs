@@ -55,6 +55,9 @@ pub(crate) fn run<L: Loop>(wide: Option<Avx2>, work: L) -> L::Output {
     }
 }
 
+/// Numbers or edges that are looked up side by side.
+const GROUP: usize = 8;
+
 /// Exchanges numbers for those that a table has for them. The table has every number.
 pub(crate) fn renumber(wide: Option<Avx2>, numbers: &mut [u32], table: &[u32]) {
     #[cfg(target_arch = "x86_64")]
@@ -63,7 +66,13 @@ pub(crate) fn renumber(wide: Option<Avx2>, numbers: &mut [u32], table: &[u32]) {
         return unsafe { x86::renumber(numbers, table) };
     }
     let _ = wide;
-    for number in numbers {
+    let (groups, rest) = numbers.as_chunks_mut::<GROUP>();
+    for group in groups {
+        for number in group {
+            *number = table[*number as usize];
+        }
+    }
+    for number in rest {
         *number = table[*number as usize];
     }
 }
@@ -107,9 +116,6 @@ pub(crate) fn select_edges(
         *out = table.look_up(&edges[index as usize]);
     }
 }
-
-/// Edges of a group, of each of which there is one bit in a byte.
-const GROUP: usize = 8;
 
 /// For each of eight edges whether one of its ends has bit 0 in `sides`, and whether one has bit 1; as bits of two bytes,
 /// that of the first edge the lowest. The last group may have fewer edges.
@@ -178,7 +184,7 @@ mod x86 {
 
     #[target_feature(enable = "avx2")]
     pub(super) fn renumber(numbers: &mut [u32], table: Table<'_>) {
-        let (groups, rest) = numbers.as_chunks_mut::<8>();
+        let (groups, rest) = numbers.as_chunks_mut::<GROUP>();
         for group in groups {
             // SAFETY: eight `u32` are 32 bytes, which need no alignment here.
             let places = unsafe { _mm256_loadu_si256(group.as_ptr().cast()) };

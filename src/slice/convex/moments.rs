@@ -32,7 +32,7 @@ pub(super) fn find_moments(
             numbers,
             wide,
         };
-        summing.from_hull(few, halves);
+        summing.inherit(few, halves);
     } else {
         halves.below.moments = halves.below.sum_moments_with(wide);
         halves.above.moments = halves.above.sum_moments_with(wide);
@@ -65,7 +65,7 @@ struct Summing<'a> {
 
 impl Summing<'_> {
     /// Moments of the parts, of which `few` has fewer corners, by addition and subtraction.
-    fn from_hull(&self, few: usize, halves: &mut HullHalves) {
+    fn inherit(&self, few: usize, halves: &mut HullHalves) {
         let (hull, cut_faces) = (self.hull, self.classes.cut_faces.indices());
         let whole = match few {
             0 => self.sum_whole_faces(few, &halves.below),

@@ -121,7 +121,7 @@ pub(super) fn select<const N: usize>(
     let mut counts = [0; N];
     let mut lists = selections;
     if let Some((last, whole)) = bits.split_last() {
-        let mut rooms = lists.each_mut().map(|list| list.restart(count));
+        let rooms = lists.each_mut().map(|list| list.restart(count));
         let mut first = 0;
         for &bits in whole {
             let wanted = wanted(bits);
