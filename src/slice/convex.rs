@@ -5,8 +5,8 @@
 //! the cap's loop. Both parts use the same cut points, bit for bit, and keep the planes of the faces they come from.
 //!
 //! The work in proportion to the hull is a few passes without search or hashing: every vertex gets a side, every edge and
-//! face a part; vertices and faces are numbered by running counts, and what the plane leaves alone is copied in runs with
-//! its indices looked up. Only the faces and edges that the plane meets, about the square root of all, are looked at
+//! face a part; vertices and faces are numbered in order, and what the plane leaves alone is copied and then
+//! renumbered, list by list. Only the faces and edges that the plane meets, about the square root of all, are looked at
 //! closely.
 //!
 //! A hull whose faces are flat and convex to rounding gives exactly one rim loop. If noise near the plane makes it
