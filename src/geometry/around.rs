@@ -49,6 +49,13 @@ impl FacesAround {
         }
     }
 
+    /// The faces around all vertices, one vertex after the other.
+    pub(crate) fn faces_mut(&mut self) -> &mut [u32] {
+        // Room that nothing was written to is no vertex's.
+        let end = self.first.last().map_or(0, |&end| end as usize);
+        &mut self.faces[..end]
+    }
+
     /// The faces that meet in a vertex, ascending.
     pub(crate) fn of(&self, vertex: usize) -> &[u32] {
         &self.faces[self.first[vertex] as usize..self.first[vertex + 1] as usize]
@@ -68,9 +75,8 @@ pub(crate) struct AroundWriter<'a> {
 }
 
 impl AroundWriter<'_> {
-    /// Writes the faces around `vertices` of `other`, which are called `numbers` here, in the same order. False if there is
-    /// no room left.
-    pub(crate) fn copy(&mut self, other: &FacesAround, vertices: &[u32], numbers: &[u32]) -> bool {
+    /// Writes the faces around `vertices` of `other`. False if there is no room left.
+    pub(crate) fn copy(&mut self, other: &FacesAround, vertices: &[u32]) -> bool {
         let Some((ends, rest)) =
             std::mem::take(&mut self.ends).split_at_mut_checked(vertices.len())
         else {
@@ -83,17 +89,14 @@ impl AroundWriter<'_> {
         for (&vertex, end) in vertices.iter().zip(ends) {
             let first = firsts[vertex as usize] as usize;
             let count = firsts[vertex as usize + 1] as usize - first;
-            let from = all.get(first..first + USUALLY_AROUND);
-            let to = room.get_mut(written..written + USUALLY_AROUND);
-            if let (Some(from), Some(to), true) = (from, to, count <= USUALLY_AROUND) {
+            if count <= USUALLY_AROUND
+                && let Some(from) = all.get(first..first + USUALLY_AROUND)
+                && let Some(to) = room.get_mut(written..written + USUALLY_AROUND)
+            {
                 // More than are there, which the next vertex writes over: there is no guessing how many it will be.
-                for (to, &from) in to.iter_mut().zip(from) {
-                    *to = numbers[from as usize];
-                }
+                to.copy_from_slice(from);
             } else if let Some(to) = room.get_mut(written..written + count) {
-                for (to, &from) in to.iter_mut().zip(&all[first..]) {
-                    *to = numbers[from as usize];
-                }
+                to.copy_from_slice(&all[first..][..count]);
             } else {
                 has_room = false;
             }
@@ -105,7 +108,7 @@ impl AroundWriter<'_> {
     }
 
     /// Writes the faces around the next vertex, ascending. False if there is no room left.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn push(&mut self, faces: &[u32]) -> bool {
         let to = (self.faces).get_mut(self.written..self.written + faces.len());
         let ends = std::mem::take(&mut self.ends);

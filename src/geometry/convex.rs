@@ -2,10 +2,12 @@
 
 use super::TriMesh;
 use super::lanes::HullLanes;
+use super::lanes::wide::Avx2;
 use super::moments::SolidMoments;
 use super::predicates::{SIZE_RANGE, check_plane, convex_tolerance, length_scale, signed_distance};
 use crate::math::{Aabb, Plane, tangents};
 use glam::{DVec3, Vec2, Vec3};
+use std::ops::Range;
 
 /// A face of a convex hull: a planar convex polygon.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,8 +20,17 @@ pub struct Face {
     pub count: u32,
 }
 
+impl Face {
+    /// Where the face's loop stands in the loops of its hull.
+    #[inline]
+    pub(crate) fn range(&self) -> Range<usize> {
+        self.first as usize..(self.first + self.count) as usize
+    }
+}
+
 /// An undirected edge of a convex hull.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub struct Edge {
     /// End points, in the order in which `faces[0]` runs through them.
     pub vertices: [u32; 2],
@@ -343,9 +354,13 @@ impl ConvexHull {
     }
 
     /// The moments, summed up afresh.
-    pub(crate) fn sum_moments(&self) -> SolidMoments {
-        let faces = self.faces.iter().map(|face| self.face_loop(face));
-        SolidMoments::of_faces(&self.vertices, faces)
+    fn sum_moments(&self) -> SolidMoments {
+        self.sum_moments_with(Avx2::find())
+    }
+
+    /// The moments, summed up afresh with registers that do not change the result.
+    pub(crate) fn sum_moments_with(&self, wide: Option<Avx2>) -> SolidMoments {
+        SolidMoments::of_faces(&self.vertices, &self.faces, &self.loops, wide)
     }
 
     /// The hull moved by `offset` (m).
@@ -407,8 +422,16 @@ impl ConvexHull {
     }
 
     /// Vertex indices of one face, counter-clockwise seen from outside.
+    #[inline]
     pub fn face_loop(&self, face: &Face) -> &[u32] {
-        &self.loops[face.first as usize..(face.first + face.count) as usize]
+        &self.loops[face.range()]
+    }
+
+    /// The loops of all faces, if they are all triangles.
+    pub(crate) fn only_triangles(&self) -> Option<&[[u32; 3]]> {
+        // No face has fewer corners.
+        let (triangles, rest) = self.loops.as_chunks();
+        (rest.is_empty() && triangles.len() == self.faces.len()).then_some(triangles)
     }
 
     /// Area of a face, m2.

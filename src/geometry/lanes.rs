@@ -3,10 +3,12 @@
 //! Loops over the lanes have no branches and no order between lanes, so that the compiler makes vector instructions of
 //! them; each lane computes what a scalar loop would, to the last bit.
 
+pub(crate) mod wide;
+
 use super::around::FacesAround;
 use super::convex::Face;
 use crate::math::{Aabb, Plane};
-use glam::{Mat3, Vec3};
+use glam::{Mat3, Mat4, Vec3, Vec4};
 
 /// Lanes of a group.
 pub(crate) const LANES: usize = 4;
@@ -21,12 +23,9 @@ pub(crate) struct Points4 {
 
 impl Points4 {
     #[inline]
-    fn of([a, b, c, d]: [Vec3; LANES]) -> Self {
-        Self {
-            x: [a.x, b.x, c.x, d.x],
-            y: [a.y, b.y, c.y, d.y],
-            z: [a.z, b.z, c.z, d.z],
-        }
+    fn of(points: [Vec3; LANES]) -> Self {
+        let [x, y, z, _] = columns(points.map(|point| point.extend(0.0)));
+        Self { x, y, z }
     }
 
     /// One of the points.
@@ -48,6 +47,12 @@ impl Points4 {
         }
         along
     }
+}
+
+/// Rows as columns.
+#[inline]
+fn columns([a, b, c, d]: [Vec4; LANES]) -> [[f32; LANES]; 4] {
+    Mat4::from_cols(a, b, c, d).transpose().to_cols_array_2d()
 }
 
 /// Point number `index` of a list of groups.
@@ -77,10 +82,11 @@ pub(crate) struct Planes4 {
 
 impl Planes4 {
     #[inline]
-    fn of([a, b, c, d]: [&Plane; LANES]) -> Self {
+    fn of(planes: [&Plane; LANES]) -> Self {
+        let [x, y, z, offset] = columns(planes.map(|plane| plane.normal.extend(plane.offset)));
         Self {
-            normals: Points4::of([a.normal, b.normal, c.normal, d.normal]),
-            offset: [a.offset, b.offset, c.offset, d.offset],
+            normals: Points4 { x, y, z },
+            offset,
         }
     }
 
@@ -222,31 +228,25 @@ pub(crate) fn bounds(points: &[Points4], turn: &Mat3, shift: Vec3) -> Aabb {
 
 /// The box around points in their own frame.
 pub(crate) fn box_of(points: &[Points4]) -> Aabb {
-    let (x, y, z) = (
-        range_of(points, |group| group.x),
-        range_of(points, |group| group.y),
-        range_of(points, |group| group.z),
-    );
-    Aabb {
-        min: Vec3::new(x[0], y[0], z[0]),
-        max: Vec3::new(x[1], y[1], z[1]),
-    }
-}
-
-/// The smallest and the largest of one coordinate.
-fn range_of(points: &[Points4], coordinate: impl Fn(&Points4) -> [f32; LANES]) -> [f32; 2] {
-    let lower = |[a, b]: [f32; 2]| if b < a { b } else { a };
-    let higher = |[a, b]: [f32; 2]| if b > a { b } else { a };
-    let (mut least, mut most) = ([f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]);
+    let lower: fn(Vec4, Vec4) -> Vec4 = |a, b| Vec4::select(b.cmplt(a), b, a);
+    let higher: fn(Vec4, Vec4) -> Vec4 = |a, b| Vec4::select(b.cmpgt(a), b, a);
+    let (mut least, mut most) = ([Vec4::INFINITY; 3], [Vec4::NEG_INFINITY; 3]);
     for group in points {
-        let along = coordinate(group);
-        least = std::array::from_fn(|l| lower([least[l], along[l]]));
-        most = std::array::from_fn(|l| higher([most[l], along[l]]));
+        let coordinates = [group.x, group.y, group.z];
+        for axis in 0..3 {
+            let along = Vec4::from_array(coordinates[axis]);
+            least[axis] = lower(least[axis], along);
+            most[axis] = higher(most[axis], along);
+        }
     }
-    [
-        least.into_iter().fold(f32::INFINITY, f32::min),
-        most.into_iter().fold(f32::NEG_INFINITY, f32::max),
-    ]
+    let across = |[x, y, z]: [Vec4; 3], pick: fn(Vec4, Vec4) -> Vec4| {
+        let [a, b, c, d] = columns([x, y, z, Vec4::ZERO]).map(Vec4::from_array);
+        pick(pick(a, b), pick(c, d)).truncate()
+    };
+    Aabb {
+        min: across(least, lower),
+        max: across(most, higher),
+    }
 }
 
 /// The smallest and the largest coordinate along `axis`.

@@ -9,6 +9,8 @@
 //!   Journal of Mathematics and Statistics 1(1), 2004.
 //! - B. Mirtich, "Fast and Accurate Computation of Polyhedral Mass Properties", Journal of Graphics Tools 1(2), 1996.
 
+use super::convex::Face;
+use super::lanes::wide::{Avx2, Loop, run};
 use glam::{DMat3, DVec3, Vec3};
 use std::ops::{Add, Neg, Sub};
 
@@ -84,73 +86,105 @@ impl Neg for Moments {
     }
 }
 
-/// Triangles that wait to be summed up.
+/// Triangles that wait to be summed up; there may be a few more.
 const BLOCK: usize = 32;
 
-/// Triangles that are summed up side by side: as many `f64` as fit in a vector register of every processor.
-const PAIR: usize = 2;
+/// Triangles that are summed up side by side: as many `f64` as fit in the widest register. The order of the sums is the
+/// same where registers are narrower.
+const LANES: usize = 4;
 
-/// Sums up moments over triangles of a list of vertices, two at a time: there is no order between the two, so that the
+/// One number of each triangle.
+type Lanes = [f64; LANES];
+
+/// Sums up moments over triangles of a list of vertices, four at a time: there is no order between the four, so that the
 /// compiler makes vector instructions of them.
 #[derive(Clone, Debug)]
 pub(crate) struct MomentSum<'v> {
     vertices: &'v [Vec3],
     apex: [f64; 3],
+    wide: Option<Avx2>,
     /// Corners of the triangles that are not in the sums yet.
-    block: [[u32; 3]; BLOCK],
+    block: [[u32; 3]; BLOCK + LANES],
     filled: usize,
-    /// Six volumes, first moments, diagonal and products, as [`Moments`] has them, for each of a pair.
-    sums: [[f64; PAIR]; 10],
+    /// Six volumes, first moments, diagonal and products, as [`Moments`] has them, in each lane.
+    sums: [Lanes; 10],
 }
 
 impl<'v> MomentSum<'v> {
     /// Of nothing, about `apex` (m).
-    pub(crate) fn about(apex: DVec3, vertices: &'v [Vec3]) -> Self {
+    pub(crate) fn about(apex: DVec3, vertices: &'v [Vec3], wide: Option<Avx2>) -> Self {
         Self {
             vertices,
             apex: apex.to_array(),
-            block: [[0; 3]; BLOCK],
+            wide,
+            block: [[0; 3]; BLOCK + LANES],
             filled: 0,
-            sums: [[0.0; PAIR]; 10],
+            sums: [[0.0; LANES]; 10],
         }
     }
 
-    /// Adds a face as a triangle fan about its first corner.
+    /// Adds faces whose loops stand one after the other in `loops`.
+    pub(crate) fn add_faces(&mut self, faces: &[Face], loops: &[u32]) {
+        let ([first, ..], [.., last]) = (faces, faces) else {
+            return;
+        };
+        let corners = &loops[first.first as usize..(last.first + last.count) as usize];
+        match corners.as_chunks() {
+            // No face has fewer corners, so that all are triangles.
+            (triangles, []) if triangles.len() == faces.len() => self.add_triangles(triangles),
+            _ => faces.iter().for_each(|face| self.add_face(face, loops)),
+        }
+    }
+
+    /// Adds a face, whose loop is in `loops`, as a triangle fan about its first corner.
     #[inline]
-    pub(crate) fn add_face(&mut self, corners: &[u32]) {
-        match *corners {
-            // By far the most common one in a hull with many faces.
-            [a, b, c] => self.add_triangle([a, b, c]),
-            [a, b, ref rest @ ..] => {
-                let mut last = b;
-                for &next in rest {
-                    self.add_triangle([a, last, next]);
-                    last = next;
-                }
+    pub(crate) fn add_face(&mut self, face: &Face, loops: &[u32]) {
+        let corners = face.range();
+        if let (Some(&[a, b, c, d]), 3..=4) = (loops[corners.start..].first_chunk(), face.count) {
+            // No branch between three corners and four, because there is no guessing: the next face writes over what is too
+            // much.
+            if self.filled >= BLOCK {
+                self.add_block();
             }
-            _ => {}
+            self.block[self.filled] = [a, b, c];
+            self.block[self.filled + 1] = [a, c, d];
+            self.filled += face.count as usize - 2;
+        } else if let [a, b, ref rest @ ..] = loops[corners] {
+            let mut last = b;
+            for &next in rest {
+                self.add_triangles(&[[a, last, next]]);
+                last = next;
+            }
         }
     }
 
-    #[inline]
-    fn add_triangle(&mut self, corners: [u32; 3]) {
-        if self.filled >= BLOCK {
-            self.add_block();
+    fn add_triangles(&mut self, mut triangles: &[[u32; 3]]) {
+        while !triangles.is_empty() {
+            if self.filled >= BLOCK {
+                self.add_block();
+            }
+            let room = &mut self.block[self.filled..BLOCK];
+            let (now, later) = triangles.split_at(triangles.len().min(room.len()));
+            for (room, triangle) in room.iter_mut().zip(now) {
+                *room = *triangle;
+            }
+            self.filled += now.len();
+            triangles = later;
         }
-        self.block[self.filled] = corners;
-        self.filled += 1;
     }
 
     /// The sums.
-    pub(crate) fn finish(mut self) -> Moments {
-        if !self.filled.is_multiple_of(PAIR) {
+    pub(crate) fn finish(&mut self) -> Moments {
+        let rest = self.filled % LANES;
+        if rest != 0 {
             // The volume of a triangle with three equal corners is zero exactly.
             let [corner, ..] = self.block[0];
-            self.block[self.filled] = [corner; 3];
-            self.filled += 1;
+            self.block[self.filled..][..LANES - rest].fill([corner; 3]);
+            self.filled += LANES - rest;
         }
         self.add_block();
-        let [six_volumes, x, y, z, xx, yy, zz, yz, zx, xy] = self.sums.map(|[a, b]| a + b);
+        let [six_volumes, x, y, z, xx, yy, zz, yz, zx, xy] =
+            self.sums.map(|[a, b, c, d]| (a + b) + (c + d));
         Moments {
             six_volumes,
             first: DVec3::new(x, y, z),
@@ -159,37 +193,79 @@ impl<'v> MomentSum<'v> {
         }
     }
 
+    /// Adds as many triangles of the block as there are whole fours, and keeps the rest.
     fn add_block(&mut self) {
-        let filled = std::mem::take(&mut self.filled);
-        let mut sums = self.sums;
-        for pair in self.block[..filled].as_chunks::<PAIR>().0 {
-            let corner = |k: usize| {
-                let [p, q] = [pair[0][k], pair[1][k]].map(|v| self.vertices[v as usize]);
-                let [x, y, z] = self.apex;
-                [
-                    [f64::from(p.x) - x, f64::from(q.x) - x],
-                    [f64::from(p.y) - y, f64::from(q.y) - y],
-                    [f64::from(p.z) - z, f64::from(q.z) - z],
-                ]
-            };
-            add_pair(&mut sums, corner(0), corner(1), corner(2));
-        }
-        self.sums = sums;
+        let (fours, rest) = self.block[..self.filled].as_chunks();
+        let block = Block {
+            vertices: self.vertices,
+            apex: self.apex,
+            triangles: fours,
+            sums: &mut self.sums,
+        };
+        run(self.wide, block);
+        let rest = self.filled - rest.len()..self.filled;
+        self.filled = rest.len();
+        self.block.copy_within(rest, 0);
     }
 }
 
-/// Adds what each triangle of a pair adds to the sums.
+/// Triangles to be added to sums.
+struct Block<'a> {
+    vertices: &'a [Vec3],
+    apex: [f64; 3],
+    triangles: &'a [[[u32; 3]; LANES]],
+    sums: &'a mut [Lanes; 10],
+}
+
+impl Loop for Block<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let mut sums = *self.sums;
+        for four in self.triangles {
+            let (a, b, c) = (
+                self.corners(four, 0),
+                self.corners(four, 1),
+                self.corners(four, 2),
+            );
+            add_four(&mut sums, a, b, c);
+        }
+        *self.sums = sums;
+    }
+}
+
+impl Block<'_> {
+    /// Corner `k` of four triangles, seen from the apex.
+    #[inline(always)]
+    fn corners(&self, four: &[[u32; 3]; LANES], k: usize) -> [Lanes; 3] {
+        let mut points = [[0.0; LANES]; 3];
+        for l in 0..LANES {
+            let point = self.vertices[four[l][k] as usize];
+            (points[0][l], points[1][l], points[2][l]) = (point.x, point.y, point.z);
+        }
+        let mut corners = [[0.0; LANES]; 3];
+        for l in 0..LANES {
+            corners[0][l] = f64::from(points[0][l]) - self.apex[0];
+            corners[1][l] = f64::from(points[1][l]) - self.apex[1];
+            corners[2][l] = f64::from(points[2][l]) - self.apex[2];
+        }
+        corners
+    }
+}
+
+/// Adds what each of four triangles adds to the sums.
 ///
 /// With the sums of two corners each, `p = a + b`, `q = b + c` and `r = c + a`, the second moments are shorter:
 /// `s s^T + a a^T + b b^T + c c^T = p p^T + q q^T + r r^T`.
-#[inline]
-fn add_pair(
-    sums: &mut [[f64; PAIR]; 10],
-    [ax, ay, az]: [[f64; PAIR]; 3],
-    [bx, by, bz]: [[f64; PAIR]; 3],
-    [cx, cy, cz]: [[f64; PAIR]; 3],
+#[inline(always)]
+fn add_four(
+    sums: &mut [Lanes; 10],
+    [ax, ay, az]: [Lanes; 3],
+    [bx, by, bz]: [Lanes; 3],
+    [cx, cy, cz]: [Lanes; 3],
 ) {
-    for i in 0..PAIR {
+    for i in 0..LANES {
         let [ax, ay, az] = [ax[i], ay[i], az[i]];
         let [bx, by, bz] = [bx[i], by[i], bz[i]];
         let [cx, cy, cz] = [cx[i], cy[i], cz[i]];
@@ -230,12 +306,17 @@ pub(crate) struct SolidMoments {
 const LEAST_SHARE: f64 = 1.0 / 64.0;
 
 impl SolidMoments {
-    /// Sums over the whole surface, given by `faces`, about the first vertex, which keeps rounding small far from the
+    /// Sums over the whole surface, of faces whose loops stand one after the other, about the first vertex, which keeps rounding small far from the
     /// frame's origin.
-    pub(crate) fn of_faces<'f>(vertices: &[Vec3], faces: impl Iterator<Item = &'f [u32]>) -> Self {
+    pub(crate) fn of_faces(
+        vertices: &[Vec3],
+        faces: &[Face],
+        loops: &[u32],
+        wide: Option<Avx2>,
+    ) -> Self {
         let apex = vertices.first().map_or(DVec3::ZERO, |v| v.as_dvec3());
-        let mut sum = MomentSum::about(apex, vertices);
-        faces.for_each(|corners| sum.add_face(corners));
+        let mut sum = MomentSum::about(apex, vertices, wide);
+        sum.add_faces(faces, loops);
         let sums = sum.finish();
         Self {
             apex,

@@ -5,8 +5,8 @@
 //! the cap's loop. Both parts use the same cut points, bit for bit, and keep the planes of the faces they come from.
 //!
 //! The work in proportion to the hull is a few passes without search or hashing: every vertex gets a side, every edge and
-//! face a part; vertices and faces are numbered by running counts, and what the plane leaves alone is copied in runs with
-//! its indices looked up. Only the faces and edges that the plane meets, about the square root of all, are looked at
+//! face a part; vertices and faces are numbered in order, and what the plane leaves alone is copied and then
+//! renumbered, list by list. Only the faces and edges that the plane meets, about the square root of all, are looked at
 //! closely.
 //!
 //! A hull whose faces are flat and convex to rounding gives exactly one rim loop. If noise near the plane makes it
@@ -15,15 +15,19 @@
 mod classes;
 mod emit;
 mod moments;
+mod numbers;
 mod rebuild;
 mod rim;
+mod select;
 
 use super::SliceError;
 use crate::geometry::ConvexHull;
+use crate::geometry::lanes::wide::Avx2;
 use crate::geometry::predicates::check_plane;
 use crate::math::Plane;
 use classes::Classes;
-use emit::Numbers;
+use emit::Writer;
+use numbers::Numbers;
 use rim::Rim;
 
 /// What a plane does to a hull.
@@ -93,6 +97,28 @@ pub struct HullSlicer {
     classes: Classes,
     rim: Rim,
     numbers: Numbers,
+    registers: Registers,
+}
+
+/// Which registers may be used. All give the same bits; the choice is for tests.
+#[derive(Clone, Copy, Debug, Default)]
+enum Registers {
+    /// The widest that the processor has.
+    #[default]
+    Widest,
+    /// Those that all processors of its kind have.
+    #[cfg(test)]
+    Narrow,
+}
+
+impl Registers {
+    fn find(self) -> Option<Avx2> {
+        match self {
+            Self::Widest => Avx2::find(),
+            #[cfg(test)]
+            Self::Narrow => None,
+        }
+    }
 }
 
 /// The rim is not one simple loop, or a part is not a polyhedron.
@@ -155,18 +181,97 @@ impl HullSlicer {
             classes,
             rim,
             numbers,
+            registers,
         } = self;
-        classes.find_edges(hull);
+        let wide = registers.find();
+        classes.find_edges(hull, wide);
         classes.find_faces(hull, plane);
         rim.cut_edges(hull, plane, classes);
         rim.divide_faces(hull, classes)?;
         rim.find_cap(hull, classes)?;
-        numbers.count(classes, rim)?;
+        numbers.count(hull, classes, rim)?;
         let parts = [&mut halves.below, &mut halves.above];
         for (part, out) in parts.into_iter().enumerate() {
-            let plane = [*plane, plane.flipped()][part];
-            numbers.emit(hull, classes, rim, part, plane, out)?;
+            let writer = Writer {
+                hull,
+                classes,
+                rim,
+                part,
+                numbers: &numbers.parts[part],
+                plane: [*plane, plane.flipped()][part],
+                wide,
+            };
+            writer.write(out)?;
         }
-        moments::find_moments(hull, classes, numbers, halves)
+        moments::find_moments(hull, classes, numbers, halves, wide)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::lanes::HullLanes;
+    use crate::geometry::primitives::{cuboid, icosphere, regular_prism};
+    use glam::Vec3;
+    use rand_core::Rng;
+    use rand_pcg::Pcg32;
+
+    /// A number between -1 and 1.
+    fn signed(dice: &mut Pcg32) -> f32 {
+        f32::from((dice.next_u32() >> 16) as u16) / 32768.0 - 1.0
+    }
+
+    /// A plane through a point of a hull, or through one, two or three of its vertices.
+    fn plane(dice: &mut Pcg32, hull: &ConvexHull) -> Plane {
+        let count = hull.vertices().len() as u32;
+        let mut vertex = || hull.vertices()[(dice.next_u32() % count) as usize];
+        let [a, b, c] = [vertex(), vertex(), vertex()];
+        let normal = Vec3::new(signed(dice), signed(dice), signed(dice));
+        match dice.next_u32() % 4 {
+            0 => Plane::through(a, normal),
+            1 => Plane::through(a, (b - a).cross(normal)),
+            2 => Plane::through(a, (b - a).cross(c - a)),
+            _ => Plane::through((a + b + c) / 3.0, normal),
+        }
+    }
+
+    #[test]
+    fn wide_and_narrow_registers_give_the_same_bits_and_the_lanes_of_the_faces() {
+        let mut dice = Pcg32::new(1, 1);
+        let mut wide = HullSlicer::default();
+        let mut narrow = HullSlicer {
+            registers: Registers::Narrow,
+            ..HullSlicer::default()
+        };
+        let bodies = [
+            cuboid(1.0, 0.7, 1.3),
+            icosphere(0.5, 1),
+            icosphere(0.5, 2),
+            regular_prism(33, 1.0, 0.3),
+        ];
+        let mut cuts = 0;
+        for body in bodies {
+            let mut hulls = vec![body.expect("valid sizes")];
+            for _ in 0..200 {
+                let hull = hulls.swap_remove(dice.next_u32() as usize % hulls.len());
+                let plane = plane(&mut dice, &hull);
+                let found = [&mut wide, &mut narrow].map(|slicer| slicer.slice(&hull, plane));
+                // Written out, because `0.0 == -0.0`.
+                let [of_wide, of_narrow] = found.each_ref().map(|found| format!("{found:?}"));
+                assert_eq!(of_wide, of_narrow);
+                match found {
+                    [Ok(HullSlice::Cut(halves)), _] => {
+                        cuts += 1;
+                        for part in [&halves.below, &halves.above] {
+                            let lanes = HullLanes::of(&part.vertices, &part.faces, &part.loops);
+                            assert_eq!(part.lanes, lanes);
+                        }
+                        hulls.extend([halves.below, halves.above]);
+                    }
+                    _ => hulls.push(hull),
+                }
+            }
+        }
+        assert!(cuts > 400, "{cuts}");
     }
 }

@@ -2,7 +2,10 @@
 //!
 //! Sides are bit masks: the mask of a set is the union of its members' masks, and a part has the bit of its number.
 
+use super::select::{self, Bits, GROUP, Selection, both, neither, select};
 use crate::geometry::ConvexHull;
+use crate::geometry::lanes::LANES;
+use crate::geometry::lanes::wide::{Avx2, find_ends};
 use crate::geometry::predicates::{Side, length_scale, plane_tolerance, side};
 use crate::math::Plane;
 
@@ -14,9 +17,6 @@ pub(super) const BELOW: u8 = 1;
 pub(super) const ABOVE: u8 = 2;
 /// In both parts.
 pub(super) const BOTH: u8 = BELOW | ABOVE;
-
-/// How many sides and unions of sides there are.
-const CLASSES: usize = 4;
 
 /// Bound of the error of a distance that is computed in `f32`, over the numbers that go into it.
 ///
@@ -32,18 +32,28 @@ pub(super) struct Classes {
     pub(super) sides: Vec<u8>,
     /// Parts that each vertex is in: its side, or for one on the plane, the parts of the faces around it.
     pub(super) members: Vec<u8>,
-    /// Edges by class, the union of the sides of their ends.
-    edges: Vec<u32>,
-    /// Where the edges of each class are.
-    edge_ranges: [[usize; 2]; CLASSES],
+    /// The same as bits.
+    pub(super) member_bits: Vec<Bits>,
+    /// Parts that have an end of each edge.
+    edge_bits: Vec<Bits>,
+    /// Edges of each part that the plane leaves alone.
+    pub(super) whole_edges: [Selection; 2],
+    /// Edges with ends on both sides.
+    pub(super) cut_edges: Vec<u32>,
+    /// Edges that are cut or on the plane.
+    met_edges: Selection,
     /// Parts of each face; a face on the plane bounds what is behind it.
     pub(super) faces: Vec<u8>,
+    /// The same as bits.
+    pub(super) face_bits: Vec<Bits>,
+    /// Vertices that are near the plane or on it.
+    near: Selection,
     /// Vertices on the plane.
     pub(super) on_vertices: Vec<u32>,
     /// Edges with both ends on the plane.
     pub(super) on_edges: Vec<OnEdge>,
     /// Faces with vertices on both sides.
-    pub(super) cut_faces: Vec<u32>,
+    pub(super) cut_faces: Selection,
 }
 
 /// An edge on the plane, and the parts that its two faces are in along it.
@@ -61,84 +71,88 @@ impl Classes {
         let size = length_scale(&hull.aabb);
         let tolerance = plane_tolerance(size);
         let margin = tolerance + DISTANCE_ERROR * (2.0 * size + plane.offset.abs());
-        self.sides.clear();
-        self.on_vertices.clear();
-        let mut found = 0;
-        for group in &hull.lanes.points {
+        let groups = &hull.lanes.points;
+        self.sides.resize(groups.len() * LANES, ON);
+        for (sides, group) in self.sides.as_chunks_mut::<LANES>().0.iter_mut().zip(groups) {
             let along = group.along(plane.normal);
-            let mut sides = along.map(|along| {
-                let height = along - plane.offset;
-                u8::from(height < -margin) | u8::from(height > margin) << 1
-            });
-            if sides.contains(&ON) {
-                let first = self.sides.len();
-                for (vertex, side_of) in (first..hull.vertices.len()).zip(&mut sides) {
-                    *side_of = match side(plane, hull.vertices[vertex], tolerance) {
-                        Side::Below => BELOW,
-                        Side::Above => ABOVE,
-                        Side::On => {
-                            self.on_vertices.push(vertex as u32);
-                            ON
-                        }
-                    };
-                }
+            for l in 0..LANES {
+                let height = along[l] - plane.offset;
+                sides[l] = u8::from(height < -margin) | u8::from(height > margin) << 1;
             }
-            found |= sides.into_iter().fold(0, |all, side| all | side);
-            self.sides.extend_from_slice(&sides);
         }
         // The last group is filled up with copies of the first vertex.
-
         self.sides.truncate(hull.vertices.len());
-        found
+        self.find_near_sides(hull, plane, tolerance);
+        self.sides.iter().fold(0, |all, side| all | side)
+    }
+
+    /// Asks the exact test for the vertices that are on neither side for certain.
+    fn find_near_sides(&mut self, hull: &ConvexHull, plane: &Plane, tolerance: f32) {
+        self.on_vertices.clear();
+        // What is not a member yet is near.
+        select::collect(&self.sides, &mut self.member_bits);
+        let count = self.sides.len();
+        select([&mut self.near], count, &self.member_bits, |bits| {
+            [neither(bits)]
+        });
+        for &vertex in self.near.indices() {
+            let point = hull.vertices[vertex as usize];
+            self.sides[vertex as usize] = match side(plane, point, tolerance) {
+                Side::Below => BELOW,
+                Side::Above => ABOVE,
+                Side::On => {
+                    self.on_vertices.push(vertex);
+                    ON
+                }
+            };
+        }
     }
 
     /// Sorts the edges by class, each class in the hull's order.
-    pub(super) fn find_edges(&mut self, hull: &ConvexHull) {
-        let count = hull.edges.len();
-        if self.edges.len() < CLASSES * count {
-            self.edges.resize(CLASSES * count, 0);
-        }
-        let (sorted, sides) = (self.edges.as_mut_slice(), self.sides.as_slice());
-        let mut ends: [usize; CLASSES] = std::array::from_fn(|class| class * count);
-        for (index, edge) in hull.edges.iter().enumerate() {
-            let [a, b] = edge.vertices;
-            let end = &mut ends[usize::from((sides[a as usize] | sides[b as usize]) & BOTH)];
-            sorted[*end] = index as u32;
-            *end += 1;
-        }
-        self.edge_ranges = std::array::from_fn(|class| [class * count, ends[class]]);
+    pub(super) fn find_edges(&mut self, hull: &ConvexHull, wide: Option<Avx2>) {
+        let sides = self.sides.as_slice();
+        (self.edge_bits).resize(hull.edges.len().div_ceil(GROUP), [0; 2]);
+        find_ends(wide, &hull.edges, sides, &mut self.edge_bits);
+        let [below, above] = &mut self.whole_edges;
+        let lists = [below, above, &mut self.met_edges];
+        select(lists, hull.edges.len(), &self.edge_bits, select::each);
+        self.cut_edges.clear();
         self.on_edges.clear();
-        let [from, to] = self.edge_ranges[usize::from(ON)];
-        let on = self.edges[from..to].iter().map(|&edge| OnEdge {
-            edge,
-            parts: [0; 2],
-        });
-        self.on_edges.extend(on);
-    }
-
-    /// The edges whose ends have sides with this union.
-    pub(super) fn edges(&self, class: u8) -> &[u32] {
-        let [from, to] = self.edge_ranges[usize::from(class)];
-        &self.edges[from..to]
+        for &edge in self.met_edges.indices() {
+            let [end, _] = hull.edges[edge as usize].vertices;
+            if sides[end as usize] == ON {
+                let parts = [0; 2];
+                self.on_edges.push(OnEdge { edge, parts });
+            } else {
+                self.cut_edges.push(edge);
+            }
+        }
     }
 
     /// Classes of the faces, and then of the vertices and edges on the plane, which belong where their faces do.
     pub(super) fn find_faces(&mut self, hull: &ConvexHull, plane: &Plane) {
-        let [from, to] = self.edge_ranges[usize::from(BOTH)];
         let Self {
             sides,
-            edges,
             faces,
+            face_bits,
             on_vertices,
+            cut_edges,
             cut_faces,
             ..
         } = self;
+        let sides = sides.as_slice();
         // A face that the plane does not meet has all its corners on the side of the first.
-        faces.clear();
-        faces.extend(
-            (hull.faces.iter()).map(|face| sides[hull.loops[face.first as usize] as usize]),
-        );
-        for &edge in &edges[from..to] {
+        faces.resize(hull.faces.len(), ON);
+        if let Some(triangles) = hull.only_triangles() {
+            for (parts, &[first, ..]) in faces.iter_mut().zip(triangles) {
+                *parts = sides[first as usize];
+            }
+        } else {
+            for (parts, face) in faces.iter_mut().zip(&hull.faces) {
+                *parts = sides[hull.loops[face.first as usize] as usize];
+            }
+        }
+        for &edge in cut_edges.iter() {
             for face in hull.edges[edge as usize].faces {
                 faces[face as usize] = BOTH;
             }
@@ -156,12 +170,8 @@ impl Classes {
                 faces[index as usize] = if parts == ON { behind } else { parts };
             }
         }
-        cut_faces.clear();
-        for (face, &parts) in faces.iter().enumerate() {
-            if parts == BOTH {
-                cut_faces.push(face as u32);
-            }
-        }
+        select::collect(faces, face_bits);
+        select([cut_faces], faces.len(), face_bits, |bits| [both(bits)]);
         self.find_members(hull);
     }
 
@@ -171,6 +181,7 @@ impl Classes {
             self.members[vertex as usize] = (hull.lanes.faces_around(vertex as usize).iter())
                 .fold(0, |all, &face| all | self.parts_at(hull, face, vertex));
         }
+        select::collect(&self.members, &mut self.member_bits);
         for index in 0..self.on_edges.len() {
             let OnEdge { edge, .. } = self.on_edges[index];
             let edge = hull.edges[edge as usize];

@@ -1,187 +1,81 @@
-//! Writing the parts: new numbers, and copies of runs of what the plane leaves alone.
+//! Writing the parts: what each has is copied as it stands in the hull, and renumbered when all is there.
+//!
+//! Until then, cut points are numbered after the hull's vertices, and the cap after its faces.
 
 use super::Irregular;
-use super::classes::{ABOVE, BELOW, BOTH, Classes};
+use super::classes::{BELOW, Classes};
+use super::numbers::PartNumbers;
 use super::rim::Rim;
 use crate::geometry::lanes::box_of;
+use crate::geometry::lanes::wide::{Avx2, renumber, select_edges};
 use crate::geometry::{ConvexHull, Edge, Face};
 use crate::math::Plane;
 use smallvec::SmallVec;
 
-/// The numbers that a hull's vertices and faces have in each part, and what each part has of everything.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Numbers {
-    /// The cut points are numbered after the vertices.
-    vertices: [Selection; 2],
-    faces: [Selection; 2],
-    edges: [usize; 2],
-}
-
-/// Some of a list, numbered in order.
-#[derive(Clone, Debug, Default)]
-struct Selection {
-    /// New numbers; those of what is not selected mean nothing.
-    numbers: Vec<u32>,
-    /// What is selected, and behind so many nothing of use.
-    selected: Vec<u32>,
-    count: usize,
-}
-
-/// Selects for each part what has its bit.
-///
-/// Without branches, because there is no guessing what is selected: what is not is written over by the next.
-fn select(masks: &[u8], parts: &mut [Selection; 2]) {
-    for part in parts.iter_mut() {
-        part.numbers.resize(masks.len(), 0);
-        if part.selected.len() < masks.len() {
-            part.selected.resize(masks.len(), 0);
-        }
-    }
-    let [below, above] = parts;
-    let numbers = below.numbers.iter_mut().zip(&mut above.numbers);
-    let selected = [&mut below.selected, &mut above.selected].map(|list| &mut list[..masks.len()]);
-    let [in_below, in_above] = selected;
-    let (mut count_below, mut count_above) = (0_u32, 0_u32);
-    for (index, (&mask, (number_below, number_above))) in masks.iter().zip(numbers).enumerate() {
-        *number_below = count_below;
-        *number_above = count_above;
-        in_below[count_below as usize] = index as u32;
-        in_above[count_above as usize] = index as u32;
-        count_below += u32::from(mask & BELOW);
-        count_above += u32::from(mask / ABOVE);
-    }
-    below.count = count_below as usize;
-    above.count = count_above as usize;
-}
-
-impl Selection {
-    /// Old numbers of what is selected, ascending.
-    fn selected(&self) -> &[u32] {
-        &self.selected[..self.count]
-    }
-}
-
-impl Numbers {
-    /// Numbers vertices and faces, and checks that both parts fulfil Euler's formula.
-    ///
-    /// Each edge of a part has one face on either side, because it inherits them from the hull or is on the rim, which is one
-    /// simple loop; so the formula says that the part is one closed surface without handles.
-    pub(super) fn count(&mut self, classes: &Classes, rim: &Rim) -> Result<(), Irregular> {
-        select(&classes.members, &mut self.vertices);
-        select(&classes.faces, &mut self.faces);
-        for part in 0..2 {
-            let (vertices, faces) = (&mut self.vertices[part], &self.faces[part]);
-            let cuts = rim.points.len();
-            let total = vertices.count + cuts;
-            vertices.numbers.extend(vertices.count as u32..total as u32);
-            let mask = BELOW << part;
-            let on = classes.on_edges.iter().filter(|e| e.parts.contains(&mask));
-            let edges = classes.edges(mask).len() + on.count() + cuts + rim.chords.len();
-            if total + faces.count + 1 != edges + 2 {
-                return Err(Irregular);
-            }
-            self.edges[part] = edges;
-        }
-        Ok(())
-    }
-
-    /// The hull's faces that are whole or in pieces in a part.
-    pub(super) fn old_faces(&self, part: usize) -> &[u32] {
-        self.faces[part].selected()
-    }
-
-    /// Numbers of the cut faces in a part.
-    pub(super) fn cut_faces<'a>(
-        &'a self,
-        classes: &'a Classes,
-        part: usize,
-    ) -> impl Iterator<Item = u32> + 'a {
-        let numbers = &self.faces[part].numbers;
-        let cut = classes.cut_faces.iter();
-        cut.map(|&face| numbers[face as usize])
-    }
-
-    /// Writes a part; its moments stay to be found.
-    pub(super) fn emit(
-        &self,
-        hull: &ConvexHull,
-        classes: &Classes,
-        rim: &Rim,
-        part: usize,
-        cap: Plane,
-        out: &mut ConvexHull,
-    ) -> Result<(), Irregular> {
-        let writer = Writer {
-            hull,
-            classes,
-            rim,
-            part,
-            mask: BELOW << part,
-            vertices: &self.vertices[part],
-            faces: &self.faces[part],
-            edges: self.edges[part],
-        };
-        writer.write_vertices(out)?;
-        writer.write_faces(out, cap)?;
-        writer.write_edges(out);
-        out.lanes.copy(&out.vertices, &out.faces);
-        out.aabb = box_of(&out.lanes.points);
-        Ok(())
-    }
-}
-
 /// All that the writing of one part needs.
-struct Writer<'a> {
-    hull: &'a ConvexHull,
-    classes: &'a Classes,
-    rim: &'a Rim,
-    part: usize,
-    /// Bit of the part.
-    mask: u8,
-    vertices: &'a Selection,
-    faces: &'a Selection,
-    edges: usize,
+pub(super) struct Writer<'a> {
+    pub(super) hull: &'a ConvexHull,
+    pub(super) classes: &'a Classes,
+    pub(super) rim: &'a Rim,
+    pub(super) part: usize,
+    pub(super) numbers: &'a PartNumbers,
+    /// Plane of the cap.
+    pub(super) plane: Plane,
+    /// Registers to use.
+    pub(super) wide: Option<Avx2>,
 }
 
 impl Writer<'_> {
+    /// Writes the part; its moments stay to be found.
+    pub(super) fn write(&self, out: &mut ConvexHull) -> Result<(), Irregular> {
+        self.write_vertices(out);
+        self.write_around(out)?;
+        self.write_faces(out)?;
+        self.write_edges(out);
+        out.lanes.copy(&out.vertices, &out.faces);
+        out.aabb = box_of(&out.lanes.points);
+        let (vertices, faces) = self.numbers.tables();
+        renumber(self.wide, &mut out.loops, vertices);
+        renumber(self.wide, out.lanes.around.faces_mut(), faces);
+        Ok(())
+    }
+
+    /// Bit of the part.
+    fn mask(&self) -> u8 {
+        BELOW << self.part
+    }
+
+    /// The cap's number for now.
     fn cap(&self) -> u32 {
-        self.faces.count as u32
+        self.hull.faces.len() as u32
     }
 
-    fn vertex(&self, old: u32) -> u32 {
-        self.vertices.numbers[old as usize]
-    }
-
-    fn face(&self, old: u32) -> u32 {
-        self.faces.numbers[old as usize]
-    }
-
-    /// Vertices, and the faces around them.
-    fn write_vertices(&self, out: &mut ConvexHull) -> Result<(), Irregular> {
-        let (hull, old) = (self.hull, self.vertices.selected());
-        let count = old.len() + self.rim.points.len();
+    fn write_vertices(&self, out: &mut ConvexHull) {
+        let old = self.numbers.vertices.indices();
         out.vertices.clear();
-        out.vertices.reserve_exact(count);
-        out.vertices
-            .extend(old.iter().map(|&v| hull.vertices[v as usize]));
+        (out.vertices).reserve_exact(old.len() + self.rim.points.len());
+        (out.vertices).extend(old.iter().map(|&v| self.hull.vertices[v as usize]));
         out.vertices.extend_from_slice(&self.rim.points);
-        let mut around = out.lanes.around.rewrite(count, 2 * self.edges);
-        let numbers = &self.faces.numbers[..];
-        let mut has_room = true;
-        let mut written = 0;
+    }
+
+    /// The faces around the vertices.
+    fn write_around(&self, out: &mut ConvexHull) -> Result<(), Irregular> {
+        let (from, old) = (&self.hull.lanes.around, self.numbers.vertices.indices());
+        let mut around = (out.lanes.around).rewrite(out.vertices.len(), 2 * self.numbers.edges);
+        let (mut has_room, mut written) = (true, 0);
         for &on in &self.classes.on_vertices {
-            if self.classes.members[on as usize] & self.mask == 0 {
+            if self.classes.members[on as usize] & self.mask() == 0 {
                 continue;
             }
-            let place = self.vertex(on) as usize;
-            has_room &= around.copy(&hull.lanes.around, &old[written..place], numbers);
+            let place = self.numbers.tables().0[on as usize] as usize;
+            has_room &= around.copy(from, &old[written..place]);
             let faces: SmallVec<[u32; 16]> = self.faces_around(on).collect();
             has_room &= around.push(&faces);
             written = place + 1;
         }
-        has_room &= around.copy(&hull.lanes.around, &old[written..], numbers);
+        has_room &= around.copy(from, &old[written..]);
         for edge in &self.rim.cut_edges {
-            let [a, b] = edge.faces.map(|face| numbers[face as usize]);
+            let [a, b] = edge.faces;
             has_room &= around.push(&[a.min(b), a.max(b), self.cap()]);
         }
         if has_room { Ok(()) } else { Err(Irregular) }
@@ -191,169 +85,202 @@ impl Writer<'_> {
     fn faces_around(&self, vertex: u32) -> impl Iterator<Item = u32> {
         let old = self.hull.lanes.faces_around(vertex as usize).iter();
         let kept = old
-            .filter(move |&&face| self.classes.parts_at(self.hull, face, vertex) & self.mask != 0);
+            .copied()
+            .filter(move |&face| self.classes.parts_at(self.hull, face, vertex) & self.mask() != 0);
         let is_on_rim = self.rim.has(vertex);
-        kept.map(|&face| self.face(face))
-            .chain(is_on_rim.then_some(self.cap()))
+        kept.chain(is_on_rim.then_some(self.cap()))
     }
 
     /// Faces and their loops, the cap last.
-    fn write_faces(&self, out: &mut ConvexHull, cap: Plane) -> Result<(), Irregular> {
-        let (hull, old, numbers) = (self.hull, self.faces.selected(), &self.vertices.numbers[..]);
+    fn write_faces(&self, out: &mut ConvexHull) -> Result<(), Irregular> {
+        let old = self.numbers.faces.indices();
         let unwritten = Face {
-            plane: cap,
+            plane: self.plane,
             first: 0,
             count: 0,
         };
         out.faces.resize(old.len() + 1, unwritten);
-        out.loops.resize(2 * self.edges, 0);
-        let mut writer = LoopWriter {
-            room: &mut out.loops,
-            written: 0,
-        };
-        let (classes, faces, loops) = (&self.classes.faces[..], &hull.faces[..], &hull.loops[..]);
-        let mut pieces = self.rim.pieces[self.part].iter();
-        for (&index, out) in old.iter().zip(&mut out.faces) {
-            let Face {
-                plane,
-                first,
-                count,
-            } = faces[index as usize];
-            let corners = if classes[index as usize] == BOTH {
-                pieces.next().ok_or(Irregular)?
-            } else {
-                &loops[first as usize..][..count as usize]
-            };
-            *out = Face {
-                plane,
-                first: writer.written,
-                count: corners.len() as u32,
-            };
-            if let [a, b, c] = *corners {
-                // By far the most common one in a hull with many faces.
-                writer.push_triangle([a, b, c], numbers)?;
-            } else {
-                writer.push(corners.iter().copied(), numbers)?;
-            }
-        }
-        let first = writer.written;
+        out.loops.resize(2 * self.numbers.edges, 0);
+        let first = self.write_old_faces(old, &mut out.faces, &mut out.loops)?;
         // Reversed about the same first corner: where vertices on the plane leave the cap uneven, both parts have it as the
         // same triangle fan, and their volumes add up.
-        let (start, rest) = self.rim.cap.split_at(1);
-        writer.push(start.iter().copied(), numbers)?;
-        if self.mask == BELOW {
-            writer.push(rest.iter().copied(), numbers)?;
-        } else {
-            writer.push(rest.iter().rev().copied(), numbers)?;
+        let (cap, room) = (&self.rim.cap, &mut out.loops[first..]);
+        if room.len() != cap.len() {
+            return Err(Irregular);
+        }
+        room.copy_from_slice(cap);
+        if self.mask() != BELOW {
+            room[1..].reverse();
         }
         out.faces[old.len()] = Face {
-            first,
-            count: writer.written - first,
+            first: first as u32,
+            count: cap.len() as u32,
             ..unwritten
         };
-        if writer.room.is_empty() {
-            Ok(())
-        } else {
-            Err(Irregular)
+        Ok(())
+    }
+
+    /// Faces of the hull, or the pieces of those that are cut; says how many corners they have.
+    fn write_old_faces(
+        &self,
+        old: &[u32],
+        out: &mut [Face],
+        room: &mut [u32],
+    ) -> Result<usize, Irregular> {
+        let (_, numbers) = self.numbers.tables();
+        let mut writer = FaceWriter {
+            hull: self.hull,
+            triangles: self.hull.only_triangles(),
+            room,
+            written: 0,
+        };
+        let mut next = 0;
+        let cut = self.classes.cut_faces.indices().iter();
+        for (&face, (piece, count)) in cut.zip(self.rim.pieces[self.part].iter()) {
+            let place = numbers[face as usize] as usize;
+            writer.write_whole(&old[next..place], &mut out[next..place])?;
+            out[place] = writer.write_face(face, piece, count)?;
+            next = place + 1;
         }
+        writer.write_whole(&old[next..], &mut out[next..])?;
+        Ok(writer.written)
     }
 
     /// Edges that the part has whole, halves of cut ones, edges on the plane, and chords.
     fn write_edges(&self, out: &mut ConvexHull) {
-        let edges = &mut out.edges;
-        edges.clear();
-        edges.reserve_exact(self.edges);
-        let (vertices, faces) = (&self.vertices.numbers[..], &self.faces.numbers[..]);
-        edges.extend(self.classes.edges(self.mask).iter().map(|&index| {
-            let Edge {
-                vertices: [a, b],
-                faces: [f, g],
-            } = self.hull.edges[index as usize];
-            Edge {
-                vertices: [vertices[a as usize], vertices[b as usize]],
-                faces: [faces[f as usize], faces[g as usize]],
-            }
+        let (edges, table) = (&mut out.edges, self.numbers.of_edges());
+        let whole = self.classes.whole_edges[self.part].indices();
+        edges.resize(whole.len(), self.hull.edges[0]);
+        select_edges(self.wide, &self.hull.edges, whole, table, edges);
+        edges.reserve_exact(self.numbers.edges - whole.len());
+        let is_below = self.mask() == BELOW;
+        let first_cut = self.hull.vertices.len() as u32;
+        let halves = self.rim.cut_edges.iter().zip(first_cut..);
+        edges.extend(halves.map(|(edge, cut)| {
+            let end = edge.ends[self.part];
+            let ends_at_cut = edge.goes_up == is_below;
+            table.look_up(&Edge {
+                vertices: if ends_at_cut { [end, cut] } else { [cut, end] },
+                faces: edge.faces,
+            })
         }));
-        let first_cut = self.vertices.count as u32;
-        edges.extend(
-            (self.rim.cut_edges.iter().zip(first_cut..)).map(|(edge, cut)| {
-                let end = vertices[edge.ends[self.part] as usize];
-                let ends_at_cut = edge.goes_up == (self.mask == BELOW);
-                let [f, g] = edge.faces;
-                Edge {
-                    vertices: if ends_at_cut { [end, cut] } else { [cut, end] },
-                    faces: [faces[f as usize], faces[g as usize]],
-                }
-            }),
-        );
         for on_edge in &self.classes.on_edges {
-            let is_inside = on_edge.parts.map(|part| part == self.mask);
+            let is_inside = on_edge.parts.map(|part| part == self.mask());
             if is_inside != [false; 2] {
-                let edge = &self.hull.edges[on_edge.edge as usize];
-                let face = |k: usize| {
-                    if is_inside[k] {
-                        self.face(edge.faces[k])
-                    } else {
-                        self.cap()
-                    }
-                };
-                edges.push(Edge {
-                    vertices: edge.vertices.map(|v| self.vertex(v)),
-                    faces: [face(0), face(1)],
-                });
+                let Edge { vertices, faces } = self.hull.edges[on_edge.edge as usize];
+                let face = |k: usize| if is_inside[k] { faces[k] } else { self.cap() };
+                let faces = [face(0), face(1)];
+                edges.push(table.look_up(&Edge { vertices, faces }));
             }
         }
-        let chords = self.classes.cut_faces.iter().zip(&self.rim.chords);
+        let chords = (self.classes.cut_faces.indices().iter()).zip(&self.rim.chords);
         edges.extend(chords.map(|(&face, &[up, down])| {
-            let [up, down] = [vertices[up as usize], vertices[down as usize]];
-            Edge {
-                vertices: if self.mask == BELOW {
-                    [up, down]
-                } else {
-                    [down, up]
-                },
-                faces: [faces[face as usize], self.cap()],
-            }
+            table.look_up(&Edge {
+                vertices: if is_below { [up, down] } else { [down, up] },
+                faces: [face, self.cap()],
+            })
         }));
     }
 }
 
-/// Writes face loops, one after the other.
-struct LoopWriter<'a> {
-    /// Room for those that are still to come.
+/// Writes faces, one after the other.
+struct FaceWriter<'a> {
+    hull: &'a ConvexHull,
+    /// The loops of the hull, if all of them are triangles.
+    triangles: Option<&'a [[u32; 3]]>,
+    /// Room for all loops.
     room: &'a mut [u32],
-    written: u32,
+    /// Corners written.
+    written: usize,
 }
 
-impl LoopWriter<'_> {
+impl FaceWriter<'_> {
+    /// Writes a face of the hull with other corners, which stand at the front of a list.
     #[inline]
-    fn push_triangle(&mut self, [a, b, c]: [u32; 3], numbers: &[u32]) -> Result<(), Irregular> {
-        let room = std::mem::take(&mut self.room);
-        let (out, rest) = room.split_first_chunk_mut().ok_or(Irregular)?;
-        *out = [
-            numbers[a as usize],
-            numbers[b as usize],
-            numbers[c as usize],
-        ];
-        self.room = rest;
-        self.written += 3;
-        Ok(())
+    fn write_face(&mut self, face: u32, from: &[u32], count: usize) -> Result<Face, Irregular> {
+        let first = self.written;
+        copy_corners(from, count, self.room, first)?;
+        self.written += count;
+        Ok(Face {
+            plane: self.hull.faces[face as usize].plane,
+            first: first as u32,
+            count: count as u32,
+        })
     }
 
+    /// Writes faces of the hull.
     #[inline]
-    fn push(
-        &mut self,
-        corners: impl ExactSizeIterator<Item = u32>,
-        numbers: &[u32],
-    ) -> Result<(), Irregular> {
-        let count = corners.len();
-        let room = std::mem::take(&mut self.room);
-        let (out, rest) = room.split_at_mut_checked(count).ok_or(Irregular)?;
-        for (out, corner) in out.iter_mut().zip(corners) {
-            *out = numbers[corner as usize];
+    fn write_whole(&mut self, faces: &[u32], out: &mut [Face]) -> Result<(), Irregular> {
+        let Some(triangles) = self.triangles else {
+            return self.write_polygons(faces, out);
+        };
+        let range = self.written..self.written + 3 * faces.len();
+        let room = self.room.get_mut(range).ok_or(Irregular)?;
+        let (old, mut first) = (&self.hull.faces[..], self.written as u32);
+        let room = room.as_chunks_mut().0;
+        for ((&face, out), corners) in faces.iter().zip(out).zip(room) {
+            *corners = triangles[face as usize];
+            *out = Face {
+                plane: old[face as usize].plane,
+                first,
+                count: 3,
+            };
+            first += 3;
         }
-        self.room = rest;
-        self.written += count as u32;
+        self.written = first as usize;
+        Ok(())
+    }
+
+    /// Writes faces of the hull with any number of corners.
+    fn write_polygons(&mut self, faces: &[u32], out: &mut [Face]) -> Result<(), Irregular> {
+        let (old, loops, room) = (&self.hull.faces[..], &self.hull.loops[..], &mut *self.room);
+        let mut written = self.written;
+        for (&face, out) in faces.iter().zip(out) {
+            let face = &old[face as usize];
+            copy_corners(
+                &loops[face.range().start..],
+                face.count as usize,
+                room,
+                written,
+            )?;
+            *out = Face {
+                first: written as u32,
+                ..*face
+            };
+            written += face.count as usize;
+        }
+        self.written = written;
         Ok(())
     }
 }
+
+/// Copies as many corners as said from the front of a list to place `written` of another.
+#[inline(always)]
+fn copy_corners(
+    from: &[u32],
+    count: usize,
+    room: &mut [u32],
+    written: usize,
+) -> Result<(), Irregular> {
+    let to = room.get_mut(written..).ok_or(Irregular)?;
+    if count <= USUAL_CORNERS
+        && let Some(from) = from.first_chunk::<USUAL_CORNERS>()
+        && let Some(to) = to.first_chunk_mut()
+    {
+        // More than there may be, which the next face writes over: there is no guessing how many corners it has.
+        *to = *from;
+        return Ok(());
+    }
+    copy_many_corners(&from[..count], to)
+}
+
+/// As [`copy_corners`], of a face with many corners or near the end of a list.
+#[inline(never)]
+fn copy_many_corners(from: &[u32], to: &mut [u32]) -> Result<(), Irregular> {
+    let to = to.get_mut(..from.len()).ok_or(Irregular)?;
+    to.copy_from_slice(from);
+    Ok(())
+}
+
+/// Most faces of a hull have no more corners.
+const USUAL_CORNERS: usize = 4;

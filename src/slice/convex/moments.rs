@@ -7,11 +7,13 @@
 //!
 //! Where the plane cuts most of the faces, as it does in a box, summing up both parts is less work.
 
-use super::classes::{BOTH, Classes};
-use super::emit::Numbers;
+use super::classes::Classes;
+use super::numbers::Numbers;
 use super::{HullHalves, Irregular};
 use crate::geometry::ConvexHull;
+use crate::geometry::lanes::wide::Avx2;
 use crate::geometry::moments::{MomentSum, Moments};
+use glam::Vec3;
 
 /// Finds the moments of both parts, and checks that each has a volume.
 pub(super) fn find_moments(
@@ -19,14 +21,21 @@ pub(super) fn find_moments(
     classes: &Classes,
     numbers: &Numbers,
     halves: &mut HullHalves,
+    wide: Option<Avx2>,
 ) -> Result<(), Irregular> {
     let few = usize::from(halves.above.loops.len() < halves.below.loops.len());
-    let (cut, most) = (classes.cut_faces.len(), numbers.old_faces(1 - few).len());
+    let (cut, most) = (classes.cut_faces.len(), numbers.parts[1 - few].faces.len());
     if most > 2 * cut {
-        from_hull(hull, classes, numbers, few, halves);
+        let summing = Summing {
+            hull,
+            classes,
+            numbers,
+            wide,
+        };
+        summing.inherit(few, halves);
     } else {
-        halves.below.moments = halves.below.sum_moments();
-        halves.above.moments = halves.above.sum_moments();
+        halves.below.moments = halves.below.sum_moments_with(wide);
+        halves.above.moments = halves.above.sum_moments_with(wide);
     }
     if is_body(&halves.below) && is_body(&halves.above) {
         Ok(())
@@ -46,42 +55,67 @@ fn is_body(part: &ConvexHull) -> bool {
     part.moments.volume() > LEAST_SHARE * extents.length() * (x * y + y * z + z * x)
 }
 
-/// Moments of the parts, of which `few` has fewer corners, by addition and subtraction.
-fn from_hull(
-    hull: &ConvexHull,
-    classes: &Classes,
-    numbers: &Numbers,
-    few: usize,
-    halves: &mut HullHalves,
-) {
-    let old = numbers.old_faces(few).iter().copied();
-    let whole = sum_faces(
-        hull,
-        hull,
-        old.filter(|&f| classes.faces[f as usize] != BOTH),
-    );
-    let cut = sum_faces(hull, hull, classes.cut_faces.iter().copied());
-    let others = hull.moments.sums - (whole + cut);
-    // The cap is the same triangles in both parts, with the other side out.
-    let last = halves.below.faces.len() as u32 - 1;
-    let cap = sum_faces(hull, &halves.below, [last].into_iter());
-    let parts = [&mut halves.below, &mut halves.above];
-    for (part, out) in parts.into_iter().enumerate() {
-        let pieces = sum_faces(hull, out, numbers.cut_faces(classes, part));
-        let new = pieces + if part == 0 { cap } else { -cap };
-        let sums = new + if part == few { whole } else { others };
-        let moments = hull.moments.with_sums(sums);
-        out.moments = moments.unwrap_or_else(|| out.sum_moments());
-    }
+/// All that summing up needs.
+struct Summing<'a> {
+    hull: &'a ConvexHull,
+    classes: &'a Classes,
+    numbers: &'a Numbers,
+    wide: Option<Avx2>,
 }
 
-/// Sums over some faces of a part, about the point of `hull`.
-fn sum_faces(hull: &ConvexHull, part: &ConvexHull, faces: impl Iterator<Item = u32>) -> Moments {
-    let mut sum = MomentSum::about(hull.moments.apex, &part.vertices);
-    for face in faces {
-        sum.add_face(part.face_loop(&part.faces[face as usize]));
+impl Summing<'_> {
+    /// Moments of the parts, of which `few` has fewer corners, by addition and subtraction.
+    fn inherit(&self, few: usize, halves: &mut HullHalves) {
+        let (hull, cut_faces) = (self.hull, self.classes.cut_faces.indices());
+        let whole = match few {
+            0 => self.sum_whole_faces(few, &halves.below),
+            _ => self.sum_whole_faces(few, &halves.above),
+        };
+        let cut = self.sum_faces(hull, cut_faces.iter().copied());
+        let others = hull.moments.sums - (whole + cut);
+        // The cap is the same triangles in both parts, with the other side out.
+        let last = halves.below.faces.len() as u32 - 1;
+        let cap = self.sum_faces(&halves.below, [last].into_iter());
+        let parts = [&mut halves.below, &mut halves.above];
+        for (part, out) in parts.into_iter().enumerate() {
+            let (_, faces) = self.numbers.parts[part].tables();
+            let pieces = cut_faces.iter().map(|&face| faces[face as usize]);
+            let pieces = self.sum_faces(out, pieces);
+            let new = pieces + if part == 0 { cap } else { -cap };
+            let sums = new + if part == few { whole } else { others };
+            let moments = hull.moments.with_sums(sums);
+            out.moments = moments.unwrap_or_else(|| out.sum_moments_with(self.wide));
+        }
     }
-    sum.finish()
+
+    /// Sums over the faces that a part has whole, which stand between its pieces of cut faces.
+    fn sum_whole_faces(&self, part: usize, out: &ConvexHull) -> Moments {
+        let mut sum = self.about_apex(&out.vertices);
+        let (_, numbers) = self.numbers.parts[part].tables();
+        let mut next = 0;
+        for &face in self.classes.cut_faces.indices() {
+            let place = numbers[face as usize] as usize;
+            sum.add_faces(&out.faces[next..place], &out.loops);
+            next = place + 1;
+        }
+        let cap = out.faces.len() - 1;
+        sum.add_faces(&out.faces[next..cap], &out.loops);
+        sum.finish()
+    }
+
+    /// Sums over some faces of the hull or of a part.
+    fn sum_faces(&self, part: &ConvexHull, faces: impl Iterator<Item = u32>) -> Moments {
+        let mut sum = self.about_apex(&part.vertices);
+        for face in faces {
+            sum.add_face(&part.faces[face as usize], &part.loops);
+        }
+        sum.finish()
+    }
+
+    /// Of nothing, about the point of the hull.
+    fn about_apex<'v>(&self, vertices: &'v [Vec3]) -> MomentSum<'v> {
+        MomentSum::about(self.hull.moments.apex, vertices, self.wide)
+    }
 }
 
 #[cfg(test)]

@@ -3,11 +3,12 @@
 //! Vertices are named by their numbers in the hull, with the cut points numbered after them.
 
 use super::Irregular;
-use super::classes::{ABOVE, BELOW, BOTH, Classes, ON};
+use super::classes::{ABOVE, BELOW, Classes, ON};
 use crate::geometry::{ConvexHull, Edge};
 use crate::math::Plane;
 use crate::slice::clip::crossing;
 use glam::Vec3;
+use std::ops::Range;
 
 const NONE: u32 = u32::MAX;
 
@@ -53,12 +54,30 @@ impl Loops {
         self.ends.clear();
     }
 
-    /// The loops, in order.
-    pub(super) fn iter(&self) -> impl Iterator<Item = &[u32]> {
+    /// Adds so many of four corners to the last loop.
+    #[inline]
+    fn push_short(&mut self, corners: [u32; 4], count: usize) {
+        let first = self.corners.len();
+        self.corners.extend_from_slice(&corners);
+        self.corners.truncate(first + count);
+    }
+
+    /// Adds corners to the last loop.
+    #[inline]
+    fn push(&mut self, runs: &[&[u32]]) {
+        for run in runs {
+            for &corner in *run {
+                self.corners.push(corner);
+            }
+        }
+    }
+
+    /// The loops, in order: lists of corners that begin with one, and how many it has.
+    pub(super) fn iter(&self) -> impl Iterator<Item = (&[u32], usize)> {
         let mut first = 0;
         self.ends.iter().map(move |&end| {
             let from = std::mem::replace(&mut first, end as usize);
-            &self.corners[from..end as usize]
+            (&self.corners[from..], end as usize - from)
         })
     }
 }
@@ -70,17 +89,16 @@ impl Rim {
             self.crossings.resize(hull.faces.len(), [NONE; 2]);
         }
         self.cut_edges.clear();
-        self.cut_edges
-            .extend(classes.edges(BOTH).iter().map(|&edge| {
-                let Edge { vertices, faces } = hull.edges[edge as usize];
-                let [from, to] = vertices;
-                let goes_up = classes.sides[from as usize] == BELOW;
-                CutEdge {
-                    ends: if goes_up { [from, to] } else { [to, from] },
-                    faces,
-                    goes_up,
-                }
-            }));
+        self.cut_edges.extend(classes.cut_edges.iter().map(|&edge| {
+            let Edge { vertices, faces } = hull.edges[edge as usize];
+            let [from, to] = vertices;
+            let goes_up = classes.sides[from as usize] == BELOW;
+            CutEdge {
+                ends: if goes_up { [from, to] } else { [to, from] },
+                faces,
+                goes_up,
+            }
+        }));
         self.points.clear();
         self.points.extend(self.cut_edges.iter().map(|edge| {
             let [a, b] = edge.ends;
@@ -110,13 +128,17 @@ impl Rim {
         chords.clear();
         pieces.iter_mut().for_each(Loops::clear);
         let mut result = Ok(());
-        for &face in &classes.cut_faces {
+        for &face in classes.cut_faces.indices() {
             let crossings = std::mem::replace(&mut crossings[face as usize], [NONE; 2]);
             let corners = hull.face_loop(&hull.faces[face as usize]);
             let divided = match *corners {
                 [a, b, c] => divide_triangle([a, b, c], &classes.sides, crossings, pieces),
-                _ => divide_face(corners, &classes.sides, crossings, pieces),
+                _ => divide_off_plane(corners, &classes.sides, crossings, pieces),
             };
+            let divided = divided.map_or_else(
+                || divide_face(corners, &classes.sides, crossings, pieces),
+                Ok,
+            );
             match divided {
                 Ok(chord) => chords.push(chord),
                 Err(irregular) => result = Err(irregular),
@@ -188,40 +210,94 @@ impl Rim {
     }
 }
 
-/// Divides a triangle without a corner on the plane, and any other as [`divide_face`] does.
+/// Corners of a piece of a triangle: 0 to 2 are those of the triangle, [`UP`] and [`DOWN`] those of the chord.
+type Piece = [u8; 4];
+
+/// Where the triangle's loop goes up through the plane.
+const UP: u8 = 3;
+/// Where it comes down.
+const DOWN: u8 = 4;
+
+/// Pieces of a triangle below and above the plane, by which of its corners are below, the first one's bit the lowest. One of
+/// the two has three corners, and its last one here means nothing.
 ///
-/// One corner is alone on its side; finding it is one guess where a walk around the loop is many.
+/// The piece below begins with the first corner below, as in [`divide_face`]: it decides along which diagonal the piece is
+/// read as triangles.
+static PIECES: [[Piece; 2]; 8] = [
+    UNDIVIDED,
+    [[0, UP, DOWN, 0], [UP, 1, 2, DOWN]],
+    [[1, UP, DOWN, 0], [UP, 2, 0, DOWN]],
+    [[0, 1, UP, DOWN], [UP, 2, DOWN, 0]],
+    [[2, UP, DOWN, 0], [UP, 0, 1, DOWN]],
+    [[0, UP, DOWN, 2], [UP, 1, DOWN, 0]],
+    [[1, 2, UP, DOWN], [UP, 0, DOWN, 0]],
+    UNDIVIDED,
+];
+
+/// Of a triangle that has all corners on one side.
+const UNDIVIDED: [Piece; 2] = [[0; 4]; 2];
+
+/// Divides a triangle without a corner on the plane, as [`divide_face`] does. Nothing, and nothing done, for any other.
+///
+/// There is no guessing which corners are below, so that they name a row of a table.
 fn divide_triangle(
-    corners: [u32; 3],
+    [a, b, c]: [u32; 3],
     sides: &[u8],
     [up, down]: [u32; 2],
     pieces: &mut [Loops; 2],
-) -> Result<[u32; 2], Irregular> {
-    let side = corners.map(|v| sides[v as usize]);
-    if side.contains(&ON) || up == NONE || down == NONE {
-        return divide_face(&corners, sides, [up, down], pieces);
+) -> Option<[u32; 2]> {
+    let [of_a, of_b, of_c] = [sides[a as usize], sides[b as usize], sides[c as usize]];
+    if of_a.min(of_b).min(of_c) == ON || up == NONE || down == NONE {
+        return None;
     }
-    let alone = if side[0] == side[1] {
-        2
-    } else {
-        usize::from(side[0] == side[2])
-    };
-    let [tip, next, last] = [[0, 1, 2], [1, 2, 0], [2, 0, 1]][alone].map(|k| corners[k]);
-    let [below, above] = pieces;
-    if side[alone] == BELOW {
-        below.corners.extend([tip, up, down]);
-        above.corners.extend([up, next, last, down]);
+    let below = (of_a & BELOW) | (of_b & BELOW) << 1 | (of_c & BELOW) << 2;
+    let pieces_of = &PIECES[usize::from(below)];
+    if *pieces_of == UNDIVIDED {
+        return None;
+    }
+    let corners = [a, b, c, up, down, NONE, NONE, NONE];
+    let counts = [
+        2 + below.count_ones() as usize,
+        5 - below.count_ones() as usize,
+    ];
+    let corner = |number: u8| corners[usize::from(number % 8)];
+    let piece = |[a, b, c, d]: [u8; 4]| [corner(a), corner(b), corner(c), corner(d)];
+    pieces[0].push_short(piece(pieces_of[0]), counts[0]);
+    pieces[1].push_short(piece(pieces_of[1]), counts[1]);
+    Some([up, down])
+}
+
+/// Divides a face without a corner on the plane, as [`divide_face`] does. Nothing, and nothing done, for any other and for
+/// one whose loop does not go up once and come down once.
+fn divide_off_plane(
+    corners: &[u32],
+    sides: &[u8],
+    [up, down]: [u32; 2],
+    [below, above]: &mut [Loops; 2],
+) -> Option<[u32; 2]> {
+    let side = |place: usize| sides[corners[place] as usize];
+    let count = corners.len();
+    // The corners from `first` to `last` are on the same side, and those before and behind on the other.
+    let inner_side = if side(0) == BELOW { ABOVE } else { BELOW };
+    let first = (1..count).find(|&place| side(place) == inner_side)?;
+    let last = (first..count)
+        .find(|&place| side(place) != inner_side)
+        .unwrap_or(count);
+    let outer_side = BELOW + ABOVE - inner_side;
+    let is_outer = |mut places: Range<usize>| places.all(|place| side(place) == outer_side);
+    if up == NONE || down == NONE || !is_outer(0..first) || !is_outer(last..count) {
+        return None;
+    }
+    let (before, inner, behind) = (&corners[..first], &corners[first..last], &corners[last..]);
+    if inner_side == ABOVE {
+        below.push(&[before, &[up, down], behind]);
+        above.push(&[&[up], inner, &[down]]);
     } else {
         // From the first corner below, as `divide_face` does: it decides along which diagonal the piece is read as triangles.
-        let piece = if alone == 1 {
-            [last, up, down, next]
-        } else {
-            [next, last, up, down]
-        };
-        below.corners.extend(piece);
-        above.corners.extend([up, tip, down]);
+        below.push(&[inner, &[up, down]]);
+        above.push(&[&[up], behind, before, &[down]]);
     }
-    Ok([up, down])
+    Some([up, down])
 }
 
 /// Divides one face between the parts, and gives the ends of its chord: where it goes up, and where it comes down.

@@ -1,0 +1,89 @@
+//! The numbers that a hull's vertices and faces have in the parts.
+
+use super::Irregular;
+use super::classes::{BELOW, Classes};
+use super::rim::Rim;
+use super::select::{Selection, select_and_number};
+use crate::geometry::ConvexHull;
+use crate::geometry::lanes::wide::EdgeTable;
+
+/// What each part has of everything, and under which numbers.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Numbers {
+    pub(super) parts: [PartNumbers; 2],
+}
+
+/// What one part has.
+#[derive(Clone, Debug, Default)]
+pub(super) struct PartNumbers {
+    /// New numbers of the hull's vertices, the cut points, the hull's faces and the cap, one after the other. Those of
+    /// what the part does not have mean nothing.
+    table: Vec<u32>,
+    /// Where the faces begin in the table.
+    first_face: usize,
+    /// The hull's vertices that the part has.
+    pub(super) vertices: Selection,
+    /// The hull's faces that are whole or in pieces in the part.
+    pub(super) faces: Selection,
+    /// How many edges the part has.
+    pub(super) edges: usize,
+}
+
+impl PartNumbers {
+    /// New numbers of vertices, which are those of the hull and the cut points, and of faces, which are those of the hull
+    /// and the cap.
+    pub(super) fn tables(&self) -> (&[u32], &[u32]) {
+        self.table.split_at(self.first_face)
+    }
+
+    /// Both in one list.
+    pub(super) fn of_edges(&self) -> EdgeTable<'_> {
+        EdgeTable {
+            numbers: &self.table,
+            first_face: self.first_face,
+        }
+    }
+
+    fn count(&mut self, hull: &ConvexHull, classes: &Classes, cuts: usize, part: usize) {
+        let vertices = hull.vertices.len();
+        self.first_face = vertices + cuts;
+        let last = self.first_face + hull.faces.len();
+        self.table.resize(last + 1, 0);
+        let (of_vertices, of_faces) = self.table.split_at_mut(self.first_face);
+        let (of_vertices, of_cuts) = of_vertices.split_at_mut(vertices);
+        let of_hull = &mut of_faces[..hull.faces.len()];
+        select_and_number(&mut self.vertices, &classes.member_bits, part, of_vertices);
+        select_and_number(&mut self.faces, &classes.face_bits, part, of_hull);
+        let first_cut = self.vertices.len() as u32;
+        for (number, cut) in of_cuts.iter_mut().zip(first_cut..) {
+            *number = cut;
+        }
+        of_faces[hull.faces.len()] = self.faces.len() as u32;
+    }
+}
+
+impl Numbers {
+    /// Numbers vertices and faces, and checks that both parts fulfil Euler's formula.
+    ///
+    /// Each edge of a part has one face on either side, because it inherits them from the hull or is on the rim, which is one
+    /// simple loop; so the formula says that the part is one closed surface without handles.
+    pub(super) fn count(
+        &mut self,
+        hull: &ConvexHull,
+        classes: &Classes,
+        rim: &Rim,
+    ) -> Result<(), Irregular> {
+        let cuts = rim.points.len();
+        for (part, numbers) in self.parts.iter_mut().enumerate() {
+            numbers.count(hull, classes, cuts, part);
+            let (vertices, faces) = (numbers.vertices.len() + cuts, numbers.faces.len() + 1);
+            let mask = BELOW << part;
+            let on = classes.on_edges.iter().filter(|e| e.parts.contains(&mask));
+            numbers.edges = classes.whole_edges[part].len() + on.count() + cuts + rim.chords.len();
+            if vertices + faces != numbers.edges + 2 {
+                return Err(Irregular);
+            }
+        }
+        Ok(())
+    }
+}
