@@ -113,7 +113,7 @@ pub struct Batch {
     /// Slots of its bodies.
     pub slots: Vec<u32>,
     /// Numbers of the two bodies of each of its manifolds.
-    pairs: Vec<[u32; 2]>,
+    pub(super) pairs: Vec<[u32; 2]>,
     /// Velocities of its bodies, and of one that nothing happens to, for the lanes that are not used.
     pub bodies: Vec<SolverBody>,
     /// Displacements of its bodies since the start of the step: centre (m) and rotation vector (rad).
@@ -163,6 +163,9 @@ pub(super) struct BatchScratch {
     pub(super) last_bodies: Vec<SolverBody>,
     /// By body: whether a contact pushes it.
     pub(super) is_pushed: Vec<bool>,
+    /// By body: whether it was hit in this sub-step. Places of the contacts of such bodies.
+    pub(super) is_hit: Vec<bool>,
+    pub(super) hit_places: Vec<Place>,
     /// Points of a batch as rows, for the exact method.
     pub(super) rows: Vec<PointRows>,
     /// Inverse inertia tensors of a batch, for the exact method.
