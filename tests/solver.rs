@@ -2,6 +2,7 @@
 
 mod dice;
 
+use bevy_cleave::contact::ContactPoint;
 use bevy_cleave::prelude::*;
 use bevy_cleave::solver::mlcp::{DenseMlcp, Residual};
 use bevy_cleave::solver::residual::ResidualSum;
@@ -638,4 +639,33 @@ fn bodies_of_layers_that_do_not_meet_pass_through_each_other() {
             "rests on the floor, inside the other: {y}"
         );
     }
+}
+
+#[test]
+fn a_blow_takes_back_the_impulses_of_the_struck_bodies_only() {
+    let mut simulation = with_floor();
+    simulation.config.substeps = 1;
+    simulation.config.max_substeps = 1;
+    let beam = ConvexMesh::cuboid(20.0, 1.0, 1.0).expect("valid size");
+    let beam = add(&mut simulation, dynamic(&beam, 0.0, 0.5, 0.0));
+    let [lower, upper] = [1.5, 2.5].map(|y| dynamic(&cube(1.0), -9.0, y, 0.0));
+    let [lower, upper] = [lower, upper].map(|desc| add(&mut simulation, desc));
+    let mut falling = dynamic(&cube(1.0), 9.0, 1.51, 0.0);
+    falling.linear_velocity = Vec3::new(0.0, -3.0, 0.0);
+    let falling = add(&mut simulation, falling);
+    // Nothing is known of any contact before this step.
+    simulation.step(H);
+    let bears = |a: u32, b: u32| {
+        let manifolds = simulation.contacts.manifolds().iter();
+        let mut of_pair = manifolds.filter(|m| [m.a, m.b] == [a, b]);
+        let points = of_pair.next().expect("they touch").points();
+        let sum = |of: fn(&ContactPoint) -> f32| points.iter().map(of).sum::<f32>();
+        [sum(|p| p.normal_impulse), sum(|p| p.total_impulse)]
+    };
+    let [next, blow] = bears(beam, falling);
+    assert!(next == 0.0 && blow > 1000.0, "{next} {blow}");
+    let [next, weight] = bears(beam, lower);
+    assert!(next == 0.0 && weight > 0.0, "{next} {weight}");
+    let [next, weight] = bears(lower, upper);
+    assert!(next > 0.0 && next == weight, "{next} {weight}");
 }

@@ -5,7 +5,7 @@
 
 use super::Method;
 use super::arrangement::{Arrangement, Joint, Rule};
-use super::blocks::{Block, Blow, Place, Point, Solid, Source, derive, fill};
+use super::blocks::{Block, Blow, Place, Point, Solid, Source, derive, derive_stale, fill};
 use super::bodies::{Bodies, SolverBody};
 use super::demand::{Demand, Effort, SubstepSettings, Travel};
 use super::domains::{self, Domains};
@@ -21,7 +21,7 @@ use super::spin::Spin;
 use super::team::Team;
 use super::ties::Tie;
 use crate::contact::manifold::Manifold;
-use crate::parts::front_mut;
+use crate::parts::{front, front_mut};
 use glam::{Mat3, Quat};
 use std::ops::Range;
 
@@ -113,7 +113,7 @@ pub struct Batch {
     /// Slots of its bodies.
     pub slots: Vec<u32>,
     /// Numbers of the two bodies of each of its manifolds.
-    pairs: Vec<[u32; 2]>,
+    pub(super) pairs: Vec<[u32; 2]>,
     /// Velocities of its bodies, and of one that nothing happens to, for the lanes that are not used.
     pub bodies: Vec<SolverBody>,
     /// Displacements of its bodies since the start of the step: centre (m) and rotation vector (rad).
@@ -163,6 +163,11 @@ pub(super) struct BatchScratch {
     pub(super) last_bodies: Vec<SolverBody>,
     /// By body: whether a contact pushes it.
     pub(super) is_pushed: Vec<bool>,
+    /// By body: whether it turns.
+    is_turning: Vec<bool>,
+    /// By body: whether it was hit in this sub-step. Places of the contacts of such bodies.
+    pub(super) is_hit: Vec<bool>,
+    pub(super) hit_places: Vec<Place>,
     /// Points of a batch as rows, for the exact method.
     pub(super) rows: Vec<PointRows>,
     /// Inverse inertia tensors of a batch, for the exact method.
@@ -273,17 +278,24 @@ impl Batch {
         });
     }
 
-    /// Computes masses and couplings anew, after anchors or inertias have changed.
+    /// Computes masses and couplings anew where anchors or inertias have changed.
     pub(super) fn derive_masses(&mut self, team: Option<&Team>) {
         let (solids, width) = (&self.solids, self.settings.config.lane_width);
         let (blocks, points) = (&mut self.blocks, &mut self.points);
-        let mut parts = parts_of_blocks(blocks, points, &self.domains, team);
-        Team::each(team, &mut parts, |(blocks, points)| {
-            derive(blocks, points, solids, width);
+        let mut following = &self.following[..];
+        let parts = parts_of_blocks(blocks, points, &self.domains, team);
+        let parts = parts.into_iter().map(|(blocks, points)| {
+            let following = front(&mut following, blocks.len());
+            (blocks, points, following)
+        });
+        let mut parts: Parts<_> = parts.collect();
+        Team::each(team, &mut parts, |(blocks, points, following)| {
+            let is_stale = following.iter().map(|following| following.is_stale);
+            derive_stale(blocks, points, solids, is_stale, width);
         });
     }
 
-    /// Marks the lanes of moving manifolds.
+    /// Marks the lanes of moving manifolds, and the blocks of bodies that turn.
     fn mark_following(&mut self) {
         if self.moving.is_empty() {
             return;
@@ -294,9 +306,19 @@ impl Batch {
         for moving in &self.moving {
             let (place, lane) = (moving.place, moving.place.lane as usize);
             let following = &mut self.following[place.block as usize];
-            following.any = true;
+            (following.any, following.is_stale) = (true, true);
             following.moves.0[lane] = 1.0;
             following.on_b.0[lane] = f32::from(moving.carrier == 1);
+        }
+        let is_turning = &mut self.scratch.is_turning;
+        is_turning.clear();
+        is_turning.resize(self.bodies.len(), false);
+        for turning in &self.turning {
+            is_turning[turning.body as usize] = true;
+        }
+        for ((_, place), pair) in self.places.iter().zip(&self.pairs) {
+            let turns = pair.iter().any(|&body| is_turning[body as usize]);
+            self.following[place.block as usize].is_stale |= turns;
         }
     }
 

@@ -354,10 +354,23 @@ pub fn fill(blocks: &mut [Block], points: &mut [Point], source: Source<'_>, widt
 
 /// Computes masses and couplings of the points of blocks, which are all of `points`, from anchors and inertias.
 pub fn derive(blocks: &mut [Block], points: &mut [Point], solids: &[Solid], width: LaneWidth) {
+    let all = std::iter::repeat(true);
+    derive_stale(blocks, points, solids, all, width);
+}
+
+/// As [`derive()`], for those blocks of which `is_stale` says so, one after the other.
+pub(super) fn derive_stale(
+    blocks: &mut [Block],
+    points: &mut [Point],
+    solids: &[Solid],
+    is_stale: impl Iterator<Item = bool>,
+    width: LaneWidth,
+) {
     let kernel = Derive {
         blocks,
         points,
         solids,
+        is_stale,
     };
     run(width, kernel);
 }
@@ -469,21 +482,25 @@ fn tangents<L: Lanes>(n: V3<L>) -> [V3<L>; 2] {
     ]
 }
 
-struct Derive<'a> {
+struct Derive<'a, S> {
     blocks: &'a mut [Block],
     points: &'a mut [Point],
     solids: &'a [Solid],
+    is_stale: S,
 }
 
-impl Kernel for Derive<'_> {
+impl<S: Iterator<Item = bool>> Kernel for Derive<'_, S> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let mut rest = self.points;
-        for block in self.blocks {
+        for (block, is_stale) in self.blocks.iter_mut().zip(self.is_stale) {
             let (points, after) = rest.split_at_mut(block.points.len());
             rest = after;
+            if !is_stale {
+                continue;
+            }
             load_masses::<L>(block, self.solids);
             let pair = Masses::<L>::load(block);
             let mass = pair.mass[0] + pair.mass[1];

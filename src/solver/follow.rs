@@ -22,6 +22,8 @@ use glam::Quat;
 pub(super) struct Following {
     /// Whether any does.
     pub(super) any: bool,
+    /// Whether masses and couplings change within the step: a lane follows, or one of its bodies turns.
+    pub(super) is_stale: bool,
     /// 1 in lanes whose points follow, else 0.
     pub(super) moves: F8,
     /// 1 in lanes whose points stay on B, 0 where they stay on A.

@@ -171,10 +171,7 @@ impl Batch {
         let settings = &{ self.settings };
         let config = &settings.config;
         let fastest = self.set_targets(settings, first, team);
-        let is_hit = fastest > 0.0 || self.is_hit(settings);
-        if is_hit {
-            self.save_impulses();
-        }
+        let is_hit = self.note_blows(settings.config.restitution_threshold);
         let tolerance = self.tolerance(config, fastest);
         if config.method == Method::Exact {
             self.keep_free_velocities();
@@ -191,8 +188,7 @@ impl Batch {
         }
         self.relax(settings, tolerance, effort, team);
         if is_hit {
-            // A blow says nothing about the next sub-step, what was before it does.
-            self.restore_impulses();
+            self.forget_blows();
         }
     }
 
@@ -264,44 +260,6 @@ impl Batch {
             }
         }
         fastest
-    }
-
-    /// Whether bodies hit each other in this sub-step, so fast that their impulses are those of a blow.
-    fn is_hit(&self, settings: &SubstepSettings) -> bool {
-        let threshold = settings.config.restitution_threshold;
-        self.moving.iter().any(|moving| {
-            let (block, lane) = (
-                &self.blocks[moving.place.block as usize],
-                moving.place.lane as usize,
-            );
-            let normal = vector(&block.normal, lane);
-            let pair = moving.bodies.map(|b| &self.bodies[b as usize]);
-            let count = moving.place.count as usize;
-            self.points[block.points.clone()][..count]
-                .iter()
-                .any(|point| {
-                    let speed = -point.normal_velocity(lane, normal, pair);
-                    speed > threshold.max(-point.wanted.0[lane])
-                })
-        })
-    }
-
-    /// Remembers the impulses as they are.
-    fn save_impulses(&mut self) {
-        for (point, blow) in self.points.iter().zip(self.blows.iter_mut()) {
-            blow.before = point.impulse;
-        }
-    }
-
-    /// Takes the impulses back to the remembered ones, without losing what the others add to the total.
-    fn restore_impulses(&mut self) {
-        for (point, blow) in self.points.iter_mut().zip(self.blows.iter()) {
-            let [now, before] = [point.impulse[0].0, blow.before[0].0];
-            for (total, (now, before)) in point.total.0.iter_mut().zip(now.iter().zip(before)) {
-                *total += now - before;
-            }
-            point.impulse = blow.before;
-        }
     }
 
     fn keep_free_velocities(&mut self) {

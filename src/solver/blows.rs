@@ -1,0 +1,90 @@
+//! Bodies that hit each other within a sub-step, and what becomes of the impulses of their contacts.
+//!
+//! The impulse that stops a body says nothing about the next sub-step; what its contacts bore before the blow does, and is
+//! what they are warm started from. All other contacts keep what they have found. In a large pile something hits something in
+//! nearly every sub-step: if every contact of the island went back each time, none would ever get to bear its load.
+
+use super::batch::{Batch, MovingManifold};
+use super::blocks::{Place, vector};
+
+impl Batch {
+    /// Finds the bodies that hit something faster than `threshold` (m/s) in this sub-step, whose wanted velocities are known,
+    /// and remembers the impulses of their contacts; whether there are any.
+    pub(super) fn note_blows(&mut self, threshold: f32) -> bool {
+        let mut is_hit = std::mem::take(&mut self.scratch.is_hit);
+        is_hit.clear();
+        is_hit.resize(self.bodies.len(), false);
+        let moving = self.moving.iter().filter(|m| self.hits(m, threshold));
+        let bouncing = self.places.iter().zip(&self.pairs);
+        let bouncing =
+            bouncing.filter(|((_, place), _)| self.has_restitution && self.bounces(*place));
+        let pairs = moving
+            .map(|m| m.bodies)
+            .chain(bouncing.map(|(_, pair)| *pair));
+        let mut any = false;
+        for body in pairs.flatten() {
+            any = true;
+            is_hit[body as usize] = self.bodies[body as usize].inverse_mass > 0.0;
+        }
+        self.scratch.hit_places.clear();
+        if any {
+            let places = self.places.iter().zip(&self.pairs);
+            let hit = places.filter(|(_, pair)| pair.iter().any(|&body| is_hit[body as usize]));
+            let hit = hit.map(|((_, place), _)| *place);
+            self.scratch.hit_places.extend(hit);
+            self.save_impulses();
+        }
+        self.scratch.is_hit = is_hit;
+        any
+    }
+
+    /// Whether the two bodies close their gap so fast that the impulses between them are those of a blow.
+    fn hits(&self, moving: &MovingManifold, threshold: f32) -> bool {
+        let (block, lane) = (
+            &self.blocks[moving.place.block as usize],
+            moving.place.lane as usize,
+        );
+        let normal = vector(&block.normal, lane);
+        let pair = moving.bodies.map(|b| &self.bodies[b as usize]);
+        let count = moving.place.count as usize;
+        let mut points = self.points[block.points.clone()][..count].iter();
+        points.any(|point| {
+            let speed = -point.normal_velocity(lane, normal, pair);
+            speed > threshold.max(-point.wanted.0[lane])
+        })
+    }
+
+    /// Whether a point of a manifold rebounds in this sub-step.
+    fn bounces(&self, place: Place) -> bool {
+        let (block, lane) = (&self.blocks[place.block as usize], place.lane as usize);
+        let mut blows = self.blows[block.points.clone()][..place.count as usize].iter();
+        blows.any(|blow| blow.rebound.0[lane] > 0.0)
+    }
+
+    /// Remembers the impulses of the bodies that were hit.
+    fn save_impulses(&mut self) {
+        for place in &self.scratch.hit_places {
+            let (block, lane) = (&self.blocks[place.block as usize], place.lane as usize);
+            for i in block.points.clone().take(place.count as usize) {
+                let (point, blow) = (&self.points[i], &mut self.blows[i]);
+                for (before, now) in blow.before.iter_mut().zip(&point.impulse) {
+                    before.0[lane] = now.0[lane];
+                }
+            }
+        }
+    }
+
+    /// Takes their impulses back to the remembered ones, without losing what the others add to the total.
+    pub(super) fn forget_blows(&mut self) {
+        for place in &self.scratch.hit_places {
+            let (block, lane) = (&self.blocks[place.block as usize], place.lane as usize);
+            for i in block.points.clone().take(place.count as usize) {
+                let (point, blow) = (&mut self.points[i], &self.blows[i]);
+                point.total.0[lane] += point.impulse[0].0[lane] - blow.before[0].0[lane];
+                for (now, before) in point.impulse.iter_mut().zip(&blow.before) {
+                    now.0[lane] = before.0[lane];
+                }
+            }
+        }
+    }
+}
