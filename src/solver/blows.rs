@@ -5,7 +5,7 @@
 //! nearly every sub-step: if every contact of the island went back each time, none would ever get to bear its load.
 
 use super::batch::{Batch, MovingManifold};
-use super::blocks::{Place, vector};
+use super::blocks::{Place, Point, vector};
 
 impl Batch {
     /// Finds the bodies that hit something faster than `threshold` (m/s) in this sub-step, whose wanted velocities are known,
@@ -38,20 +38,26 @@ impl Batch {
         any
     }
 
+    /// Whether two bodies approach each other faster than `threshold`, m/s.
+    pub(super) fn any_closes(&self, threshold: f32) -> bool {
+        let closes = |moving: &MovingManifold| self.closes(moving, |_| threshold);
+        self.moving.iter().any(closes)
+    }
+
     /// Whether the two bodies close their gap so fast that the impulses between them are those of a blow.
     fn hits(&self, moving: &MovingManifold, threshold: f32) -> bool {
-        let (block, lane) = (
-            &self.blocks[moving.place.block as usize],
-            moving.place.lane as usize,
-        );
+        let lane = moving.place.lane as usize;
+        self.closes(moving, |point| threshold.max(-point.wanted.0[lane]))
+    }
+
+    /// Whether a point of a manifold closes faster than `bound`, m/s.
+    fn closes(&self, moving: &MovingManifold, bound: impl Fn(&Point) -> f32) -> bool {
+        let Place { block, lane, count } = moving.place;
+        let (block, lane) = (&self.blocks[block as usize], lane as usize);
         let normal = vector(&block.normal, lane);
         let pair = moving.bodies.map(|b| &self.bodies[b as usize]);
-        let count = moving.place.count as usize;
-        let mut points = self.points[block.points.clone()][..count].iter();
-        points.any(|point| {
-            let speed = -point.normal_velocity(lane, normal, pair);
-            speed > threshold.max(-point.wanted.0[lane])
-        })
+        let mut points = self.points[block.points.clone()][..count as usize].iter();
+        points.any(|point| -point.normal_velocity(lane, normal, pair) > bound(point))
     }
 
     /// Whether a point of a manifold rebounds in this sub-step.

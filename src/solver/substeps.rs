@@ -70,10 +70,10 @@ impl Batch {
             }
             effort.begin(settings.config.substeps - substep);
             self.apply_gravity(settings);
-            if self.can_hit() || settings.config.method == Method::Exact {
-                self.solve_substep(substep == 0, manifolds, effort, team);
-            } else {
+            if self.is_calm() {
                 self.solve_calm_substep(substep == 0, manifolds, effort, team);
+            } else {
+                self.solve_substep(substep == 0, manifolds, effort, team);
             }
             self.turn_bodies(settings.h, team);
             let is_last = substep + 1 == settings.config.substeps;
@@ -90,6 +90,13 @@ impl Batch {
     /// Whether bodies may hit each other.
     fn can_hit(&self) -> bool {
         !self.blows.is_empty()
+    }
+
+    /// Whether nothing hits anything in this sub-step, so that targets need not be known before the warm start.
+    fn is_calm(&self) -> bool {
+        let config = &self.settings.config;
+        let may_hit = || self.has_restitution || self.any_closes(config.restitution_threshold);
+        config.method != Method::Exact && !(self.can_hit() && may_hit())
     }
 
     /// Does a pass over all contacts, several domains at a time if there is a team; returns the largest velocity change if it
