@@ -25,12 +25,14 @@ pub(super) fn all() -> Vec<Named> {
         named("soft-6", fixed(6)),
         named("soft-7", fixed(7)),
         named("soft-8", fixed(8)),
+        named("soft-10", fixed(10)),
         named("soft-12", fixed(12)),
         named("soft-16", fixed(16)),
         named("soft-24", fixed(24)),
         named("soft-32", fixed(32)),
         named(DEFAULT, SolverConfig::default()),
         named("paper", SolverConfig::paper()),
+        named("paper-4", paper(4)),
         Named {
             // Its time grows with the cube of the number of contacts.
             max_bodies: 60,
@@ -54,6 +56,14 @@ fn fixed(substeps: u32) -> SolverConfig {
         max_substeps: substeps,
         tolerance: None,
         ..SolverConfig::default()
+    }
+}
+
+/// The paper's method with fewer sweeps.
+fn paper(sweeps: u32) -> SolverConfig {
+    SolverConfig {
+        sweeps,
+        ..SolverConfig::paper()
     }
 }
 
