@@ -165,9 +165,8 @@ pub(super) struct BatchScratch {
     pub(super) is_pushed: Vec<bool>,
     /// By body: whether it turns.
     is_turning: Vec<bool>,
-    /// By body: whether it was hit in this sub-step. Places of the contacts of such bodies.
+    /// By body: whether it was hit in this sub-step.
     pub(super) is_hit: Vec<bool>,
-    pub(super) hit_places: Vec<Place>,
     /// Points of a batch as rows, for the exact method.
     pub(super) rows: Vec<PointRows>,
     /// Inverse inertia tensors of a batch, for the exact method.

@@ -1,8 +1,10 @@
 //! Bodies that hit each other within a sub-step, and what becomes of the impulses of their contacts.
 //!
 //! The impulse that stops a body says nothing about the next sub-step; what its contacts bore before the blow does, and is
-//! what they are warm started from. All other contacts keep what they have found. In a large pile something hits something in
-//! nearly every sub-step: if every contact of the island went back each time, none would ever get to bear its load.
+//! what they are warm started from, as are contacts that the blow has gone through. All others keep what they have found. In
+//! a large pile something hits something in nearly every sub-step: if every contact of the island went back each time, none
+//! would ever get to bear its load; and if only those of the bodies that were hit did, what they stand on would push back
+//! with the blow in the next sub-step.
 
 use super::batch::{Batch, MovingManifold};
 use super::blocks::{Place, Point, vector};
@@ -26,13 +28,10 @@ impl Batch {
             any = true;
             is_hit[body as usize] = self.bodies[body as usize].inverse_mass > 0.0;
         }
-        self.scratch.hit_places.clear();
         if any {
-            let places = self.places.iter().zip(&self.pairs);
-            let hit = places.filter(|(_, pair)| pair.iter().any(|&body| is_hit[body as usize]));
-            let hit = hit.map(|((_, place), _)| *place);
-            self.scratch.hit_places.extend(hit);
-            self.save_impulses();
+            for (point, blow) in self.points.iter().zip(&mut self.blows) {
+                blow.before = point.impulse;
+            }
         }
         self.scratch.is_hit = is_hit;
         any
@@ -67,28 +66,26 @@ impl Batch {
         blows.any(|blow| blow.rebound.0[lane] > 0.0)
     }
 
-    /// Remembers the impulses of the bodies that were hit.
-    fn save_impulses(&mut self) {
-        for place in &self.scratch.hit_places {
-            let (block, lane) = (&self.blocks[place.block as usize], place.lane as usize);
-            for i in block.points.clone().take(place.count as usize) {
-                let (point, blow) = (&self.points[i], &mut self.blows[i]);
-                for (before, now) in blow.before.iter_mut().zip(&point.impulse) {
-                    before.0[lane] = now.0[lane];
-                }
-            }
-        }
-    }
-
-    /// Takes their impulses back to the remembered ones, without losing what the others add to the total.
-    pub(super) fn forget_blows(&mut self) {
-        for place in &self.scratch.hit_places {
-            let (block, lane) = (&self.blocks[place.block as usize], place.lane as usize);
-            for i in block.points.clone().take(place.count as usize) {
-                let (point, blow) = (&mut self.points[i], &self.blows[i]);
-                point.total.0[lane] += point.impulse[0].0[lane] - blow.before[0].0[lane];
-                for (now, before) in point.impulse.iter_mut().zip(&blow.before) {
-                    now.0[lane] = before.0[lane];
+    /// Takes the impulses of a blow back to the remembered ones, without losing what they add to the total: those of the bodies
+    /// that were hit, and those that changed as if theirs had been, by `threshold` (m/s) at the point, because a blow goes on
+    /// through what stands behind.
+    pub(super) fn forget_blows(&mut self, threshold: f32) {
+        let is_hit = &self.scratch.is_hit;
+        for block in &self.blocks {
+            let range = block.points.clone();
+            let points = self.points[range.clone()].iter_mut();
+            for (point, blow) in points.zip(&self.blows[range]) {
+                for lane in 0..block.used {
+                    let change = point.impulse[0].0[lane] - blow.before[0].0[lane];
+                    let of_hit = block.pair(lane).map(|body| is_hit[body as usize]);
+                    let is_struck = change.abs() > threshold * point.normal_mass.0[lane];
+                    if of_hit == [false; 2] && !is_struck {
+                        continue;
+                    }
+                    point.total.0[lane] += change;
+                    for (now, before) in point.impulse.iter_mut().zip(&blow.before) {
+                        now.0[lane] = before.0[lane];
+                    }
                 }
             }
         }

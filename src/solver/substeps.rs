@@ -195,7 +195,7 @@ impl Batch {
         }
         self.relax(settings, tolerance, effort, team);
         if is_hit {
-            self.forget_blows();
+            self.forget_blows(config.restitution_threshold);
         }
     }
 
