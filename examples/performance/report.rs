@@ -2,7 +2,7 @@
 
 use crate::counts::Counts;
 use crate::limits::{LEVELS, WIDTHS};
-use crate::roofline::{OPERATIONS, Roofline, chain, flops};
+use crate::roofline::{OPERATIONS, Roofline, SLIP, chain, flops};
 use crate::{Error, machine};
 use bevy_cleave::solver::blocks::{Block, Point};
 use bevy_cleave::solver::bodies::SolverBody;
@@ -111,7 +111,8 @@ fn work() -> String {
     }
     let _ = writeln!(
         text,
-        "| square root, division | 2 | 2 |\n| sum | {} | {:.0} cycles |\n\n\
+        "| sum | {} | {:.0} cycles |\n\n\
+         Where a lane slips, a square root, a division and two multiplications are added, {SLIP} cycles.\n\n\
          In memory a point of eight manifolds takes {} bytes, a block {} bytes, a body's velocity {} bytes; of a point two cache \
          lines are written. A block gathers and scatters the velocities of 16 bodies.\n",
         flops(),
@@ -144,20 +145,19 @@ fn sweeps(roofline: &Roofline, counts: Option<&Counts>) -> String {
         );
     }
     text += "\nWhat a point of `solve` would take in 8 lanes for one reason alone, ns, and the share of the measured time that this is:\n\n\
-             | scene | bytes per point | flop per byte | operations | with unused lanes | roots and divisions | bandwidth | \
-             chain, if nothing overlaps | gather and scatter alone (measured) |\n|---|---|---|---|---|---|---|---|---|\n";
+             | scene | bytes per point | flop per byte | operations | with unused lanes | bandwidth | \
+             chain, if nothing overlaps | gather and scatter alone (measured) |\n|---|---|---|---|---|---|---|---|\n";
     for scene in &roofline.scenes {
         let bounds = scene.bounds(&roofline.limits);
         let share = |ns: f64| format!("{ns:.2} ({:.0} %)", 100.0 * ns / scene.solve[0][0]);
         let _ = writeln!(
             text,
-            "| {} | {:.0} | {:.2} | {} | {} | {} | {} in {} | {} | {} |",
+            "| {} | {:.0} | {:.2} | {} | {} | {} in {} | {} | {} |",
             scene.name,
             scene.bytes,
             flops() / scene.bytes,
             share(bounds.operations),
             share(bounds.with_unused_lanes),
-            share(bounds.roots),
             share(bounds.bandwidth),
             bounds.level,
             share(bounds.chain),

@@ -16,27 +16,31 @@ use std::cell::Cell;
 use std::time::Instant;
 
 /// Parts of `Solve` (`solver/sweep.rs`) and the operations of each in one lane, counted by hand: additions, subtractions and
-/// multiplications; and how many of all operations follow one after the other, because each needs the one before.
+/// multiplications; and how many of all operations follow one after the other, because each needs the one before. Where all
+/// lanes stick: a branch skips what only those that slip need.
 pub(crate) const OPERATIONS: [(&str, u32, u32); 7] = [
     ("velocity of B against A at the point", 27, 4),
     ("its parts along normal and tangents", 15, 3),
-    ("friction: wish, projection on the disc, change", 13, 7),
-    ("normal: what friction did to it, wish, change", 11, 9),
+    ("friction: wish, whether it is in the disc, change", 11, 3),
+    ("normal: what friction did to it, wish, change", 12, 5),
     ("impulse from its parts", 15, 2),
     ("angular impulses", 18, 2),
     ("velocities of both bodies", 48, 4),
 ];
 
-/// Operations of a point in a sweep, one lane; besides, a square root and a division.
+/// Operations of a point in a sweep, one lane.
 pub(crate) fn flops() -> f64 {
-    f64::from(OPERATIONS.iter().map(|part| part.1).sum::<u32>()) + 2.0
+    f64::from(OPERATIONS.iter().map(|part| part.1).sum::<u32>())
 }
 
-/// Cycles of the longest chain through a point: 4 for an addition, multiplication, maximum or choice, 12 for a square root,
-/// 11 for a division (Fog, "Instruction tables", 2022: Ice Lake, as Golden Cove does not differ much in these).
+/// Cycles of the longest chain through a point: 4 for an addition, multiplication or maximum (Fog, "Instruction tables",
+/// 2022: Ice Lake, as Golden Cove does not differ much in these).
 pub(crate) fn chain() -> f64 {
-    f64::from(4 * OPERATIONS.iter().map(|part| part.2).sum::<u32>() + 12 + 11)
+    f64::from(4 * OPERATIONS.iter().map(|part| part.2).sum::<u32>())
 }
+
+/// Cycles that a slipping lane adds to it: a square root, a division, a choice and a multiplication.
+pub(crate) const SLIP: u32 = 12 + 11 + 4 + 4;
 
 /// Lines of a point that a sweep changes: its impulses.
 const DIRTY: usize = 128;
@@ -201,8 +205,6 @@ pub(crate) struct Bounds {
     pub(crate) operations: f64,
     /// The same with the lanes in which there is no point.
     pub(crate) with_unused_lanes: f64,
-    /// Square roots and divisions, unused lanes included.
-    pub(crate) roots: f64,
     /// Its bytes at the bandwidth of the level that holds the working set.
     pub(crate) bandwidth: f64,
     /// The chain of operations, if points come strictly one after the other.
@@ -223,7 +225,6 @@ impl Measured {
         Bounds {
             operations,
             with_unused_lanes: lanes_for_a_point * operations,
-            roots: lanes_for_a_point / limits.roots[0],
             bandwidth: self.bytes / limits.triad[level],
             chain: lanes_for_a_point / WIDTH as f64 * chain() / limits.clock,
             level: LEVELS[level].0,
