@@ -642,7 +642,7 @@ fn bodies_of_layers_that_do_not_meet_pass_through_each_other() {
 }
 
 #[test]
-fn a_blow_takes_back_the_impulses_of_the_struck_bodies_only() {
+fn a_blow_leaves_contacts_that_it_does_not_reach_their_impulses() {
     let mut simulation = with_floor();
     simulation.config.substeps = 1;
     simulation.config.max_substeps = 1;
@@ -668,4 +668,28 @@ fn a_blow_takes_back_the_impulses_of_the_struck_bodies_only() {
     assert!(next == 0.0 && weight > 0.0, "{next} {weight}");
     let [next, weight] = bears(lower, upper);
     assert!(next > 0.0 && next == weight, "{next} {weight}");
+}
+
+#[test]
+fn a_blow_is_forgotten_by_all_contacts_that_it_went_through() {
+    let mut simulation = with_floor();
+    simulation.config.substeps = 1;
+    simulation.config.max_substeps = 1;
+    let column = [0.5, 1.5, 2.5].map(|y| dynamic(&cube(1.0), 0.0, y, 0.0));
+    let [lower, middle, _] = column.map(|desc| add(&mut simulation, desc));
+    let mut falling = dynamic(&cube(1.0), 0.0, 3.51, 0.0);
+    falling.linear_velocity = Vec3::new(0.0, -3.0, 0.0);
+    add(&mut simulation, falling);
+    simulation.step(H);
+    let bears = |body: u32| {
+        let manifolds = simulation.contacts.manifolds().iter();
+        let mut below = manifolds.filter(|m| m.b == body && m.a < body);
+        let points = below.next().expect("it stands on something").points();
+        let sum = |of: fn(&ContactPoint) -> f32| points.iter().map(of).sum::<f32>();
+        [sum(|p| p.normal_impulse), sum(|p| p.total_impulse)]
+    };
+    for body in [lower, middle] {
+        let [next, blow] = bears(body);
+        assert!(next == 0.0 && blow > 1000.0, "{next} {blow}");
+    }
 }
