@@ -1,12 +1,13 @@
 //! One mixed linear complementarity problem, and the methods that solve it.
 //!
 //! [`bodies`] holds the flat arrays of state and [`body`] what goes into them. A step starts in [`contact_solver`]: it finds
-//! [`islands`] and what they [`demand`], loads them into [`batch`]es, whose contacts lie in [`blocks`] by a [`schedule`], kept as
-//! an [`arrangement`], and runs the [`substeps`] of each: [`sweep`]s with [`soft_step`] contacts in [`lanes`], or [`exact`];
-//! [`ties`] where bodies are bonded, a `rehearsal` where bodies of a large island may break, [`momentum`] where sweeps are many,
-//! [`spin`] for the free rotation in between, `follow` for rows of what moves, `blows` for what hits; [`domains`] for a [`team`] of threads where an
-//! island is large. [`mlcp`] states the problem, [`rows`] and [`pgs`] say it row by row. [`residual`] judges the result, and
-//! [`integrate`] puts the bodies where they got; [`sleep`] leaves out what rests.
+//! [`islands`] and what they [`demand`], loads them into [`batch`]es, whose contacts lie in [`blocks`] by a [`schedule`] or a
+//! [`colouring`], kept as an [`arrangement`], and runs the [`substeps`] of each: [`sweep`]s with [`soft_step`] contacts in
+//! [`lanes`], or [`exact`]; [`ties`] where bodies are bonded, a `rehearsal` where bodies of a large island may break,
+//! [`momentum`] where sweeps are many, [`spin`] for the free rotation in between, `follow` for rows of what moves, `blows` for
+//! what hits; [`domains`] for a [`team`] of threads where an island is large. [`mlcp`] states the problem, [`rows`] and [`pgs`]
+//! say it row by row. [`residual`] judges the result, and [`integrate`] puts the bodies where they got; [`sleep`] leaves out what
+//! rests.
 //! Nothing here knows the ECS.
 
 pub mod arrangement;
