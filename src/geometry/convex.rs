@@ -429,9 +429,7 @@ impl ConvexHull {
 
     /// The loops of all faces, if they are all triangles.
     pub(crate) fn only_triangles(&self) -> Option<&[[u32; 3]]> {
-        // No face has fewer corners.
-        let (triangles, rest) = self.loops.as_chunks();
-        (rest.is_empty() && triangles.len() == self.faces.len()).then_some(triangles)
+        only_triangles(self.faces.len(), &self.loops)
     }
 
     /// Area of a face, m2.
@@ -456,6 +454,14 @@ impl ConvexHull {
                 .map(move |pair| [corners[0], pair[0], pair[1]])
         })
     }
+}
+
+/// The loops of so many faces as triangles, if they are all triangles.
+#[inline]
+pub(crate) fn only_triangles(faces: usize, loops: &[u32]) -> Option<&[[u32; 3]]> {
+    // No face has fewer corners.
+    let (triangles, rest) = loops.as_chunks();
+    (rest.is_empty() && triangles.len() == faces).then_some(triangles)
 }
 
 /// A directed edge of a face, ordered so that sorting puts an edge beside its reverse.

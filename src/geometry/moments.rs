@@ -9,7 +9,7 @@
 //!   Journal of Mathematics and Statistics 1(1), 2004.
 //! - B. Mirtich, "Fast and Accurate Computation of Polyhedral Mass Properties", Journal of Graphics Tools 1(2), 1996.
 
-use super::convex::Face;
+use super::convex::{Face, only_triangles};
 use super::lanes::wide::{Avx2, Loop, run};
 use glam::{DMat3, DVec3, Vec3};
 use std::ops::{Add, Neg, Sub};
@@ -128,11 +128,10 @@ impl<'v> MomentSum<'v> {
         let ([first, ..], [.., last]) = (faces, faces) else {
             return;
         };
-        let corners = &loops[first.first as usize..(last.first + last.count) as usize];
-        match corners.as_chunks() {
-            // No face has fewer corners, so that all are triangles.
-            (triangles, []) if triangles.len() == faces.len() => self.add_triangles(triangles),
-            _ => faces.iter().for_each(|face| self.add_face(face, loops)),
+        let corners = &loops[first.range().start..last.range().end];
+        match only_triangles(faces.len(), corners) {
+            Some(triangles) => self.add_triangles(triangles),
+            None => faces.iter().for_each(|face| self.add_face(face, loops)),
         }
     }
 

@@ -115,19 +115,18 @@ impl Arrangement {
             layout,
             ..
         } = self;
-        let least = joints.len().div_ceil(WIDTH);
         let domains = Domains {
             joints,
             order,
             ends,
             bodies: rule.bodies,
         };
-        if rule.order != ContactOrder::Coloured {
-            domains.place(schedule, layout);
+        if rule.order == ContactOrder::Coloured {
+            return domains.place(colouring, layout);
         }
-        let is_long = layout.points.len() > 2 * least;
-        if rule.order == ContactOrder::Coloured || rule.order == ContactOrder::Automatic && is_long
-        {
+        domains.place(schedule, layout);
+        let least = joints.len().div_ceil(WIDTH);
+        if rule.order == ContactOrder::Automatic && layout.points.len() > 2 * least {
             domains.place(colouring, layout);
         }
     }

@@ -16,17 +16,20 @@ impl Batch {
         let mut is_hit = std::mem::take(&mut self.scratch.is_hit);
         is_hit.clear();
         is_hit.resize(self.bodies.len(), false);
-        let moving = self.moving.iter().filter(|m| self.hits(m, threshold));
-        let bouncing = self.places.iter().zip(&self.pairs);
-        let bouncing =
-            bouncing.filter(|((_, place), _)| self.has_restitution && self.bounces(*place));
-        let pairs = moving
-            .map(|m| m.bodies)
-            .chain(bouncing.map(|(_, pair)| *pair));
         let mut any = false;
-        for body in pairs.flatten() {
+        let mut note = |pair: [u32; 2]| {
             any = true;
-            is_hit[body as usize] = self.bodies[body as usize].inverse_mass > 0.0;
+            for body in pair {
+                is_hit[body as usize] = self.bodies[body as usize].inverse_mass > 0.0;
+            }
+        };
+        for moving in self.moving.iter().filter(|m| self.hits(m, threshold)) {
+            note(moving.bodies);
+        }
+        if self.has_restitution {
+            let places = self.places.iter().zip(&self.pairs);
+            let bouncing = places.filter(|((_, place), _)| self.bounces(*place));
+            bouncing.for_each(|(_, pair)| note(*pair));
         }
         if any {
             for (point, blow) in self.points.iter().zip(&mut self.blows) {
@@ -72,19 +75,17 @@ impl Batch {
     pub(super) fn forget_blows(&mut self, threshold: f32) {
         let is_hit = &self.scratch.is_hit;
         for block in &self.blocks {
-            let range = block.points.clone();
-            let points = self.points[range.clone()].iter_mut();
-            for (point, blow) in points.zip(&self.blows[range]) {
-                for lane in 0..block.used {
+            for lane in 0..block.used {
+                let is_of_hit = block.pair(lane).iter().any(|&body| is_hit[body as usize]);
+                for i in block.points.clone() {
+                    let (point, blow) = (&mut self.points[i], &self.blows[i]);
                     let change = point.impulse[0].0[lane] - blow.before[0].0[lane];
-                    let of_hit = block.pair(lane).map(|body| is_hit[body as usize]);
                     let is_struck = change.abs() > threshold * point.normal_mass.0[lane];
-                    if of_hit == [false; 2] && !is_struck {
-                        continue;
-                    }
-                    point.total.0[lane] += change;
-                    for (now, before) in point.impulse.iter_mut().zip(&blow.before) {
-                        now.0[lane] = before.0[lane];
+                    if is_of_hit || is_struck {
+                        point.total.0[lane] += change;
+                        for (now, before) in point.impulse.iter_mut().zip(&blow.before) {
+                            now.0[lane] = before.0[lane];
+                        }
                     }
                 }
             }

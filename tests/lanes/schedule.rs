@@ -38,13 +38,27 @@ fn share_a_body(a: &Joint, b: &Joint) -> bool {
 }
 
 fn check(joints: &[Joint], bodies: usize) {
-    let (places, points) = in_order(joints, bodies);
+    check_places(joints, in_order(joints, bodies), |earlier, later| {
+        earlier < later
+    });
+}
+
+fn check_colours(joints: &[Joint], bodies: usize) {
+    check_places(joints, by_colour(joints, bodies), |one, other| one != other);
+}
+
+/// `fit`: whether two joints that share a body may be in these blocks, that of the earlier joint first.
+fn check_places(
+    joints: &[Joint],
+    (places, points): (Vec<Place>, Vec<usize>),
+    fit: impl Fn(u32, u32) -> bool,
+) {
     check_blocks(&places, &points);
     for (i, (joint, place)) in joints.iter().zip(&places).enumerate() {
         assert_eq!(u32::from(place.count), joint.1);
         for (other, earlier) in joints[..i].iter().zip(&places) {
             assert!(
-                !share_a_body(joint, other) || earlier.block < place.block,
+                !share_a_body(joint, other) || fit(earlier.block, place.block),
                 "{other:?} comes before {joint:?}"
             );
         }
@@ -60,17 +74,6 @@ fn check_blocks(places: &[Place], points: &[usize]) {
         assert!(lanes.iter().copied().eq(0..lanes.len() as u16), "{lanes:?}");
         assert!(lanes.len() <= WIDTH);
         assert_eq!(held().map(|place| place.count as usize).max(), Some(count));
-    }
-}
-
-fn check_colours(joints: &[Joint], bodies: usize) {
-    let (places, points) = by_colour(joints, bodies);
-    check_blocks(&places, &points);
-    for (i, (joint, place)) in joints.iter().zip(&places).enumerate() {
-        assert_eq!(u32::from(place.count), joint.1);
-        for (other, earlier) in joints[..i].iter().zip(&places) {
-            assert!(!share_a_body(joint, other) || earlier.block != place.block);
-        }
     }
 }
 

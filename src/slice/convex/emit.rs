@@ -233,23 +233,11 @@ impl FaceWriter<'_> {
 
     /// Writes faces of the hull with any number of corners.
     fn write_polygons(&mut self, faces: &[u32], out: &mut [Face]) -> Result<(), Irregular> {
-        let (old, loops, room) = (&self.hull.faces[..], &self.hull.loops[..], &mut *self.room);
-        let mut written = self.written;
         for (&face, out) in faces.iter().zip(out) {
-            let face = &old[face as usize];
-            copy_corners(
-                &loops[face.range().start..],
-                face.count as usize,
-                room,
-                written,
-            )?;
-            *out = Face {
-                first: written as u32,
-                ..*face
-            };
-            written += face.count as usize;
+            let old = &self.hull.faces[face as usize];
+            let corners = &self.hull.loops[old.range().start..];
+            *out = self.write_face(face, corners, old.count as usize)?;
         }
-        self.written = written;
         Ok(())
     }
 }
