@@ -7,11 +7,11 @@ use super::Method;
 use super::arrangement::{Arrangement, Joint, Rule};
 use super::blocks::{Block, Blow, Place, Point, Solid, Source, derive, derive_stale, fill};
 use super::bodies::{Bodies, SolverBody};
-use super::demand::{Demand, Effort, SubstepSettings, Travel};
+use super::demand::{Demand, Effort, SubstepSettings};
 use super::domains::{self, Domains};
 use super::exact::ExactScratch;
 use super::follow::{Following, Start, Turn};
-use super::islands::Islands;
+use super::islands::{Islands, MovingPair};
 use super::lanes::F8;
 use super::limit::{BodyBlow, Limit};
 use super::momentum::Pace;
@@ -156,6 +156,8 @@ pub struct Batch {
 pub(super) struct BatchScratch {
     /// By body: the number of its copy.
     copies: Vec<Option<u32>>,
+    /// By body: whether its turn within the step matters to the rows.
+    pub(super) is_followed: Vec<bool>,
     pub(super) exact: ExactScratch,
     pub(super) pace: Pace<f32>,
     /// Impulses and velocities of the sweep before.
@@ -163,8 +165,6 @@ pub(super) struct BatchScratch {
     pub(super) last_bodies: Vec<SolverBody>,
     /// By body: whether a contact pushes it.
     pub(super) is_pushed: Vec<bool>,
-    /// By body: whether it turns.
-    is_turning: Vec<bool>,
     /// By body: whether it was hit in this sub-step.
     pub(super) is_hit: Vec<bool>,
     /// Points of a batch as rows, for the exact method.
@@ -201,9 +201,10 @@ impl Batch {
         for member in 0..self.members.len() {
             self.fill_lanes(member);
             self.load_turning(member, bodies);
-            if demand.can_hit {
-                self.load_moving(member, manifolds, bodies);
-            }
+        }
+        let first = islands.list[range.start].manifolds.start;
+        for island in &islands.list[range.clone()] {
+            self.load_moving(&islands.moving[island.moving.clone()], first, bodies);
         }
         if team.is_some() {
             self.copy_fixed_bodies();
@@ -277,7 +278,7 @@ impl Batch {
         });
     }
 
-    /// Computes masses and couplings anew where anchors or inertias have changed.
+    /// Computes masses and couplings anew where anchors and inertias have changed.
     pub(super) fn derive_masses(&mut self, team: Option<&Team>) {
         let (solids, width) = (&self.solids, self.settings.config.lane_width);
         let (blocks, points) = (&mut self.blocks, &mut self.points);
@@ -289,12 +290,12 @@ impl Batch {
         });
         let mut parts: Parts<_> = parts.collect();
         Team::each(team, &mut parts, |(blocks, points, following)| {
-            let is_stale = following.iter().map(|following| following.is_stale);
+            let is_stale = following.iter().map(|following| following.any);
             derive_stale(blocks, points, solids, is_stale, width);
         });
     }
 
-    /// Marks the lanes of moving manifolds, and the blocks of bodies that turn.
+    /// Marks the lanes of moving manifolds.
     fn mark_following(&mut self) {
         if self.moving.is_empty() {
             return;
@@ -305,19 +306,16 @@ impl Batch {
         for moving in &self.moving {
             let (place, lane) = (moving.place, moving.place.lane as usize);
             let following = &mut self.following[place.block as usize];
-            (following.any, following.is_stale) = (true, true);
+            following.any = true;
             following.moves.0[lane] = 1.0;
             following.on_b.0[lane] = f32::from(moving.carrier == 1);
         }
-        let is_turning = &mut self.scratch.is_turning;
-        is_turning.clear();
-        is_turning.resize(self.bodies.len(), false);
-        for turning in &self.turning {
-            is_turning[turning.body as usize] = true;
-        }
-        for ((_, place), pair) in self.places.iter().zip(&self.pairs) {
-            let turns = pair.iter().any(|&body| is_turning[body as usize]);
-            self.following[place.block as usize].is_stale |= turns;
+        let is_followed = &mut self.scratch.is_followed;
+        is_followed.clear();
+        // Rows may name copies of fixed bodies.
+        is_followed.extend(self.bodies.iter().map(|body| body.inverse_mass == 0.0));
+        for body in self.moving.iter().flat_map(|moving| moving.bodies) {
+            is_followed[body as usize] = true;
         }
     }
 
@@ -454,25 +452,19 @@ impl Batch {
     }
 
     /// Lists the manifolds of an island whose rows follow the motion.
-    fn load_moving(&mut self, member: usize, manifolds: &[Manifold], bodies: &Bodies) {
-        let places = self.members[member].places.clone();
-        for (&(index, place), &pair) in self.places[places.clone()].iter().zip(&self.pairs[places])
-        {
-            let manifold = &manifolds[index as usize];
-            let slots = [manifold.a as usize, manifold.b as usize];
-            let extents = slots.map(|i| bodies.least_extent[i]);
-            let velocities = slots.map(|i| &bodies.velocity[i]);
-            let motion = Travel::of(velocities, extents, self.settings.step());
-            if !motion.is_noticeable {
-                continue;
-            }
+    fn load_moving(&mut self, moving: &[MovingPair], first: usize, bodies: &Bodies) {
+        for pair in moving {
+            let (manifold, place) = self.places[pair.at - first];
+            let numbers = self.pairs[pair.at - first];
+            let slots = numbers.map(|number| self.slots[number as usize] as usize);
             let carrier = carrier(slots, bodies);
+            let extent = bodies.least_extent[slots[carrier]];
             self.moving.push(MovingManifold {
-                manifold: index,
+                manifold,
                 place,
-                bodies: pair,
+                bodies: numbers,
                 carrier,
-                clearance: motion.is_fast.then_some(0.5 * extents[carrier]),
+                clearance: pair.is_fast.then_some(0.5 * extent),
             });
         }
     }

@@ -2,7 +2,7 @@
 
 use super::batch::{Batch, Member, Step, side};
 use super::bodies::{Bodies, Motion, SolverBody};
-use super::demand::{Demand, Effort, SubstepSettings, Travel};
+use super::demand::{Demand, Effort, SubstepSettings};
 use super::domains::LEAST_MANIFOLDS;
 use super::islands::Islands;
 use super::limit::BodyBlow;
@@ -10,7 +10,7 @@ use super::rehearsal::{Rehearsal, is_large};
 use super::rows::{PointRows, Row};
 use super::team::Team;
 use super::ties::{BondedManifold, is_new_bond};
-use crate::contact::manifold::Manifold;
+use crate::contact::manifold::{ContactPoint, Manifold};
 use crate::math::rotate_by;
 use bevy_tasks::ComputeTaskPool;
 use glam::Vec3;
@@ -206,6 +206,7 @@ impl ContactSolver {
         let is_open = |m: &Manifold| is_open(m.a) && is_open(m.b);
         self.islands.find(manifolds, bodies, is_open);
         self.demands.clear();
+        self.islands.find_moving(bodies, settings.step());
         for i in 0..self.islands.list.len() {
             let demand = self.demand(i, manifolds, bodies, settings);
             self.demands.push(demand);
@@ -308,30 +309,22 @@ impl ContactSolver {
         bodies: &Bodies,
         settings: &SubstepSettings,
     ) -> Demand {
-        let mut demand = Demand::default();
-        let has_load = settings.depends_on_load();
-        for at in self.islands.list[island].manifolds.clone() {
-            let index = self.islands.manifolds[at];
-            let manifold = &manifolds[index as usize];
-            let slots = [manifold.a as usize, manifold.b as usize];
-            let extents = slots.map(|i| bodies.least_extent[i]);
-            let extent = extents[0].min(extents[1]);
-            let motion = Travel::of(slots.map(|i| &bodies.velocity[i]), extents, settings.step());
-            demand.is_fast |= motion.is_fast;
-            demand.can_hit |= motion.is_noticeable || manifold.restitution > 0.0;
-            if has_load {
-                // What has just landed bears at least its own weight.
-                let mut load = settings.gravity.length() * settings.step();
-                let sides = slots.map(|i| side(bodies, i));
-                for point in manifold.points() {
-                    let anchors = [point.anchor_a, point.anchor_b];
-                    let row = Row::new(manifold.normal, anchors, sides);
-                    load = load.max((point.normal_impulse * row.diagonal).abs());
-                }
-                if is_new_bond(&self.bonded, index) {
-                    load = f32::INFINITY;
-                }
-                demand.load = demand.load.max(load / extent);
+        let island = &self.islands.list[island];
+        let moving = &self.islands.moving[island.moving.clone()];
+        let mut demand = Demand {
+            load: 0.0,
+            is_fast: moving.iter().any(|pair| pair.is_fast),
+            can_hit: island.bounces || !moving.is_empty(),
+            substeps: 0,
+        };
+        if settings.depends_on_load() {
+            for &index in &self.islands.manifolds[island.manifolds.clone()] {
+                let load = if is_new_bond(&self.bonded, index) {
+                    f32::INFINITY
+                } else {
+                    load_of(&manifolds[index as usize], bodies, settings)
+                };
+                demand.load = demand.load.max(load);
             }
         }
         demand.substeps = settings.substeps_for(&demand);
@@ -416,4 +409,20 @@ impl ContactSolver {
             bodies.motion[i] = Motion { shift, rotation };
         }
     }
+}
+
+/// Largest velocity that a contact of the manifold gave its effective mass in the last step, over the smaller body's least
+/// extent, 1/s. What has just landed bears at least its own weight.
+fn load_of(manifold: &Manifold, bodies: &Bodies, settings: &SubstepSettings) -> f32 {
+    let slots = [manifold.a, manifold.b].map(|slot| slot as usize);
+    let weight = settings.gravity.length() * settings.step();
+    let sides = slots.map(|i| side(bodies, i));
+    let velocity = |point: &ContactPoint| {
+        let anchors = [point.anchor_a, point.anchor_b];
+        let row = Row::new(manifold.normal, anchors, sides);
+        (point.normal_impulse * row.diagonal).abs()
+    };
+    let velocities = manifold.points().iter().map(velocity);
+    let [a, b] = slots.map(|i| bodies.least_extent[i]);
+    velocities.fold(weight, f32::max) / a.min(b)
 }

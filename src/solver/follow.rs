@@ -20,10 +20,8 @@ use glam::Quat;
 /// Which lanes of a block follow.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Following {
-    /// Whether any does.
+    /// Whether any does, so that masses and couplings change within the step.
     pub(super) any: bool,
-    /// Whether masses and couplings change within the step: a lane follows, or one of its bodies turns.
-    pub(super) is_stale: bool,
     /// 1 in lanes whose points follow, else 0.
     pub(super) moves: F8,
     /// 1 in lanes whose points stay on B, 0 where they stay on A.
@@ -79,7 +77,7 @@ impl Batch {
         self.derive_masses(team);
     }
 
-    /// How each body has turned since the start of the step.
+    /// How each body of a moving manifold has turned since the start of the step, and each that is fixed.
     fn find_turns(&mut self, most: f32, team: Option<&Team>) {
         self.turns.resize(self.bodies.len(), Turn::default());
         let mut rest = (
@@ -87,6 +85,7 @@ impl Batch {
             &self.bodies[..],
             &self.displacements[..],
             &self.turning[..],
+            &self.scratch.is_followed[..],
         );
         let parts = self.cuts.shares_of_bodies(self.bodies.len(), team);
         let mut parts: Parts<_> = parts
@@ -98,15 +97,21 @@ impl Batch {
                     front(&mut rest.1, range.len()),
                     front(&mut rest.2, range.len()),
                     front(&mut rest.3, spinning),
+                    front(&mut rest.4, range.len()),
                 )
             })
             .collect();
         Team::each(team, &mut parts, |part| {
-            let (first, turns, bodies, displacements, turning) = part;
+            let (first, turns, bodies, displacements, turning, is_followed) = part;
             let mut turning = turning.iter().peekable();
             let bodies = bodies.iter().zip(displacements.iter());
-            for (number, (turn, (body, moved))) in (*first..).zip(turns.iter_mut().zip(bodies)) {
+            let bodies = bodies.zip(is_followed.iter());
+            let turns = (*first..).zip(turns.iter_mut().zip(bodies));
+            for (number, (turn, ((body, moved), is_followed))) in turns {
                 let spins = turning.next_if(|t| t.body == number);
+                if !is_followed {
+                    continue;
+                }
                 let rotation = spins.map_or_else(|| small_turn(moved), TurningBody::turn);
                 *turn = Turn::new(rotation, body.angular.length() <= most);
             }

@@ -5,6 +5,7 @@
 //! written. A fixed body has a number of its own in every island that touches it.
 
 use super::bodies::Bodies;
+use super::demand::Travel;
 use crate::contact::manifold::Manifold;
 use std::ops::Range;
 
@@ -20,6 +21,19 @@ pub struct Island {
     pub bodies: Range<usize>,
     /// Its part of the list of contact points, in the order of its manifolds.
     pub points: Range<usize>,
+    /// Whether any of its manifolds has restitution.
+    pub bounces: bool,
+    /// Its part of [`Islands::moving`].
+    pub moving: Range<usize>,
+}
+
+/// A manifold whose bodies move so far against each other that its rows follow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MovingPair {
+    /// Its place in [`Islands::manifolds`].
+    pub at: usize,
+    /// Whether the bodies may pass through each other in the step.
+    pub is_fast: bool,
 }
 
 /// What islands need of a manifold, which is large: one after the other in memory.
@@ -33,6 +47,8 @@ struct Link {
     points: u16,
     /// Whether contacts move both bodies.
     joins: bool,
+    /// Whether they rebound from each other.
+    bounces: bool,
 }
 
 impl Link {
@@ -49,6 +65,7 @@ impl Link {
             of: if is_open { of } else { NONE },
             points: manifold.count as u16,
             joins: is_open && moves == [true; 2],
+            bounces: manifold.restitution > 0.0,
         }
     }
 }
@@ -66,6 +83,8 @@ pub struct Islands {
     pub counts: Vec<u32>,
     /// Slots of bodies, island by island, in the order in which the manifolds name them.
     pub slots: Vec<u32>,
+    /// Those of `manifolds` whose bodies move in the step, in their order.
+    pub moving: Vec<MovingPair>,
     /// By manifold: what the islands are made of, and what the present step has.
     links: Vec<Link>,
     new_links: Vec<Link>,
@@ -105,6 +124,24 @@ impl Islands {
         self.number_bodies(bodies.slots());
     }
 
+    /// Finds the manifolds whose rows follow the motion of their bodies in a step of `step` seconds.
+    pub fn find_moving(&mut self, bodies: &Bodies, step: f32) {
+        self.moving.clear();
+        for island in &mut self.list {
+            let first = self.moving.len();
+            let slots = &self.slots[island.bodies.clone()];
+            for at in island.manifolds.clone() {
+                let pair = self.pairs[at].map(|number| slots[number as usize] as usize);
+                let travel = Travel::of_pair(bodies, pair, step);
+                if travel.is_noticeable {
+                    let is_fast = travel.is_fast;
+                    self.moving.push(MovingPair { at, is_fast });
+                }
+            }
+            island.moving = first..self.moving.len();
+        }
+    }
+
     /// Makes the islands and counts their manifolds and points.
     fn count(&mut self) {
         self.list.clear();
@@ -126,6 +163,7 @@ impl Islands {
             let island = &mut self.list[*island as usize];
             island.manifolds.end += 1;
             island.points.end += usize::from(link.points);
+            island.bounces |= link.bounces;
         }
         let (mut manifolds, mut points) = (0, 0);
         for island in &mut self.list {

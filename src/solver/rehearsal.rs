@@ -71,6 +71,7 @@ impl ContactSolver {
                 let counts = |slot: u32| takes_part(slot) || !moves(slot);
                 counts(m.a) && counts(m.b) && (takes_part(m.a) || takes_part(m.b))
             });
+            islands.find_moving(bodies, settings.step());
             for part in 0..islands.list.len() {
                 let slots = &islands.slots[islands.list[part].bodies.clone()];
                 let Some(&slot) = slots.iter().find(|&&slot| takes_part(slot)) else {
