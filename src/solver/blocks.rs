@@ -14,6 +14,7 @@ use super::bodies::SolverBody;
 use super::lanes::{F8, Kernel, LaneWidth, Lanes, WIDTH, run};
 use super::rows::{PointRows, Side};
 use super::ties::Tie;
+use super::triple::V3;
 use crate::contact::manifold::{ContactPoint, MAX_POINTS, Manifold};
 use glam::{Mat3, Vec3};
 use std::ops::Range;
@@ -248,55 +249,6 @@ impl Point {
         point.normal_impulse = n * normal;
         point.friction_impulse = n * (directions[0] * t1 + directions[1] * t2);
         point.total_impulse = self.total.0[lane] + normal;
-    }
-}
-
-/// Three numbers in each lane.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct V3<L>(pub(super) [L; 3]);
-
-impl<L: Lanes> V3<L> {
-    #[inline(always)]
-    pub(super) fn load(from: &[F8; 3]) -> Self {
-        Self([L::load(&from[0]), L::load(&from[1]), L::load(&from[2])])
-    }
-
-    #[inline(always)]
-    pub(super) fn store(self, to: &mut [F8; 3]) {
-        let [x, y, z] = self.0;
-        x.store(&mut to[0]);
-        y.store(&mut to[1]);
-        z.store(&mut to[2]);
-    }
-
-    #[inline(always)]
-    pub(super) fn plus(self, other: Self) -> Self {
-        let ([a, b, c], [x, y, z]) = (self.0, other.0);
-        Self([a + x, b + y, c + z])
-    }
-
-    #[inline(always)]
-    pub(super) fn minus(self, other: Self) -> Self {
-        let ([a, b, c], [x, y, z]) = (self.0, other.0);
-        Self([a - x, b - y, c - z])
-    }
-
-    #[inline(always)]
-    pub(super) fn times(self, factor: L) -> Self {
-        let [x, y, z] = self.0;
-        Self([x * factor, y * factor, z * factor])
-    }
-
-    #[inline(always)]
-    pub(super) fn dot(self, other: Self) -> L {
-        let ([a, b, c], [x, y, z]) = (self.0, other.0);
-        a * x + b * y + c * z
-    }
-
-    #[inline(always)]
-    pub(super) fn cross(self, other: Self) -> Self {
-        let ([a, b, c], [x, y, z]) = (self.0, other.0);
-        Self([b * z - c * y, c * x - a * z, a * y - b * x])
     }
 }
 

@@ -6,13 +6,14 @@
 //! anchors, each turned with its own body.
 
 use super::batch::{Batch, TurningBody};
-use super::blocks::{Block, FAR, Point, V3, load_anchors};
+use super::blocks::{Block, FAR, Point, load_anchors};
 use super::bodies::SolverBody;
 use super::lane_pair::{Frame, Pair};
 use super::lanes::{F8, Kernel, LaneWidth, Lanes, Numbers, run};
 use super::shares::{Parts, points_of, shares};
 use super::team::Team;
 use super::ties::Tie;
+use super::triple::V3;
 use crate::math::rotate_by;
 use crate::parts::{front, front_mut};
 use glam::Quat;

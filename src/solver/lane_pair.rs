@@ -1,9 +1,10 @@
 //! Two bodies and the frame of their contact in each lane.
 
 use super::FrictionModel;
-use super::blocks::{Block, Masses, V3, symmetric};
+use super::blocks::{Block, Masses, symmetric};
 use super::bodies::SolverBody;
 use super::lanes::{F8, Lanes, Numbers};
+use super::triple::V3;
 use std::cell::Cell;
 
 /// Two bodies in each lane.

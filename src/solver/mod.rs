@@ -20,6 +20,7 @@ pub mod colouring;
 pub mod contact_solver;
 pub mod demand;
 pub mod domains;
+mod doubles;
 pub mod exact;
 mod extrapolate;
 mod follow;
@@ -45,6 +46,7 @@ pub mod substeps;
 pub mod sweep;
 pub mod team;
 pub mod ties;
+mod triple;
 
 pub use lanes::LaneWidth;
 pub use schedule::ContactOrder;

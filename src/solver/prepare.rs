@@ -1,11 +1,12 @@
 //! What comes before the sweeps of a sub-step: targets and warm start.
 
-use super::blocks::{Block, Masses, Point, V3, load_anchors};
+use super::blocks::{Block, Masses, Point, load_anchors};
 use super::bodies::SolverBody;
 use super::lane_pair::{Frame, Pair, load_three};
 use super::lanes::{Kernel, Lanes};
 use super::sweep::{Contacts, Feedback};
 use super::ties::{RATE, Tie};
+use super::triple::V3;
 use std::cell::Cell;
 
 /// Targets, warm start, or both.

@@ -10,6 +10,9 @@
 //! Simo and Wong, "Unconditionally Stable Algorithms for Rigid Body Dynamics that Exactly Preserve Energy and Momentum",
 //! 1991, for the midpoint form.
 
+use super::doubles::{EIGHT, Eight, Number};
+use super::lanes::{Kernel, LaneWidth, Lanes, run};
+use super::triple::V3;
 use crate::math::rotate_by;
 use glam::{DVec3, Quat, Vec3};
 
@@ -61,42 +64,195 @@ impl Spin {
 
     /// Turns the body for `h` seconds; returns the free angular velocity after it, from `omega` before (world, rad/s).
     pub fn advance(&mut self, omega: Vec3, h: f32) -> Vec3 {
-        let step = f64::from(h);
-        let w = rotate_exactly((self.rotation * self.frame).inverse(), omega.as_dvec3());
-        let momentum = self.moments * w;
-        let mut middle = w - 0.5 * step * w.cross(momentum) / self.moments;
-        let turn = step * w.length();
-        let mut error = turn * turn;
-        for _ in 0..ITERATIONS {
-            if error < NEGLIGIBLE {
-                break;
-            }
-            error *= turn;
-            let after = turned_back(momentum, middle, step) / self.moments;
-            middle = 0.5 * (w + after);
-        }
-        let after = turned_back(momentum, middle, step) / self.moments;
-        let middle = rotate_exactly(self.rotation * self.frame, middle);
-        self.rotation = rotate_by(self.rotation, middle.as_vec3(), h);
-        rotate_exactly(self.rotation * self.frame, after).as_vec3()
+        let (mut spin, mut omega) = ([*self], [omega]);
+        advance::<f64>(&mut spin, &mut omega, h);
+        [*self] = spin;
+        omega[0]
+    }
+
+    /// Turns eight bodies, each as [`advance`](Self::advance) does, to the same bits.
+    pub(super) fn advance_eight(
+        spins: &mut [Self; EIGHT],
+        omegas: &mut [Vec3; EIGHT],
+        h: f32,
+        width: LaneWidth,
+    ) {
+        run(width, AdvanceEight { spins, omegas, h });
     }
 }
 
-/// `v` turned by `rotation`, without the change of length that the rounding of the quaternion's own length makes: it has a
-/// direction, and thousands of sub-steps would add it up.
-fn rotate_exactly(rotation: Quat, v: DVec3) -> DVec3 {
-    let q = rotation.as_dquat();
-    let u = DVec3::new(q.x, q.y, q.z);
-    let t = u.cross(v);
-    v + 2.0 / (u.length_squared() + q.w * q.w) * (q.w * t + u.cross(t))
+impl Default for Spin {
+    /// A ball.
+    fn default() -> Self {
+        Self {
+            rotation: Quat::IDENTITY,
+            frame: Quat::IDENTITY,
+            moments: DVec3::ONE,
+        }
+    }
+}
+
+struct AdvanceEight<'a> {
+    spins: &'a mut [Spin; EIGHT],
+    omegas: &'a mut [Vec3; EIGHT],
+    h: f32,
+}
+
+impl Kernel for AdvanceEight<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        advance::<Eight>(self.spins, self.omegas, self.h);
+    }
+}
+
+/// Turns bodies, one in each lane, for `h` seconds, and takes their angular velocities (world, rad/s) to those after it.
+#[inline(always)]
+fn advance<N: Number>(spins: &mut [Spin], omegas: &mut [Vec3], h: f32) {
+    let (zero, half, step) = (N::splat(0.0), N::splat(0.5), N::splat(f64::from(h)));
+    let mut moments = V3([zero; 3]);
+    for (lane, spin) in spins.iter().enumerate() {
+        set(&mut moments, lane, spin.moments);
+    }
+    let axes = Axes::<N>::of(spins);
+    let mut omega = V3([zero; 3]);
+    for (lane, w) in omegas.iter().enumerate() {
+        set(&mut omega, lane, w.as_dvec3());
+    }
+    let w = axes.inverse().turn(omega);
+    let momentum = moments.scaled(w);
+    let change = w.cross(momentum).times(half * step).over(moments);
+    let mut middle = w.minus(change);
+    let turn = step * w.dot(w).sqrt();
+    let mut error = turn * turn;
+    for _ in 0..ITERATIONS {
+        if error.is_below(NEGLIGIBLE) {
+            break;
+        }
+        let after = turned_back(momentum, middle, step).over(moments);
+        let better = w.plus(after).times(half);
+        middle = if_below(error, NEGLIGIBLE, middle, better);
+        error = error * turn;
+    }
+    let after = turned_back(momentum, middle, step).over(moments);
+    let middle = axes.turn(middle);
+    for (lane, spin) in spins.iter_mut().enumerate() {
+        spin.rotation = rotate_by(spin.rotation, get(&middle, lane), h);
+    }
+    let after = Axes::<N>::of(spins).turn(after);
+    for (lane, omega) in omegas.iter_mut().enumerate() {
+        *omega = get(&after, lane);
+    }
+}
+
+/// `yes` in lanes where `test` is below `bound`, else `no`.
+#[inline(always)]
+fn if_below<N: Number>(test: N, bound: f64, yes: V3<N>, no: V3<N>) -> V3<N> {
+    let ([a, b, c], [x, y, z]) = (yes.0, no.0);
+    V3([
+        test.if_below(bound, a, x),
+        test.if_below(bound, b, y),
+        test.if_below(bound, c, z),
+    ])
+}
+
+#[inline(always)]
+fn set<N: Number>(to: &mut V3<N>, lane: usize, v: DVec3) {
+    to.0[0].set(lane, v.x);
+    to.0[1].set(lane, v.y);
+    to.0[2].set(lane, v.z);
+}
+
+#[inline(always)]
+fn get<N: Number>(from: &V3<N>, lane: usize) -> Vec3 {
+    let [x, y, z] = &from.0;
+    DVec3::new(x.get(lane), y.get(lane), z.get(lane)).as_vec3()
+}
+
+/// `world_from_principal`: a quaternion in each lane.
+#[derive(Clone, Copy)]
+struct Axes<N> {
+    vector: V3<N>,
+    scalar: N,
+}
+
+impl<N: Number> Axes<N> {
+    #[inline(always)]
+    fn of(spins: &[Spin]) -> Self {
+        let zero = N::splat(0.0);
+        let (mut vector, mut scalar) = (V3([zero; 3]), zero);
+        for (lane, spin) in spins.iter().enumerate() {
+            let q = (spin.rotation * spin.frame).as_dquat();
+            set(&mut vector, lane, DVec3::new(q.x, q.y, q.z));
+            scalar.set(lane, q.w);
+        }
+        Self { vector, scalar }
+    }
+
+    #[inline(always)]
+    fn inverse(self) -> Self {
+        let zero = N::splat(0.0);
+        Self {
+            vector: V3([zero; 3]).minus(self.vector),
+            ..self
+        }
+    }
+
+    /// `v` turned, without the change of length that the rounding of the quaternion's own length makes: it has a direction,
+    /// and thousands of sub-steps would add it up.
+    #[inline(always)]
+    fn turn(self, v: V3<N>) -> V3<N> {
+        let Self {
+            vector: u,
+            scalar: w,
+        } = self;
+        let t = u.cross(v);
+        let scale = N::splat(2.0) / (u.dot(u) + w * w);
+        v.plus(t.times(w).plus(u.cross(t)).times(scale))
+    }
 }
 
 /// `v` seen from a frame that has turned for `h` seconds with `omega`; the rotation of [`rotate_by`].
-fn turned_back(v: DVec3, omega: DVec3, h: f64) -> DVec3 {
-    let turn = h * omega;
-    let half = 0.5 * (1.0 + turn.length_squared() / 12.0) * turn;
+#[inline(always)]
+fn turned_back<N: Number>(v: V3<N>, omega: V3<N>, h: N) -> V3<N> {
+    let one = N::splat(1.0);
+    let turn = omega.times(h);
+    let series = N::splat(0.5) * (one + turn.dot(turn) / N::splat(12.0));
+    let half = turn.times(series);
     // The unit quaternion (half, 1) / n, reversed: v - 2 w (u x v) + 2 u x (u x v).
-    let scale = 2.0 / (1.0 + half.length_squared());
+    let scale = N::splat(2.0) / (one + half.dot(half));
     let t = half.cross(v);
-    v + scale * (half.cross(t) - t)
+    v.plus(half.cross(t).minus(t).times(scale))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Bodies of all shapes, some fast and some slow, turn the same alone and together, with lanes of any width.
+    #[test]
+    fn eight_turn_as_each_alone() {
+        let spin = |i: usize| Spin {
+            rotation: rotate_by(Quat::IDENTITY, Vec3::new(i as f32, 0.3, -0.7), 0.1),
+            frame: rotate_by(Quat::IDENTITY, Vec3::new(0.2, i as f32, 0.1), 0.1),
+            moments: DVec3::new(1.0, 0.9 / (1 + i) as f64, 0.3),
+        };
+        let spins: [Spin; EIGHT] = std::array::from_fn(spin);
+        let speed = |i: usize| 10_f32.powi(i as i32 - 4);
+        let omegas = std::array::from_fn(|i| speed(i) * Vec3::new(1.0, -0.4, 0.6));
+        let h = 1.0 / 240.0;
+        for width in [LaneWidth::Widest, LaneWidth::Four, LaneWidth::One] {
+            let (mut together, mut fast) = (spins, omegas);
+            Spin::advance_eight(&mut together, &mut fast, h, width);
+            for (i, (mut alone, omega)) in spins.into_iter().zip(omegas).enumerate() {
+                let after = alone.advance(omega, h);
+                assert_eq!(
+                    (after, alone),
+                    (fast[i], together[i]),
+                    "body {i}, {width:?}"
+                );
+            }
+        }
+    }
 }

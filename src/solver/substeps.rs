@@ -18,15 +18,17 @@ use super::blocks::{Place, Point, Solid, vector};
 use super::bodies::SolverBody;
 use super::demand::{Effort, SubstepSettings};
 use super::domains;
+use super::doubles::EIGHT;
 use super::shares::Parts;
 use super::shift::Shift;
 use super::soft_step::{self, Softness};
+use super::spin::Spin;
 use super::sweep::{Contacts, Pass};
 use super::team::{Shared, Team};
 use super::{Method, SolverConfig, exact};
 use crate::contact::manifold::{ContactPoint, Manifold};
 use crate::parts::front_mut;
-use glam::Mat3;
+use glam::{Mat3, Vec3};
 use std::cell::Cell;
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -492,6 +494,7 @@ impl Batch {
     /// Turns the bodies that spin, and their inertia with them.
     fn turn_bodies(&mut self, h: f32, team: Option<&Team>) {
         let count = self.bodies.len();
+        let width = self.settings.config.lane_width;
         let mut rest = (
             &mut self.bodies[..],
             &mut self.solids[..],
@@ -508,12 +511,20 @@ impl Batch {
         });
         let mut parts: Parts<_> = parts.collect();
         Team::each(team, &mut parts, |(first, bodies, solids, turning)| {
-            for turning in turning.iter_mut() {
-                let i = turning.body as usize - *first;
-                let omega = &mut bodies[i].angular;
-                *omega = turning.spin.advance(*omega, h);
-                let r = Mat3::from_quat(turning.spin.rotation);
-                solids[i].set_inverse_inertia(&(r * turning.inverse_inertia * r.transpose()));
+            for turning in turning.chunks_mut(EIGHT) {
+                let (mut spins, mut omegas) = ([Spin::default(); EIGHT], [Vec3::ZERO; EIGHT]);
+                for (lane, turning) in turning.iter().enumerate() {
+                    spins[lane] = turning.spin;
+                    omegas[lane] = bodies[turning.body as usize - *first].angular;
+                }
+                Spin::advance_eight(&mut spins, &mut omegas, h, width);
+                for (lane, turning) in turning.iter_mut().enumerate() {
+                    turning.spin = spins[lane];
+                    let i = turning.body as usize - *first;
+                    bodies[i].angular = omegas[lane];
+                    let r = Mat3::from_quat(turning.spin.rotation);
+                    solids[i].set_inverse_inertia(&(r * turning.inverse_inertia * r.transpose()));
+                }
             }
         });
     }

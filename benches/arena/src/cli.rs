@@ -7,7 +7,7 @@ use std::str::FromStr;
 pub(crate) const USAGE: &str = "\
 arena run     [--suite quick|full] [--scene a,b:size,..] [--engines a,b,..] [--settings default|all|NAME,..]
               [--threads 1,2] [--repeats N] [--limit SECS] [--sleeping] [--out FILE.csv]
-arena scale   [--scene pile,pyramids] [--bodies 1000,2000,..] [--engines a,b,..] [--settings ..] [--threads 1,2]
+arena scale   [--scene pile,pile-at-rest,pyramids] [--bodies 1000,2000,..] [--engines a,b,..] [--settings ..] [--threads 1,2]
               [--repeats N] [--out FILE.csv]
 arena report  [FILE.csv] [--out DIR]
 arena list

@@ -10,8 +10,10 @@ use std::fs;
 use std::io::Write;
 use std::path::PathBuf;
 
-/// Steps before the timing window and in all: a pile has landed, a pyramid is at rest from the start.
-const PILE: [usize; 2] = [150, 180];
+/// Steps before the timing window and in all. Piles of all sizes have about ten layers, but not the same number: in `LANDING`
+/// some have settled farther than others, `AT_REST` all have. A pyramid is at rest from the start.
+const LANDING: [usize; 2] = [150, 180];
+const AT_REST: [usize; 2] = [330, 360];
 const PYRAMIDS: [usize; 2] = [30, 60];
 
 /// Bodies of a pyramid of base 5.
@@ -35,7 +37,7 @@ struct Options {
 impl Options {
     fn parse(mut words: Arguments, all: &[Entry]) -> Result<Self, Error> {
         let mut options = Self {
-            scenes: vec!["pile".into(), "pyramids".into()],
+            scenes: ["pile", "pile-at-rest", "pyramids"].map(Into::into).into(),
             bodies: vec![1000, 2000, 4000, 8000, 16_000, 32_000],
             engines: all.iter().map(|entry| entry.name.into()).collect(),
             settings: vec!["default".into()],
@@ -66,12 +68,13 @@ impl Options {
 /// A scene with about `bodies` dynamic bodies, and its window.
 fn sized(scene: &str, bodies: usize) -> Result<(String, [usize; 2]), Error> {
     match scene {
-        "pile" => Ok((format!("pile:{bodies}"), PILE)),
+        "pile" => Ok((format!("pile:{bodies}"), LANDING)),
+        "pile-at-rest" => Ok((format!("pile:{bodies}"), AT_REST)),
         "pyramids" => {
             let side = (bodies as f64 / PYRAMID).sqrt().round().max(1.0);
             Ok((format!("pyramids:{side}"), PYRAMIDS))
         }
-        _ => Err(format!("`{scene}` does not grow: pile or pyramids").into()),
+        _ => Err(format!("`{scene}` does not grow: pile, pile-at-rest or pyramids").into()),
     }
 }
 
@@ -79,7 +82,8 @@ fn sized(scene: &str, bodies: usize) -> Result<(String, [usize; 2]), Error> {
 struct Line {
     job: Job,
     name: String,
-    runs: Vec<Outcome>,
+    /// By size.
+    runs: Vec<Vec<Outcome>>,
     /// Microseconds and contacts per body at the size that the others are told against, once it was run.
     reference: Option<[f64; 2]>,
 }
@@ -92,19 +96,24 @@ pub(crate) fn run(words: Arguments) -> Result<(), Error> {
     let mut file = open(&options.out, &machine::heading(&command))?;
     for scene in &options.scenes {
         let mut lines = lines(&options, &all);
+        let sizes = options.bodies.iter().map(|&bodies| sized(scene, bodies));
+        let sizes = sizes.collect::<Result<Vec<_>, _>>()?;
+        // Sizes in turns, so that all of them see the machine when it is fast and when it is slow.
+        for round in 1..=options.repeats {
+            for (size, (spec, window)) in sizes.iter().enumerate() {
+                for line in &mut lines {
+                    (line.job.scene, line.job.window) = (spec.clone(), Some(*window));
+                    line.run(size);
+                }
+                eprintln!("{spec}: {round} of {}", options.repeats);
+            }
+        }
         print_head();
-        for &bodies in &options.bodies {
-            let (spec, window) = sized(scene, bodies)?;
-            let count = scene::build(&spec).map_or(0, |s| s.num_dynamic());
+        for (size, (spec, _)) in sizes.iter().enumerate() {
+            let count = scene::build(spec).map_or(0, |s| s.num_dynamic());
+            let is_reference = options.bodies[size] == REFERENCE;
             for line in &mut lines {
-                line.runs.clear();
-                (line.job.scene, line.job.window) = (spec.clone(), Some(window));
-            }
-            for _ in 0..options.repeats {
-                lines.iter_mut().for_each(Line::run);
-            }
-            for line in &mut lines {
-                line.tell(count, bodies == REFERENCE, &mut file)?;
+                line.tell(scene, size, count, is_reference, &mut file)?;
             }
         }
         println!();
@@ -145,7 +154,7 @@ fn lines(options: &Options, all: &[Entry]) -> Vec<Line> {
             window: None,
         },
         name: format!("{} {}", entry.name, setting.name),
-        runs: vec![],
+        runs: vec![vec![]; options.bodies.len()],
         reference: None,
     };
     points
@@ -154,9 +163,9 @@ fn lines(options: &Options, all: &[Entry]) -> Vec<Line> {
 }
 
 impl Line {
-    fn run(&mut self) {
+    fn run(&mut self, size: usize) {
         match self.job.start() {
-            Ok(outcome) => self.runs.push(outcome),
+            Ok(outcome) => self.runs[size].push(outcome),
             Err(error) => eprintln!("{error}"),
         }
     }
@@ -164,12 +173,15 @@ impl Line {
     /// Prints and files the medians at one size.
     fn tell(
         &mut self,
+        scene: &str,
+        size: usize,
         bodies: usize,
         is_reference: bool,
         file: &mut fs::File,
     ) -> Result<(), Error> {
+        let runs = &self.runs[size];
         let median =
-            |of: fn(&Outcome) -> f64| quantile(&self.runs.iter().map(of).collect::<Vec<_>>(), 0.5);
+            |of: fn(&Outcome) -> f64| quantile(&runs.iter().map(of).collect::<Vec<_>>(), 0.5);
         let (wall, cpu) = (median(|o| o.wall[0]), median(|o| o.cpu[0]));
         let (threads, n) = (self.job.threads, bodies as f64);
         let cost = if threads == 1 { cpu } else { wall };
@@ -184,12 +196,11 @@ impl Line {
         let growth = self.reference.map_or(String::new(), over);
         println!(
             "{:<14} {bodies:>6} {:<24} {threads:>2} {wall:>9.3} {cpu:>9.3} {:>8.1} {per_body:>8.3} {contacts:>8.2} {growth}",
-            self.job.scene,
+            scene,
             self.name,
             n / cost
         );
         let (engine, setting) = (&self.job.engine, &self.job.setting);
-        let scene = &self.job.scene;
         writeln!(
             file,
             "{scene},{bodies},{engine},{setting},{threads},{wall:.5},{cpu:.5},{:.3},{per_body:.5},{contacts:.3}",
