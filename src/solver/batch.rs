@@ -295,7 +295,7 @@ impl Batch {
         });
     }
 
-    /// Marks the lanes of moving manifolds.
+    /// Marks the lanes and the bodies of moving manifolds.
     fn mark_following(&mut self) {
         if self.moving.is_empty() {
             return;
