@@ -239,8 +239,8 @@ mod tests {
             moments: DVec3::new(1.0, 0.9 / (1 + i) as f64, 0.3),
         };
         let spins: [Spin; EIGHT] = std::array::from_fn(spin);
-        let speed = |i: usize| 10_f32.powi(i as i32 - 4);
-        let omegas = std::array::from_fn(|i| speed(i) * Vec3::new(1.0, -0.4, 0.6));
+        let speeds = [1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0, 100.0, 1000.0];
+        let omegas = speeds.map(|speed| speed * Vec3::new(1.0, -0.4, 0.6));
         let h = 1.0 / 240.0;
         for width in [LaneWidth::Widest, LaneWidth::Four, LaneWidth::One] {
             let (mut together, mut fast) = (spins, omegas);
