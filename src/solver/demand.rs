@@ -1,6 +1,6 @@
 //! What islands ask of the sub-steps: how many, how many sweeps, and whether they must look out for blows.
 
-use super::bodies::{Bodies, SolverBody};
+use super::bodies::Bodies;
 use super::soft_step::Softness;
 use super::sweep::Feedback;
 use super::{Method, SolverConfig};
@@ -186,13 +186,9 @@ pub struct Travel {
 
 impl Travel {
     /// Of the bodies in two slots; `step`, s.
-    pub fn of_pair(bodies: &Bodies, slots: [usize; 2], step: f32) -> Self {
+    pub fn of(bodies: &Bodies, slots: [usize; 2], step: f32) -> Self {
+        let [a, b] = slots.map(|i| &bodies.velocity[i]);
         let extents = slots.map(|i| bodies.least_extent[i]);
-        Self::of(slots.map(|i| &bodies.velocity[i]), extents, step)
-    }
-
-    /// `extents`: least extents of the bodies, m; `step`, s.
-    fn of([a, b]: [&SolverBody; 2], extents: [f32; 2], step: f32) -> Self {
         // Squares, so that no root has to be taken for each manifold of the scene.
         let square = |x: f32| x * x;
         let spin = a.angular.length_squared().max(b.angular.length_squared());

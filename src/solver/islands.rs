@@ -132,7 +132,7 @@ impl Islands {
             let slots = &self.slots[island.bodies.clone()];
             for at in island.manifolds.clone() {
                 let pair = self.pairs[at].map(|number| slots[number as usize] as usize);
-                let travel = Travel::of_pair(bodies, pair, step);
+                let travel = Travel::of(bodies, pair, step);
                 if travel.is_noticeable {
                     let is_fast = travel.is_fast;
                     self.moving.push(MovingPair { at, is_fast });

@@ -13,12 +13,13 @@
 //!   relax                      takes the velocity that pushed overlap out from the bodies again; impacts rebound
 //! ```
 
-use super::batch::{Batch, BatchScratch};
+use super::batch::{Batch, BatchScratch, TurningBody};
 use super::blocks::{Place, Point, Solid, vector};
 use super::bodies::SolverBody;
 use super::demand::{Effort, SubstepSettings};
 use super::domains;
 use super::doubles::EIGHT;
+use super::lanes::LaneWidth;
 use super::shares::Parts;
 use super::shift::Shift;
 use super::soft_step::{self, Softness};
@@ -512,18 +513,11 @@ impl Batch {
         let mut parts: Parts<_> = parts.collect();
         Team::each(team, &mut parts, |(first, bodies, solids, turning)| {
             for turning in turning.chunks_mut(EIGHT) {
-                let (mut spins, mut omegas) = ([Spin::default(); EIGHT], [Vec3::ZERO; EIGHT]);
-                for (lane, turning) in turning.iter().enumerate() {
-                    spins[lane] = turning.spin;
-                    omegas[lane] = bodies[turning.body as usize - *first].angular;
-                }
-                Spin::advance_eight(&mut spins, &mut omegas, h, width);
-                for (lane, turning) in turning.iter_mut().enumerate() {
-                    turning.spin = spins[lane];
-                    let i = turning.body as usize - *first;
-                    bodies[i].angular = omegas[lane];
+                turn_together(turning, *first, bodies, h, width);
+                for turning in turning {
                     let r = Mat3::from_quat(turning.spin.rotation);
-                    solids[i].set_inverse_inertia(&(r * turning.inverse_inertia * r.transpose()));
+                    let inertia = r * turning.inverse_inertia * r.transpose();
+                    solids[turning.body as usize - *first].set_inverse_inertia(&inertia);
                 }
             }
         });
@@ -546,5 +540,25 @@ impl Batch {
             (Some(a), Some(b)) => Some(a.min(b)),
             (a, b) => a.or(b),
         }
+    }
+}
+
+/// Turns up to eight bodies; `first`: number of the first one of `bodies`.
+fn turn_together(
+    turning: &mut [TurningBody],
+    first: usize,
+    bodies: &mut [SolverBody],
+    h: f32,
+    width: LaneWidth,
+) {
+    let (mut spins, mut omegas) = ([Spin::default(); EIGHT], [Vec3::ZERO; EIGHT]);
+    for (lane, turning) in turning.iter().enumerate() {
+        spins[lane] = turning.spin;
+        omegas[lane] = bodies[turning.body as usize - first].angular;
+    }
+    Spin::advance_eight(&mut spins, &mut omegas, h, width);
+    for (lane, turning) in turning.iter_mut().enumerate() {
+        turning.spin = spins[lane];
+        bodies[turning.body as usize - first].angular = omegas[lane];
     }
 }
