@@ -23,7 +23,9 @@ impl Batch {
                 is_hit[body as usize] = self.bodies[body as usize].inverse_mass > 0.0;
             }
         };
+        let mut is_fast_hit = false;
         for moving in self.moving.iter().filter(|m| self.hits(m, threshold)) {
+            is_fast_hit |= moving.clearance.is_some();
             note(moving.bodies);
         }
         if self.has_restitution {
@@ -37,6 +39,7 @@ impl Batch {
             }
         }
         self.scratch.is_hit = is_hit;
+        self.scratch.is_fast_hit = is_fast_hit;
         any
     }
 

@@ -313,7 +313,6 @@ impl ContactSolver {
         let moving = &self.islands.moving[island.moving.clone()];
         let mut demand = Demand {
             load: 0.0,
-            is_fast: moving.iter().any(|pair| pair.is_fast),
             can_hit: island.bounces || !moving.is_empty(),
             substeps: 0,
         };

@@ -13,17 +13,12 @@ const TURN: f32 = 0.01;
 /// rows of their contact follow it.
 const TRAVEL: f32 = 0.02;
 
-/// Most sweeps where bodies may pass through each other: no later sub-step makes up for what is left.
-const FAST_SWEEPS: u32 = 256;
-
 /// What an island asks of its sub-steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Demand {
     /// Largest velocity that a contact gave its effective mass in the last step, over the smaller body's least extent, 1/s.
     /// Infinite where a bond is new: what it will bear must be found before it gives way.
     pub load: f32,
-    /// Whether two bodies are so fast that they may pass through each other in the step.
-    pub is_fast: bool,
     /// Whether bodies may hit each other: some move, or rebound.
     pub can_hit: bool,
     /// Sub-steps that follow from all that.
@@ -33,9 +28,7 @@ pub struct Demand {
 impl Demand {
     /// Whether islands with the two demands can be solved together.
     pub fn is_solved_like(&self, other: &Self) -> bool {
-        self.substeps == other.substeps
-            && self.is_fast == other.is_fast
-            && self.can_hit == other.can_hit
+        self.substeps == other.substeps && self.can_hit == other.can_hit
     }
 }
 
@@ -63,26 +56,17 @@ impl SubstepSettings {
     /// The same step in as many parts as an island asks for.
     ///
     /// A soft contact under a load that gives its effective mass the acceleration `a` gives way by `s = a h^2 / (h omega)^2`,
-    /// which is to stay below the share [`SolverConfig::sag`] of an extent. Bodies that are fast enough to pass through each
-    /// other get the step as one: the contact points found at its start are good for one impact, after which the bodies may turn
-    /// about another.
+    /// which is to stay below the share [`SolverConfig::sag`] of an extent.
     pub fn for_demand(&self, demand: &Demand) -> Self {
         let config = &self.config;
         if config.method != Method::SoftStep {
             return *self;
         }
-        let (step, substeps) = (self.step(), self.substeps_for(demand));
-        let max_sweeps = if demand.is_fast {
-            config.max_sweeps.max(FAST_SWEEPS)
-        } else {
-            config.max_sweeps
-        };
         let config = SolverConfig {
-            substeps,
-            max_sweeps,
+            substeps: self.substeps_for(demand),
             ..*config
         };
-        Self::new(config, self.gravity, step)
+        Self::new(config, self.gravity, self.step())
     }
 
     /// Number of parts that [`for_demand`](Self::for_demand) makes.
@@ -90,9 +74,6 @@ impl SubstepSettings {
         let config = &self.config;
         if config.method != Method::SoftStep {
             return config.substeps;
-        }
-        if demand.is_fast {
-            return 1;
         }
         let step = self.step();
         let per_radian = step / (std::f32::consts::TAU * config.contact_frequency);

@@ -4,6 +4,10 @@
 //! point at where the contact points are by then. A contact point stays at its place on one of its bodies, the carrier, and
 //! both bodies see the impulse there, or it would change the total angular momentum. The gap is what lies between the two
 //! anchors, each turned with its own body.
+//!
+//! A manifold tells the middle between the two surfaces. That is no place of a body as long as there is a gap: metres from a
+//! splinter in flight, it would sweep around with the splinter's spin and hit what the splinter does not. So what is carried
+//! is the point of the carrier's surface, half a gap away.
 
 use super::batch::{Batch, TurningBody};
 use super::blocks::{Block, FAR, Point, load_anchors};
@@ -237,7 +241,13 @@ impl<L: Lanes> Carried<L> {
         let (zero, normal) = (L::splat(0.0), &self.frame.normal);
         let gap = L::load(&start.separation);
         let follows = L::splat(FAR).if_above(gap, self.moves, zero);
-        let [from_a, from_b] = [V3::load(&start.anchors[0]), V3::load(&start.anchors[1])];
+        // On B it is where the normal points to.
+        let half = L::splat(0.5) * gap;
+        let to_surface = normal.times(self.on_b.if_above(zero, half, zero - half));
+        let [from_a, from_b] = [
+            V3::load(&start.anchors[0]).plus(to_surface),
+            V3::load(&start.anchors[1]).plus(to_surface),
+        ];
         let [to_a, to_b] = [
             turned(&self.turns[0], from_a),
             turned(&self.turns[1], from_b),
@@ -419,9 +429,11 @@ mod tests {
                     let bodies = pair.map(|body| &moved[body]);
                     let is_on_b = lane % 2 == 1;
                     let turns = pair.map(|body| turns[body]);
-                    let (expected, between) = followed(anchors, turns, bodies, is_on_b);
-                    assert_eq!(new, expected);
                     let normal = vector(&block.normal, lane);
+                    let to_surface = normal * if is_on_b { 0.5 * gap } else { -0.5 * gap };
+                    let from = anchors.map(|anchor| anchor + to_surface);
+                    let (expected, between) = followed(from, turns, bodies, is_on_b);
+                    assert_eq!(new, expected);
                     let shift = point.normal_velocity(lane, normal, bodies);
                     let expected = gap + normal.dot(between) - shift;
                     assert_eq!(point.separation.0[lane], expected);

@@ -39,6 +39,9 @@ const REBOUND_TOLERANCE: f32 = 1e-5;
 /// Share of the fastest body's speed that a sub-step need not be more precise than.
 const MOVING_TOLERANCE: f32 = 0.01;
 
+/// The same where bodies hit each other that may pass through each other in the step: what is left of their speeds is large.
+const FAST_TOLERANCE: f32 = 1e-4;
+
 /// Sweeps where the exact method has no answer.
 const UNCERTIFIED_SWEEPS: u32 = 200;
 
@@ -161,6 +164,7 @@ impl Batch {
     ) {
         let settings = &{ self.settings };
         let config = &settings.config;
+        self.scratch.is_fast_hit = false;
         let tolerance = self.tolerance(config, 0.0);
         let feedback = settings.feedback();
         self.pass(Pass::Begin { feedback, first }, team);
@@ -527,11 +531,16 @@ impl Batch {
     /// island is the strictest; or that of rebounds, the fastest of which has the speed `rebound`.
     fn tolerance(&self, config: &SolverConfig, rebound: f32) -> Option<f32> {
         let asked = config.tolerance.map(|tolerance| {
+            let share = if self.scratch.is_fast_hit {
+                FAST_TOLERANCE
+            } else {
+                MOVING_TOLERANCE
+            };
             let of_members = self.members.iter().map(|member| {
                 let bodies = &self.bodies[member.bodies.clone()];
                 let squares = bodies.iter().map(|body| body.linear.length_squared());
                 let fastest = (squares.fold(0.0, f32::max) / member.extent).sqrt();
-                tolerance.max(MOVING_TOLERANCE * fastest)
+                tolerance.max(share * fastest)
             });
             of_members.fold(f32::INFINITY, f32::min)
         });

@@ -36,6 +36,7 @@ mod fracture;
 mod overlap;
 mod painleve;
 mod redundant;
+mod shards;
 mod sizes;
 mod slivers;
 mod spinning;
