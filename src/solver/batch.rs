@@ -167,8 +167,6 @@ pub(super) struct BatchScratch {
     pub(super) is_pushed: Vec<bool>,
     /// By body: whether it was hit in this sub-step.
     pub(super) is_hit: Vec<bool>,
-    /// Whether one that may pass through another was hit in this sub-step.
-    pub(super) is_fast_hit: bool,
     /// Points of a batch as rows, for the exact method.
     pub(super) rows: Vec<PointRows>,
     /// Inverse inertia tensors of a batch, for the exact method.

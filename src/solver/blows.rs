@@ -9,38 +9,45 @@
 use super::batch::{Batch, MovingManifold};
 use super::blocks::{Place, Point, vector};
 
+/// Whether bodies hit each other in a sub-step.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Hits {
+    /// Any.
+    pub(super) any: bool,
+    /// Any that may pass through each other in the step.
+    pub(super) any_fast: bool,
+}
+
 impl Batch {
     /// Finds the bodies that hit something faster than `threshold` (m/s) in this sub-step, whose wanted velocities are known,
-    /// and remembers the impulses of their contacts; whether there are any.
-    pub(super) fn note_blows(&mut self, threshold: f32) -> bool {
+    /// and remembers the impulses of their contacts.
+    pub(super) fn note_blows(&mut self, threshold: f32) -> Hits {
         let mut is_hit = std::mem::take(&mut self.scratch.is_hit);
         is_hit.clear();
         is_hit.resize(self.bodies.len(), false);
-        let mut any = false;
-        let mut note = |pair: [u32; 2]| {
-            any = true;
+        let mut hits = Hits::default();
+        let mut note = |pair: [u32; 2], is_fast: bool| {
+            hits.any = true;
+            hits.any_fast |= is_fast;
             for body in pair {
                 is_hit[body as usize] = self.bodies[body as usize].inverse_mass > 0.0;
             }
         };
-        let mut is_fast_hit = false;
         for moving in self.moving.iter().filter(|m| self.hits(m, threshold)) {
-            is_fast_hit |= moving.clearance.is_some();
-            note(moving.bodies);
+            note(moving.bodies, moving.clearance.is_some());
         }
         if self.has_restitution {
             let places = self.places.iter().zip(&self.pairs);
             let bouncing = places.filter(|((_, place), _)| self.bounces(*place));
-            bouncing.for_each(|(_, pair)| note(*pair));
+            bouncing.for_each(|(_, pair)| note(*pair, false));
         }
-        if any {
+        if hits.any {
             for (point, blow) in self.points.iter().zip(&mut self.blows) {
                 blow.before = point.impulse;
             }
         }
         self.scratch.is_hit = is_hit;
-        self.scratch.is_fast_hit = is_fast_hit;
-        any
+        hits
     }
 
     /// Whether two bodies approach each other faster than `threshold`, m/s.

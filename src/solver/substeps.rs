@@ -164,8 +164,7 @@ impl Batch {
     ) {
         let settings = &{ self.settings };
         let config = &settings.config;
-        self.scratch.is_fast_hit = false;
-        let tolerance = self.tolerance(config, 0.0);
+        let tolerance = self.tolerance(config, MOVING_TOLERANCE, 0.0);
         let feedback = settings.feedback();
         self.pass(Pass::Begin { feedback, first }, team);
         let solve = SweepKind::Solve(settings.softness());
@@ -185,8 +184,13 @@ impl Batch {
         let settings = &{ self.settings };
         let config = &settings.config;
         let fastest = self.set_targets(settings, first, team);
-        let is_hit = self.note_blows(settings.config.restitution_threshold);
-        let tolerance = self.tolerance(config, fastest);
+        let hits = self.note_blows(settings.config.restitution_threshold);
+        let share = if hits.any_fast {
+            FAST_TOLERANCE
+        } else {
+            MOVING_TOLERANCE
+        };
+        let tolerance = self.tolerance(config, share, fastest);
         if config.method == Method::Exact {
             self.keep_free_velocities();
             self.solve_exactly(config, effort);
@@ -196,12 +200,12 @@ impl Batch {
             self.sweep(config.sweeps, solve, tolerance, effort, team);
         }
         self.move_bodies(settings, manifolds);
-        if is_hit {
+        if hits.any {
             // What follows acts where the bodies are now: blows are large enough to matter for the angular momentum.
             self.follow_motion(MOST_TURN / settings.h, team);
         }
         self.relax(settings, tolerance, effort, team);
-        if is_hit {
+        if hits.any {
             self.forget_blows(config.restitution_threshold);
         }
     }
@@ -527,15 +531,10 @@ impl Batch {
         });
     }
 
-    /// The tolerance of a sub-step, m/s: the user's or, where bodies move, a share of the speed of the fastest, whichever
+    /// The tolerance of a sub-step, m/s: the user's or, where bodies move, a `share` of the speed of the fastest, whichever
     /// island is the strictest; or that of rebounds, the fastest of which has the speed `rebound`.
-    fn tolerance(&self, config: &SolverConfig, rebound: f32) -> Option<f32> {
+    fn tolerance(&self, config: &SolverConfig, share: f32, rebound: f32) -> Option<f32> {
         let asked = config.tolerance.map(|tolerance| {
-            let share = if self.scratch.is_fast_hit {
-                FAST_TOLERANCE
-            } else {
-                MOVING_TOLERANCE
-            };
             let of_members = self.members.iter().map(|member| {
                 let bodies = &self.bodies[member.bodies.clone()];
                 let squares = bodies.iter().map(|body| body.linear.length_squared());
