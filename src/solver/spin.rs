@@ -72,10 +72,9 @@ impl Spin {
 
     /// Turns the body for `h` seconds; returns the free angular velocity after it, from `omega` before (world, rad/s).
     pub fn advance(&mut self, omega: Vec3, h: f32) -> Vec3 {
-        let parts = parts(omega, h);
-        if parts > MOST_PARTS {
+        let Some(parts) = parts(omega, h) else {
             return self.precess(omega, h);
-        }
+        };
         let (mut spin, mut omega) = ([*self], [omega]);
         for _ in 0..parts {
             advance::<f64>(&mut spin, &mut omega, &[h / parts as f32]);
@@ -92,14 +91,13 @@ impl Spin {
         width: LaneWidth,
     ) {
         let parts = omegas.map(|omega| parts(omega, h));
-        let h_of_parts = parts.map(|parts| h / parts as f32);
-        if parts == [1; EIGHT] {
+        let h_of_parts = parts.map(|parts| h / parts.unwrap_or(1) as f32);
+        if parts == [Some(1); EIGHT] {
             let h = &h_of_parts;
             return run(width, AdvanceEight { spins, omegas, h });
         }
-        let turns = |lane: usize, part: u32| part < parts[lane] && parts[lane] <= MOST_PARTS;
-        let most = parts.into_iter().filter(|parts| *parts <= MOST_PARTS);
-        for part in 0..most.max().unwrap_or(0) {
+        let most = parts.into_iter().flatten().max();
+        for part in 0..most.unwrap_or(0) {
             let before = (*spins, *omegas);
             let kernel = AdvanceEight {
                 spins,
@@ -107,11 +105,11 @@ impl Spin {
                 h: &h_of_parts,
             };
             run(width, kernel);
-            for lane in (0..EIGHT).filter(|&lane| !turns(lane, part)) {
+            for lane in (0..EIGHT).filter(|&lane| parts[lane].is_none_or(|parts| parts <= part)) {
                 (spins[lane], omegas[lane]) = (before.0[lane], before.1[lane]);
             }
         }
-        for lane in (0..EIGHT).filter(|&lane| parts[lane] > MOST_PARTS) {
+        for lane in (0..EIGHT).filter(|&lane| parts[lane].is_none()) {
             omegas[lane] = spins[lane].precess(omegas[lane], h);
         }
     }
@@ -131,9 +129,10 @@ impl Spin {
     }
 }
 
-/// In how many parts a body turns.
-fn parts(omega: Vec3, h: f32) -> u32 {
-    ((omega.length() * h / MOST_TURN).ceil() as u32).max(1)
+/// In how many parts a body turns, if it can be followed.
+fn parts(omega: Vec3, h: f32) -> Option<u32> {
+    let parts = ((omega.length() * h / MOST_TURN).ceil() as u32).max(1);
+    (parts <= MOST_PARTS).then_some(parts)
 }
 
 impl Default for Spin {
@@ -299,8 +298,13 @@ mod tests {
     /// Splinters that spin at up to 10 000 rad/s gained energy up to tenfold while a turn was made at once.
     #[test]
     fn energy_and_momentum_stay_at_any_speed() {
-        let shapes = [[1.0, 0.92, 0.087], [1.0, 0.99, 1e-3], [1.0, 0.5, 0.5]];
-        for (shape, moments) in shapes.into_iter().enumerate() {
+        // Of a needle, the rounding and the end of the iteration are divided by a moment of a thousandth.
+        let shapes = [
+            ([1.0, 0.92, 0.087], 1e-4),
+            ([1.0, 0.99, 1e-3], 1e-2),
+            ([1.0, 0.5, 0.5], 1e-4),
+        ];
+        for (shape, (moments, bound)) in shapes.into_iter().enumerate() {
             for speed in [3.0, 30.0, 100.0, 300.0, 1e3, 3e3, 1e4, 1e5] {
                 for h in [1.0 / 60.0, 1.0 / 480.0] {
                     let mut spin = Spin {
@@ -317,7 +321,7 @@ mod tests {
                     let drift = after / energy - 1.0;
                     let turn = (turned - momentum).length() / momentum.length();
                     let case = format!("{moments:?} at {speed} rad/s, {h} s");
-                    assert!(drift.abs() < 1e-2, "{case}: energy drifts by {drift}");
+                    assert!(drift.abs() < bound, "{case}: energy drifts by {drift}");
                     assert!(turn < 2e-5, "{case}: momentum by {turn}");
                 }
             }
