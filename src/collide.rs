@@ -15,6 +15,7 @@ use crate::geometry::ConvexHull;
 use crate::geometry::lanes::bounds;
 use crate::math::{Aabb, Plane, Pose, rotate};
 use crate::parts::{Pieces, run_parts};
+use crate::prefetch::prefetch;
 use crate::solver::bodies::{Bodies, RigidBody, Shape};
 use glam::{Mat3, Quat, Vec3};
 
@@ -30,6 +31,9 @@ const PAIRS_PER_PART: usize = 128;
 
 /// Most parts, so that few buffers serve any number of pairs.
 const MAX_PARTS: usize = 32;
+
+/// How many touching pairs ahead their states are asked for.
+const AHEAD: usize = 4;
 
 /// How far ahead in time the step looks, so that contacts exist before bodies overlap.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -150,8 +154,8 @@ pub struct NarrowPhase {
 #[derive(Debug, Default)]
 struct Part {
     scratch: NarrowScratch,
-    /// Number of its pairs that touch.
-    touching: usize,
+    /// Indices of its pairs that touch, within the part.
+    touching: Vec<u32>,
 }
 
 /// Brings the pairs of `broadphase` up to date with the bodies.
@@ -244,15 +248,13 @@ impl NarrowPhase {
             part.test(scene, pairs, terms, states)
         });
         let parts = &self.parts[..pairs.len().div_ceil(part_size)];
-        let total = parts.iter().map(|part| part.touching).sum();
-        manifolds.resize(total, Manifold::default());
-        let sizes = parts.iter().map(|part| part.touching);
+        let sizes = parts.iter().map(|part| part.touching.len());
+        manifolds.resize(sizes.clone().sum(), Manifold::default());
         let pieces = Pieces::new(manifolds, sizes);
-        let known = self.terms.chunks(part_size);
-        let known = known.zip(self.states.chunks(part_size));
-        let pairs = pairs.chunks(part_size).zip(known);
-        run_parts(pieces.zip(pairs), |(piece, (pairs, (terms, states)))| {
-            write_manifolds(scene, pairs, terms, states, piece)
+        let pairs = pairs.chunks(part_size).zip(self.states.chunks(part_size));
+        let parts = parts.iter().zip(pairs);
+        run_parts(pieces.zip(parts), |(piece, (part, (pairs, states)))| {
+            write_manifolds(scene, pairs, states, &part.touching, piece)
         });
     }
 
@@ -355,8 +357,8 @@ impl Part {
         terms: &mut [PairTerm],
         states: &mut [Box<PairState>],
     ) {
-        let mut touching = 0;
-        for ((&pair, term), state) in pairs.iter().zip(terms).zip(states) {
+        self.touching.clear();
+        for (index, ((&pair, term), state)) in (0..).zip(pairs.iter().zip(terms).zip(states)) {
             if !scene.bodies.needs_look(pair) {
                 continue;
             }
@@ -372,9 +374,10 @@ impl Part {
                 };
                 self.renew(scene, pair, view);
             }
-            touching += usize::from(term.touches);
+            if term.touches {
+                self.touching.push(index);
+            }
         }
-        self.touching = touching;
     }
 
     /// Looks closer at a pair, and tests it if that does not help.
@@ -417,14 +420,15 @@ impl Part {
 fn write_manifolds(
     scene: &Scene,
     pairs: &[Pair],
-    terms: &[PairTerm],
     states: &[Box<PairState>],
+    touching: &[u32],
     manifolds: &mut [Manifold],
 ) {
-    let touching = terms.iter().zip(pairs.iter().zip(states));
-    let touching =
-        touching.filter(|(term, (pair, _))| term.touches && scene.bodies.needs_look(**pair));
-    for ((_, (pair, state)), manifold) in touching.zip(manifolds) {
+    for (k, (&at, manifold)) in touching.iter().zip(manifolds).enumerate() {
+        if let Some(&next) = touching.get(k + AHEAD) {
+            prefetch(&*states[next as usize]);
+        }
+        let (pair, state) = (&pairs[at as usize], &states[at as usize]);
         let [a, b] = scene.pair(*pair);
         (manifold.a, manifold.b) = (pair.a, pair.b);
         (manifold.friction, manifold.restitution) = (state.friction, state.restitution);

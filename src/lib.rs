@@ -30,6 +30,7 @@ pub mod mass;
 pub mod math;
 mod parts;
 pub mod plugin;
+mod prefetch;
 pub mod slice;
 pub mod solver;
 pub mod step;

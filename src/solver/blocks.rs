@@ -16,11 +16,15 @@ use super::rows::{PointRows, Side};
 use super::ties::Tie;
 use super::triple::V3;
 use crate::contact::manifold::{ContactPoint, MAX_POINTS, Manifold};
+use crate::prefetch::prefetch;
 use glam::{Mat3, Vec3};
 use std::ops::Range;
 
 /// Marks a lane without a manifold.
 pub const NO_MANIFOLD: u32 = u32::MAX;
+
+/// How many blocks ahead the manifolds that they are filled from are asked for.
+const AHEAD: usize = 2;
 
 /// Gap of points that are not there, m: far more than anything closes in a step.
 pub(super) const FAR: f32 = 1e18;
@@ -356,7 +360,12 @@ impl Kernel for Fill<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let mut rest = self.points;
-        for block in self.blocks {
+        for i in 0..self.blocks.len() {
+            if let Some(next) = self.blocks.get(i + AHEAD) {
+                let next = &next.manifolds[..next.used];
+                next.iter().for_each(|&m| prefetch(&self.source.manifolds[m as usize]));
+            }
+            let block = &mut self.blocks[i];
             let (points, after) = rest.split_at_mut(block.points.len());
             rest = after;
             fill_block::<L>(block, points, &self.source);
