@@ -1,6 +1,6 @@
 //! From bodies to manifolds: feeds the contact layer with the bodies' boxes, shapes and materials.
 //!
-//! Pairs are independent, so they are split into parts that run on the compute task pool if there is one. The split
+//! Pairs are independent, so they are split into parts for a team of threads, if there is one. The split
 //! depends on the number of pairs only, and the parts are joined in order: any number of threads gives the same bits.
 
 use crate::contact::BodyId;
@@ -14,9 +14,10 @@ use crate::contact::sat::{Found, Hint, NarrowScratch, distance_along, examine_hu
 use crate::geometry::ConvexHull;
 use crate::geometry::lanes::bounds;
 use crate::math::{Aabb, Plane, Pose, rotate};
-use crate::parts::{Pieces, run_parts};
+use crate::parts::{Pieces, WORTH_HELP, run_parts};
 use crate::prefetch::prefetch;
 use crate::solver::bodies::{Bodies, RigidBody, Shape};
+use crate::team::Team;
 use glam::{Mat3, Quat, Vec3};
 
 /// How far ahead contacts are found besides the bodies' motion, as a share of the body's least extent: far enough that a
@@ -158,6 +159,11 @@ struct Part {
     touching: Vec<u32>,
 }
 
+/// Whether the contacts of `pairs` pairs are worth a team.
+pub(crate) fn is_worth_help(pairs: usize) -> bool {
+    pairs >= WORTH_HELP * PAIRS_PER_PART
+}
+
 /// Brings the pairs of `broadphase` up to date with the bodies.
 pub fn update_pairs(
     broadphase: &mut Broadphase,
@@ -227,6 +233,7 @@ impl NarrowPhase {
         broadphase: &Broadphase,
         ahead: Lookahead,
         manifolds: &mut Vec<Manifold>,
+        team: Option<&Team>,
     ) {
         self.carry_states(bodies, broadphase);
         self.load_bodies(bodies, ahead);
@@ -244,18 +251,24 @@ impl NarrowPhase {
         let parts = self.parts.iter_mut().zip(pairs.chunks(part_size));
         let known = self.terms.chunks_mut(part_size);
         let known = known.zip(self.states.chunks_mut(part_size));
-        run_parts(parts.zip(known), |((part, pairs), (terms, states))| {
-            part.test(scene, pairs, terms, states)
-        });
+        run_parts(
+            team,
+            parts.zip(known),
+            |((part, pairs), (terms, states))| part.test(scene, pairs, terms, states),
+        );
         let parts = &self.parts[..pairs.len().div_ceil(part_size)];
         let sizes = parts.iter().map(|part| part.touching.len());
         manifolds.resize(sizes.clone().sum(), Manifold::default());
         let pieces = Pieces::new(manifolds, sizes);
         let pairs = pairs.chunks(part_size).zip(self.states.chunks(part_size));
         let parts = parts.iter().zip(pairs);
-        run_parts(pieces.zip(parts), |(piece, (part, (pairs, states)))| {
-            write_manifolds(scene, pairs, states, &part.touching, piece)
-        });
+        run_parts(
+            team,
+            pieces.zip(parts),
+            |(piece, (part, (pairs, states)))| {
+                write_manifolds(scene, pairs, states, &part.touching, piece)
+            },
+        );
     }
 
     /// Brings `states` into the order of the pairs; new pairs get a blank one.

@@ -34,6 +34,7 @@ mod prefetch;
 pub mod slice;
 pub mod solver;
 pub mod step;
+pub mod team;
 
 /// What most users need.
 pub mod prelude {

@@ -32,6 +32,7 @@ use crate::solver::mlcp::Residual;
 use crate::solver::residual::ResidualSum;
 use crate::solver::rows::PointRows;
 use crate::solver::{Gravity, SolverConfig, integrate};
+use crate::team::Team;
 use bevy_ecs::resource::Resource;
 
 /// Everything between the bodies and the solver that lives from step to step.
@@ -349,26 +350,28 @@ pub fn generate_contacts(
     } = contacts;
     let ahead = Lookahead::new(settings.h, settings.gravity.0);
     bodies.rouse(&settings.config.sleep, settings.gravity.0);
-    loop {
-        narrow.collide(bodies, broadphase, ahead, manifolds);
-        // What was woken has pairs of its own, and may touch others that sleep.
-        if !bodies.wake_touched(manifolds) {
-            break;
+    let is_worth_help = collide::is_worth_help(broadphase.pairs().len());
+    report.cache = Team::lead_if(is_worth_help, |team| {
+        loop {
+            narrow.collide(bodies, broadphase, ahead, manifolds, team);
+            // What was woken has pairs of its own, and may touch others that sleep.
+            if !bodies.wake_touched(manifolds) {
+                break;
+            }
         }
-    }
-    bodies.end_rouse();
-    bodies.unpark_woken(cache);
-    report.cache = if settings.config.warm_start {
-        cache.warm_start(
-            manifolds,
-            &bodies.ids,
-            &bodies.rotation,
-            &bodies.kd_box,
-            settings.h,
-        )
-    } else {
-        CacheStats::default()
-    };
+        bodies.end_rouse();
+        bodies.unpark_woken(cache);
+        if !settings.config.warm_start {
+            return CacheStats::default();
+        }
+        let Bodies {
+            ids,
+            rotation,
+            kd_box,
+            ..
+        } = &*bodies;
+        cache.warm_start_by(team, manifolds, ids, rotation, kd_box, settings.h)
+    });
     report.manifolds = manifolds.len();
     report.contacts = manifolds.iter().map(|m| m.count as usize).sum();
 }

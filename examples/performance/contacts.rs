@@ -43,7 +43,7 @@ impl Source {
     pub(crate) fn new(simulation: Simulation) -> Self {
         let manifolds = simulation.contacts.manifolds().to_vec();
         let mut islands = Islands::default();
-        islands.find(&manifolds, &simulation.bodies, |_| true);
+        islands.find(&manifolds, &simulation.bodies, |_| true, None);
         Self {
             simulation,
             manifolds,

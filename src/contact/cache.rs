@@ -43,7 +43,8 @@ use super::{BodyId, Manifold};
 use crate::contact::manifold::ContactPoint;
 use crate::geometry::{KdBox, KdCode};
 use crate::math::rotate;
-use crate::parts::{Pieces, run_parts};
+use crate::parts::{Pieces, WORTH_HELP, run_parts};
+use crate::team::Team;
 use bevy_ecs::resource::Resource;
 use glam::{Quat, Vec3};
 use matching::{Matched, WarmStart};
@@ -338,6 +339,21 @@ impl ContactCache {
         boxes: &[Option<KdBox>],
         h: f32,
     ) -> CacheStats {
+        Team::lead_if(is_worth_help(manifolds), |team| {
+            self.warm_start_by(team, manifolds, ids, rotations, boxes, h)
+        })
+    }
+
+    /// [`Self::warm_start`] by a team that is there already.
+    pub(crate) fn warm_start_by(
+        &mut self,
+        team: Option<&Team>,
+        manifolds: &mut [Manifold],
+        ids: &[BodyId],
+        rotations: &[Quat],
+        boxes: &[Option<KdBox>],
+        h: f32,
+    ) -> CacheStats {
         debug_assert!(is_sorted(manifolds, ids));
         self.plan.split(&self.current, manifolds, ids);
         let pass = WarmStart {
@@ -353,6 +369,7 @@ impl ContactCache {
         let pieces = Pieces::new(manifolds, sizes);
         let matched = self.plan.one_each(&mut self.matched);
         run_parts(
+            team,
             matched.iter_mut().zip(shares.zip(pieces)),
             |(matched, (share, manifolds))| *matched = pass.run(share, manifolds),
         );
@@ -382,10 +399,15 @@ impl ContactCache {
             ids,
             rotations,
         };
+        Team::lead_if(is_worth_help(manifolds), |team| self.store(team, &solved));
+    }
+
+    fn store(&mut self, team: Option<&Team>, solved: &Solved) {
         let renewals = self.plan.one_each(&mut self.renewals);
         let parts = self.plan.shares(&mut self.current);
         let parts = parts.zip(self.plan.manifolds());
         run_parts(
+            team,
             renewals.iter_mut().zip(parts),
             |(renewal, (share, range))| renewal.renew(share, &solved.part(range)),
         );
@@ -395,11 +417,20 @@ impl ContactCache {
         let writers = Renewal::writers(renewals, &mut self.next);
         let parts = self.plan.shares(&mut self.current);
         let parts = parts.zip(self.plan.manifolds());
-        run_parts(writers.zip(parts), |((renewal, writer), (share, range))| {
-            renewal.write(&share, &solved.part(range), writer)
-        });
+        run_parts(
+            team,
+            writers.zip(parts),
+            |((renewal, writer), (share, range))| {
+                renewal.write(&share, &solved.part(range), writer)
+            },
+        );
         std::mem::swap(&mut self.current, &mut self.next);
     }
+}
+
+/// Whether a pass over the entries of `manifolds` is worth a team.
+fn is_worth_help(manifolds: &[Manifold]) -> bool {
+    manifolds.len() >= WORTH_HELP * plan::MANIFOLDS_PER_PART
 }
 
 /// Names of a manifold's bodies.

@@ -18,10 +18,10 @@ use super::momentum::Pace;
 use super::rows::{PointRows, Side};
 use super::shares::{Parts, parts_of_blocks};
 use super::spin::Spin;
-use super::team::Team;
 use super::ties::Tie;
 use crate::contact::manifold::Manifold;
 use crate::parts::{front, front_mut};
+use crate::team::Team;
 use glam::{Mat3, Quat};
 use std::ops::Range;
 
@@ -72,9 +72,6 @@ pub struct Member {
     /// The largest extent that a contact of its is measured by: the lesser of the least extents of two bodies, m.
     pub extent: f32,
 }
-
-/// Least manifolds of a task that takes their impulses back: each takes some 50 ns.
-const LEAST_STORED: usize = 128;
 
 /// What batches are loaded from.
 #[derive(Clone, Copy, Debug)]
@@ -506,26 +503,17 @@ impl Batch {
         copy.map_or(body, |copy| self.originals[copy])
     }
 
-    /// Writes the impulses into the contact points.
-    pub fn store_impulses(&self, manifolds: &mut [Manifold], team: Option<&Team>) {
-        // Those of one island come in their order.
-        let team = team.filter(|_| self.members.len() == 1);
-        let count = self.places.len();
-        let size = count.div_ceil(Team::parts(team, count, LEAST_STORED));
-        if size == count {
-            return self.store_places(&self.places, 0, manifolds);
+    /// Writes the impulses into the contact points of `manifolds`, of which the first has the index `first`, and leaves out what
+    /// is not among them.
+    pub fn store_impulses(&self, manifolds: &mut [Manifold], first: usize) {
+        let end = first + manifolds.len();
+        for member in &self.members {
+            // Those of one island come in their order.
+            let places = &self.places[member.places.clone()];
+            let [from, to] =
+                [first, end].map(|past| places.partition_point(|place| (place.0 as usize) < past));
+            self.store_places(&places[from..to], first, manifolds);
         }
-        let (mut rest, mut first) = (manifolds, 0);
-        let parts = self.places.chunks(size).map(|places| {
-            let past = places.last().map_or(first, |last| last.0 as usize + 1);
-            let part = (places, first, front_mut(&mut rest, past - first));
-            first = past;
-            part
-        });
-        let mut parts: Parts<_> = parts.collect();
-        Team::each(team, &mut parts, |(places, first, manifolds)| {
-            self.store_places(places, *first, manifolds);
-        });
     }
 
     /// `first`: index of the first one of `manifolds`.

@@ -363,7 +363,8 @@ impl Kernel for Fill<'_> {
         for i in 0..self.blocks.len() {
             if let Some(next) = self.blocks.get(i + AHEAD) {
                 let next = &next.manifolds[..next.used];
-                next.iter().for_each(|&m| prefetch(&self.source.manifolds[m as usize]));
+                next.iter()
+                    .for_each(|&m| prefetch(&self.source.manifolds[m as usize]));
             }
             let block = &mut self.blocks[i];
             let (points, after) = rest.split_at_mut(block.points.len());

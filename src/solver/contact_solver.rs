@@ -2,17 +2,17 @@
 
 use super::batch::{Batch, Member, Step, side};
 use super::bodies::{Bodies, Motion, SolverBody};
-use super::demand::{Demand, Effort, SubstepSettings};
+use super::demand::{Demand, Effort, SubstepSettings, Travel};
 use super::domains::LEAST_MANIFOLDS;
 use super::islands::Islands;
 use super::limit::BodyBlow;
 use super::rehearsal::{Rehearsal, is_large};
 use super::rows::{PointRows, Row};
-use super::team::Team;
 use super::ties::{BondedManifold, is_new_bond};
 use crate::contact::manifold::{ContactPoint, Manifold};
 use crate::math::rotate_by;
-use bevy_tasks::ComputeTaskPool;
+use crate::parts::run_parts;
+use crate::team::Team;
 use glam::Vec3;
 use std::ops::Range;
 
@@ -25,13 +25,15 @@ const WORTH_HELP: usize = 256;
 /// Manifolds of a batch from which all threads solve it together: there are several domains then.
 const WORTH_A_TEAM: usize = 2 * LEAST_MANIFOLDS;
 
-/// Tasks for each thread, so that none waits long for the last one.
-const TASKS_PER_THREAD: usize = 4;
+/// Least manifolds of a part of a list that a team works through: each takes some 50 ns.
+const LEAST_OF_PART: usize = 128;
 
 /// The rows of a step and the working copies of the bodies they join; buffers are reused.
 #[derive(Debug, Default)]
 pub struct ContactSolver {
     pub(super) islands: Islands,
+    /// By manifold.
+    wishes: Vec<Wish>,
     /// By island.
     pub(super) demands: Vec<Demand>,
     /// Islands of each batch.
@@ -47,6 +49,14 @@ pub struct ContactSolver {
     /// By island: whether its rehearsal broke a body, so that it is not solved in this round.
     pub(super) is_set_aside: Vec<bool>,
     pub(super) rehearsal: Rehearsal,
+}
+
+/// What a manifold asks for.
+#[derive(Clone, Copy, Debug, Default)]
+struct Wish {
+    travel: Travel,
+    /// See [`load_of`]; 0 if nothing depends on it.
+    load: f32,
 }
 
 /// How far a body is within a step.
@@ -135,31 +145,34 @@ impl ContactSolver {
             waiting.for_each(|progress| *progress = Progress::Open);
         }
         self.progress.resize(bodies.slots(), Progress::Open);
-        self.find_islands(manifolds, bodies, settings);
-        self.is_set_aside.clear();
-        let is_set_aside = round.may_break && self.rehearse(manifolds, bodies, settings);
-        self.make_batches();
-        self.solve_batches(manifolds, bodies, settings, round.may_break);
-        self.write_back(bodies);
-        self.move_free_bodies(bodies, settings);
-        self.store_impulses(manifolds);
-        let batches = &self.batches[self.earlier..][..self.ranges.len()];
-        is_set_aside || batches.iter().any(|batch| batch.is_broken)
+        Team::lead_if(manifolds.len() >= WORTH_A_TEAM, |team| {
+            self.find_islands(manifolds, bodies, settings, team);
+            self.is_set_aside.clear();
+            let is_set_aside = round.may_break && self.rehearse(manifolds, bodies, settings);
+            self.make_batches();
+            // Now it is known whether a smaller scene has work for several threads.
+            Team::lead_if(team.is_none() && self.is_worth_help(), |late| {
+                let team = team.or(late);
+                self.solve_batches(manifolds, bodies, settings, round.may_break, team);
+                self.write_back(bodies);
+                self.move_free_bodies(bodies, settings);
+                self.store_impulses(manifolds, team);
+            });
+            let batches = &self.batches[self.earlier..][..self.ranges.len()];
+            is_set_aside || batches.iter().any(|batch| batch.is_broken)
+        })
     }
 
     /// Takes back what contacts and bonds have borne.
-    fn store_impulses(&mut self, manifolds: &mut [Manifold]) {
+    fn store_impulses(&mut self, manifolds: &mut [Manifold], team: Option<&Team>) {
         let batches = &self.batches[self.earlier..][..self.ranges.len()];
-        let is_large = |batch: &Batch| batch.places.len() >= WORTH_A_TEAM;
-        let mut store = |team: Option<&Team>| {
+        let size = part_of(manifolds.len(), team);
+        let parts = manifolds.chunks_mut(size).enumerate();
+        run_parts(team, parts, |(part, manifolds)| {
             for batch in batches {
-                batch.store_impulses(manifolds, team);
+                batch.store_impulses(manifolds, part * size);
             }
-        };
-        match ComputeTaskPool::try_get().filter(|_| batches.iter().any(is_large)) {
-            Some(pool) => Team::lead(pool, |team| store(Some(team))),
-            None => store(None),
-        }
+        });
         for batch in batches.iter().filter(|batch| !batch.is_broken) {
             batch.judge_bonds(&mut self.bonded);
         }
@@ -189,7 +202,7 @@ impl ContactSolver {
         bodies: &Bodies,
         settings: &SubstepSettings,
     ) {
-        self.find_islands(manifolds, bodies, settings);
+        self.find_islands(manifolds, bodies, settings, None);
         self.is_set_aside.clear();
         self.make_batches();
     }
@@ -200,17 +213,65 @@ impl ContactSolver {
         manifolds: &[Manifold],
         bodies: &Bodies,
         settings: &SubstepSettings,
+        team: Option<&Team>,
     ) {
         let progress = &self.progress;
         let is_open = |slot: u32| progress.get(slot as usize) != Some(&Progress::Moved);
         let is_open = |m: &Manifold| is_open(m.a) && is_open(m.b);
-        self.islands.find(manifolds, bodies, is_open);
+        self.islands.find(manifolds, bodies, is_open, team);
+        self.make_wishes(manifolds, bodies, settings, team);
+        let wishes = &self.wishes;
+        let travel = |manifold: u32| wishes[manifold as usize].travel;
+        self.islands.find_moving(travel);
         self.demands.clear();
-        self.islands.find_moving(bodies, settings.step());
         for i in 0..self.islands.list.len() {
-            let demand = self.demand(i, manifolds, bodies, settings);
+            let demand = self.demand(i, settings);
             self.demands.push(demand);
         }
+    }
+
+    /// Looks what each manifold asks for.
+    fn make_wishes(
+        &mut self,
+        manifolds: &[Manifold],
+        bodies: &Bodies,
+        settings: &SubstepSettings,
+        team: Option<&Team>,
+    ) {
+        let (step, depends_on_load) = (settings.step(), settings.depends_on_load());
+        self.wishes.resize(manifolds.len(), Wish::default());
+        let size = part_of(manifolds.len(), team);
+        let parts = self.wishes.chunks_mut(size).zip(manifolds.chunks(size));
+        run_parts(team, parts, |(wishes, manifolds)| {
+            for (wish, manifold) in wishes.iter_mut().zip(manifolds) {
+                let slots = [manifold.a as usize, manifold.b as usize];
+                wish.travel = Travel::of(bodies, slots, step);
+                wish.load = if depends_on_load {
+                    load_of(manifold, bodies, settings)
+                } else {
+                    0.0
+                };
+            }
+        });
+    }
+
+    /// How the bodies of a manifold move against each other.
+    pub(super) fn travel(&self, manifold: u32) -> Travel {
+        self.wishes[manifold as usize].travel
+    }
+
+    /// Whether there is work for several threads.
+    fn is_worth_help(&self) -> bool {
+        let is_for_team = |range: &Range<usize>| self.size(range) >= WORTH_A_TEAM;
+        // A single small batch is solved where its data are.
+        self.islands.manifolds.len() >= WORTH_HELP
+            && (self.ranges.len() > 1 || self.ranges.iter().any(is_for_team))
+    }
+
+    /// Number of manifolds of a batch.
+    fn size(&self, range: &Range<usize>) -> usize {
+        let list = &self.islands.list[range.clone()];
+        list.iter().map(|island| island.manifolds.len()).sum()
     }
 
     /// Decides which of the islands that are not set aside are solved together.
@@ -240,7 +301,10 @@ impl ContactSolver {
         bodies: &Bodies,
         settings: &SubstepSettings,
         may_break: bool,
+        team: Option<&Team>,
     ) {
+        let mut batches = std::mem::take(&mut self.batches);
+        let new_batches = &mut batches[self.earlier..][..self.ranges.len()];
         let (islands, demands, bonded) = (&self.islands, &self.demands, &self.bonded);
         let solve = |batch: &mut Batch, range: &Range<usize>, team: Option<&Team>| {
             let demand = &demands[range.start];
@@ -256,64 +320,26 @@ impl ContactSolver {
             batch.tie(bonded, manifolds);
             batch.solve(manifolds, team);
         };
-        let new_batches = &mut self.batches[self.earlier..];
-        let batches = new_batches.iter_mut().zip(&self.ranges);
-        let size = |range: &Range<usize>| {
-            let list = &islands.list[range.clone()];
-            list.iter()
-                .map(|island| island.manifolds.len())
-                .sum::<usize>()
-        };
-        let is_for_team = |range: &Range<usize>| size(range) >= WORTH_A_TEAM;
-        // A single small batch is solved where its data are.
-        let is_worth_help = islands.manifolds.len() >= WORTH_HELP
-            && (self.ranges.len() > 1 || self.ranges.iter().any(is_for_team));
-        let pool = ComputeTaskPool::try_get();
-        let Some(pool) = pool.filter(|_| is_worth_help) else {
-            return batches.for_each(|(batch, range)| solve(batch, range, None));
-        };
-        if self.ranges.iter().any(is_for_team) {
-            let large = batches.filter(|(_, range)| is_for_team(range));
-            Team::lead(pool, |team| {
-                large.for_each(|(batch, range)| solve(batch, range, Some(team)));
-            });
+        let is_for_team = |range: &Range<usize>| self.size(range) >= WORTH_A_TEAM;
+        let batches_and_ranges = new_batches.iter_mut().zip(&self.ranges);
+        for (batch, range) in batches_and_ranges.filter(|(_, range)| is_for_team(range)) {
+            solve(batch, range, team);
         }
         let small = new_batches.iter_mut().zip(&self.ranges);
-        let mut small = small.filter(|(_, range)| !is_for_team(range));
-        let tasks = TASKS_PER_THREAD * (pool.thread_num() + 1);
-        let share = islands.manifolds.len().div_ceil(tasks);
-        pool.scope(|scope| {
-            while let Some(first) = small.next() {
-                let mut part = vec![first];
-                let mut total = size(part[0].1);
-                while total < share
-                    && let Some(next) = small.next()
-                {
-                    total += size(next.1);
-                    part.push(next);
-                }
-                scope.spawn(async move {
-                    for (batch, range) in part {
-                        solve(batch, range, None);
-                    }
-                });
+        run_parts(team, small, |(batch, range)| {
+            if !is_for_team(range) {
+                solve(batch, range, None);
             }
         });
+        self.batches = batches;
     }
 
     /// What an island asks for.
-    fn demand(
-        &self,
-        island: usize,
-        manifolds: &[Manifold],
-        bodies: &Bodies,
-        settings: &SubstepSettings,
-    ) -> Demand {
+    fn demand(&self, island: usize, settings: &SubstepSettings) -> Demand {
         let island = &self.islands.list[island];
-        let moving = &self.islands.moving[island.moving.clone()];
         let mut demand = Demand {
             load: 0.0,
-            can_hit: island.bounces || !moving.is_empty(),
+            can_hit: island.bounces || !island.moving.is_empty(),
             substeps: 0,
         };
         if settings.depends_on_load() {
@@ -321,7 +347,7 @@ impl ContactSolver {
                 let load = if is_new_bond(&self.bonded, index) {
                     f32::INFINITY
                 } else {
-                    load_of(&manifolds[index as usize], bodies, settings)
+                    self.wishes[index as usize].load
                 };
                 demand.load = demand.load.max(load);
             }
@@ -408,6 +434,13 @@ impl ContactSolver {
             bodies.motion[i] = Motion { shift, rotation };
         }
     }
+}
+
+/// Length of the parts of a list with `count` manifolds that a team works through.
+fn part_of(count: usize, team: Option<&Team>) -> usize {
+    count
+        .div_ceil(Team::parts(team, count, LEAST_OF_PART))
+        .max(1)
 }
 
 /// Largest velocity that a contact of the manifold gave its effective mass in the last step, over the smaller body's least

@@ -157,7 +157,7 @@ impl Effort {
 }
 
 /// How two bodies move against each other in a step.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Travel {
     /// So far that the rows between them must follow.
     pub is_noticeable: bool,

@@ -13,7 +13,7 @@
 //! alone. Each domain keeps the order of its manifolds. A thread keeps to its leaves, whose data stay in its cache; stages of
 //! a colouring would hand half of all bodies to the other core dozens of times per sweep.
 
-use super::team::Team;
+use crate::team::Team;
 use glam::Vec3;
 use std::ops::Range;
 

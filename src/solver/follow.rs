@@ -15,11 +15,11 @@ use super::bodies::SolverBody;
 use super::lane_pair::{Frame, Pair};
 use super::lanes::{F8, Kernel, LaneWidth, Lanes, Numbers, run};
 use super::shares::{Parts, points_of, shares};
-use super::team::Team;
 use super::ties::Tie;
 use super::triple::V3;
 use crate::math::rotate_by;
 use crate::parts::{front, front_mut};
+use crate::team::Team;
 use glam::Quat;
 
 /// Which lanes of a block follow.

@@ -7,10 +7,15 @@
 use super::bodies::Bodies;
 use super::demand::Travel;
 use crate::contact::manifold::Manifold;
+use crate::parts::run_parts;
+use crate::team::Team;
 use std::ops::Range;
 
 /// Marks a body that has no number yet.
 const NONE: u32 = u32::MAX;
+
+/// Least manifolds of a part whose links are made: each takes some 10 ns.
+const LEAST_LINKS: usize = 512;
 
 /// One group.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -37,7 +42,7 @@ pub struct MovingPair {
 }
 
 /// What islands need of a manifold, which is large: one after the other in memory.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Link {
     /// Slots.
     bodies: [u32; 2],
@@ -105,11 +110,18 @@ impl Islands {
         &mut self,
         manifolds: &[Manifold],
         bodies: &Bodies,
-        is_open: impl Fn(&Manifold) -> bool,
+        is_open: impl Fn(&Manifold) -> bool + Sync,
+        team: Option<&Team>,
     ) {
-        self.new_links.clear();
-        let links = manifolds.iter().map(|m| Link::new(m, bodies, is_open(m)));
-        self.new_links.extend(links);
+        self.new_links.resize(manifolds.len(), Link::default());
+        let count = Team::parts(team, manifolds.len(), LEAST_LINKS);
+        let size = manifolds.len().div_ceil(count).max(1);
+        let parts = self.new_links.chunks_mut(size).zip(manifolds.chunks(size));
+        run_parts(team, parts, |(links, manifolds)| {
+            for (link, manifold) in links.iter_mut().zip(manifolds) {
+                *link = Link::new(manifold, bodies, is_open(manifold));
+            }
+        });
         if self.links == self.new_links {
             return;
         }
@@ -124,15 +136,13 @@ impl Islands {
         self.number_bodies(bodies.slots());
     }
 
-    /// Finds the manifolds whose rows follow the motion of their bodies in a step of `step` seconds.
-    pub fn find_moving(&mut self, bodies: &Bodies, step: f32) {
+    /// Finds the manifolds whose rows follow the motion of their bodies; `travel` tells how these move, by index of a manifold.
+    pub fn find_moving(&mut self, travel: impl Fn(u32) -> Travel) {
         self.moving.clear();
         for island in &mut self.list {
             let first = self.moving.len();
-            let slots = &self.slots[island.bodies.clone()];
             for at in island.manifolds.clone() {
-                let pair = self.pairs[at].map(|number| slots[number as usize] as usize);
-                let travel = Travel::of(bodies, pair, step);
+                let travel = travel(self.manifolds[at]);
                 if travel.is_noticeable {
                     let is_fast = travel.is_fast;
                     self.moving.push(MovingPair { at, is_fast });

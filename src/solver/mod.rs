@@ -5,7 +5,7 @@
 //! [`colouring`], kept as an [`arrangement`], and runs the [`substeps`] of each: [`sweep`]s with [`soft_step`] contacts in
 //! [`lanes`], or [`exact`]; [`ties`] where bodies are bonded, a `rehearsal` where bodies of a large island may break,
 //! [`momentum`] where sweeps are many, [`spin`] for the free rotation in between, `follow` for rows of what moves, `blows` for
-//! what hits; [`domains`] for a [`team`] of threads where an island is large. [`mlcp`] states the problem, [`rows`] and [`pgs`]
+//! what hits; [`domains`] for a [`team`](crate::team) of threads where an island is large. [`mlcp`] states the problem, [`rows`] and [`pgs`]
 //! say it row by row. [`residual`] judges the result, and [`integrate`] puts the bodies where they got; [`sleep`] leaves out what
 //! rests.
 //! Nothing here knows the ECS.
@@ -44,7 +44,6 @@ pub mod soft_step;
 pub mod spin;
 pub mod substeps;
 pub mod sweep;
-pub mod team;
 pub mod ties;
 mod triple;
 

@@ -67,11 +67,12 @@ impl ContactSolver {
             } = &mut rehearsal;
             let takes_part = |slot: u32| cast[slot as usize] != NONE;
             let moves = |slot: u32| bodies.velocity[slot as usize].inverse_mass > 0.0;
-            islands.find(manifolds, bodies, |m| {
+            let is_open = |m: &Manifold| {
                 let counts = |slot: u32| takes_part(slot) || !moves(slot);
                 counts(m.a) && counts(m.b) && (takes_part(m.a) || takes_part(m.b))
-            });
-            islands.find_moving(bodies, settings.step());
+            };
+            islands.find(manifolds, bodies, is_open, None);
+            islands.find_moving(|index| self.travel(index));
             for part in 0..islands.list.len() {
                 let slots = &islands.slots[islands.list[part].bodies.clone()];
                 let Some(&slot) = slots.iter().find(|&&slot| takes_part(slot)) else {
@@ -90,7 +91,7 @@ impl ContactSolver {
                 batch.tie(&self.bonded, manifolds);
                 batch.solve(manifolds, None);
                 if batch.is_broken {
-                    batch.store_impulses(manifolds, None);
+                    batch.store_impulses(manifolds, 0);
                     self.is_set_aside[whole] = true;
                 }
             }

@@ -1,8 +1,8 @@
 //! Lists cut along the domains of a batch, for a team of threads.
 
 use super::blocks::{Block, Point};
-use super::team::Team;
 use crate::parts::front_mut;
+use crate::team::Team;
 use smallvec::SmallVec;
 use std::ops::Range;
 

@@ -9,8 +9,8 @@ use super::blocks::{Block, Blow, Point};
 use super::bodies::SolverBody;
 use super::lanes::{F8, LaneWidth};
 use super::sweep::{Contacts, Pass};
-use super::team::Shared;
 use super::ties::Tie;
+use crate::team::Shared;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering};
 

@@ -65,9 +65,9 @@ proptest! {
         let mut kept = Islands::default();
         for _ in 0..12 {
             let is_open = |m: &Manifold| m.a != left_out && m.b != left_out;
-            kept.find(&manifolds, &bodies, is_open);
+            kept.find(&manifolds, &bodies, is_open, None);
             let mut fresh = Islands::default();
-            fresh.find(&manifolds, &bodies, is_open);
+            fresh.find(&manifolds, &bodies, is_open, None);
             prop_assert_eq!(outcome(&kept), outcome(&fresh));
             match dice.below(6) {
                 0 => manifolds.push(manifold(&mut dice)),

@@ -8,7 +8,7 @@ use crate::parts::Pieces;
 use std::ops::Range;
 
 /// Manifolds of a part: some 10 us of work.
-const MANIFOLDS_PER_PART: usize = 192;
+pub(super) const MANIFOLDS_PER_PART: usize = 192;
 
 /// Where the parts of a table begin and end. From pass to pass most stay where they are.
 #[derive(Clone, Debug, Default)]

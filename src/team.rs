@@ -78,6 +78,16 @@ impl Team {
         result.expect("the scope has run")
     }
 
+    /// Leads a team of all threads of the compute task pool through `work`, if there is a pool and the work is worth the
+    /// microseconds that it takes to wake them; otherwise there is no team.
+    pub fn lead_if<R>(is_worth_help: bool, work: impl FnOnce(Option<&Self>) -> R) -> R {
+        let pool = ComputeTaskPool::try_get().filter(|pool| is_worth_help && pool.thread_num() > 0);
+        match pool {
+            Some(pool) => Self::lead(pool, |team| work(Some(team))),
+            None => work(None),
+        }
+    }
+
     /// Number of threads, the leader among them.
     pub fn threads(&self) -> usize {
         self.helpers + 1
