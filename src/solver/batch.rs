@@ -16,6 +16,7 @@ use super::lanes::F8;
 use super::limit::{BodyBlow, Limit};
 use super::momentum::Pace;
 use super::rows::{PointRows, Side};
+use super::schedule::ContactOrder;
 use super::shares::{Parts, parts_of_blocks};
 use super::spin::Spin;
 use super::ties::Tie;
@@ -90,6 +91,17 @@ pub struct Step<'a> {
     pub may_break: bool,
 }
 
+/// What the numbers of a batch's bodies and the places of its manifolds follow from, besides the cuts.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Origin {
+    /// See [`Islands::revision`].
+    islands: u64,
+    range: Range<usize>,
+    order: ContactOrder,
+    method: Method,
+    has_team: bool,
+}
+
 /// Islands with all that their sub-steps read and write; buffers are reused from step to step.
 #[derive(Debug, Default)]
 pub struct Batch {
@@ -146,6 +158,7 @@ pub struct Batch {
     pub(super) scratch: BatchScratch,
     pub(super) cuts: Domains,
     arrangement: Arrangement,
+    origin: Option<Origin>,
 }
 
 /// Buffers of the sub-steps.
@@ -189,22 +202,30 @@ impl Batch {
         } = *step;
         self.clear();
         self.settings = settings.for_demand(demand);
-        self.load_islands(range.clone(), step);
+        let is_kept = self.keep_layout(range.clone(), step);
+        if !is_kept {
+            self.load_islands(range.clone(), islands);
+        }
         self.load_bodies(bodies);
         self.may_break = may_break;
         self.add_idle_body();
-        self.place_manifolds(range.clone(), islands);
-        self.make_blocks();
+        if !is_kept {
+            self.place_manifolds(range.clone(), islands);
+            self.make_blocks();
+            self.fill_lanes();
+            self.originals.clear();
+            if team.is_some() {
+                self.name_copies();
+            }
+        }
+        self.load_copies();
         for member in 0..self.members.len() {
-            self.fill_lanes(member);
+            self.measure(member);
             self.load_turning(member, bodies);
         }
         let first = islands.list[range.start].manifolds.start;
         for island in &islands.list[range.clone()] {
             self.load_moving(&islands.moving[island.moving.clone()], first, bodies);
-        }
-        if team.is_some() {
-            self.copy_fixed_bodies();
         }
         self.load_limits(bodies);
         self.fill_blocks(manifolds, team);
@@ -220,27 +241,32 @@ impl Batch {
 
     /// Gives each domain its own copies of the fixed bodies and of the idle one, so that domains of a stage, which different
     /// threads solve, write to different bodies.
-    fn copy_fixed_bodies(&mut self) {
+    fn name_copies(&mut self) {
+        let count = self.bodies.len();
         let copies = &mut self.scratch.copies;
         for domain in &self.domains[1..] {
             copies.clear();
-            copies.resize(self.bodies.len(), None);
+            copies.resize(count, None);
             for block in &mut self.blocks[domain.clone()] {
                 for number in block.bodies.as_flattened_mut() {
-                    let body = self.bodies[*number as usize];
-                    if body.inverse_mass > 0.0 {
+                    if self.bodies[*number as usize].inverse_mass > 0.0 {
                         continue;
                     }
-                    let solid = self.solids[*number as usize];
                     let original = *number;
                     *number = *copies[original as usize].get_or_insert_with(|| {
-                        self.bodies.push(body);
-                        self.solids.push(solid);
                         self.originals.push(original);
-                        self.bodies.len() as u32 - 1
+                        (count + self.originals.len()) as u32 - 1
                     });
                 }
             }
+        }
+    }
+
+    /// Makes the copies.
+    fn load_copies(&mut self) {
+        for &original in &self.originals {
+            self.bodies.push(self.bodies[original as usize]);
+            self.solids.push(self.solids[original as usize]);
         }
         let count = self.bodies.len();
         self.displacements.resize(count, SolverBody::default());
@@ -316,16 +342,13 @@ impl Batch {
         }
     }
 
+    /// Forgets the step before, but not who is where.
     fn clear(&mut self) {
-        self.members.clear();
         self.blows.clear();
         self.ties.clear();
-        self.slots.clear();
-        self.pairs.clear();
         self.bodies.clear();
         self.displacements.clear();
         self.solids.clear();
-        self.originals.clear();
         self.turning.clear();
         self.moving.clear();
         self.limits.clear();
@@ -333,9 +356,27 @@ impl Batch {
         self.is_broken = false;
     }
 
+    /// Whether the numbers of bodies and the places of manifolds are still those that the islands in `range` would get.
+    fn keep_layout(&mut self, range: Range<usize>, step: &Step) -> bool {
+        let SubstepSettings { config, .. } = &self.settings;
+        let origin = Some(Origin {
+            islands: step.islands.revision,
+            range: range.clone(),
+            order: config.order,
+            method: config.method,
+            has_team: step.team.is_some(),
+        });
+        let is_cut_as_before = self.cut_domains(range, step);
+        let is_kept = is_cut_as_before && self.origin == origin;
+        self.origin = origin;
+        is_kept
+    }
+
     /// Numbers the bodies of the islands.
-    fn load_islands(&mut self, range: Range<usize>, step: &Step) {
-        let islands = step.islands;
+    fn load_islands(&mut self, range: Range<usize>, islands: &Islands) {
+        self.members.clear();
+        self.slots.clear();
+        self.pairs.clear();
         let first = islands.list[range.start].manifolds.start;
         for island in &islands.list[range] {
             let offset = self.slots.len() as u32;
@@ -352,24 +393,30 @@ impl Batch {
                 ..Member::default()
             });
         }
-        self.cut_domains(step.bodies);
         self.cuts.sort(&mut self.slots, &mut self.pairs);
     }
 
-    /// Cuts a large island into domains.
-    fn cut_domains(&mut self, bodies: &Bodies) {
-        let leaves = domains::leaves(self.pairs.len());
+    /// Cuts a large island into domains; whether that gave the same ones as before.
+    fn cut_domains(&mut self, range: Range<usize>, step: &Step) -> bool {
+        let Step {
+            islands, bodies, ..
+        } = step;
         let SubstepSettings {
             config, gravity, ..
         } = &self.settings;
-        if leaves == 1 || self.members.len() > 1 || config.method == Method::Exact {
+        let [island] = &islands.list[range] else {
+            return self.cuts.keep_whole();
+        };
+        let leaves = domains::leaves(island.manifolds.len());
+        if leaves == 1 || config.method == Method::Exact {
             return self.cuts.keep_whole();
         }
-        let centres = self.slots.iter().map(|&slot| {
+        let slots = &islands.slots[island.bodies.clone()];
+        let centres = slots.iter().map(|&slot| {
             let is_movable = bodies.velocity[slot as usize].inverse_mass > 0.0;
             is_movable.then(|| bodies.centre[slot as usize])
         });
-        self.cuts.cut(centres, *gravity, leaves);
+        self.cuts.cut(centres, *gravity, leaves)
     }
 
     /// Copies the bodies.
@@ -436,16 +483,23 @@ impl Batch {
         self.points.resize(points, Point::default());
     }
 
-    /// Names the bodies and manifolds of the lanes of an island.
-    fn fill_lanes(&mut self, member: usize) {
-        let member = &mut self.members[member];
-        let places = &self.places[member.places.clone()];
-        for (pair, &(index, place)) in self.pairs[member.places.clone()].iter().zip(places) {
+    /// Names the bodies and manifolds of the lanes.
+    fn fill_lanes(&mut self) {
+        for (pair, &(index, place)) in self.pairs.iter().zip(&self.places) {
             let block = &mut self.blocks[place.block as usize];
             block.put(place.lane as usize, index, *pair);
-            let [a, b] = pair.map(|number| self.solids[number as usize].extent());
-            member.extent = member.extent.max(a.min(b));
         }
+    }
+
+    /// Finds the largest extent that a contact of an island is measured by.
+    fn measure(&mut self, member: usize) {
+        let member = &mut self.members[member];
+        let pairs = self.pairs[member.places.clone()].iter();
+        let extents = pairs.map(|pair| {
+            let [a, b] = pair.map(|number| self.solids[number as usize].extent());
+            a.min(b)
+        });
+        member.extent = extents.fold(0.0, f32::max);
     }
 
     /// Lists the manifolds of an island whose rows follow the motion.

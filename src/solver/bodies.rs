@@ -208,11 +208,13 @@ impl Bodies {
 
     /// The rotation of a dynamic body that must be followed within a step of `step` seconds.
     pub(crate) fn spin(&self, slot: u32, step: f32) -> Option<Spin> {
-        let (i, m) = (slot as usize, self.mass(slot));
+        let i = slot as usize;
         let body = &self.velocity[i];
-        if body.inverse_mass == 0.0 {
+        // Before the moments of inertia are read: most bodies of a large scene hardly turn.
+        if body.inverse_mass == 0.0 || Spin::is_slow(body.angular, step) {
             return None;
         }
+        let m = self.mass(slot);
         Spin::of(
             self.rotation[i],
             m.principal_frame,

@@ -41,6 +41,9 @@ pub struct Domains {
     leaves: Vec<Range<usize>>,
     /// By number of a body; for those that contacts do not move, the number of leaves.
     leaf: Vec<u8>,
+    /// The same by the numbers that the bodies had when they were cut, and what a new cut makes of it.
+    old_leaf: Vec<u8>,
+    new_leaf: Vec<u8>,
     /// By old number of a body: its new one.
     renamed: Vec<u32>,
     old_slots: Vec<u32>,
@@ -102,37 +105,46 @@ impl Cut {
 }
 
 impl Domains {
-    /// Leaves all bodies together.
-    pub fn keep_whole(&mut self) {
+    /// Leaves all bodies together; whether that is what was done before.
+    pub fn keep_whole(&mut self) -> bool {
+        let is_same = self.leaves.is_empty();
         self.leaves.clear();
+        is_same
     }
 
     /// Cuts bodies into `leaves` leaves, more than one, by their centres of mass, m; those that contacts do not move have none,
-    /// and are in no leaf.
+    /// and are in no leaf. Whether they were cut the same way before; then they keep the numbers that [`sort`](Self::sort) gave
+    /// them.
     pub fn cut(
         &mut self,
         centres: impl Iterator<Item = Option<Vec3>> + Clone,
         gravity: Vec3,
         leaves: usize,
-    ) {
-        self.leaf.clear();
-        self.leaf.extend(centres.clone().map(|_| 0));
+    ) -> bool {
+        self.new_leaf.clear();
+        self.new_leaf.extend(centres.clone().map(|_| 0));
         for level in 0..leaves.ilog2() {
             self.halve(centres.clone(), gravity, 1 << level);
         }
         let mut ends = [0; MOST_LEAVES];
-        for (leaf, centre) in self.leaf.iter_mut().zip(centres) {
+        for (leaf, centre) in self.new_leaf.iter_mut().zip(centres) {
             match centre {
                 Some(_) => ends[*leaf as usize] += 1,
                 None => *leaf = leaves as u8,
             }
         }
+        if !self.leaves.is_empty() && self.new_leaf == self.old_leaf {
+            return true;
+        }
+        std::mem::swap(&mut self.new_leaf, &mut self.old_leaf);
+        self.leaf.clone_from(&self.old_leaf);
         self.leaves.clear();
         let mut first = 0;
         self.leaves.extend(ends[..leaves].iter().map(|count| {
             first += count;
             first - count..first
         }));
+        false
     }
 
     /// Gives the bodies new numbers, leaf by leaf, those that contacts do not move behind all others: what one thread writes
@@ -149,7 +161,7 @@ impl Domains {
         self.old_slots.clear();
         self.old_slots.extend_from_slice(slots);
         self.renamed.clear();
-        for (leaf, slot) in self.leaf.iter().zip(&self.old_slots) {
+        for (leaf, slot) in self.old_leaf.iter().zip(&self.old_slots) {
             let number = &mut next[*leaf as usize];
             slots[*number as usize] = *slot;
             self.renamed.push(*number);
@@ -158,6 +170,7 @@ impl Domains {
         for pair in pairs {
             *pair = pair.map(|body| self.renamed[body as usize]);
         }
+        self.leaf.fill(self.leaves.len() as u8);
         for (number, leaf) in (0..).zip(&self.leaves) {
             self.leaf[leaf.clone()].fill(number);
         }
@@ -175,7 +188,11 @@ impl Domains {
         gravity: Vec3,
         count: usize,
     ) {
-        let Self { leaf, cuts, .. } = self;
+        let Self {
+            new_leaf: leaf,
+            cuts,
+            ..
+        } = self;
         cuts.clear();
         cuts.resize(count, Cut::default());
         for (leaf, centre) in leaf.iter().zip(centres.clone()) {

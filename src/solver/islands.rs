@@ -90,6 +90,8 @@ pub struct Islands {
     pub slots: Vec<u32>,
     /// Those of `manifolds` whose bodies move in the step, in their order.
     pub moving: Vec<MovingPair>,
+    /// Grows when the islands change.
+    pub revision: u64,
     /// By manifold: what the islands are made of, and what the present step has.
     links: Vec<Link>,
     new_links: Vec<Link>,
@@ -125,6 +127,7 @@ impl Islands {
         if self.links == self.new_links {
             return;
         }
+        self.revision += 1;
         std::mem::swap(&mut self.links, &mut self.new_links);
         self.parent.clear();
         self.parent.extend(0..bodies.slots() as u32);

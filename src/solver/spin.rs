@@ -60,7 +60,7 @@ impl Spin {
         step: f32,
     ) -> Option<Self> {
         let is_sphere = principal.x == principal.y && principal.y == principal.z;
-        if is_sphere || omega.length() * step < SLOW {
+        if is_sphere || Self::is_slow(omega, step) {
             return None;
         }
         Some(Self {
@@ -68,6 +68,11 @@ impl Spin {
             frame,
             moments: (principal / principal.max_element()).as_dvec3(),
         })
+    }
+
+    /// Whether a body with this angular velocity (rad/s) turns by no more than a hair in the step of `step` seconds.
+    pub fn is_slow(omega: Vec3, step: f32) -> bool {
+        omega.length() * step < SLOW
     }
 
     /// Turns the body for `h` seconds; returns the free angular velocity after it, from `omega` before (world, rad/s).

@@ -8,6 +8,7 @@ mod dice;
 mod properties;
 
 mod arrangement;
+mod batches;
 mod blocks;
 mod islands;
 mod operations;

@@ -1,0 +1,140 @@
+//! A batch keeps who is where as long as its islands are the same, and is otherwise the same as one that is loaded anew.
+
+use crate::dice::Dice;
+use crate::properties::cases;
+use bevy_cleave::contact::manifold::{MAX_POINTS, Manifold};
+use bevy_cleave::prelude::*;
+use bevy_cleave::solver::batch::{Batch, Step};
+use bevy_cleave::solver::blocks::Place;
+use bevy_cleave::solver::bodies::SolverBody;
+use bevy_cleave::solver::demand::{Demand, SubstepSettings};
+use bevy_cleave::solver::islands::Islands;
+use bevy_cleave::step;
+use bevy_cleave::team::Team;
+use bevy_tasks::{ComputeTaskPool, TaskPoolBuilder};
+use glam::Vec3;
+use proptest::prelude::*;
+use std::ops::Range;
+
+/// Cubes in a grid of this shape, from which follow manifolds enough for two domains; every 50th is fixed.
+const GRID: [usize; 3] = [16, 16, 8];
+
+fn cube_grid(dice: &mut Dice) -> Bodies {
+    let cube = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("valid size");
+    let mut bodies = Bodies::default();
+    let [x, y, z] = GRID;
+    for i in 0..x * y * z {
+        let at = Vec3::new((i % x) as f32, (i / x % y) as f32, (i / (x * y)) as f32);
+        let mut desc = BodyDesc::dynamic(cube.clone(), at + dice.vector(-0.01, 0.01));
+        if i % 50 == 0 {
+            desc.kind = RigidBody::Static;
+        }
+        assert_eq!(bodies.insert(desc), Ok(i as u32));
+    }
+    step::mass_properties(&mut bodies, &mut StepReport::default());
+    bodies
+}
+
+fn joint(dice: &mut Dice, a: usize, b: usize) -> Manifold {
+    Manifold {
+        a: a as u32,
+        b: b as u32,
+        normal: Vec3::Y,
+        count: 1 + dice.below(MAX_POINTS) as u32,
+        ..Manifold::default()
+    }
+}
+
+/// Manifolds between neighbours of the grid.
+fn grid_manifolds(dice: &mut Dice) -> Vec<Manifold> {
+    let [x, y, z] = GRID;
+    let mut manifolds = Vec::new();
+    for i in 0..x * y * z {
+        let neighbours = [
+            (1, i % x + 1 < x),
+            (x, i / x % y + 1 < y),
+            (x * y, i / (x * y) + 1 < z),
+        ];
+        for (step, _) in neighbours.into_iter().filter(|(_, is_there)| *is_there) {
+            manifolds.push(joint(dice, i, i + step));
+        }
+    }
+    manifolds
+}
+
+#[derive(Debug, PartialEq)]
+struct Outcome {
+    slots: Vec<u32>,
+    bodies: Vec<SolverBody>,
+    places: Vec<(u32, Place)>,
+    domains: Vec<Range<usize>>,
+    blocks: Vec<([[u32; 8]; 2], [u32; 8], usize, Range<usize>)>,
+    extents: Vec<f32>,
+}
+
+fn outcome(batch: &Batch) -> Outcome {
+    let blocks = batch.blocks.iter();
+    Outcome {
+        slots: batch.slots.clone(),
+        bodies: batch.bodies.clone(),
+        places: batch.places.clone(),
+        domains: batch.domains.clone(),
+        blocks: blocks
+            .map(|block| {
+                (
+                    block.bodies,
+                    block.manifolds,
+                    block.used,
+                    block.points.clone(),
+                )
+            })
+            .collect(),
+        extents: batch.members.iter().map(|member| member.extent).collect(),
+    }
+}
+
+proptest! {
+    #![proptest_config(cases(12))]
+
+    /// Steps in which nothing changes, bodies shift a little, a manifold changes, comes or goes, or the team comes or goes.
+    #[test]
+    fn a_batch_that_is_used_again_is_the_one_loaded_anew(seed: u64) {
+        let mut dice = Dice::new(seed);
+        let mut bodies = cube_grid(&mut dice);
+        let mut manifolds = grid_manifolds(&mut dice);
+        let settings = SubstepSettings::new(SolverConfig::default(), Vec3::NEG_Y, 0.01);
+        let (mut islands, mut kept) = (Islands::default(), Batch::default());
+        let mut has_team = true;
+        let pool = ComputeTaskPool::get_or_init(|| TaskPoolBuilder::new().num_threads(1).build());
+        for _ in 0..8 {
+            islands.find(&manifolds, &bodies, |_| true, None);
+            let largest = |island: &usize| islands.list[*island].manifolds.len();
+            let largest = (0..islands.list.len()).max_by_key(largest).expect("there are some");
+            Team::lead(pool, |team| {
+                let step = Step {
+                    islands: &islands,
+                    manifolds: &manifolds,
+                    bodies: &bodies,
+                    settings: &settings,
+                    team: Some(team).filter(|_| has_team),
+                    may_break: false,
+                };
+                let mut fresh = Batch::default();
+                for batch in [&mut kept, &mut fresh] {
+                    batch.load(&step, largest..largest + 1, &Demand::default());
+                }
+                prop_assert!(kept.domains.len() > 1);
+                prop_assert_eq!(outcome(&kept), outcome(&fresh));
+                Ok(())
+            })?;
+            let at = dice.below(manifolds.len());
+            match dice.below(6) {
+                0 => drop(manifolds.remove(at)),
+                1 => manifolds[at].count = 1 + dice.below(MAX_POINTS) as u32,
+                2 => bodies = cube_grid(&mut dice),
+                3 => has_team = !has_team,
+                _ => {}
+            }
+        }
+    }
+}
