@@ -5,7 +5,7 @@ use crate::properties::cases;
 use bevy_cleave::contact::manifold::{MAX_POINTS, Manifold};
 use bevy_cleave::prelude::*;
 use bevy_cleave::solver::batch::{Batch, Step};
-use bevy_cleave::solver::blocks::Place;
+use bevy_cleave::solver::blocks::{Block, Place};
 use bevy_cleave::solver::bodies::SolverBody;
 use bevy_cleave::solver::demand::{Demand, SubstepSettings};
 use bevy_cleave::solver::islands::Islands;
@@ -25,7 +25,7 @@ fn cube_grid(dice: &mut Dice) -> Bodies {
     let [x, y, z] = GRID;
     for i in 0..x * y * z {
         let at = Vec3::new((i % x) as f32, (i / x % y) as f32, (i / (x * y)) as f32);
-        let mut desc = BodyDesc::dynamic(cube.clone(), at + dice.vector(-0.01, 0.01));
+        let mut desc = BodyDesc::dynamic(cube.clone(), at + dice.vector(-0.4, 0.4));
         if i % 50 == 0 {
             desc.kind = RigidBody::Static;
         }
@@ -62,33 +62,27 @@ fn grid_manifolds(dice: &mut Dice) -> Vec<Manifold> {
     manifolds
 }
 
+/// Names of the bodies and manifolds of a block's lanes, and its points.
+type Names = ([[u32; 8]; 2], [u32; 8], Range<usize>);
+
 #[derive(Debug, PartialEq)]
 struct Outcome {
     slots: Vec<u32>,
     bodies: Vec<SolverBody>,
     places: Vec<(u32, Place)>,
     domains: Vec<Range<usize>>,
-    blocks: Vec<([[u32; 8]; 2], [u32; 8], usize, Range<usize>)>,
+    blocks: Vec<Names>,
     extents: Vec<f32>,
 }
 
 fn outcome(batch: &Batch) -> Outcome {
-    let blocks = batch.blocks.iter();
+    let names = |block: &Block| (block.bodies, block.manifolds, block.points.clone());
     Outcome {
         slots: batch.slots.clone(),
         bodies: batch.bodies.clone(),
         places: batch.places.clone(),
         domains: batch.domains.clone(),
-        blocks: blocks
-            .map(|block| {
-                (
-                    block.bodies,
-                    block.manifolds,
-                    block.used,
-                    block.points.clone(),
-                )
-            })
-            .collect(),
+        blocks: batch.blocks.iter().map(names).collect(),
         extents: batch.members.iter().map(|member| member.extent).collect(),
     }
 }
