@@ -43,9 +43,9 @@ use support::render::{Camera, Scene};
 use support::stats;
 
 const FOLDER: &str = "target/demolition";
-const STEPS: usize = 176;
+const STEPS: usize = 208;
 /// Steps after which a picture is taken.
-const PICTURES: [usize; 9] = [40, 56, 72, 90, 106, 122, 140, 158, STEPS];
+const PICTURES: [usize; 9] = [40, 56, 72, 96, 120, 144, 168, 188, STEPS];
 /// Which of the pictures are on the sheet for `docs/`.
 const PUBLISHED: [usize; 6] = [0, 2, 3, 4, 6, 8];
 

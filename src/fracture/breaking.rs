@@ -39,6 +39,8 @@ struct Alive {
 pub(super) struct Workshop {
     /// Pieces made in this step.
     made: usize,
+    /// Dynamic bodies that were awake when it began.
+    awake: usize,
     waiting: Vec<Waiting>,
     alive: Vec<Alive>,
     /// By slot.
@@ -60,7 +62,7 @@ impl Workshop {
 
     /// Pieces that blows may still make in this step.
     pub(super) fn left(&self, budget: &FractureBudget) -> usize {
-        budget.left(self.made, self.alive.len())
+        budget.left(self.made, self.alive.len(), self.awake)
     }
 }
 
@@ -80,6 +82,7 @@ pub fn make_cuts(
     fractures.refused.clear();
     fractures.expired.clear();
     fractures.workshop.made = 0;
+    fractures.workshop.awake = bodies.dynamic() - bodies.asleep();
     remove_old_pieces(fractures, bodies, cache, budget, h);
     fractures.workshop.take_stock(bodies);
     if fractures.requests.is_empty() && fractures.workshop.waiting.is_empty() {

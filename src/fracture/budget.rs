@@ -2,6 +2,12 @@
 
 use bevy_ecs::resource::Resource;
 
+/// Awake bodies up to which a scene may grow at once, whatever [`FractureBudget::growth`] says: a step of a millisecond or two.
+const SMALL_SCENE: usize = 256;
+
+/// Pieces that each step may make, whatever the growth: one body breaks.
+const LEAST_IN_STEP: usize = 8;
+
 /// Limits for what blows break. Cuts that are asked for are made whatever the budget says, but count.
 ///
 /// What a step cannot afford is broken into fewer pieces; what does not even get two waits for its turn, in the order of
@@ -9,8 +15,12 @@ use bevy_ecs::resource::Resource;
 #[derive(Clone, Copy, Debug, PartialEq, Resource)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct FractureBudget {
-    /// Pieces that one step may make.
+    /// Pieces that one step may make at most.
     pub pieces_per_step: usize,
+    /// Pieces that one step may make for each dynamic body that is awake, so that no step is much longer than those around it:
+    /// a piece that has just come to be has several times the contacts of other bodies, all of which move. A step may make 8
+    /// pieces in any case, and as many as bring a small scene to 256 awake bodies. Infinite: no limit.
+    pub growth: f32,
     /// Pieces that there may be; no blow breaks anything while there are as many.
     pub pieces_alive: usize,
     /// Pieces smaller than this are not made, m3; what [`Fracturable`](crate::slice::fracturable::Fracturable) says holds
@@ -23,10 +33,11 @@ pub struct FractureBudget {
 }
 
 impl Default for FractureBudget {
-    /// 64 pieces in a step, 20 000 in all, and pieces stay for ever.
+    /// In a step 2 % of the bodies that are awake, but at most 64 pieces; 20 000 in all, and pieces stay for ever.
     fn default() -> Self {
         Self {
             pieces_per_step: 64,
+            growth: 0.02,
             pieces_alive: 20_000,
             least_volume: 0.0,
             generations: u8::MAX,
@@ -36,12 +47,59 @@ impl Default for FractureBudget {
 }
 
 impl FractureBudget {
-    /// Pieces that blows may still make in a step that has `made` some, while there are `alive`.
-    pub(super) fn left(&self, made: usize, alive: usize) -> usize {
+    /// Pieces that blows may still make in a step that has `made` some, while there are `alive`; `awake` is how many dynamic
+    /// bodies were awake when it began.
+    pub(super) fn left(&self, made: usize, alive: usize, awake: usize) -> usize {
         if self.generations == 0 {
             return 0;
         }
-        let in_step = self.pieces_per_step.saturating_sub(made);
+        let in_step = self.in_step(awake).saturating_sub(made);
         in_step.min(self.pieces_alive.saturating_sub(alive))
+    }
+
+    /// Pieces that blows may make in a step that begins with `awake` bodies.
+    fn in_step(&self, awake: usize) -> usize {
+        // A number that is not finite becomes one end of the range.
+        let growth = (self.growth * awake as f32) as usize;
+        let least = SMALL_SCENE.saturating_sub(awake).max(LEAST_IN_STEP);
+        growth.max(least).min(self.pieces_per_step)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_step_of_a_small_scene_may_make_what_a_large_one_may_not() {
+        let budget = FractureBudget::default();
+        let in_step = [0, 192, 200, 248, 256, 1000, 3199, 3200, 100_000].map(|n| budget.in_step(n));
+        assert_eq!(in_step, [64, 64, 56, 8, 8, 20, 63, 64, 64]);
+        let unlimited = FractureBudget {
+            growth: f32::INFINITY,
+            ..budget
+        };
+        assert_eq!([0, 1, 300].map(|awake| unlimited.in_step(awake)), [64; 3]);
+        let none = FractureBudget {
+            pieces_per_step: 0,
+            ..unlimited
+        };
+        assert_eq!(none.in_step(1000), 0);
+        let meaningless = FractureBudget {
+            growth: f32::NAN,
+            ..budget
+        };
+        assert_eq!(meaningless.in_step(1000), 8);
+    }
+
+    #[test]
+    fn what_was_made_and_what_is_alive_count() {
+        let budget = FractureBudget {
+            pieces_alive: 100,
+            ..FractureBudget::default()
+        };
+        assert_eq!(budget.left(10, 10, 100), 54);
+        assert_eq!(budget.left(10, 60, 100), 40);
+        assert_eq!(budget.left(100, 200, 100), 0);
     }
 }
