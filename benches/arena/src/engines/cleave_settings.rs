@@ -33,6 +33,7 @@ pub(super) fn all() -> Vec<Named> {
         named(DEFAULT, SolverConfig::default()),
         named("paper", SolverConfig::paper()),
         named("paper-4", paper(4)),
+        named("paper-adaptive", adaptive_paper()),
         Named {
             // Its time grows with the cube of the number of contacts.
             max_bodies: 60,
@@ -64,6 +65,15 @@ fn paper(sweeps: u32) -> SolverConfig {
     SolverConfig {
         sweeps,
         ..SolverConfig::paper()
+    }
+}
+
+/// The paper's method with as many sweeps, of 1 to 16, as each island needs to meet the default tolerance.
+fn adaptive_paper() -> SolverConfig {
+    SolverConfig {
+        tolerance: SolverConfig::default().tolerance,
+        max_sweeps: SolverConfig::paper().sweeps,
+        ..paper(1)
     }
 }
 
