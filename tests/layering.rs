@@ -4,9 +4,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Layers from the bottom up. `lib.rs` names them all.
-const LAYERS: [&str; 12] = [
-    "math", "parts", "geometry", "mass", "slice", "contact", "solver", "collide", "fracture",
-    "step", "ecs", "plugin",
+const LAYERS: [&str; 14] = [
+    "math", "prefetch", "team", "parts", "geometry", "mass", "slice", "contact", "solver",
+    "collide", "fracture", "step", "ecs", "plugin",
 ];
 
 /// The only lines in which plain data may name the ECS or reflection: derive markers.
