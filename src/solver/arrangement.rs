@@ -64,6 +64,9 @@ impl Arrangement {
             return;
         }
         std::mem::swap(&mut self.joints, &mut self.new_joints);
+        // So that a scene that was as large before allocates nothing, whichever of the two lists it is in then.
+        self.new_joints.clear();
+        self.new_joints.reserve(self.joints.len());
         self.rule = Some(rule);
         self.sort_by_domain(rule.domains);
         self.place_manifolds(rule);
