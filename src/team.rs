@@ -1,8 +1,8 @@
 //! Threads that work through many short lists of tasks together, with almost nothing in between.
 //!
-//! A sub-step of a large heap has a dozen passes and loops of some 100 us each, one after the other; to hand each to the task
-//! pool would take a good part of that. So helpers come once for all: they look for tasks without rest, and the thread that
-//! leads never waits for a helper that has not taken a task. Without helpers it does all tasks itself.
+//! A phase of the step is a row of passes over lists, and a sub-step of a large heap a dozen loops of some 100 us each; to hand
+//! each to the task pool would take a good part of that. So helpers come once for a phase: they look for tasks without rest,
+//! and the thread that leads never waits for a helper that has not taken a task. Without helpers it does all tasks itself.
 //!
 //! A thread prefers the same tasks of every list, whose data are in its cache, and takes those of others if these are late.
 #![allow(

@@ -145,6 +145,7 @@ impl ContactSolver {
             waiting.for_each(|progress| *progress = Progress::Open);
         }
         self.progress.resize(bodies.slots(), Progress::Open);
+        // A large scene is worth a team from the start.
         Team::lead_if(manifolds.len() >= WORTH_A_TEAM, |team| {
             self.find_islands(manifolds, bodies, settings, team);
             self.is_set_aside.clear();
