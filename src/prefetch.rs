@@ -26,3 +26,19 @@ pub(crate) fn prefetch<T>(value: &T) {
     #[cfg(not(target_arch = "x86_64"))]
     let _ = value;
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Under AddressSanitizer and valgrind this shows that no byte beyond the values is touched.
+    #[test]
+    fn values_of_any_size_stay_as_they_are() {
+        let bytes: Vec<u8> = (0..=255).collect();
+        bytes.iter().for_each(prefetch);
+        let large = Box::new([7_u32; 100]);
+        prefetch(&*large);
+        prefetch(&());
+        assert!(bytes.iter().copied().eq(0..=255) && large.iter().all(|&x| x == 7));
+    }
+}
