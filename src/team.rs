@@ -14,7 +14,9 @@ use bevy_tasks::ComputeTaskPool;
 use std::cell::{Cell, UnsafeCell};
 use std::hint::spin_loop;
 use std::ops::Range;
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
+use std::thread::available_parallelism;
 
 /// A list of tasks: does the one with the given number.
 type Tasks<'a> = &'a (dyn Fn(usize) + Sync);
@@ -78,10 +80,10 @@ impl Team {
         result.expect("the scope has run")
     }
 
-    /// Leads a team of all threads of the compute task pool through `work`, if there is a pool and the work is worth the
-    /// microseconds that it takes to wake them; otherwise there is no team.
+    /// Leads a team of all threads of the compute task pool through `work`, if there is a pool, a core for it, and the work is
+    /// worth the microseconds that it takes to wake them; otherwise there is no team.
     pub fn lead_if<R>(is_worth_help: bool, work: impl FnOnce(Option<&Self>) -> R) -> R {
-        let pool = ComputeTaskPool::try_get().filter(|pool| is_worth_help && pool.thread_num() > 0);
+        let pool = ComputeTaskPool::try_get().filter(|_| is_worth_help && has_cores());
         match pool {
             Some(pool) => Self::lead(pool, |team| work(Some(team))),
             None => work(None),
@@ -173,6 +175,12 @@ impl Team {
         }
         true
     }
+}
+
+/// Whether there is a core for a helper: on a single one it would only keep the leader from its work.
+fn has_cores() -> bool {
+    static CORES: OnceLock<usize> = OnceLock::new();
+    *CORES.get_or_init(|| available_parallelism().map_or(1, usize::from)) > 1
 }
 
 /// Sends the helpers away when dropped.
