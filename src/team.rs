@@ -101,6 +101,11 @@ impl Team {
         (count / least).clamp(1, most)
     }
 
+    /// Length of these parts, but for the last one; at least one.
+    pub fn part_size(team: Option<&Self>, count: usize, least: usize) -> usize {
+        count.div_ceil(Self::parts(team, count, least)).max(1)
+    }
+
     /// Does `work` on each of some parts, in any order and on any thread. Without a team, one after the other.
     pub fn each<P: Send>(team: Option<&Self>, parts: &mut [P], work: impl Fn(&mut P) + Sync) {
         let Some(team) = team.filter(|_| parts.len() > 1) else {

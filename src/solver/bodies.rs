@@ -210,18 +210,10 @@ impl Bodies {
     pub(crate) fn spin(&self, slot: u32, step: f32) -> Option<Spin> {
         let i = slot as usize;
         let body = &self.velocity[i];
-        // Before the moments of inertia are read: most bodies of a large scene hardly turn.
-        if body.inverse_mass == 0.0 || Spin::is_slow(body.angular, step) {
+        if body.inverse_mass == 0.0 {
             return None;
         }
-        let m = self.mass(slot);
-        Spin::of(
-            self.rotation[i],
-            m.principal_frame,
-            m.principal,
-            body.angular,
-            step,
-        )
+        Spin::of(self.rotation[i], self.mass(slot), body.angular, step)
     }
 
     /// Id of the body in `slot`.

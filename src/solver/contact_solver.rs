@@ -167,7 +167,7 @@ impl ContactSolver {
     /// Takes back what contacts and bonds have borne.
     fn store_impulses(&mut self, manifolds: &mut [Manifold], team: Option<&Team>) {
         let batches = &self.batches[self.earlier..][..self.ranges.len()];
-        let size = part_of(manifolds.len(), team);
+        let size = Team::part_size(team, manifolds.len(), LEAST_OF_PART);
         let parts = manifolds.chunks_mut(size).enumerate();
         run_parts(team, parts, |(part, manifolds)| {
             for batch in batches {
@@ -241,7 +241,7 @@ impl ContactSolver {
     ) {
         let (step, depends_on_load) = (settings.step(), settings.depends_on_load());
         self.wishes.resize(manifolds.len(), Wish::default());
-        let size = part_of(manifolds.len(), team);
+        let size = Team::part_size(team, manifolds.len(), LEAST_OF_PART);
         let parts = self.wishes.chunks_mut(size).zip(manifolds.chunks(size));
         run_parts(team, parts, |(wishes, manifolds)| {
             for (wish, manifold) in wishes.iter_mut().zip(manifolds) {
@@ -263,16 +263,11 @@ impl ContactSolver {
 
     /// Whether there is work for several threads.
     fn is_worth_help(&self) -> bool {
-        let is_for_team = |range: &Range<usize>| self.size(range) >= WORTH_A_TEAM;
+        let islands = &self.islands;
+        let is_for_team = |range: &Range<usize>| islands.manifolds_of(range) >= WORTH_A_TEAM;
         // A single small batch is solved where its data are.
-        self.islands.manifolds.len() >= WORTH_HELP
+        islands.manifolds.len() >= WORTH_HELP
             && (self.ranges.len() > 1 || self.ranges.iter().any(is_for_team))
-    }
-
-    /// Number of manifolds of a batch.
-    fn size(&self, range: &Range<usize>) -> usize {
-        let list = &self.islands.list[range.clone()];
-        list.iter().map(|island| island.manifolds.len()).sum()
     }
 
     /// Decides which of the islands that are not set aside are solved together.
@@ -304,8 +299,7 @@ impl ContactSolver {
         may_break: bool,
         team: Option<&Team>,
     ) {
-        let mut batches = std::mem::take(&mut self.batches);
-        let new_batches = &mut batches[self.earlier..][..self.ranges.len()];
+        let new_batches = &mut self.batches[self.earlier..][..self.ranges.len()];
         let (islands, demands, bonded) = (&self.islands, &self.demands, &self.bonded);
         let solve = |batch: &mut Batch, range: &Range<usize>, team: Option<&Team>| {
             let demand = &demands[range.start];
@@ -321,7 +315,7 @@ impl ContactSolver {
             batch.tie(bonded, manifolds);
             batch.solve(manifolds, team);
         };
-        let is_for_team = |range: &Range<usize>| self.size(range) >= WORTH_A_TEAM;
+        let is_for_team = |range: &Range<usize>| islands.manifolds_of(range) >= WORTH_A_TEAM;
         let batches_and_ranges = new_batches.iter_mut().zip(&self.ranges);
         for (batch, range) in batches_and_ranges.filter(|(_, range)| is_for_team(range)) {
             solve(batch, range, team);
@@ -332,7 +326,6 @@ impl ContactSolver {
                 solve(batch, range, None);
             }
         });
-        self.batches = batches;
     }
 
     /// What an island asks for.
@@ -435,13 +428,6 @@ impl ContactSolver {
             bodies.motion[i] = Motion { shift, rotation };
         }
     }
-}
-
-/// Length of the parts of a list with `count` manifolds that a team works through.
-fn part_of(count: usize, team: Option<&Team>) -> usize {
-    count
-        .div_ceil(Team::parts(team, count, LEAST_OF_PART))
-        .max(1)
 }
 
 /// Largest velocity that a contact of the manifold gave its effective mass in the last step, over the smaller body's least

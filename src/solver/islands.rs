@@ -91,7 +91,7 @@ pub struct Islands {
     /// Those of `manifolds` whose bodies move in the step, in their order.
     pub moving: Vec<MovingPair>,
     /// Grows when the islands change.
-    pub revision: u64,
+    pub(super) revision: u64,
     /// By manifold: what the islands are made of, and what the present step has.
     links: Vec<Link>,
     new_links: Vec<Link>,
@@ -116,8 +116,7 @@ impl Islands {
         team: Option<&Team>,
     ) {
         self.new_links.resize(manifolds.len(), Link::default());
-        let count = Team::parts(team, manifolds.len(), LEAST_LINKS);
-        let size = manifolds.len().div_ceil(count).max(1);
+        let size = Team::part_size(team, manifolds.len(), LEAST_LINKS);
         let parts = self.new_links.chunks_mut(size).zip(manifolds.chunks(size));
         run_parts(team, parts, |(links, manifolds)| {
             for (link, manifold) in links.iter_mut().zip(manifolds) {
@@ -137,6 +136,12 @@ impl Islands {
         self.count();
         self.sort();
         self.number_bodies(bodies.slots());
+    }
+
+    /// Number of manifolds of the islands in `range`.
+    pub(super) fn manifolds_of(&self, range: &Range<usize>) -> usize {
+        let list = self.list[range.clone()].iter();
+        list.map(|island| island.manifolds.len()).sum()
     }
 
     /// Finds the manifolds whose rows follow the motion of their bodies; `travel` tells how these move, by index of a manifold.

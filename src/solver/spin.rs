@@ -13,6 +13,7 @@
 use super::doubles::{EIGHT, Eight, Number};
 use super::lanes::{Kernel, LaneWidth, Lanes, run};
 use super::triple::V3;
+use crate::mass::MassProperties;
 use crate::math::rotate_by;
 use glam::{DVec3, Quat, Vec3};
 
@@ -50,29 +51,19 @@ impl Spin {
     /// The state of a body, if it turns by more than a hair in the step of `step` seconds.
     ///
     /// - `rotation`: `world_from_body`
-    /// - `frame`, `principal`: `body_from_principal` and principal moments, kg m2
+    /// - `mass`: read only if the body turns; most of a large scene hardly do
     /// - `omega`: angular velocity, world axes, rad/s
-    pub fn of(
-        rotation: Quat,
-        frame: Quat,
-        principal: Vec3,
-        omega: Vec3,
-        step: f32,
-    ) -> Option<Self> {
-        let is_sphere = principal.x == principal.y && principal.y == principal.z;
-        if is_sphere || Self::is_slow(omega, step) {
+    pub fn of(rotation: Quat, mass: &MassProperties, omega: Vec3, step: f32) -> Option<Self> {
+        if omega.length() * step < SLOW {
             return None;
         }
-        Some(Self {
+        let principal = mass.principal;
+        let is_sphere = principal.x == principal.y && principal.y == principal.z;
+        (!is_sphere).then(|| Self {
             rotation,
-            frame,
+            frame: mass.principal_frame,
             moments: (principal / principal.max_element()).as_dvec3(),
         })
-    }
-
-    /// Whether a body with this angular velocity (rad/s) turns by no more than a hair in the step of `step` seconds.
-    pub fn is_slow(omega: Vec3, step: f32) -> bool {
-        omega.length() * step < SLOW
     }
 
     /// Turns the body for `h` seconds; returns the free angular velocity after it, from `omega` before (world, rad/s).
