@@ -3,7 +3,7 @@
 
 mod dice;
 
-use bevy_cleave::contact::{Manifold, NarrowScratch, collide_hulls};
+use bevy_cleave::contact::{ContactPoint, Manifold, NarrowScratch, collide_hulls};
 use bevy_cleave::prelude::*;
 use dice::Dice;
 use glam::{Quat, Vec3};
@@ -118,6 +118,79 @@ fn a_kept_contact_is_what_a_new_test_finds() {
         median < 1e-6 && most < 1e-5 && worst < 1e-3,
         "{median} {most} {worst}"
     );
+}
+
+/// How far the points of two manifolds are from each other, with their separations, m; infinite for another number.
+fn difference(a: &Manifold, b: &Manifold) -> f32 {
+    if a.count != b.count {
+        return f32::INFINITY;
+    }
+    let nearest = |p: &ContactPoint| {
+        let other = b.points().iter().map(|q| {
+            (p.anchor_b - q.anchor_b)
+                .length()
+                .max((p.anchor_a - q.anchor_a).length())
+                .max((p.separation - q.separation).abs())
+        });
+        other.fold(f32::INFINITY, f32::min)
+    };
+    a.points().iter().map(nearest).fold(0.0, f32::max)
+}
+
+/// A box or prism stands on a wide plate, which is body A or body B.
+fn on_a_plate(random: &mut Dice, plate_is_a: bool) -> [ConvexMesh; 2] {
+    let plate = ConvexMesh::cuboid(3.0, 0.4, 3.0).expect("a box is valid");
+    // Of more corners than four a test chooses, on a tie not always the same.
+    let sides = 3 + random.below(2) as u32;
+    let (radius, height) = (random.in_range(0.2, 0.5), random.in_range(0.2, 0.6));
+    let piece = ConvexMesh::regular_prism(sides, radius, height).expect("a prism is valid");
+    if plate_is_a {
+        [plate, piece]
+    } else {
+        [piece, plate]
+    }
+}
+
+#[test]
+fn a_contact_kept_on_a_slide_is_what_a_new_test_finds() {
+    let mut random = Dice::new(47);
+    let (mut worst, mut kept_steps, mut steps) = (0.0_f32, 0, 0);
+    for case in 0..100 {
+        let plate_is_a = case % 2 == 0;
+        let [a, b] = on_a_plate(&mut random, plate_is_a);
+        let apart = 0.5 * (a.aabb().extents().y + b.aabb().extents().y);
+        let extent = least_extent(&a, &b);
+        let side = random.vector(-0.5, 0.5);
+        // So that the normal is another one in either body's frame.
+        let turn = random.rotation();
+        let points: Vec<Vec3> = b.hull().vertices().iter().map(|&v| turn * v).collect();
+        let b = ConvexMesh::from_points(&points).expect("a turned piece is valid");
+        let mut pose = Pose::new(Vec3::new(side.x, apart, side.z), turn.inverse());
+        let way = random.vector(-0.01, 0.01) * Vec3::new(1.0, 1e-3, 1.0);
+        let mut kept = pair(&a, &b, pose);
+        let mut codes = Vec::new();
+        let reach = |at: Vec3| at.x.abs().max(at.z.abs());
+        while reach(pose.position) < 1.5 {
+            let old = manifold_at(&mut kept, pose).expect("touching");
+            let new = manifold_at(&mut pair(&a, &b, pose), pose).expect("touching");
+            let at = |p: &ContactPoint| reach(if plate_is_a { p.anchor_a } else { p.anchor_b });
+            let farthest = old.points().iter().map(at).fold(0.0, f32::max);
+            assert!(farthest < 1.5 + 1e-3 * extent, "case {case}: {farthest}");
+            // At the edge there may be more corners than points, and ties among them.
+            if new.points().iter().all(|p| at(p) < 1.499) {
+                worst = worst.max(difference(&old, &new) / extent);
+                // A test finds codes anew.
+                let before = codes;
+                codes = old.points().iter().map(|p| (p.code_a, p.code_b)).collect();
+                steps += 1;
+                kept_steps += i32::from(codes == before);
+            }
+            pose.position += way;
+        }
+    }
+    println!("worst {worst:.1e} of the least extent, {kept_steps} of {steps} contacts kept");
+    assert!(worst < 1e-5, "{worst}");
+    assert!(2 * kept_steps > steps, "{kept_steps} of {steps} kept");
 }
 
 #[test]

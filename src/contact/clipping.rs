@@ -98,17 +98,20 @@ impl Clipping<'_> {
         let outline = hull.face_loop(&hull.faces()[axis.face]);
         let mut from = point(corners, outline[outline.len() - 1] as usize);
         let mut steady = f32::INFINITY;
+        let mut is_whole = true;
         for &to in outline {
             let to = point(corners, to as usize);
             let outward = (to - from).cross(reference.normal);
             let [nearest, highest] = heights(polygon, from, outward);
             steady = steady.min(nearest / outward.length());
             if highest > 0.0 {
+                is_whole = false;
                 clip(polygon, from, to - from, outward, clipped);
                 std::mem::swap(polygon, clipped);
             }
             from = to;
         }
+        let slide = if is_whole { steady } else { 0.0 };
         steady = steady.min(shortest_edge(polygon));
         for corner in polygon.iter_mut() {
             corner.separation = reference.distance(corner.at);
@@ -117,6 +120,7 @@ impl Clipping<'_> {
         reduce(polygon, reference.normal, self.merge);
         Patch {
             steady,
+            slide,
             ..self.patch(axis, &reference, b_refers, polygon)
         }
     }

@@ -37,6 +37,7 @@ pub(crate) fn examine_half_space(
         normal: -plane.normal,
         normal_in_b: Some(-rotate(b_in_a.rotation.inverse(), plane.normal)),
         steady: f32::INFINITY,
+        slide: f32::INFINITY,
         ..Patch::default()
     };
     if !b_in_a.is_finite() || !margin.is_finite() {

@@ -128,6 +128,8 @@ pub(crate) struct BoundPatch {
     normal_of_b: bool,
     /// See [`Patch::steady`].
     pub(crate) steady: f32,
+    /// See [`Patch::slide`].
+    pub(crate) slide: f32,
     /// See [`Patch::off_surface`].
     off_surface: f32,
     pub(crate) count: u32,
@@ -156,6 +158,7 @@ impl BoundPatch {
             normal: patch.normal_in_b.unwrap_or(patch.normal),
             normal_of_b: patch.normal_in_b.is_some(),
             steady: patch.steady,
+            slide: patch.slide,
             off_surface: patch.off_surface,
             count: patch.count,
             ..Self::default()
@@ -175,6 +178,15 @@ impl BoundPatch {
             bound.code_b[l] = code(boxes[1], point.on_b);
         }
         bound
+    }
+
+    /// The normal as one of the bodies sees it, B if `of_b`; `turn` is the rotation from the other's frame to its own.
+    pub(crate) fn normal_for(&self, of_b: bool, turn: Quat) -> Vec3 {
+        if self.normal_of_b == of_b {
+            self.normal
+        } else {
+            rotate(turn, self.normal)
+        }
     }
 
     /// What the patch says about two bodies that have moved since, with the given centres of mass (own frames, m).
@@ -294,6 +306,9 @@ pub struct Patch {
     pub normal_in_b: Option<Vec3>,
     /// How far the bodies may slide until a corner reaches an edge, m: the points stay what they are so long.
     pub steady: f32,
+    /// How far the bodies may slide along the face without turning, m, until another corner comes over it or one of these
+    /// leaves it: all points are corners of the one on the other's face so long, and exact. 0 if some are not.
+    pub slide: f32,
     /// How far `on_a` and `on_b` of its points may be from the two surfaces, m.
     pub off_surface: f32,
     /// Number of valid points.

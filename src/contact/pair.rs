@@ -17,6 +17,10 @@ const RECYCLE: f32 = 1e-3;
 /// much matters: at ten times the share a pyramid of base 50 moves by 14 mm instead of 6.
 const RECYCLE_UNSTEADY: f32 = 1e-4;
 
+/// How far a pair may slide along a face on which the smaller body's corners stand, as a share of the least extent of
+/// the smaller body. The points are exact all that way; it is the contact code of the face that is left behind.
+const SLIDE: f32 = 0.1;
+
 /// How much the bound of the motion is raised for rounding, as a share of the lengths that go into it.
 const ROUNDING: f32 = 1e-6;
 
@@ -101,13 +105,37 @@ impl Sight {
         }
     }
 
-    /// How far a point of the smaller body, of the given radius (m), can have moved since `before`, m.
+    /// How the smaller body, of the given radius (m), has moved since `before`.
     ///
-    /// A turn by the angle t moves it by at most `2 r sin(t / 2)`; the quaternions differ by `2 sin(t / 4)`.
-    fn motion_since(&self, before: &Self, radius: f32) -> f32 {
+    /// A turn by the angle t moves a point by at most `2 r sin(t / 2)`; the quaternions differ by `2 sin(t / 4)`.
+    fn motion_since(&self, before: &Self, radius: f32) -> Motion {
         let turn = (self.rotation - before.rotation).length();
         let rounding = ROUNDING * (radius + self.centre.abs().element_sum());
-        (self.centre - before.centre).length() + 2.0 * radius * turn + rounding
+        Motion {
+            shift: self.centre - before.centre,
+            rest: 2.0 * radius * turn + rounding,
+        }
+    }
+}
+
+/// How the smaller body of a pair has moved as seen from the larger one.
+#[derive(Clone, Copy, Debug)]
+struct Motion {
+    /// Of the centre of mass, m.
+    shift: Vec3,
+    /// How far a point can have moved besides, m.
+    rest: f32,
+}
+
+impl Motion {
+    /// How far a point can have moved, m.
+    fn length(&self) -> f32 {
+        self.shift.length() + self.rest
+    }
+
+    /// The same along a direction, m.
+    fn along(&self, direction: Vec3) -> f32 {
+        self.shift.dot(direction).abs() + self.rest
     }
 }
 
@@ -167,6 +195,8 @@ pub(crate) struct PairState {
     /// Unit vector from A to B, A's frame, along which the bodies were apart.
     axis: Option<Vec3>,
     sight: Sight,
+    /// How far the bodies may slide along the face that they touch with, m.
+    slide: f32,
     pub(crate) friction: f32,
     pub(crate) restitution: f32,
     pub(crate) patch: BoundPatch,
@@ -202,7 +232,14 @@ impl PairView<'_> {
         if term.epochs != [self.paces[0].epoch(), self.paces[1].epoch()] {
             return Verdict::Unknown(None);
         }
-        let moved = Sight::of(a, b).motion_since(&state.sight, a.radius.min(b.radius));
+        let sight = Sight::of(a, b);
+        let motion = sight.motion_since(&state.sight, a.radius.min(b.radius));
+        let mut moved = motion.length();
+        if moved > term.tolerance && moved + term.tolerance <= state.slide {
+            // What a slide changes, with all that the quick look lets pass after this, is nothing.
+            let normal = state.patch.normal_for(a.radius < b.radius, sight.rotation);
+            moved = motion.along(normal);
+        }
         if moved <= term.tolerance && moved + margin < term.limit {
             // The way there and back does not count.
             term.path = self.paces[0].path + self.paces[1].path - f64::from(moved);
@@ -228,13 +265,16 @@ impl PairView<'_> {
     pub(crate) fn set_apart(&mut self, axis: Vec3, distance: f32) {
         self.note(false, f32::INFINITY, distance);
         self.state.axis = Some(axis);
+        self.state.slide = 0.0;
     }
 
     /// Notes the patch that a test now found, which holds all points up to `reach` (m).
     pub(crate) fn set_near(&mut self, patch: BoundPatch, reach: f32) {
-        let [least, most] = [RECYCLE_UNSTEADY, RECYCLE].map(|s| s * smaller_extent(self.paces));
+        let extent = smaller_extent(self.paces);
+        let [least, most] = [RECYCLE_UNSTEADY, RECYCLE].map(|s| s * extent);
         self.note(patch.count > 0, patch.steady.clamp(least, most), reach);
         self.state.axis = None;
+        self.state.slide = patch.slide.min(SLIDE * extent);
         self.state.patch = patch;
     }
 
