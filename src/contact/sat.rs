@@ -95,6 +95,10 @@ pub(super) struct FaceAxis {
 
 /// What the test of a pair found.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(
+    clippy::large_enum_variant,
+    reason = "it is handed up at once, and never kept"
+)]
 pub(crate) enum Found {
     /// The hulls are at least `distance` (m) apart, which is more than the margin, along `axis`.
     Apart {

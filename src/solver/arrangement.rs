@@ -41,12 +41,12 @@ pub struct Arrangement {
     /// Indices of joints, domain by domain, and where those of each domain end.
     order: Vec<u32>,
     ends: Vec<usize>,
-    layout: Layout,
+    outcome: Outcome,
 }
 
 /// What has come of it.
 #[derive(Debug, Default)]
-struct Layout {
+struct Outcome {
     /// By manifold.
     places: Vec<Place>,
     /// By block: points of its largest manifold.
@@ -74,19 +74,22 @@ impl Arrangement {
 
     /// Places of the manifolds, in their order.
     pub fn places(&self) -> &[Place] {
-        &self.layout.places
+        &self.outcome.places
     }
 
     /// Blocks of the domains.
     pub fn domains(&self) -> impl Iterator<Item = Range<usize>> {
-        let ends = &self.layout.ends;
+        let ends = &self.outcome.ends;
         let firsts = std::iter::once(&0).chain(ends);
         firsts.zip(ends).map(|(first, end)| *first..*end)
     }
 
     /// Of each block, the points of its largest manifold.
     pub fn points_of_blocks(&self) -> impl ExactSizeIterator<Item = usize> {
-        self.layout.points.iter().map(|&points| usize::from(points))
+        self.outcome
+            .points
+            .iter()
+            .map(|&points| usize::from(points))
     }
 
     /// Lists the joints of each domain in their order.
@@ -115,7 +118,7 @@ impl Arrangement {
             joints,
             order,
             ends,
-            layout,
+            outcome,
             ..
         } = self;
         let domains = Domains {
@@ -125,12 +128,12 @@ impl Arrangement {
             bodies: rule.bodies,
         };
         if rule.order == ContactOrder::Coloured {
-            return domains.place(colouring, layout);
+            return domains.place(colouring, outcome);
         }
-        domains.place(schedule, layout);
+        domains.place(schedule, outcome);
         let least = joints.len().div_ceil(WIDTH);
-        if rule.order == ContactOrder::Automatic && layout.points.len() > 2 * least {
-            domains.place(colouring, layout);
+        if rule.order == ContactOrder::Automatic && outcome.points.len() > 2 * least {
+            domains.place(colouring, outcome);
         }
     }
 }
@@ -145,10 +148,10 @@ struct Domains<'a> {
 
 impl Domains<'_> {
     /// Places the manifolds in one way, domain by domain.
-    fn place(&self, filling: &mut impl Filling, layout: &mut Layout) {
+    fn place(&self, filling: &mut impl Filling, outcome: &mut Outcome) {
         filling.begin(self.bodies);
-        layout.places.resize(self.joints.len(), Place::default());
-        layout.ends.clear();
+        outcome.places.resize(self.joints.len(), Place::default());
+        outcome.ends.clear();
         let mut first = 0;
         for &end in self.ends {
             let domain = &self.order[first..end];
@@ -157,12 +160,12 @@ impl Domains<'_> {
                 filling.add(bodies, points);
             }
             for (&at, place) in domain.iter().zip(filling.end_domain()) {
-                layout.places[at as usize] = place;
+                outcome.places[at as usize] = place;
             }
-            layout.ends.push(filling.points_of_blocks().len());
+            outcome.ends.push(filling.points_of_blocks().len());
             first = end;
         }
-        layout.points.clear();
-        layout.points.extend_from_slice(filling.points_of_blocks());
+        outcome.points.clear();
+        outcome.points.extend_from_slice(filling.points_of_blocks());
     }
 }

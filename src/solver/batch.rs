@@ -4,19 +4,17 @@
 //! those in which bodies may hit each other have a batch of their own; calm small ones share one, which fills its lanes.
 
 use super::Method;
-use super::arrangement::{Arrangement, Joint, Rule};
 use super::blocks::{Block, Blow, Place, Point, Solid, Source, derive, derive_stale, fill};
 use super::bodies::{Bodies, SolverBody};
 use super::demand::{Demand, Effort, SubstepSettings};
-use super::domains::{self, Domains};
 use super::exact::ExactScratch;
 use super::follow::{Following, Start, Turn};
 use super::islands::{Islands, MovingPair};
 use super::lanes::F8;
+use super::layout::Layout;
 use super::limit::{BodyBlow, Limit};
 use super::momentum::Pace;
 use super::rows::{PointRows, Side};
-use super::schedule::ContactOrder;
 use super::shares::{Parts, parts_of_blocks};
 use super::spin::Spin;
 use super::ties::Tie;
@@ -61,19 +59,6 @@ pub struct MovingManifold {
     pub clearance: Option<f32>,
 }
 
-/// An island of a batch.
-#[derive(Clone, Debug, Default)]
-pub struct Member {
-    /// Its bodies within the batch.
-    pub bodies: Range<usize>,
-    /// Its manifolds within [`Batch::places`].
-    pub places: Range<usize>,
-    /// Number of its points.
-    pub contacts: usize,
-    /// The largest extent that a contact of its is measured by: the lesser of the least extents of two bodies, m.
-    pub extent: f32,
-}
-
 /// What batches are loaded from.
 #[derive(Clone, Copy, Debug)]
 pub struct Step<'a> {
@@ -91,46 +76,28 @@ pub struct Step<'a> {
     pub may_break: bool,
 }
 
-/// What the numbers of a batch's bodies and the places of its manifolds follow from, besides the cuts.
-#[derive(Clone, Debug, PartialEq, Eq)]
-struct Origin {
-    /// See [`Islands::revision`].
-    islands: u64,
-    range: Range<usize>,
-    order: ContactOrder,
-    method: Method,
-    has_team: bool,
-}
-
 /// Islands with all that their sub-steps read and write; buffers are reused from step to step.
 #[derive(Debug, Default)]
 pub struct Batch {
-    /// Its islands.
-    pub members: Vec<Member>,
-    /// Its manifolds in the order of the islands: index and place.
-    pub places: Vec<(u32, Place)>,
+    /// Who is where.
+    pub layout: Layout,
+    /// By island: the largest extent that a contact is measured by, the lesser of the least extents of two bodies, m.
+    pub extents: Vec<f32>,
     /// Blocks of its manifolds.
     pub blocks: Vec<Block>,
-    /// Blocks of its [`domains`], in their order.
-    pub domains: Vec<Range<usize>>,
     /// Points of its blocks.
     pub points: Vec<Point>,
     /// Blows of its points; none if nothing can hit.
     pub blows: Vec<Blow>,
     /// Bonds of its points; none if nothing is bonded.
     pub ties: Vec<Tie>,
-    /// Slots of its bodies.
-    pub slots: Vec<u32>,
-    /// Numbers of the two bodies of each of its manifolds.
-    pub(super) pairs: Vec<[u32; 2]>,
-    /// Velocities of its bodies, and of one that nothing happens to, for the lanes that are not used.
+    /// Velocities of its bodies, of one that nothing happens to, for the lanes that are not used, and
+    /// of the copies.
     pub bodies: Vec<SolverBody>,
     /// Displacements of its bodies since the start of the step: centre (m) and rotation vector (rad).
     pub displacements: Vec<SolverBody>,
     /// Masses and inertias of its bodies.
     pub solids: Vec<Solid>,
-    /// Of bodies that are copies, behind all others: which ones they copy.
-    originals: Vec<u32>,
     /// Those of its bodies that turn.
     pub turning: Vec<TurningBody>,
     /// Those of its manifolds whose rows follow the motion.
@@ -156,16 +123,11 @@ pub struct Batch {
     /// What it took.
     pub effort: Effort,
     pub(super) scratch: BatchScratch,
-    pub(super) cuts: Domains,
-    arrangement: Arrangement,
-    origin: Option<Origin>,
 }
 
 /// Buffers of the sub-steps.
 #[derive(Debug, Default)]
 pub(super) struct BatchScratch {
-    /// By body: the number of its copy.
-    copies: Vec<Option<u32>>,
     /// By body: whether its turn within the step matters to the rows.
     pub(super) is_followed: Vec<bool>,
     pub(super) exact: ExactScratch,
@@ -202,24 +164,18 @@ impl Batch {
         } = *step;
         self.clear();
         self.settings = settings.for_demand(demand);
-        let is_kept = self.keep_layout(range.clone(), step);
-        if !is_kept {
-            self.load_islands(range.clone(), islands);
-        }
+        let has_copies = team.is_some();
+        let layout = &mut self.layout;
+        let is_kept = layout.number(islands, range.clone(), bodies, &self.settings, has_copies);
         self.load_bodies(bodies);
         self.may_break = may_break;
-        self.add_idle_body();
         if !is_kept {
-            self.place_manifolds(range.clone(), islands);
-            self.make_blocks();
-            self.fill_lanes();
-            self.originals.clear();
-            if team.is_some() {
-                self.name_copies();
-            }
+            let (blocks, points) = (&mut self.blocks, &mut self.points);
+            let layout = &mut self.layout;
+            layout.place(islands, range.clone(), &self.bodies, blocks, points);
         }
         self.load_copies();
-        for member in 0..self.members.len() {
+        for member in 0..self.layout.members.len() {
             self.measure(member);
             self.load_turning(member, bodies);
         }
@@ -239,32 +195,9 @@ impl Batch {
         self.effort = Effort::new(&self.settings.config, most_points.unwrap_or(0));
     }
 
-    /// Gives each domain its own copies of the fixed bodies and of the idle one, so that domains of a stage, which different
-    /// threads solve, write to different bodies.
-    fn name_copies(&mut self) {
-        let count = self.bodies.len();
-        let copies = &mut self.scratch.copies;
-        for domain in &self.domains[1..] {
-            copies.clear();
-            copies.resize(count, None);
-            for block in &mut self.blocks[domain.clone()] {
-                for number in block.bodies.as_flattened_mut() {
-                    if self.bodies[*number as usize].inverse_mass > 0.0 {
-                        continue;
-                    }
-                    let original = *number;
-                    *number = *copies[original as usize].get_or_insert_with(|| {
-                        self.originals.push(original);
-                        (count + self.originals.len()) as u32 - 1
-                    });
-                }
-            }
-        }
-    }
-
     /// Makes the copies.
     fn load_copies(&mut self) {
-        for &original in &self.originals {
+        for &original in &self.layout.originals {
             self.bodies.push(self.bodies[original as usize]);
             self.solids.push(self.solids[original as usize]);
         }
@@ -286,7 +219,7 @@ impl Batch {
             .resize(self.points.len() * usize::from(follows), Start::default());
         let mut starts = &mut self.starts[..];
         let (blocks, points) = (&mut self.blocks, &mut self.points);
-        let parts = parts_of_blocks(blocks, points, &self.domains, team);
+        let parts = parts_of_blocks(blocks, points, &self.layout.domains, team);
         let parts = parts.into_iter().map(|(blocks, points)| {
             let count = points.len() * usize::from(follows);
             (blocks, points, front_mut(&mut starts, count))
@@ -306,7 +239,7 @@ impl Batch {
         let (solids, width) = (&self.solids, self.settings.config.lane_width);
         let (blocks, points) = (&mut self.blocks, &mut self.points);
         let mut following = &self.following[..];
-        let parts = parts_of_blocks(blocks, points, &self.domains, team);
+        let parts = parts_of_blocks(blocks, points, &self.layout.domains, team);
         let parts = parts.into_iter().map(|(blocks, points)| {
             let following = front(&mut following, blocks.len());
             (blocks, points, following)
@@ -344,6 +277,7 @@ impl Batch {
 
     /// Forgets the step before, but not who is where.
     fn clear(&mut self) {
+        self.extents.clear();
         self.blows.clear();
         self.ties.clear();
         self.bodies.clear();
@@ -356,72 +290,9 @@ impl Batch {
         self.is_broken = false;
     }
 
-    /// Whether the numbers of bodies and the places of manifolds are still those that the islands in `range` would get.
-    fn keep_layout(&mut self, range: Range<usize>, step: &Step) -> bool {
-        let SubstepSettings { config, .. } = &self.settings;
-        let origin = Some(Origin {
-            islands: step.islands.revision,
-            range: range.clone(),
-            order: config.order,
-            method: config.method,
-            has_team: step.team.is_some(),
-        });
-        let is_cut_as_before = self.cut_domains(range, step);
-        let is_kept = is_cut_as_before && self.origin == origin;
-        self.origin = origin;
-        is_kept
-    }
-
-    /// Numbers the bodies of the islands.
-    fn load_islands(&mut self, range: Range<usize>, islands: &Islands) {
-        self.members.clear();
-        self.slots.clear();
-        self.pairs.clear();
-        let first = islands.list[range.start].manifolds.start;
-        for island in &islands.list[range] {
-            let offset = self.slots.len() as u32;
-            self.slots
-                .extend_from_slice(&islands.slots[island.bodies.clone()]);
-            let pairs = islands.pairs[island.manifolds.clone()].iter();
-            self.pairs
-                .extend(pairs.map(|pair| pair.map(|number| number + offset)));
-            let Range { start, end } = island.manifolds;
-            self.members.push(Member {
-                bodies: offset as usize..self.slots.len(),
-                places: start - first..end - first,
-                contacts: island.points.len(),
-                ..Member::default()
-            });
-        }
-        self.cuts.sort(&mut self.slots, &mut self.pairs);
-    }
-
-    /// Cuts a large island into domains; whether that gave the same ones as before.
-    fn cut_domains(&mut self, range: Range<usize>, step: &Step) -> bool {
-        let Step {
-            islands, bodies, ..
-        } = step;
-        let SubstepSettings {
-            config, gravity, ..
-        } = &self.settings;
-        let [island] = &islands.list[range] else {
-            return self.cuts.keep_whole();
-        };
-        let leaves = domains::leaves(island.manifolds.len());
-        if leaves == 1 || config.method == Method::Exact {
-            return self.cuts.keep_whole();
-        }
-        let slots = &islands.slots[island.bodies.clone()];
-        let centres = slots.iter().map(|&slot| {
-            let is_movable = bodies.velocity[slot as usize].inverse_mass > 0.0;
-            is_movable.then(|| bodies.centre[slot as usize])
-        });
-        self.cuts.cut(centres, *gravity, leaves)
-    }
-
-    /// Copies the bodies.
+    /// Copies the bodies, and adds an idle one.
     fn load_bodies(&mut self, bodies: &Bodies) {
-        let slots = || self.slots.iter().map(|&slot| slot as usize);
+        let slots = || self.layout.slots.iter().map(|&slot| slot as usize);
         self.bodies.extend(slots().map(|i| bodies.velocity[i]));
         self.solids.extend(slots().map(|i| {
             let inverse_mass = bodies.velocity[i].inverse_mass;
@@ -431,83 +302,27 @@ impl Batch {
                 bodies.least_extent[i],
             )
         }));
-    }
-
-    fn add_idle_body(&mut self) {
         self.bodies.push(SolverBody::default());
         self.solids.push(Solid::new(0.0, &Mat3::ZERO, 1.0));
-        let count = self.bodies.len();
-        self.displacements.resize(count, SolverBody::default());
-    }
-
-    /// Gives each manifold a lane.
-    fn place_manifolds(&mut self, range: Range<usize>, islands: &Islands) {
-        let rule = Rule {
-            order: self.settings.config.order,
-            bodies: self.bodies.len(),
-            domains: self.cuts.count(),
-        };
-        let of_batch = islands.list[range]
-            .iter()
-            .flat_map(|island| island.manifolds.clone());
-        let (bodies, cuts) = (&self.bodies, &self.cuts);
-        let joints = self.pairs.iter().zip(of_batch.clone()).map(|(pair, at)| {
-            let is_movable = |body: u32| bodies[body as usize].inverse_mass > 0.0;
-            let bodies = pair.map(|body| is_movable(body).then_some(body));
-            Joint {
-                bodies,
-                points: islands.counts[at],
-                domain: cuts.of(bodies),
-            }
-        });
-        self.arrangement.arrange(joints, rule);
-        let names = of_batch.map(|at| islands.manifolds[at]);
-        let places = self.arrangement.places().iter().copied();
-        self.places.clear();
-        self.places.extend(names.zip(places));
-        self.domains.clear();
-        self.domains.extend(self.arrangement.domains());
-    }
-
-    /// Makes blocks with empty lanes. What they hold from another step is overwritten when they are filled.
-    fn make_blocks(&mut self) {
-        let idle = self.slots.len() as u32;
-        self.blocks
-            .resize_with(self.arrangement.points_of_blocks().len(), Block::default);
-        let mut points = 0;
-        let counts = self.arrangement.points_of_blocks();
-        for (block, count) in self.blocks.iter_mut().zip(counts) {
-            block.clear(idle, points..points + count);
-            points += count;
-        }
-        self.points.resize(points, Point::default());
-    }
-
-    /// Names the bodies and manifolds of the lanes.
-    fn fill_lanes(&mut self) {
-        for (pair, &(index, place)) in self.pairs.iter().zip(&self.places) {
-            let block = &mut self.blocks[place.block as usize];
-            block.put(place.lane as usize, index, *pair);
-        }
     }
 
     /// Finds the largest extent that a contact of an island is measured by.
     fn measure(&mut self, member: usize) {
-        let member = &mut self.members[member];
-        let pairs = self.pairs[member.places.clone()].iter();
+        let member = &self.layout.members[member];
+        let pairs = self.layout.pairs[member.places.clone()].iter();
         let extents = pairs.map(|pair| {
             let [a, b] = pair.map(|number| self.solids[number as usize].extent());
             a.min(b)
         });
-        member.extent = extents.fold(0.0, f32::max);
+        self.extents.push(extents.fold(0.0, f32::max));
     }
 
     /// Lists the manifolds of an island whose rows follow the motion.
     fn load_moving(&mut self, moving: &[MovingPair], first: usize, bodies: &Bodies) {
         for pair in moving {
-            let (manifold, place) = self.places[pair.at - first];
-            let numbers = self.pairs[pair.at - first];
-            let slots = numbers.map(|number| self.slots[number as usize] as usize);
+            let (manifold, place) = self.layout.places[pair.at - first];
+            let numbers = self.layout.pairs[pair.at - first];
+            let slots = numbers.map(|number| self.layout.slots[number as usize] as usize);
             let carrier = carrier(slots, bodies);
             let extent = bodies.least_extent[slots[carrier]];
             self.moving.push(MovingManifold {
@@ -522,8 +337,8 @@ impl Batch {
 
     /// Lists the bodies of an island that turn.
     fn load_turning(&mut self, member: usize, bodies: &Bodies) {
-        for number in self.members[member].bodies.clone() {
-            let slot = self.slots[number];
+        for number in self.layout.members[member].bodies.clone() {
+            let slot = self.layout.slots[number];
             let spin = bodies.spin(slot, self.settings.step());
             if let Some(spin) = spin {
                 self.turning.push(TurningBody {
@@ -539,31 +354,26 @@ impl Batch {
     /// Adds the rows of an island's points to `rows`, in the order of its manifolds, with numbers of bodies within the island.
     /// `places`: those of the island.
     pub fn collect_rows(&self, places: Range<usize>, first_body: u32, rows: &mut Vec<PointRows>) {
-        for &(_, place) in &self.places[places] {
+        for &(_, place) in &self.layout.places[places] {
             let (block, lane) = (&self.blocks[place.block as usize], place.lane as usize);
             for i in block.points.clone().take(place.count as usize) {
                 let rebound = self.blows.get(i).map_or(0.0, |blow| blow.rebound.0[lane]);
                 let mut point = self.points[i].rows(lane, block, self.ties.get(i), rebound);
-                point.bodies = point.bodies.map(|body| self.original(body) - first_body);
+                point.bodies = point
+                    .bodies
+                    .map(|body| self.layout.original(body) - first_body);
                 rows.push(point);
             }
         }
-    }
-
-    /// The body itself, or the one that it is a copy of.
-    fn original(&self, body: u32) -> u32 {
-        let first_copy = self.bodies.len() - self.originals.len();
-        let copy = (body as usize).checked_sub(first_copy);
-        copy.map_or(body, |copy| self.originals[copy])
     }
 
     /// Writes the impulses into the contact points of `manifolds`, of which the first has the index `first`, and leaves out what
     /// is not among them.
     pub fn store_impulses(&self, manifolds: &mut [Manifold], first: usize) {
         let end = first + manifolds.len();
-        for member in &self.members {
+        for member in &self.layout.members {
             // Those of one island come in their order.
-            let places = &self.places[member.places.clone()];
+            let places = &self.layout.places[member.places.clone()];
             let [from, to] =
                 [first, end].map(|past| places.partition_point(|place| (place.0 as usize) < past));
             self.store_places(&places[from..to], first, manifolds);

@@ -37,7 +37,7 @@ impl Batch {
             note(moving.bodies, moving.clearance.is_some());
         }
         if self.has_restitution {
-            let places = self.places.iter().zip(&self.pairs);
+            let places = self.layout.places.iter().zip(&self.layout.pairs);
             let bouncing = places.filter(|((_, place), _)| self.bounces(*place));
             bouncing.for_each(|(_, pair)| note(*pair, false));
         }

@@ -1,10 +1,11 @@
 //! From manifolds and bodies to new velocities, motions and impulses, batch of islands by batch.
 
-use super::batch::{Batch, Member, Step, side};
+use super::batch::{Batch, Step, side};
 use super::bodies::{Bodies, Motion, SolverBody};
 use super::demand::{Demand, Effort, SubstepSettings, Travel};
 use super::domains::LEAST_MANIFOLDS;
 use super::islands::Islands;
+use super::layout::Member;
 use super::limit::BodyBlow;
 use super::rehearsal::{Rehearsal, is_large};
 use super::rows::{PointRows, Row};
@@ -110,12 +111,12 @@ impl ContactSolver {
     pub fn islands(&self) -> impl Iterator<Item = SolvedIsland<'_>> {
         let batches = self.batches[..self.earlier + self.ranges.len()].iter();
         batches.filter(|batch| !batch.is_broken).flat_map(|batch| {
-            batch.members.iter().map(move |member| SolvedIsland {
+            batch.layout.members.iter().map(move |member| SolvedIsland {
                 batch,
                 member,
                 contacts: member.contacts,
                 bodies: &batch.bodies[member.bodies.clone()],
-                slots: &batch.slots[member.bodies.clone()],
+                slots: &batch.layout.slots[member.bodies.clone()],
                 effort: batch.effort,
             })
         })
@@ -372,14 +373,14 @@ impl ContactSolver {
         let batches = &self.batches[self.earlier..][..self.ranges.len()];
         for batch in batches {
             if batch.is_broken {
-                for (&slot, body) in batch.slots.iter().zip(&batch.bodies) {
+                for (&slot, body) in batch.layout.slots.iter().zip(&batch.bodies) {
                     if body.inverse_mass > 0.0 {
                         self.progress[slot as usize] = Progress::Waiting;
                     }
                 }
                 continue;
             }
-            for (number, &slot) in batch.slots.iter().enumerate() {
+            for (number, &slot) in batch.layout.slots.iter().enumerate() {
                 let (i, body) = (slot as usize, &batch.bodies[number]);
                 if body.inverse_mass > 0.0 {
                     let moved = &batch.displacements[number];
@@ -392,7 +393,7 @@ impl ContactSolver {
                 }
             }
             for turning in &batch.turning {
-                let slot = batch.slots[turning.body as usize] as usize;
+                let slot = batch.layout.slots[turning.body as usize] as usize;
                 bodies.motion[slot].rotation = turning.spin.rotation;
             }
         }

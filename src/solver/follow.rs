@@ -92,7 +92,7 @@ impl Batch {
             &self.turning[..],
             &self.scratch.is_followed[..],
         );
-        let parts = self.cuts.shares_of_bodies(self.bodies.len(), team);
+        let parts = self.layout.cuts.shares_of_bodies(self.bodies.len(), team);
         let mut parts: Parts<_> = parts
             .map(|range| {
                 let spinning = rest.3.partition_point(|t| (t.body as usize) < range.end);
@@ -128,7 +128,7 @@ impl Batch {
         let blocks = &self.blocks;
         let (mut points, mut ties) = (&mut self.points[..], &mut self.ties[..]);
         let (turns, displacements) = (&self.turns, &self.displacements);
-        let shares = shares(&self.domains, blocks.len(), team);
+        let shares = shares(&self.layout.domains, blocks.len(), team);
         let parts = shares.iter().map(|share| {
             let of_points = points_of(&blocks[share.clone()]);
             let ties_there = if ties.is_empty() { 0 } else { of_points.len() };

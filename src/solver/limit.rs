@@ -51,7 +51,7 @@ impl Batch {
         if !bodies.any_fracturable() {
             return;
         }
-        for (body, &slot) in (0..).zip(&self.slots) {
+        for (body, &slot) in (0..).zip(&self.layout.slots) {
             if let Some(limit) = bodies.limit(slot) {
                 self.limits.push(Limit { body, ..limit });
             }
@@ -88,7 +88,7 @@ impl Batch {
         let overloaded = self.limits.iter().filter_map(|limit| {
             let blow = blows[limit.body as usize];
             let is_over = limit.is_exceeded_by(&blow);
-            is_over.then_some((self.slots[limit.body as usize], blow))
+            is_over.then_some((self.layout.slots[limit.body as usize], blow))
         });
         self.overloaded.extend(overloaded);
         self.scratch.blows = blows;

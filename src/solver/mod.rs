@@ -28,6 +28,7 @@ pub mod integrate;
 pub mod islands;
 mod lane_pair;
 pub mod lanes;
+pub mod layout;
 pub mod limit;
 pub mod mlcp;
 pub mod momentum;

@@ -146,8 +146,8 @@ impl Batch {
             change: AtomicU32::new(0),
         };
         let mut first = 0;
-        for count in domains::stages(self.domains.len()) {
-            let stage = &self.domains[first..first + count];
+        for count in domains::stages(self.layout.domains.len()) {
+            let stage = &self.layout.domains[first..first + count];
             team.run(count, &|domain| work.run(stage[domain].clone()));
             first += count;
         }
@@ -223,8 +223,8 @@ impl Batch {
         self.pass(Pass::Targets { feedback, first }, team);
         let mut fastest = 0.0_f32;
         if self.has_restitution {
-            for i in 0..self.places.len() {
-                let (_, place) = self.places[i];
+            for i in 0..self.layout.places.len() {
+                let (_, place) = self.layout.places[i];
                 let block = &self.blocks[place.block as usize];
                 if block.restitution.0[place.lane as usize] > 0.0 {
                     fastest = fastest.max(self.set_rebounds(place, settings));
@@ -290,7 +290,7 @@ impl Batch {
     fn solve_exactly(&mut self, config: &SolverConfig, effort: &mut Effort) {
         let mut rows = std::mem::take(&mut self.scratch.rows);
         rows.clear();
-        self.collect_rows(0..self.places.len(), 0, &mut rows);
+        self.collect_rows(0..self.layout.places.len(), 0, &mut rows);
         let scratch = &mut self.scratch;
         scratch.rows = rows;
         scratch.inertia.clear();
@@ -320,7 +320,7 @@ impl Batch {
 
     fn take_impulses_of_rows(&mut self) {
         let mut rows = self.scratch.rows.iter();
-        for &(_, place) in &self.places {
+        for &(_, place) in &self.layout.places {
             let (block, lane) = (&self.blocks[place.block as usize], place.lane as usize);
             let count = place.count as usize;
             let points = &mut self.points[block.points.clone()][..count];
@@ -509,7 +509,7 @@ impl Batch {
             &mut self.solids[..],
             &mut self.turning[..],
         );
-        let parts = self.cuts.shares_of_bodies(count, team).map(|range| {
+        let parts = self.layout.cuts.shares_of_bodies(count, team).map(|range| {
             let spinning = rest.2.partition_point(|t| (t.body as usize) < range.end);
             (
                 range.start,
@@ -535,10 +535,11 @@ impl Batch {
     /// island is the strictest; or that of rebounds, the fastest of which has the speed `rebound`.
     fn tolerance(&self, config: &SolverConfig, share: f32, rebound: f32) -> Option<f32> {
         let asked = config.tolerance.map(|tolerance| {
-            let of_members = self.members.iter().map(|member| {
+            let members = self.layout.members.iter().zip(&self.extents);
+            let of_members = members.map(|(member, extent)| {
                 let bodies = &self.bodies[member.bodies.clone()];
                 let squares = bodies.iter().map(|body| body.linear.length_squared());
-                let fastest = (squares.fold(0.0, f32::max) / member.extent).sqrt();
+                let fastest = (squares.fold(0.0, f32::max) / extent).sqrt();
                 tolerance.max(share * fastest)
             });
             of_members.fold(f32::INFINITY, f32::min)

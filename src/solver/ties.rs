@@ -192,8 +192,8 @@ impl Batch {
             return;
         }
         let share = 1.0 / self.settings.config.substeps as f32;
-        for i in 0..self.places.len() {
-            let (index, place) = self.places[i];
+        for i in 0..self.layout.places.len() {
+            let (index, place) = self.layout.places[i];
             let Ok(at) = bonded.binary_search_by_key(&index, |bond| bond.manifold) else {
                 continue;
             };
@@ -218,7 +218,7 @@ impl Batch {
         if self.ties.is_empty() {
             return;
         }
-        for &(index, place) in &self.places {
+        for &(index, place) in &self.layout.places {
             if let Ok(at) = bonded.binary_search_by_key(&index, |bond| bond.manifold) {
                 bonded[at].yielded = self.yielded(place);
             }

@@ -78,12 +78,12 @@ struct Outcome {
 fn outcome(batch: &Batch) -> Outcome {
     let names = |block: &Block| (block.bodies, block.manifolds, block.points.clone());
     Outcome {
-        slots: batch.slots.clone(),
+        slots: batch.layout.slots.clone(),
         bodies: batch.bodies.clone(),
-        places: batch.places.clone(),
-        domains: batch.domains.clone(),
+        places: batch.layout.places.clone(),
+        domains: batch.layout.domains.clone(),
         blocks: batch.blocks.iter().map(names).collect(),
-        extents: batch.members.iter().map(|member| member.extent).collect(),
+        extents: batch.extents.clone(),
     }
 }
 
@@ -117,7 +117,7 @@ proptest! {
                 for batch in [&mut kept, &mut fresh] {
                     batch.load(&step, largest..largest + 1, &Demand::default());
                 }
-                prop_assert!(kept.domains.len() > 1);
+                prop_assert!(kept.layout.domains.len() > 1);
                 prop_assert_eq!(outcome(&kept), outcome(&fresh));
                 Ok(())
             })?;
