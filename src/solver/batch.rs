@@ -4,10 +4,11 @@
 //! those in which bodies may hit each other have a batch of their own; calm small ones share one, which fills its lanes.
 
 use super::Method;
-use super::blocks::{Block, Blow, Place, Point, Solid, Source, derive, derive_stale, fill};
+use super::blocks::{Block, Blow, Place, Point, Solid};
 use super::bodies::{Bodies, SolverBody};
 use super::demand::{Demand, Effort, SubstepSettings};
 use super::exact::ExactScratch;
+use super::fill::{Source, derive, derive_stale, fill};
 use super::follow::{Following, Start, Turn};
 use super::islands::{Islands, MovingPair};
 use super::lanes::F8;

@@ -1,7 +1,7 @@
 //! Momentum of the impulses, in lanes.
 
-use super::blocks::{Masses, load_anchors};
-use super::lane_pair::{Frame, Pair, load_three, project, store_three};
+use super::blocks::load_anchors;
+use super::lane_pair::{Frame, Masses, Pair, load_three, project, store_three};
 use super::lanes::{F8, Kernel, Lanes};
 use super::sweep::Contacts;
 use super::ties::{Bounds, Tie};

@@ -1,7 +1,7 @@
 //! Two bodies and the frame of their contact in each lane.
 
 use super::FrictionModel;
-use super::blocks::{Block, Masses, symmetric};
+use super::blocks::Block;
 use super::bodies::SolverBody;
 use super::lanes::{F8, Lanes, Numbers};
 use super::triple::V3;
@@ -88,6 +88,66 @@ impl<L: Lanes> Pair<L> {
             self.angular(1).plus(turn_b),
         );
     }
+}
+
+/// Inverse masses and inertias of two bodies in each lane.
+pub(super) struct Masses<L> {
+    pub(super) mass: [L; 2],
+    pub(super) inertia: [[L; 6]; 2],
+}
+
+impl<L: Lanes> Masses<L> {
+    #[inline(always)]
+    pub(super) fn load(block: &Block) -> Self {
+        Self {
+            mass: [
+                L::load(&block.inverse_mass[0]),
+                L::load(&block.inverse_mass[1]),
+            ],
+            inertia: [
+                load_six(&block.inverse_inertia[0]),
+                load_six(&block.inverse_inertia[1]),
+            ],
+        }
+    }
+
+    /// How both bodies turn by a unit impulse along `d` at the ends of the arms.
+    #[inline(always)]
+    pub(super) fn turns(&self, arms: &[V3<L>; 2], d: V3<L>) -> [V3<L>; 2] {
+        [
+            symmetric(&self.inertia[0], arms[0].cross(d)),
+            symmetric(&self.inertia[1], arms[1].cross(d)),
+        ]
+    }
+
+    /// Velocity along `d` at the ends of the arms of bodies that turn.
+    #[inline(always)]
+    pub(super) fn effect(&self, arms: &[V3<L>; 2], d: V3<L>, turns: &[V3<L>; 2]) -> L {
+        arms[0].cross(d).dot(turns[0]) + arms[1].cross(d).dot(turns[1])
+    }
+}
+
+/// The product of a symmetric matrix (entries as in [`Solid`](super::blocks::Solid)) and a vector.
+#[inline(always)]
+fn symmetric<L: Lanes>(m: &[L; 6], v: V3<L>) -> V3<L> {
+    let ([xx, yy, zz, xy, xz, yz], [x, y, z]) = (*m, v.0);
+    V3([
+        xx * x + xy * y + xz * z,
+        xy * x + yy * y + yz * z,
+        xz * x + yz * y + zz * z,
+    ])
+}
+
+#[inline(always)]
+fn load_six<L: Lanes>(from: &[F8; 6]) -> [L; 6] {
+    [
+        L::load(&from[0]),
+        L::load(&from[1]),
+        L::load(&from[2]),
+        L::load(&from[3]),
+        L::load(&from[4]),
+        L::load(&from[5]),
+    ]
 }
 
 /// Normal and tangents in each lane.

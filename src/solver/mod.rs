@@ -10,6 +10,7 @@
 //! rests.
 //! Nothing here knows the ECS.
 
+mod advance;
 pub mod arrangement;
 pub mod batch;
 pub mod blocks;
@@ -22,7 +23,9 @@ pub mod demand;
 pub mod domains;
 mod doubles;
 pub mod exact;
+mod exact_substep;
 mod extrapolate;
+pub mod fill;
 mod follow;
 pub mod integrate;
 pub mod islands;

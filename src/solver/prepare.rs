@@ -1,8 +1,8 @@
 //! What comes before the sweeps of a sub-step: targets and warm start.
 
-use super::blocks::{Block, Masses, Point, load_anchors};
+use super::blocks::{Block, Point, load_anchors};
 use super::bodies::SolverBody;
-use super::lane_pair::{Frame, Pair, load_three};
+use super::lane_pair::{Frame, Masses, Pair, load_three};
 use super::lanes::{Kernel, Lanes};
 use super::sweep::{Contacts, Feedback};
 use super::ties::{RATE, Tie};

@@ -13,23 +13,17 @@
 //!   relax                      takes the velocity that pushed overlap out from the bodies again; impacts rebound
 //! ```
 
-use super::batch::{Batch, BatchScratch, TurningBody};
-use super::blocks::{Place, Point, Solid, vector};
+use super::batch::{Batch, BatchScratch};
+use super::blocks::{Place, Point, vector};
 use super::bodies::SolverBody;
 use super::demand::{Effort, SubstepSettings};
 use super::domains;
-use super::doubles::EIGHT;
-use super::lanes::LaneWidth;
-use super::shares::Parts;
 use super::shift::Shift;
-use super::soft_step::{self, Softness};
-use super::spin::Spin;
+use super::soft_step::Softness;
 use super::sweep::{Contacts, Pass};
-use super::{Method, SolverConfig, exact};
-use crate::contact::manifold::{ContactPoint, Manifold};
-use crate::parts::front_mut;
+use super::{Method, SolverConfig};
+use crate::contact::manifold::Manifold;
 use crate::team::{Shared, Team};
-use glam::{Mat3, Vec3};
 use std::cell::Cell;
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -42,14 +36,8 @@ const MOVING_TOLERANCE: f32 = 0.01;
 /// The same where bodies hit each other that may pass through each other in the step: what is left of their speeds is large.
 const FAST_TOLERANCE: f32 = 1e-4;
 
-/// Sweeps where the exact method has no answer.
-const UNCERTIFIED_SWEEPS: u32 = 200;
-
 /// Turn within a sub-step, rad, up to which rows that have been solved may be pointed anew.
 const MOST_TURN: f32 = 0.05;
-
-/// Velocity of position feedback, m/s, that is not worth taking out again.
-const NEGLIGIBLE_SPEED: f32 = 1e-4;
 
 /// What one sweep does.
 #[derive(Clone, Copy, Debug)]
@@ -210,13 +198,6 @@ impl Batch {
         }
     }
 
-    fn apply_gravity(&mut self, settings: &SubstepSettings) {
-        let change = settings.gravity * settings.h;
-        for body in self.bodies.iter_mut().filter(|b| b.inverse_mass > 0.0) {
-            body.linear += change;
-        }
-    }
-
     /// Fills the wanted velocities; returns the fastest rebound, scaled to a size of 1 m, m/s.
     fn set_targets(&mut self, settings: &SubstepSettings, first: bool, team: Option<&Team>) -> f32 {
         let feedback = settings.feedback();
@@ -278,146 +259,6 @@ impl Batch {
             }
         }
         fastest
-    }
-
-    fn keep_free_velocities(&mut self) {
-        self.scratch.free.clear();
-        self.scratch.free.extend_from_slice(&self.bodies);
-    }
-
-    /// Solves to rounding from the free velocities. What cannot be certified (there may be no solution with friction) is not
-    /// used: sweeps, which never gain energy, have the word then.
-    fn solve_exactly(&mut self, config: &SolverConfig, effort: &mut Effort) {
-        let mut rows = std::mem::take(&mut self.scratch.rows);
-        rows.clear();
-        self.collect_rows(0..self.layout.places.len(), 0, &mut rows);
-        let scratch = &mut self.scratch;
-        scratch.rows = rows;
-        scratch.inertia.clear();
-        let inertia = self.solids.iter().map(Solid::inverse_inertia);
-        scratch.inertia.extend(inertia);
-        let certificate = exact::solve(
-            &mut scratch.rows,
-            &mut self.bodies,
-            &scratch.inertia,
-            config,
-            &mut scratch.exact,
-        );
-        effort.sweeps += certificate.iterations;
-        if certificate.converged {
-            return self.take_impulses_of_rows();
-        }
-        self.bodies.copy_from_slice(&self.scratch.free);
-        self.pass(Pass::Warm, None);
-        let softness = Softness::HARD;
-        for _ in 0..UNCERTIFIED_SWEEPS {
-            let measure = false;
-            self.pass(Pass::Solve { softness, measure }, None);
-        }
-        effort.sweeps += UNCERTIFIED_SWEEPS;
-        effort.hit_cap = true;
-    }
-
-    fn take_impulses_of_rows(&mut self) {
-        let mut rows = self.scratch.rows.iter();
-        for &(_, place) in &self.layout.places {
-            let (block, lane) = (&self.blocks[place.block as usize], place.lane as usize);
-            let count = place.count as usize;
-            let points = &mut self.points[block.points.clone()][..count];
-            for (point, rows) in points.iter_mut().zip(&mut rows) {
-                for (lanes, impulse) in point.impulse.iter_mut().zip(rows.impulses()) {
-                    lanes.0[lane] = impulse;
-                }
-            }
-        }
-    }
-
-    /// Solves the rows once more from the free velocities, with what they should have after the motion.
-    fn relax_exactly(&mut self, settings: &SubstepSettings, effort: &mut Effort) {
-        let mut difference = 0.0_f32;
-        for (i, point) in self.points.iter_mut().enumerate() {
-            for (lane, wanted) in point.wanted.0.iter_mut().enumerate() {
-                let tie = self.ties.get_mut(i);
-                if let Some(tie) = tie.filter(|tie| tie.adhesion.0[lane] > 0.0) {
-                    difference = difference.max(tie.relax(lane, wanted));
-                    continue;
-                }
-                let rebound = self.blows.get(i).map_or(0.0, |blow| blow.rebound.0[lane]);
-                let relaxed =
-                    soft_step::relaxed_velocity(rebound, point.impulse[0].0[lane], *wanted);
-                difference = difference.max((*wanted - relaxed).abs());
-                *wanted = relaxed;
-            }
-        }
-        if difference > NEGLIGIBLE_SPEED {
-            self.bodies.copy_from_slice(&self.scratch.free);
-            self.solve_exactly(&settings.config, effort);
-        }
-    }
-
-    fn move_bodies(&mut self, settings: &SubstepSettings, manifolds: &[Manifold]) {
-        let h = settings.h;
-        for (q, v) in self.displacements.iter_mut().zip(self.bodies.iter()) {
-            q.linear += h * v.linear;
-            q.angular += h * v.angular;
-        }
-        if self.has_restitution {
-            self.correct_flight(settings);
-        }
-        self.keep_in_front(manifolds);
-    }
-
-    /// Stops the centre of a fast body in front of the face that it was in front of.
-    ///
-    /// The rows hold the points that were nearest at the start of the step. A thin body that hits with one corner turns at
-    /// thousands of radians per second, and no frozen row sees the rest of it come round.
-    fn keep_in_front(&mut self, manifolds: &[Manifold]) {
-        for moving in &self.moving {
-            let Some(clearance) = moving.clearance else {
-                continue;
-            };
-            let manifold = &manifolds[moving.manifold as usize];
-            let pair = moving.bodies;
-            let [a, b] = pair.map(|body| self.displacements[body as usize].linear);
-            let away = [-manifold.normal, manifold.normal][moving.carrier];
-            let height = |point: &ContactPoint| {
-                let anchor = [point.anchor_a, point.anchor_b][moving.carrier];
-                0.5 * point.separation - away.dot(anchor)
-            };
-            let before = manifold.points().iter().map(height);
-            let before = before.fold(f32::INFINITY, f32::min);
-            let after = before + manifold.normal.dot(b - a);
-            let least = before.min(clearance);
-            if before > 0.0 && after < least {
-                let body = pair[moving.carrier] as usize;
-                self.displacements[body].linear += (least - after) * away;
-            }
-        }
-    }
-
-    /// Bodies that nothing pushes fly: `x += h v - h^2 g / 2` with the velocity after the sub-step is the parabola. A body that
-    /// rebounds low would lose height otherwise while it is near the ground.
-    fn correct_flight(&mut self, settings: &SubstepSettings) {
-        let is_pushed = &mut self.scratch.is_pushed;
-        is_pushed.clear();
-        is_pushed.resize(self.bodies.len(), false);
-        for block in self.blocks.iter() {
-            for point in &self.points[block.points.clone()] {
-                let is_held = |&lane: &usize| point.impulse[0].0[lane].abs() > 0.0;
-                for lane in (0..block.used).filter(is_held) {
-                    for body in block.pair(lane) {
-                        is_pushed[body as usize] = true;
-                    }
-                }
-            }
-        }
-        let fall = 0.5 * settings.h * settings.h * settings.gravity;
-        let bodies = self.bodies.iter().zip(is_pushed.iter());
-        for (q, (body, is_pushed)) in self.displacements.iter_mut().zip(bodies) {
-            if body.inverse_mass > 0.0 && !is_pushed {
-                q.linear -= fall;
-            }
-        }
     }
 
     fn relax(
@@ -500,37 +341,6 @@ impl Batch {
         self.pass(Pass::Extrapolate { weight }, team);
     }
 
-    /// Turns the bodies that spin, and their inertia with them.
-    fn turn_bodies(&mut self, h: f32, team: Option<&Team>) {
-        let count = self.bodies.len();
-        let width = self.settings.config.lane_width;
-        let mut rest = (
-            &mut self.bodies[..],
-            &mut self.solids[..],
-            &mut self.turning[..],
-        );
-        let parts = self.layout.cuts.shares_of_bodies(count, team).map(|range| {
-            let spinning = rest.2.partition_point(|t| (t.body as usize) < range.end);
-            (
-                range.start,
-                front_mut(&mut rest.0, range.len()),
-                front_mut(&mut rest.1, range.len()),
-                front_mut(&mut rest.2, spinning),
-            )
-        });
-        let mut parts: Parts<_> = parts.collect();
-        Team::each(team, &mut parts, |(first, bodies, solids, turning)| {
-            for turning in turning.chunks_mut(EIGHT) {
-                turn_together(turning, *first, bodies, h, width);
-                for turning in turning {
-                    let r = Mat3::from_quat(turning.spin.rotation);
-                    let inertia = r * turning.inverse_inertia * r.transpose();
-                    solids[turning.body as usize - *first].set_inverse_inertia(&inertia);
-                }
-            }
-        });
-    }
-
     /// The tolerance of a sub-step, m/s: the user's or, where bodies move, a `share` of the speed of the fastest, whichever
     /// island is the strictest; or that of rebounds, the fastest of which has the speed `rebound`.
     fn tolerance(&self, config: &SolverConfig, share: f32, rebound: f32) -> Option<f32> {
@@ -549,25 +359,5 @@ impl Batch {
             (Some(a), Some(b)) => Some(a.min(b)),
             (a, b) => a.or(b),
         }
-    }
-}
-
-/// Turns up to eight bodies; `first`: number of the first one of `bodies`.
-fn turn_together(
-    turning: &mut [TurningBody],
-    first: usize,
-    bodies: &mut [SolverBody],
-    h: f32,
-    width: LaneWidth,
-) {
-    let (mut spins, mut omegas) = ([Spin::default(); EIGHT], [Vec3::ZERO; EIGHT]);
-    for (lane, turning) in turning.iter().enumerate() {
-        spins[lane] = turning.spin;
-        omegas[lane] = bodies[turning.body as usize - first].angular;
-    }
-    Spin::advance_eight(&mut spins, &mut omegas, h, width);
-    for (lane, turning) in turning.iter_mut().enumerate() {
-        turning.spin = spins[lane];
-        bodies[turning.body as usize - first].angular = omegas[lane];
     }
 }

@@ -6,10 +6,10 @@
 //! Kernels come twice: for points that only push, and with `TIED` for blocks some of whose lanes are [bonded](super::ties).
 
 use super::FrictionModel;
-use super::blocks::{Block, Blow, Masses, Point, load_anchors};
+use super::blocks::{Block, Blow, Point, load_anchors};
 use super::bodies::SolverBody;
 use super::extrapolate::Extrapolate;
-use super::lane_pair::{Frame, Pair, load_three, project, store_three};
+use super::lane_pair::{Frame, Masses, Pair, load_three, project, store_three};
 use super::lanes::{F8, Kernel, LaneWidth, Lanes, run};
 use super::prepare::Prepare;
 use super::soft_step::Softness;

@@ -1,0 +1,140 @@
+//! How the bodies of a batch move within a sub-step.
+
+use super::batch::{Batch, TurningBody};
+use super::bodies::SolverBody;
+use super::demand::SubstepSettings;
+use super::doubles::EIGHT;
+use super::lanes::LaneWidth;
+use super::shares::Parts;
+use super::spin::Spin;
+use crate::contact::manifold::{ContactPoint, Manifold};
+use crate::parts::front_mut;
+use crate::team::Team;
+use glam::{Mat3, Vec3};
+
+impl Batch {
+    /// The velocities that gravity gives.
+    pub(super) fn apply_gravity(&mut self, settings: &SubstepSettings) {
+        let change = settings.gravity * settings.h;
+        for body in self.bodies.iter_mut().filter(|b| b.inverse_mass > 0.0) {
+            body.linear += change;
+        }
+    }
+
+    /// Moves the bodies by their velocities.
+    pub(super) fn move_bodies(&mut self, settings: &SubstepSettings, manifolds: &[Manifold]) {
+        let h = settings.h;
+        for (q, v) in self.displacements.iter_mut().zip(self.bodies.iter()) {
+            q.linear += h * v.linear;
+            q.angular += h * v.angular;
+        }
+        if self.has_restitution {
+            self.correct_flight(settings);
+        }
+        self.keep_in_front(manifolds);
+    }
+
+    /// Stops the centre of a fast body in front of the face that it was in front of.
+    ///
+    /// The rows hold the points that were nearest at the start of the step. A thin body that hits with one corner turns at
+    /// thousands of radians per second, and no frozen row sees the rest of it come round.
+    fn keep_in_front(&mut self, manifolds: &[Manifold]) {
+        for moving in &self.moving {
+            let Some(clearance) = moving.clearance else {
+                continue;
+            };
+            let manifold = &manifolds[moving.manifold as usize];
+            let pair = moving.bodies;
+            let [a, b] = pair.map(|body| self.displacements[body as usize].linear);
+            let away = [-manifold.normal, manifold.normal][moving.carrier];
+            let height = |point: &ContactPoint| {
+                let anchor = [point.anchor_a, point.anchor_b][moving.carrier];
+                0.5 * point.separation - away.dot(anchor)
+            };
+            let before = manifold.points().iter().map(height);
+            let before = before.fold(f32::INFINITY, f32::min);
+            let after = before + manifold.normal.dot(b - a);
+            let least = before.min(clearance);
+            if before > 0.0 && after < least {
+                let body = pair[moving.carrier] as usize;
+                self.displacements[body].linear += (least - after) * away;
+            }
+        }
+    }
+
+    /// Bodies that nothing pushes fly: `x += h v - h^2 g / 2` with the velocity after the sub-step is the parabola. A body that
+    /// rebounds low would lose height otherwise while it is near the ground.
+    fn correct_flight(&mut self, settings: &SubstepSettings) {
+        let is_pushed = &mut self.scratch.is_pushed;
+        is_pushed.clear();
+        is_pushed.resize(self.bodies.len(), false);
+        for block in &self.blocks {
+            for point in &self.points[block.points.clone()] {
+                let is_held = |&lane: &usize| point.impulse[0].0[lane].abs() > 0.0;
+                for lane in (0..block.used).filter(is_held) {
+                    for body in block.pair(lane) {
+                        is_pushed[body as usize] = true;
+                    }
+                }
+            }
+        }
+        let fall = 0.5 * settings.h * settings.h * settings.gravity;
+        let bodies = self.bodies.iter().zip(is_pushed.iter());
+        for (q, (body, is_pushed)) in self.displacements.iter_mut().zip(bodies) {
+            if body.inverse_mass > 0.0 && !is_pushed {
+                q.linear -= fall;
+            }
+        }
+    }
+
+    /// Turns the bodies that spin, and their inertia with them.
+    pub(super) fn turn_bodies(&mut self, h: f32, team: Option<&Team>) {
+        let count = self.bodies.len();
+        let width = self.settings.config.lane_width;
+        let mut rest = (
+            &mut self.bodies[..],
+            &mut self.solids[..],
+            &mut self.turning[..],
+        );
+        let parts = self.layout.cuts.shares_of_bodies(count, team).map(|range| {
+            let spinning = rest.2.partition_point(|t| (t.body as usize) < range.end);
+            (
+                range.start,
+                front_mut(&mut rest.0, range.len()),
+                front_mut(&mut rest.1, range.len()),
+                front_mut(&mut rest.2, spinning),
+            )
+        });
+        let mut parts: Parts<_> = parts.collect();
+        Team::each(team, &mut parts, |(first, bodies, solids, turning)| {
+            for turning in turning.chunks_mut(EIGHT) {
+                turn_together(turning, *first, bodies, h, width);
+                for turning in turning {
+                    let r = Mat3::from_quat(turning.spin.rotation);
+                    let inertia = r * turning.inverse_inertia * r.transpose();
+                    solids[turning.body as usize - *first].set_inverse_inertia(&inertia);
+                }
+            }
+        });
+    }
+}
+
+/// Turns up to eight bodies; `first`: number of the first one of `bodies`.
+fn turn_together(
+    turning: &mut [TurningBody],
+    first: usize,
+    bodies: &mut [SolverBody],
+    h: f32,
+    width: LaneWidth,
+) {
+    let (mut spins, mut omegas) = ([Spin::default(); EIGHT], [Vec3::ZERO; EIGHT]);
+    for (lane, turning) in turning.iter().enumerate() {
+        spins[lane] = turning.spin;
+        omegas[lane] = bodies[turning.body as usize - first].angular;
+    }
+    Spin::advance_eight(&mut spins, &mut omegas, h, width);
+    for (lane, turning) in turning.iter_mut().enumerate() {
+        turning.spin = spins[lane];
+        bodies[turning.body as usize - first].angular = omegas[lane];
+    }
+}
