@@ -9,6 +9,7 @@ use super::around::FacesAround;
 use super::convex::Face;
 use crate::math::{Aabb, Plane};
 use glam::{Mat3, Mat4, Vec3, Vec4};
+use wide::{higher, lower};
 
 /// Lanes of a group.
 pub(crate) const LANES: usize = 4;
@@ -39,6 +40,7 @@ impl Points4 {
     }
 
     /// Coordinates along `axis`.
+    #[inline(always)]
     pub(crate) fn along(&self, axis: Vec3) -> [f32; LANES] {
         let mut along = [0.0; LANES];
         #[allow(clippy::needless_range_loop, reason = "three arrays side by side")]
@@ -228,8 +230,6 @@ pub(crate) fn bounds(points: &[Points4], turn: &Mat3, shift: Vec3) -> Aabb {
 
 /// The box around points in their own frame.
 pub(crate) fn box_of(points: &[Points4]) -> Aabb {
-    let lower: fn(Vec4, Vec4) -> Vec4 = |a, b| Vec4::select(b.cmplt(a), b, a);
-    let higher: fn(Vec4, Vec4) -> Vec4 = |a, b| Vec4::select(b.cmpgt(a), b, a);
     let (mut least, mut most) = ([Vec4::INFINITY; 3], [Vec4::NEG_INFINITY; 3]);
     for group in points {
         let coordinates = [group.x, group.y, group.z];

@@ -8,6 +8,7 @@
 )]
 
 use crate::geometry::Edge;
+use glam::Vec4;
 
 /// Proof that the processor has AVX2: there is none without asking it.
 #[derive(Clone, Copy, Debug)]
@@ -53,6 +54,27 @@ pub(crate) fn run<L: Loop>(wide: Option<Avx2>, work: L) -> L::Output {
         Some(wide) => wide.run(work),
         None => work.run(),
     }
+}
+
+/// The smaller number of each lane, the first one on a tie.
+#[inline(always)]
+pub(crate) fn lower(a: Vec4, b: Vec4) -> Vec4 {
+    // What `minps` says of a tie and of NaN is the same; the compiler does not find it by itself.
+    #[cfg(target_arch = "x86_64")]
+    // SAFETY: all processors of this kind have SSE.
+    return unsafe { std::arch::x86_64::_mm_min_ps(b.into(), a.into()).into() };
+    #[cfg(not(target_arch = "x86_64"))]
+    Vec4::select(b.cmplt(a), b, a)
+}
+
+/// The larger number of each lane, the first one on a tie.
+#[inline(always)]
+pub(crate) fn higher(a: Vec4, b: Vec4) -> Vec4 {
+    #[cfg(target_arch = "x86_64")]
+    // SAFETY: all processors of this kind have SSE.
+    return unsafe { std::arch::x86_64::_mm_max_ps(b.into(), a.into()).into() };
+    #[cfg(not(target_arch = "x86_64"))]
+    Vec4::select(b.cmpgt(a), b, a)
 }
 
 /// Numbers or edges that are looked up side by side.
