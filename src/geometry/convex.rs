@@ -3,7 +3,7 @@
 use super::TriMesh;
 use super::lanes::HullLanes;
 use super::lanes::wide::Avx2;
-use super::moments::SolidMoments;
+use super::moments::{Fans, SolidMoments};
 use super::predicates::{SIZE_RANGE, check_plane, convex_tolerance, length_scale, signed_distance};
 use crate::math::{Aabb, Plane, tangents};
 use glam::{DVec3, Vec2, Vec3};
@@ -25,6 +25,12 @@ impl Face {
     #[inline]
     pub(crate) fn range(&self) -> Range<usize> {
         self.first as usize..(self.first + self.count) as usize
+    }
+
+    /// The loops of a hull from this face's on, and how many corners it has.
+    #[inline(always)]
+    pub(crate) fn polygon<'l>(&self, loops: &'l [u32]) -> (&'l [u32], usize) {
+        (&loops[self.first as usize..], self.count as usize)
     }
 }
 
@@ -355,12 +361,12 @@ impl ConvexHull {
 
     /// The moments, summed up afresh.
     fn sum_moments(&self) -> SolidMoments {
-        self.sum_moments_with(Avx2::find())
+        self.sum_moments_with(&mut Fans::default(), Avx2::find())
     }
 
-    /// The moments, summed up afresh with registers that do not change the result.
-    pub(crate) fn sum_moments_with(&self, wide: Option<Avx2>) -> SolidMoments {
-        SolidMoments::of_faces(&self.vertices, &self.faces, &self.loops, wide)
+    /// The moments, summed up afresh with memory and registers that do not change the result.
+    pub(crate) fn sum_moments_with(&self, fans: &mut Fans, wide: Option<Avx2>) -> SolidMoments {
+        SolidMoments::of_faces(&self.vertices, &self.faces, &self.loops, fans, wide)
     }
 
     /// The hull moved by `offset` (m).
@@ -429,7 +435,9 @@ impl ConvexHull {
 
     /// The loops of all faces, if they are all triangles.
     pub(crate) fn only_triangles(&self) -> Option<&[[u32; 3]]> {
-        only_triangles(self.faces.len(), &self.loops)
+        // No face has fewer corners.
+        let (triangles, rest) = self.loops.as_chunks();
+        (rest.is_empty() && triangles.len() == self.faces.len()).then_some(triangles)
     }
 
     /// Area of a face, m2.
@@ -454,14 +462,6 @@ impl ConvexHull {
                 .map(move |pair| [corners[0], pair[0], pair[1]])
         })
     }
-}
-
-/// The loops of so many faces as triangles, if they are all triangles.
-#[inline]
-pub(crate) fn only_triangles(faces: usize, loops: &[u32]) -> Option<&[[u32; 3]]> {
-    // No face has fewer corners.
-    let (triangles, rest) = loops.as_chunks();
-    (rest.is_empty() && triangles.len() == faces).then_some(triangles)
 }
 
 /// A directed edge of a face, ordered so that sorting puts an edge beside its reverse.

@@ -9,8 +9,8 @@
 //!   Journal of Mathematics and Statistics 1(1), 2004.
 //! - B. Mirtich, "Fast and Accurate Computation of Polyhedral Mass Properties", Journal of Graphics Tools 1(2), 1996.
 
-use super::convex::{Face, only_triangles};
-use super::lanes::wide::{Avx2, Loop, run};
+use super::convex::Face;
+use super::lanes::wide::{Avx2, Loop, TrianglesOf, renumber, run};
 use glam::{DMat3, DVec3, Vec3};
 use std::ops::{Add, Neg, Sub};
 
@@ -86,9 +86,6 @@ impl Neg for Moments {
     }
 }
 
-/// Triangles that wait to be summed up; there may be a few more.
-const BLOCK: usize = 32;
-
 /// Triangles that are summed up side by side: as many `f64` as fit in the widest register. The order of the sums is the
 /// same where registers are narrower.
 const LANES: usize = 4;
@@ -96,94 +93,98 @@ const LANES: usize = 4;
 /// One number of each triangle.
 type Lanes = [f64; LANES];
 
-/// Sums up moments over triangles of a list of vertices, four at a time: there is no order between the four, so that the
-/// compiler makes vector instructions of them.
-#[derive(Clone, Debug)]
-pub(crate) struct MomentSum<'v> {
-    vertices: &'v [Vec3],
-    apex: [f64; 3],
-    wide: Option<Avx2>,
-    /// Corners of the triangles that are not in the sums yet.
-    block: [[u32; 3]; BLOCK + LANES],
+/// Polygons as triangles, whose moments are to be summed up.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Fans {
+    /// The triangles, and behind them room.
+    triangles: Vec<[u32; 3]>,
     filled: usize,
-    /// Six volumes, first moments, diagonal and products, as [`Moments`] has them, in each lane.
-    sums: [Lanes; 10],
 }
 
-impl<'v> MomentSum<'v> {
-    /// Of nothing, about `apex` (m).
-    pub(crate) fn about(apex: DVec3, vertices: &'v [Vec3], wide: Option<Avx2>) -> Self {
-        Self {
-            vertices,
-            apex: apex.to_array(),
-            wide,
-            block: [[0; 3]; BLOCK + LANES],
-            filled: 0,
-            sums: [[0.0; LANES]; 10],
-        }
+impl Fans {
+    /// Takes all polygons away, and keeps the memory.
+    pub(crate) fn clear(&mut self) {
+        self.filled = 0;
     }
 
-    /// Adds faces whose loops stand one after the other in `loops`.
-    pub(crate) fn add_faces(&mut self, faces: &[Face], loops: &[u32]) {
-        let ([first, ..], [.., last]) = (faces, faces) else {
-            return;
-        };
-        let corners = &loops[first.range().start..last.range().end];
-        match only_triangles(faces.len(), corners) {
-            Some(triangles) => self.add_triangles(triangles),
-            None => faces.iter().for_each(|face| self.add_face(face, loops)),
-        }
-    }
-
-    /// Adds a face, whose loop is in `loops`, as a triangle fan about its first corner.
+    /// Adds polygons as triangle fans about their first corners. Of a polygon there is a list of corners that begins with
+    /// its own, and how many it has; one with two corners has no triangles.
     #[inline]
-    pub(crate) fn add_face(&mut self, face: &Face, loops: &[u32]) {
-        let corners = face.range();
-        if let (Some(&[a, b, c, d]), 3..=4) = (loops[corners.start..].first_chunk(), face.count) {
-            // No branch between three corners and four, because there is no guessing: the next face writes over what is too
-            // much.
-            if self.filled >= BLOCK {
-                self.add_block();
-            }
-            self.block[self.filled] = [a, b, c];
-            self.block[self.filled + 1] = [a, c, d];
-            self.filled += face.count as usize - 2;
-        } else if let [a, b, ref rest @ ..] = loops[corners] {
-            let mut last = b;
-            for &next in rest {
-                self.add_triangles(&[[a, last, next]]);
-                last = next;
+    pub(crate) fn add<'c>(&mut self, polygons: impl Iterator<Item = (&'c [u32], usize)>) {
+        let mut filled = self.filled;
+        for (from, count) in polygons {
+            if let (Some(&[a, b, c, d]), 2..=4) = (from.first_chunk(), count)
+                && let Some(room) = self.triangles.get_mut(filled..filled + 2)
+            {
+                // No branch between three corners and four, because there is no guessing: the next polygon writes over what
+                // is too much.
+                room.copy_from_slice(&[[a, b, c], [a, c, d]]);
+                filled += count - 2;
+            } else {
+                filled = self.add_fan(filled, &from[..count]);
             }
         }
+        self.filled = filled;
     }
 
-    fn add_triangles(&mut self, mut triangles: &[[u32; 3]]) {
-        while !triangles.is_empty() {
-            if self.filled >= BLOCK {
-                self.add_block();
-            }
-            let room = &mut self.block[self.filled..BLOCK];
-            let (now, later) = triangles.split_at(triangles.len().min(room.len()));
-            for (room, triangle) in room.iter_mut().zip(now) {
-                *room = *triangle;
-            }
-            self.filled += now.len();
-            triangles = later;
+    /// Adds those triangles of a list that are in one list of indices and not in another; both are ascending.
+    #[inline(never)]
+    pub(crate) fn add_some(&mut self, all: &[[u32; 3]], wanted: &[u32], unwanted: &[u32]) {
+        if self.triangles.len() < self.filled + wanted.len() {
+            self.triangles.resize(self.filled + wanted.len(), [0; 3]);
         }
+        let room = &mut self.triangles[self.filled..];
+        let last = unwanted.len().saturating_sub(1);
+        let (mut filled, mut passed) = (0, 0);
+        for &index in wanted {
+            let is_unwanted = unwanted.get(passed.min(last)) == Some(&index);
+            passed += usize::from(is_unwanted);
+            // An unwanted one is written too, and the next one over it: there is no guessing which are.
+            room[filled] = all[index as usize];
+            filled += usize::from(!is_unwanted);
+        }
+        self.filled += filled;
     }
 
-    /// The sums.
-    pub(crate) fn finish(&mut self) -> Moments {
-        let rest = self.filled % LANES;
-        if rest != 0 {
-            // The volume of a triangle with three equal corners is zero exactly.
-            let [corner, ..] = self.block[0];
-            self.block[self.filled..][..LANES - rest].fill([corner; 3]);
-            self.filled += LANES - rest;
+    /// Adds a polygon with many corners, or one for which there is no room yet, and says how many triangles there are.
+    #[inline(never)]
+    fn add_fan(&mut self, filled: usize, corners: &[u32]) -> usize {
+        let [a, rest @ ..] = corners else {
+            return filled;
+        };
+        let needed = filled + corners.len();
+        if self.triangles.len() < needed {
+            self.triangles.resize(2 * needed, [0; 3]);
         }
-        self.add_block();
+        let fan = rest.windows(2).zip(&mut self.triangles[filled..]);
+        fan.for_each(|(side, triangle)| *triangle = [*a, side[0], side[1]]);
+        filled + rest.len().saturating_sub(1)
+    }
+
+    /// Exchanges the corners for those that a table has for them.
+    pub(crate) fn renumber(&mut self, wide: Option<Avx2>, table: &[u32]) {
+        let triangles = &mut self.triangles[..self.filled];
+        renumber(wide, triangles.as_flattened_mut(), table);
+    }
+
+    /// The sums over all triangles, about `apex` (m).
+    pub(crate) fn sum(&mut self, apex: DVec3, vertices: &[Vec3], wide: Option<Avx2>) -> Moments {
+        let whole = self.filled.next_multiple_of(LANES);
+        if self.triangles.len() < whole {
+            self.triangles.resize(whole, [0; 3]);
+        }
+        // The volume of a triangle with three equal corners is zero exactly.
+        self.triangles[self.filled..whole].fill([0; 3]);
+        let sums = run(
+            wide,
+            Summing {
+                vertices,
+                apex: apex.to_array(),
+                fours: self.triangles[..whole].as_chunks().0,
+            },
+        );
         let [six_volumes, x, y, z, xx, yy, zz, yz, zx, xy] =
-            self.sums.map(|[a, b, c, d]| (a + b) + (c + d));
+            sums.map(|[a, b, c, d]| (a + b) + (c + d));
         Moments {
             six_volumes,
             first: DVec3::new(x, y, z),
@@ -191,66 +192,44 @@ impl<'v> MomentSum<'v> {
             products: DVec3::new(yz, zx, xy),
         }
     }
-
-    /// Adds as many triangles of the block as there are whole fours, and keeps the rest.
-    fn add_block(&mut self) {
-        let (fours, rest) = self.block[..self.filled].as_chunks();
-        let block = Block {
-            vertices: self.vertices,
-            apex: self.apex,
-            triangles: fours,
-            sums: &mut self.sums,
-        };
-        run(self.wide, block);
-        let rest = self.filled - rest.len()..self.filled;
-        self.filled = rest.len();
-        self.block.copy_within(rest, 0);
-    }
 }
 
-/// Triangles to be added to sums.
-struct Block<'a> {
+/// Sums up moments over triangles of a list of vertices, four at a time: there is no order between the four, so that the
+/// compiler makes vector instructions of them.
+struct Summing<'a> {
     vertices: &'a [Vec3],
     apex: [f64; 3],
-    triangles: &'a [[[u32; 3]; LANES]],
-    sums: &'a mut [Lanes; 10],
+    fours: &'a [[[u32; 3]; LANES]],
 }
 
-impl Loop for Block<'_> {
-    type Output = ();
+impl Loop for Summing<'_> {
+    /// Six volumes, first moments, diagonal and products, as [`Moments`] has them, in each lane.
+    type Output = [Lanes; 10];
 
     #[inline(always)]
-    fn run(self) {
-        let mut sums = *self.sums;
-        for four in self.triangles {
-            let (a, b, c) = (
-                self.corners(four, 0),
-                self.corners(four, 1),
-                self.corners(four, 2),
-            );
+    fn run(self) -> [Lanes; 10] {
+        let triangles = TrianglesOf::new(self.vertices, self.fours);
+        let mut sums = [[0.0; LANES]; 10];
+        for four in 0..triangles.len() {
+            let a = seen_from(self.apex, triangles.columns(four, 0));
+            let b = seen_from(self.apex, triangles.columns(four, 1));
+            let c = seen_from(self.apex, triangles.columns(four, 2));
             add_four(&mut sums, a, b, c);
         }
-        *self.sums = sums;
+        sums
     }
 }
 
-impl Block<'_> {
-    /// Corner `k` of four triangles, seen from the apex.
-    #[inline(always)]
-    fn corners(&self, four: &[[u32; 3]; LANES], k: usize) -> [Lanes; 3] {
-        let mut points = [[0.0; LANES]; 3];
-        for l in 0..LANES {
-            let point = self.vertices[four[l][k] as usize];
-            (points[0][l], points[1][l], points[2][l]) = (point.x, point.y, point.z);
-        }
-        let mut corners = [[0.0; LANES]; 3];
-        for l in 0..LANES {
-            corners[0][l] = f64::from(points[0][l]) - self.apex[0];
-            corners[1][l] = f64::from(points[1][l]) - self.apex[1];
-            corners[2][l] = f64::from(points[2][l]) - self.apex[2];
-        }
-        corners
+/// Four points, one axis after the other, seen from the apex.
+#[inline(always)]
+fn seen_from(apex: [f64; 3], points: [[f32; LANES]; 3]) -> [Lanes; 3] {
+    let mut seen = [[0.0; LANES]; 3];
+    for l in 0..LANES {
+        seen[0][l] = f64::from(points[0][l]) - apex[0];
+        seen[1][l] = f64::from(points[1][l]) - apex[1];
+        seen[2][l] = f64::from(points[2][l]) - apex[2];
     }
+    seen
 }
 
 /// Adds what each of four triangles adds to the sums.
@@ -305,18 +284,18 @@ pub(crate) struct SolidMoments {
 const LEAST_SHARE: f64 = 1.0 / 64.0;
 
 impl SolidMoments {
-    /// Sums over the whole surface, of faces whose loops stand one after the other, about the first vertex, which keeps rounding small far from the
-    /// frame's origin.
+    /// Sums over the whole surface, about the first vertex, which keeps rounding small far from the frame's origin.
     pub(crate) fn of_faces(
         vertices: &[Vec3],
         faces: &[Face],
         loops: &[u32],
+        fans: &mut Fans,
         wide: Option<Avx2>,
     ) -> Self {
         let apex = vertices.first().map_or(DVec3::ZERO, |v| v.as_dvec3());
-        let mut sum = MomentSum::about(apex, vertices, wide);
-        sum.add_faces(faces, loops);
-        let sums = sum.finish();
+        fans.clear();
+        fans.add(faces.iter().map(|face| face.polygon(loops)));
+        let sums = fans.sum(apex, vertices, wide);
         Self {
             apex,
             sums,

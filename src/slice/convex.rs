@@ -23,10 +23,12 @@ mod select;
 use super::SliceError;
 use crate::geometry::ConvexHull;
 use crate::geometry::lanes::wide::Avx2;
+use crate::geometry::moments::Fans;
 use crate::geometry::predicates::check_plane;
 use crate::math::Plane;
 use classes::Classes;
 use emit::Writer;
+use moments::Summing;
 use numbers::Numbers;
 use rim::Rim;
 
@@ -97,6 +99,7 @@ pub struct HullSlicer {
     classes: Classes,
     rim: Rim,
     numbers: Numbers,
+    fans: Fans,
     registers: Registers,
 }
 
@@ -181,6 +184,7 @@ impl HullSlicer {
             classes,
             rim,
             numbers,
+            fans,
             registers,
         } = self;
         let wide = registers.find();
@@ -189,7 +193,7 @@ impl HullSlicer {
         rim.cut_edges(hull, plane, classes);
         rim.divide_faces(hull, classes)?;
         rim.find_cap(hull, classes)?;
-        numbers.count(hull, classes, rim)?;
+        numbers.count(hull, classes, rim, wide)?;
         let parts = [&mut halves.below, &mut halves.above];
         for (part, out) in parts.into_iter().enumerate() {
             let writer = Writer {
@@ -203,7 +207,15 @@ impl HullSlicer {
             };
             writer.write(out)?;
         }
-        moments::find_moments(hull, classes, numbers, halves, wide)
+        let summing = Summing {
+            hull,
+            classes,
+            rim,
+            numbers,
+            fans,
+            wide,
+        };
+        summing.find_moments(halves)
     }
 }
 

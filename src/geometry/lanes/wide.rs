@@ -8,7 +8,7 @@
 )]
 
 use crate::geometry::Edge;
-use glam::Vec4;
+use glam::{Vec3, Vec4};
 
 /// Proof that the processor has AVX2: there is none without asking it.
 #[derive(Clone, Copy, Debug)]
@@ -75,6 +75,86 @@ pub(crate) fn higher(a: Vec4, b: Vec4) -> Vec4 {
     return unsafe { std::arch::x86_64::_mm_max_ps(b.into(), a.into()).into() };
     #[cfg(not(target_arch = "x86_64"))]
     Vec4::select(b.cmpgt(a), b, a)
+}
+
+/// Triangles whose corners are all in a list of points, so that they are looked up without asking again.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TrianglesOf<'a> {
+    points: &'a [Vec3],
+    fours: &'a [[[u32; 3]; 4]],
+}
+
+impl<'a> TrianglesOf<'a> {
+    /// Panics if there is no point for one of the corners.
+    #[inline(always)]
+    pub(crate) fn new(points: &'a [Vec3], fours: &'a [[[u32; 3]; 4]]) -> Self {
+        let corners = fours.as_flattened().as_flattened();
+        let last = corners.iter().fold(0, |last, &corner| last.max(corner));
+        assert!(
+            corners.is_empty() || (last as usize) < points.len(),
+            "there is no point {last}"
+        );
+        Self { points, fours }
+    }
+
+    /// How many fours there are.
+    #[inline(always)]
+    pub(crate) fn len(self) -> usize {
+        self.fours.len()
+    }
+
+    /// Coordinates of corner `k` of four triangles, one axis after the other.
+    #[inline(always)]
+    pub(crate) fn columns(self, four: usize, k: usize) -> [[f32; 4]; 3] {
+        let [a, b, c, d] = self.fours[four];
+        // SAFETY: `new` found that there is a point for every corner.
+        unsafe {
+            columns([
+                self.points.get_unchecked(a[k] as usize),
+                self.points.get_unchecked(b[k] as usize),
+                self.points.get_unchecked(c[k] as usize),
+                self.points.get_unchecked(d[k] as usize),
+            ])
+        }
+    }
+}
+
+/// Coordinates of four points, one axis after the other.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn columns(points: [&Vec3; 4]) -> [[f32; 4]; 3] {
+    use std::arch::x86_64::*;
+    let [a, b, c, d] = points;
+    // SAFETY: all processors of this kind have SSE2.
+    let (x, y) = unsafe {
+        let low = _mm_castsi128_ps(_mm_set_epi64x(x_and_y(b), x_and_y(a)));
+        let high = _mm_castsi128_ps(_mm_set_epi64x(x_and_y(d), x_and_y(c)));
+        (
+            _mm_shuffle_ps::<0b10_00_10_00>(low, high),
+            _mm_shuffle_ps::<0b11_01_11_01>(low, high),
+        )
+    };
+    let [x, y] = [Vec4::from(x).to_array(), Vec4::from(y).to_array()];
+    [x, y, [a.z, b.z, c.z, d.z]]
+}
+
+/// The first two coordinates of a point as they stand in memory.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn x_and_y(point: &Vec3) -> i64 {
+    // SAFETY: a point is three `f32` (`repr(C)`), of which these eight bytes are the first two.
+    unsafe { std::ptr::from_ref(point).cast::<i64>().read_unaligned() }
+}
+
+/// Coordinates of four points, one axis after the other.
+#[cfg(not(target_arch = "x86_64"))]
+#[inline(always)]
+fn columns(points: [&Vec3; 4]) -> [[f32; 4]; 3] {
+    [
+        points.map(|point| point.x),
+        points.map(|point| point.y),
+        points.map(|point| point.z),
+    ]
 }
 
 /// Numbers or edges that are looked up side by side.
@@ -321,6 +401,31 @@ mod tests {
     use super::*;
     use rand_core::Rng;
     use rand_pcg::Pcg32;
+
+    #[test]
+    fn corners_of_triangles_are_the_points_they_name() {
+        let points: Vec<Vec3> = (0..7_u8)
+            .map(|k| Vec3::new(0.0, 10.0, 20.0) + f32::from(k))
+            .collect();
+        let fours = [[[0, 1, 2], [3, 6, 4], [5, 0, 6], [6, 2, 1]]];
+        let triangles = TrianglesOf::new(&points, &fours);
+        for k in 0..3 {
+            let expected = fours[0].map(|triangle| points[triangle[k] as usize]);
+            let [x, y, z] = triangles.columns(0, k);
+            for lane in 0..4 {
+                assert_eq!(Vec3::new(x[lane], y[lane], z[lane]), expected[lane]);
+            }
+        }
+    }
+
+    #[test]
+    #[should_panic(expected = "there is no point 7")]
+    fn a_corner_without_a_point_is_found() {
+        let _ = TrianglesOf::new(
+            &[Vec3::ZERO; 7],
+            &[[[0, 1, 2], [3, 6, 4], [5, 0, 6], [6, 7, 1]]],
+        );
+    }
 
     #[test]
     fn wide_and_narrow_registers_find_the_same_numbers() {

@@ -9,39 +9,21 @@
 
 use super::classes::Classes;
 use super::numbers::Numbers;
+use super::rim::Rim;
 use super::{HullHalves, Irregular};
 use crate::geometry::ConvexHull;
 use crate::geometry::lanes::wide::Avx2;
-use crate::geometry::moments::{MomentSum, Moments};
+use crate::geometry::moments::{Fans, Moments};
 use glam::Vec3;
 
-/// Finds the moments of both parts, and checks that each has a volume.
-pub(super) fn find_moments(
-    hull: &ConvexHull,
-    classes: &Classes,
-    numbers: &Numbers,
-    halves: &mut HullHalves,
-    wide: Option<Avx2>,
-) -> Result<(), Irregular> {
-    let few = usize::from(halves.above.loops.len() < halves.below.loops.len());
-    let (cut, most) = (classes.cut_faces.len(), numbers.parts[1 - few].faces.len());
-    if most > 2 * cut {
-        let summing = Summing {
-            hull,
-            classes,
-            numbers,
-            wide,
-        };
-        summing.inherit(few, halves);
-    } else {
-        halves.below.moments = halves.below.sum_moments_with(wide);
-        halves.above.moments = halves.above.sum_moments_with(wide);
-    }
-    if is_body(&halves.below) && is_body(&halves.above) {
-        Ok(())
-    } else {
-        Err(Irregular)
-    }
+/// All that the moments of the parts follow from.
+pub(super) struct Summing<'a> {
+    pub(super) hull: &'a ConvexHull,
+    pub(super) classes: &'a Classes,
+    pub(super) rim: &'a Rim,
+    pub(super) numbers: &'a Numbers,
+    pub(super) fans: &'a mut Fans,
+    pub(super) wide: Option<Avx2>,
 }
 
 /// Share of what a part's box could hold below which its volume may be nothing but rounding: a part that is a plane's
@@ -55,66 +37,90 @@ fn is_body(part: &ConvexHull) -> bool {
     part.moments.volume() > LEAST_SHARE * extents.length() * (x * y + y * z + z * x)
 }
 
-/// All that summing up needs.
-struct Summing<'a> {
-    hull: &'a ConvexHull,
-    classes: &'a Classes,
-    numbers: &'a Numbers,
-    wide: Option<Avx2>,
-}
-
 impl Summing<'_> {
+    /// Finds the moments of both parts, and checks that each has a volume.
+    pub(super) fn find_moments(mut self, halves: &mut HullHalves) -> Result<(), Irregular> {
+        let few = usize::from(halves.above.loops.len() < halves.below.loops.len());
+        let cut = self.classes.cut_faces.len();
+        if self.numbers.parts[1 - few].faces.len() > 2 * cut {
+            self.inherit(few, halves);
+        } else {
+            for part in [&mut halves.below, &mut halves.above] {
+                part.moments = part.sum_moments_with(self.fans, self.wide);
+            }
+        }
+        if is_body(&halves.below) && is_body(&halves.above) {
+            Ok(())
+        } else {
+            Err(Irregular)
+        }
+    }
+
     /// Moments of the parts, of which `few` has fewer corners, by addition and subtraction.
-    fn inherit(&self, few: usize, halves: &mut HullHalves) {
-        let (hull, cut_faces) = (self.hull, self.classes.cut_faces.indices());
-        let whole = match few {
-            0 => self.sum_whole_faces(few, &halves.below),
-            _ => self.sum_whole_faces(few, &halves.above),
-        };
-        let cut = self.sum_faces(hull, cut_faces.iter().copied());
-        let others = hull.moments.sums - (whole + cut);
-        // The cap is the same triangles in both parts, with the other side out.
-        let last = halves.below.faces.len() as u32 - 1;
-        let cap = self.sum_faces(&halves.below, [last].into_iter());
+    fn inherit(&mut self, few: usize, halves: &mut HullHalves) {
+        let hull = self.hull;
+        let whole = self.sum_whole_faces(few);
+        let others = hull.moments.sums - (whole + self.sum_cut_faces());
+        let cap = self.sum_cap(&halves.below);
         let parts = [&mut halves.below, &mut halves.above];
         for (part, out) in parts.into_iter().enumerate() {
-            let (_, faces) = self.numbers.parts[part].tables();
-            let pieces = cut_faces.iter().map(|&face| faces[face as usize]);
-            let pieces = self.sum_faces(out, pieces);
-            let new = pieces + if part == 0 { cap } else { -cap };
+            let new = self.sum_pieces(part, out) + if part == 0 { cap } else { -cap };
             let sums = new + if part == few { whole } else { others };
             let moments = hull.moments.with_sums(sums);
-            out.moments = moments.unwrap_or_else(|| out.sum_moments_with(self.wide));
+            out.moments = moments.unwrap_or_else(|| out.sum_moments_with(self.fans, self.wide));
         }
     }
 
-    /// Sums over the faces that a part has whole, which stand between its pieces of cut faces.
-    fn sum_whole_faces(&self, part: usize, out: &ConvexHull) -> Moments {
-        let mut sum = self.about_apex(&out.vertices);
-        let (_, numbers) = self.numbers.parts[part].tables();
+    /// Sums over the faces that a part has whole.
+    fn sum_whole_faces(&mut self, part: usize) -> Moments {
+        let (hull, cut) = (self.hull, self.classes.cut_faces.indices());
+        let indices = self.numbers.parts[part].faces.indices();
+        if let Some(triangles) = hull.only_triangles() {
+            let fill = |fans: &mut Fans| fans.add_some(triangles, indices, cut);
+            return self.sum(&hull.vertices, fill);
+        }
+        let last = cut.len().saturating_sub(1);
         let mut next = 0;
-        for &face in self.classes.cut_faces.indices() {
-            let place = numbers[face as usize] as usize;
-            sum.add_faces(&out.faces[next..place], &out.loops);
-            next = place + 1;
-        }
-        let cap = out.faces.len() - 1;
-        sum.add_faces(&out.faces[next..cap], &out.loops);
-        sum.finish()
+        let faces = indices.iter();
+        let polygons = faces.map(|&index| {
+            let (from, count) = hull.faces[index as usize].polygon(&hull.loops);
+            let is_cut = cut.get(next.min(last)) == Some(&index);
+            next += usize::from(is_cut);
+            // Two corners add nothing.
+            (from, if is_cut { 2 } else { count })
+        });
+        self.sum(&hull.vertices, |fans| fans.add(polygons))
     }
 
-    /// Sums over some faces of the hull or of a part.
-    fn sum_faces(&self, part: &ConvexHull, faces: impl Iterator<Item = u32>) -> Moments {
-        let mut sum = self.about_apex(&part.vertices);
-        for face in faces {
-            sum.add_face(&part.faces[face as usize], &part.loops);
-        }
-        sum.finish()
+    /// Sums over the cut faces.
+    fn sum_cut_faces(&mut self) -> Moments {
+        let (hull, cut) = (self.hull, self.classes.cut_faces.indices().iter());
+        let polygons = cut.map(|&face| hull.faces[face as usize].polygon(&hull.loops));
+        self.sum(&hull.vertices, |fans| fans.add(polygons))
     }
 
-    /// Of nothing, about the point of the hull.
-    fn about_apex<'v>(&self, vertices: &'v [Vec3]) -> MomentSum<'v> {
-        MomentSum::about(self.hull.moments.apex, vertices, self.wide)
+    /// Sums over a part's pieces of cut faces.
+    fn sum_pieces(&mut self, part: usize, out: &ConvexHull) -> Moments {
+        let (vertices, _) = self.numbers.parts[part].tables();
+        let (wide, pieces) = (self.wide, self.rim.pieces[part].iter());
+        self.sum(&out.vertices, |fans| {
+            fans.add(pieces);
+            fans.renumber(wide, vertices);
+        })
+    }
+
+    /// Sums over the cap of the part below; it is the same triangles in both parts, with the other side out.
+    fn sum_cap(&mut self, below: &ConvexHull) -> Moments {
+        let cap = below.faces.iter().rev().take(1);
+        let polygons = cap.map(|face| face.polygon(&below.loops));
+        self.sum(&below.vertices, |fans| fans.add(polygons))
+    }
+
+    /// Sums over polygons, about the point of the hull.
+    fn sum(&mut self, vertices: &[Vec3], fill: impl FnOnce(&mut Fans)) -> Moments {
+        self.fans.clear();
+        fill(self.fans);
+        self.fans.sum(self.hull.moments.apex, vertices, self.wide)
     }
 }
 

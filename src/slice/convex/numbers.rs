@@ -5,7 +5,7 @@ use super::classes::{BELOW, Classes};
 use super::rim::Rim;
 use super::select::{Selection, select_and_number};
 use crate::geometry::ConvexHull;
-use crate::geometry::lanes::wide::EdgeTable;
+use crate::geometry::lanes::wide::{Avx2, EdgeTable};
 
 /// What each part has of everything, and under which numbers.
 #[derive(Clone, Debug, Default)]
@@ -44,7 +44,14 @@ impl PartNumbers {
         }
     }
 
-    fn count(&mut self, hull: &ConvexHull, classes: &Classes, cuts: usize, part: usize) {
+    fn count(
+        &mut self,
+        hull: &ConvexHull,
+        classes: &Classes,
+        cuts: usize,
+        part: usize,
+        wide: Option<Avx2>,
+    ) {
         let vertices = hull.vertices.len();
         self.first_face = vertices + cuts;
         let last = self.first_face + hull.faces.len();
@@ -52,8 +59,14 @@ impl PartNumbers {
         let (of_vertices, of_faces) = self.table.split_at_mut(self.first_face);
         let (of_vertices, of_cuts) = of_vertices.split_at_mut(vertices);
         let of_hull = &mut of_faces[..hull.faces.len()];
-        select_and_number(&mut self.vertices, &classes.member_bits, part, of_vertices);
-        select_and_number(&mut self.faces, &classes.face_bits, part, of_hull);
+        select_and_number(
+            wide,
+            &mut self.vertices,
+            &classes.member_bits,
+            part,
+            of_vertices,
+        );
+        select_and_number(wide, &mut self.faces, &classes.face_bits, part, of_hull);
         let first_cut = self.vertices.len() as u32;
         for (number, cut) in of_cuts.iter_mut().zip(first_cut..) {
             *number = cut;
@@ -72,10 +85,11 @@ impl Numbers {
         hull: &ConvexHull,
         classes: &Classes,
         rim: &Rim,
+        wide: Option<Avx2>,
     ) -> Result<(), Irregular> {
         let cuts = rim.points.len();
         for (part, numbers) in self.parts.iter_mut().enumerate() {
-            numbers.count(hull, classes, cuts, part);
+            numbers.count(hull, classes, cuts, part, wide);
             let (vertices, faces) = (numbers.vertices.len() + cuts, numbers.faces.len() + 1);
             let mask = BELOW << part;
             let on = classes.on_edges.iter().filter(|e| e.parts.contains(&mask));

@@ -4,6 +4,8 @@
 //! elements of a group there is one bit each in two bytes, one byte for each part; what is wanted of them is a byte again,
 //! which names a row of a table.
 
+use crate::geometry::lanes::wide::{Avx2, Loop, run};
+
 /// Elements of a group.
 pub(super) const GROUP: usize = 8;
 
@@ -144,25 +146,51 @@ pub(super) fn select<const N: usize>(
 
 /// Selects from a list what a part has, and numbers it in order. The numbers of what it has not mean nothing.
 pub(super) fn select_and_number(
+    wide: Option<Avx2>,
     selection: &mut Selection,
     bits: &[Bits],
     part: usize,
     numbers: &mut [u32],
 ) {
-    let room = selection.restart(numbers.len());
-    let (groups, rest) = numbers.as_chunks_mut();
-    let (mut first, mut count) = (0, 0);
-    for (bits, numbers) in bits.iter().zip(groups) {
-        *numbers = sums(&RANKS[usize::from(bits[part])], count as u32);
-        count += push(&mut room[count..], first, bits[part]);
-        first += GROUP as u32;
+    let numbering = Numbering {
+        room: selection.restart(numbers.len()),
+        bits,
+        part,
+        numbers,
+    };
+    selection.count = run(wide, numbering);
+}
+
+/// What [`select_and_number`] works on.
+struct Numbering<'a> {
+    room: &'a mut [u32],
+    bits: &'a [Bits],
+    part: usize,
+    numbers: &'a mut [u32],
+}
+
+impl Loop for Numbering<'_> {
+    /// How many were selected.
+    type Output = usize;
+
+    #[inline(always)]
+    fn run(self) -> usize {
+        let (groups, rest) = self.numbers.as_chunks_mut();
+        let (mut first, mut count) = (0, 0);
+        for (bits, numbers) in self.bits.iter().zip(groups) {
+            let bits = bits[self.part];
+            *numbers = sums(&RANKS[usize::from(bits)], count as u32);
+            count += push(&mut self.room[count..], first, bits);
+            first += GROUP as u32;
+        }
+        if let (Some(bits), false) = (self.bits.last(), rest.is_empty()) {
+            let bits = bits[self.part];
+            let ranks = sums(&RANKS[usize::from(bits)], count as u32);
+            rest.copy_from_slice(&ranks[..rest.len()]);
+            count += push(&mut self.room[count..], first, bits);
+        }
+        count
     }
-    if let (Some(bits), false) = (bits.last(), rest.is_empty()) {
-        let ranks = sums(&RANKS[usize::from(bits[part])], count as u32);
-        rest.copy_from_slice(&ranks[..rest.len()]);
-        count += push(&mut room[count..], first, bits[part]);
-    }
-    selection.count = count;
 }
 
 /// Writes the elements of a group of which there are bits, and says how many. Behind them are others that are none, which
@@ -247,9 +275,9 @@ mod tests {
                 .map(|_| (dice.next_u32() >> 16) as u8 & 3)
                 .collect();
             collect(&sides, &mut bits);
-            for part in 0..2 {
+            for (part, wide) in [(0, None), (0, Avx2::find()), (1, None), (1, Avx2::find())] {
                 let mut numbers = vec![u32::MAX; count];
-                select_and_number(&mut selection, &bits, part, &mut numbers);
+                select_and_number(wide, &mut selection, &bits, part, &mut numbers);
                 let expected = indices_where(&sides, |side| side >> part & 1 == 1);
                 assert_eq!(selection.indices(), expected);
                 for (number, &index) in (0..).zip(&expected) {
