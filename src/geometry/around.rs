@@ -65,6 +65,17 @@ impl FacesAround {
 /// Most vertices of a hull have no more faces around them.
 const USUALLY_AROUND: usize = 8;
 
+/// Vertices that are copied as one block where they follow one another. Neighbours in the list of a hull are mostly neighbours
+/// in space, so that a plane leaves long runs of them on one side.
+const RUN: usize = 8;
+
+/// Whether the first of ascending vertices are a run.
+#[inline(always)]
+fn begins_with_run(vertices: &[u32]) -> bool {
+    let last = vertices.get(RUN - 1);
+    last.is_some_and(|&last| last - vertices[0] == RUN as u32 - 1)
+}
+
 /// Writes the faces around vertices, one vertex after the other.
 #[derive(Debug)]
 pub(crate) struct AroundWriter<'a> {
@@ -85,10 +96,23 @@ impl AroundWriter<'_> {
         self.ends = rest;
         let (firsts, all) = (&other.first[..], &other.faces[..]);
         let (room, mut written) = (&mut *self.faces, self.written);
-        let mut has_room = true;
-        for (&vertex, end) in vertices.iter().zip(ends) {
-            let first = firsts[vertex as usize] as usize;
-            let count = firsts[vertex as usize + 1] as usize - first;
+        let (mut has_room, mut place) = (true, 0);
+        while let Some(&vertex) = vertices.get(place) {
+            let vertex = vertex as usize;
+            let first = firsts[vertex] as usize;
+            if begins_with_run(&vertices[place..])
+                && let Some(run) = firsts[vertex + 1..].first_chunk::<RUN>()
+                && let Some(ends) = ends[place..].first_chunk_mut::<RUN>()
+                && let Some(to) = room.get_mut(written..written + run[RUN - 1] as usize - first)
+            {
+                to.copy_from_slice(&all[first..run[RUN - 1] as usize]);
+                let shift = (written as u32).wrapping_sub(first as u32);
+                *ends = run.map(|end| end.wrapping_add(shift));
+                written += to.len();
+                place += RUN;
+                continue;
+            }
+            let count = firsts[vertex + 1] as usize - first;
             if count <= USUALLY_AROUND
                 && let Some(from) = all.get(first..first + USUALLY_AROUND)
                 && let Some(to) = room.get_mut(written..written + USUALLY_AROUND)
@@ -101,10 +125,28 @@ impl AroundWriter<'_> {
                 has_room = false;
             }
             written += count;
-            *end = written as u32;
+            ends[place] = written as u32;
+            place += 1;
         }
         self.written = written;
         has_room
+    }
+
+    /// Writes the faces around vertices that have three each. False if there is no room left.
+    #[inline(always)]
+    pub(crate) fn push_threes(&mut self, threes: impl ExactSizeIterator<Item = [u32; 3]>) -> bool {
+        let to = (self.faces).get_mut(self.written..self.written + 3 * threes.len());
+        let ends = std::mem::take(&mut self.ends).split_at_mut_checked(threes.len());
+        let (Some(to), Some((ends, rest))) = (to, ends) else {
+            return false;
+        };
+        for ((three, to), end) in threes.zip(to.as_chunks_mut().0).zip(ends) {
+            *to = three;
+            self.written += 3;
+            *end = self.written as u32;
+        }
+        self.ends = rest;
+        true
     }
 
     /// Writes the faces around the next vertex, ascending. False if there is no room left.

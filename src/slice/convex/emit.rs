@@ -74,10 +74,11 @@ impl Writer<'_> {
             written = place + 1;
         }
         has_room &= around.copy(from, &old[written..]);
-        for edge in &self.rim.cut_edges {
+        let of_cuts = self.rim.cut_edges.iter().map(|edge| {
             let [a, b] = edge.faces;
-            has_room &= around.push(&[a.min(b), a.max(b), self.cap()]);
-        }
+            [a.min(b), a.max(b), self.cap()]
+        });
+        has_room &= around.push_threes(of_cuts);
         if has_room { Ok(()) } else { Err(Irregular) }
     }
 
@@ -127,23 +128,23 @@ impl Writer<'_> {
         out: &mut [Face],
         room: &mut [u32],
     ) -> Result<usize, Irregular> {
-        let (_, numbers) = self.numbers.tables();
-        let mut writer = FaceWriter {
-            hull: self.hull,
-            triangles: self.hull.only_triangles(),
+        let writer = FaceWriter {
+            faces: &self.hull.faces,
+            loops: &self.hull.loops,
+            old,
+            out,
             room,
+            place: 0,
             written: 0,
         };
-        let mut next = 0;
         let cut = self.classes.cut_faces.indices().iter();
-        for (&face, (piece, count)) in cut.zip(self.rim.pieces[self.part].iter()) {
-            let place = numbers[face as usize] as usize;
-            writer.write_whole(&old[next..place], &mut out[next..place])?;
-            out[place] = writer.write_face(face, piece, count)?;
-            next = place + 1;
+        let pieces = cut.zip(self.rim.pieces[self.part].iter());
+        if self.hull.only_triangles().is_some() {
+            writer.write_all::<3>(pieces, |face, _| (3 * face as usize, 3))
+        } else {
+            let loop_of = |_, old: &Face| (old.first as usize, old.count as usize);
+            writer.write_all::<USUAL_CORNERS>(pieces, loop_of)
         }
-        writer.write_whole(&old[next..], &mut out[next..])?;
-        Ok(writer.written)
     }
 
     /// Edges that the part has whole, halves of cut ones, edges on the plane, and chords.
@@ -185,87 +186,94 @@ impl Writer<'_> {
 
 /// Writes faces, one after the other.
 struct FaceWriter<'a> {
-    hull: &'a ConvexHull,
-    /// The loops of the hull, if all of them are triangles.
-    triangles: Option<&'a [[u32; 3]]>,
+    /// All faces of the hull.
+    faces: &'a [Face],
+    /// Their loops.
+    loops: &'a [u32],
+    /// Those that are to be written.
+    old: &'a [u32],
+    /// Room for as many faces.
+    out: &'a mut [Face],
     /// Room for all loops.
     room: &'a mut [u32],
+    /// Faces written.
+    place: usize,
     /// Corners written.
-    written: usize,
+    written: u32,
 }
 
-impl FaceWriter<'_> {
-    /// Writes a face of the hull with other corners, which stand at the front of a list.
-    #[inline]
-    fn write_face(&mut self, face: u32, from: &[u32], count: usize) -> Result<Face, Irregular> {
-        let first = self.written;
-        copy_corners(from, count, self.room, first)?;
-        self.written += count;
-        Ok(Face {
-            plane: self.hull.faces[face as usize].plane,
-            first: first as u32,
+impl<'a> FaceWriter<'a> {
+    /// Writes all faces, and says how many corners they have. Some are in pieces: lists that begin with the corners of a
+    /// piece, and how many it has. `loop_of` says where the loop of any other begins, and how many corners it has, mostly no
+    /// more than `N`.
+    ///
+    /// Kept apart, so that all that the loop needs stays in registers.
+    #[inline(never)]
+    fn write_all<const N: usize>(
+        mut self,
+        pieces: impl Iterator<Item = (&'a u32, (&'a [u32], usize))>,
+        loop_of: impl Fn(u32, &Face) -> (usize, usize),
+    ) -> Result<usize, Irregular> {
+        for (&face, (piece, count)) in pieces {
+            self.write_whole::<N>(face, &loop_of)?;
+            self.write::<USUAL_CORNERS>(face, piece, 0, count)?;
+        }
+        self.write_whole::<N>(u32::MAX, loop_of)?;
+        Ok(self.written as usize)
+    }
+
+    /// Writes the faces before `end`.
+    #[inline(always)]
+    fn write_whole<const N: usize>(
+        &mut self,
+        end: u32,
+        loop_of: impl Fn(u32, &Face) -> (usize, usize),
+    ) -> Result<(), Irregular> {
+        while let Some(&face) = self.old.get(self.place)
+            && face != end
+        {
+            let (first, count) = loop_of(face, &self.faces[face as usize]);
+            self.write::<N>(face, self.loops, first, count)?;
+        }
+        Ok(())
+    }
+
+    /// Writes a face with `count` corners, mostly no more than `N`, that stand in a list from `first` on.
+    #[inline(always)]
+    fn write<const N: usize>(
+        &mut self,
+        face: u32,
+        from: &[u32],
+        first: usize,
+        count: usize,
+    ) -> Result<(), Irregular> {
+        let written = self.written as usize;
+        if count <= N
+            && let Some(from) = from.get(first..first + N)
+            && let Some(to) = self.room.get_mut(written..written + N)
+        {
+            // More than there may be, which the next face writes over: there is no guessing how many corners it has.
+            to.copy_from_slice(from);
+        } else {
+            copy_many_corners(&from[first..][..count], self.room, written)?;
+        }
+        *self.out.get_mut(self.place).ok_or(Irregular)? = Face {
+            plane: self.faces[face as usize].plane,
+            first: self.written,
             count: count as u32,
-        })
-    }
-
-    /// Writes faces of the hull.
-    #[inline]
-    fn write_whole(&mut self, faces: &[u32], out: &mut [Face]) -> Result<(), Irregular> {
-        let Some(triangles) = self.triangles else {
-            return self.write_polygons(faces, out);
         };
-        let range = self.written..self.written + 3 * faces.len();
-        let room = self.room.get_mut(range).ok_or(Irregular)?;
-        let (old, mut first) = (&self.hull.faces[..], self.written as u32);
-        let room = room.as_chunks_mut().0;
-        for ((&face, out), corners) in faces.iter().zip(out).zip(room) {
-            *corners = triangles[face as usize];
-            *out = Face {
-                plane: old[face as usize].plane,
-                first,
-                count: 3,
-            };
-            first += 3;
-        }
-        self.written = first as usize;
-        Ok(())
-    }
-
-    /// Writes faces of the hull with any number of corners.
-    fn write_polygons(&mut self, faces: &[u32], out: &mut [Face]) -> Result<(), Irregular> {
-        for (&face, out) in faces.iter().zip(out) {
-            let old = &self.hull.faces[face as usize];
-            let corners = &self.hull.loops[old.range().start..];
-            *out = self.write_face(face, corners, old.count as usize)?;
-        }
+        self.written += count as u32;
+        self.place += 1;
         Ok(())
     }
 }
 
-/// Copies as many corners as said from the front of a list to place `written` of another.
-#[inline(always)]
-fn copy_corners(
-    from: &[u32],
-    count: usize,
-    room: &mut [u32],
-    written: usize,
-) -> Result<(), Irregular> {
-    let to = room.get_mut(written..).ok_or(Irregular)?;
-    if count <= USUAL_CORNERS
-        && let Some(from) = from.first_chunk::<USUAL_CORNERS>()
-        && let Some(to) = to.first_chunk_mut()
-    {
-        // More than there may be, which the next face writes over: there is no guessing how many corners it has.
-        *to = *from;
-        return Ok(());
-    }
-    copy_many_corners(&from[..count], to)
-}
-
-/// As [`copy_corners`], of a face with many corners or near the end of a list.
+/// Copies the corners of a face that has many, or that is near the end of a list.
 #[inline(never)]
-fn copy_many_corners(from: &[u32], to: &mut [u32]) -> Result<(), Irregular> {
-    let to = to.get_mut(..from.len()).ok_or(Irregular)?;
+fn copy_many_corners(from: &[u32], room: &mut [u32], written: usize) -> Result<(), Irregular> {
+    let to = room
+        .get_mut(written..written + from.len())
+        .ok_or(Irregular)?;
     to.copy_from_slice(from);
     Ok(())
 }
