@@ -1,9 +1,15 @@
 //! Where the manifolds of a batch are, kept from step to step while the same bodies touch at as many points.
+//!
+//! Domains are placed each for itself, and only those in which something has changed: in a large heap some contact comes or
+//! goes in every step, but in most of its domains none does.
 
 use super::blocks::Place;
 use super::colouring::Colouring;
 use super::lanes::WIDTH;
 use super::schedule::{ContactOrder, Filling, Schedule};
+use super::shares::Parts;
+use crate::parts::front;
+use crate::team::Team;
 use std::ops::Range;
 
 /// A manifold as a schedule sees it.
@@ -18,7 +24,7 @@ pub struct Joint {
 }
 
 /// What an arrangement is made by.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug)]
 pub struct Rule {
     /// How manifolds are put into blocks.
     pub order: ContactOrder,
@@ -31,17 +37,33 @@ pub struct Rule {
 /// Places of manifolds; buffers are reused.
 #[derive(Debug, Default)]
 pub struct Arrangement {
-    schedule: Schedule,
-    colouring: Colouring,
-    rule: Option<Rule>,
-    /// Those that are arranged.
     joints: Vec<Joint>,
-    /// Those that are to be.
-    new_joints: Vec<Joint>,
     /// Indices of joints, domain by domain, and where those of each domain end.
     order: Vec<u32>,
     ends: Vec<usize>,
+    /// Those that there are, and perhaps more.
+    domains: Vec<Domain>,
     outcome: Outcome,
+}
+
+/// A domain, and two ways to place its manifolds in blocks of its own.
+#[derive(Debug, Default)]
+struct Domain {
+    joints: Vec<Joint>,
+    /// Those that are to be.
+    new_joints: Vec<Joint>,
+    kept: Way<Schedule>,
+    coloured: Way<Colouring>,
+}
+
+/// A way to place the manifolds of a domain.
+#[derive(Debug, Default)]
+struct Way<F> {
+    filling: F,
+    /// By manifold.
+    places: Vec<Place>,
+    /// Whether these are those of the present joints.
+    is_made: bool,
 }
 
 /// What has come of it.
@@ -57,19 +79,26 @@ struct Outcome {
 
 impl Arrangement {
     /// Places manifolds, of which none is joined to the same body twice.
-    pub fn arrange(&mut self, joints: impl Iterator<Item = Joint>, rule: Rule) {
-        self.new_joints.clear();
-        self.new_joints.extend(joints);
-        if self.rule == Some(rule) && self.joints == self.new_joints {
-            return;
-        }
-        std::mem::swap(&mut self.joints, &mut self.new_joints);
-        // So that a scene that was as large before allocates nothing, whichever of the two lists it is in then.
-        self.new_joints.clear();
-        self.new_joints.reserve(self.joints.len());
-        self.rule = Some(rule);
+    pub fn arrange(
+        &mut self,
+        joints: impl Iterator<Item = Joint>,
+        rule: Rule,
+        team: Option<&Team>,
+    ) {
+        self.joints.clear();
+        self.joints.extend(joints);
         self.sort_by_domain(rule.domains);
-        self.place_manifolds(rule);
+        self.load_domains(team);
+        let is_coloured = match rule.order {
+            ContactOrder::Kept => false,
+            ContactOrder::Coloured => true,
+            ContactOrder::Automatic => {
+                let least = self.joints.len().div_ceil(WIDTH);
+                self.place(false, rule.bodies, team) > 2 * least
+            }
+        };
+        self.place(is_coloured, rule.bodies, team);
+        self.join(is_coloured);
     }
 
     /// Places of the manifolds, in their order.
@@ -111,61 +140,111 @@ impl Arrangement {
         }
     }
 
-    fn place_manifolds(&mut self, rule: Rule) {
-        let Self {
-            schedule,
-            colouring,
-            joints,
-            order,
+    /// Gives each domain its joints.
+    fn load_domains(&mut self, team: Option<&Team>) {
+        let count = self.ends.len().max(self.domains.len());
+        self.domains.resize_with(count, Domain::default);
+        let (joints, mut order, mut first) = (&self.joints, &self.order[..], 0);
+        let parts = self
+            .domains
+            .iter_mut()
+            .zip(&self.ends)
+            .map(|(domain, end)| {
+                let of_domain = front(&mut order, end - std::mem::replace(&mut first, *end));
+                (domain, of_domain)
+            });
+        let mut parts: Parts<_> = parts.collect();
+        Team::each(team, &mut parts, |(domain, order)| {
+            domain.load(order.iter().map(|&at| joints[at as usize]));
+        });
+    }
+
+    /// Places the manifolds of all domains in one way; returns the number of blocks.
+    fn place(&mut self, is_coloured: bool, bodies: usize, team: Option<&Team>) -> usize {
+        let domains = &mut self.domains[..self.ends.len()];
+        Team::each(team, domains, |domain| domain.place(is_coloured, bodies));
+        let blocks = domains
+            .iter()
+            .map(|domain| domain.blocks(is_coloured).len());
+        blocks.sum()
+    }
+
+    /// Puts the blocks of the domains one behind the other.
+    fn join(&mut self, is_coloured: bool) {
+        let Outcome {
+            places,
+            points,
             ends,
-            outcome,
-            ..
-        } = self;
-        let domains = Domains {
-            joints,
-            order,
-            ends,
-            bodies: rule.bodies,
-        };
-        if rule.order == ContactOrder::Coloured {
-            return domains.place(colouring, outcome);
-        }
-        domains.place(schedule, outcome);
-        let least = joints.len().div_ceil(WIDTH);
-        if rule.order == ContactOrder::Automatic && outcome.points.len() > 2 * least {
-            domains.place(colouring, outcome);
+        } = &mut self.outcome;
+        places.resize(self.joints.len(), Place::default());
+        points.clear();
+        ends.clear();
+        let mut order = self.order.iter();
+        for domain in &self.domains[..self.ends.len()] {
+            let first = points.len() as u32;
+            for (place, &at) in domain.places(is_coloured).iter().zip(&mut order) {
+                let block = first + place.block;
+                places[at as usize] = Place { block, ..*place };
+            }
+            points.extend_from_slice(domain.blocks(is_coloured));
+            ends.push(points.len());
         }
     }
 }
 
-/// Joints, sorted by domain.
-struct Domains<'a> {
-    joints: &'a [Joint],
-    order: &'a [u32],
-    ends: &'a [usize],
-    bodies: usize,
+impl Domain {
+    /// Takes its joints over; what is known of them is kept if they are the same.
+    fn load(&mut self, joints: impl Iterator<Item = Joint>) {
+        self.new_joints.clear();
+        self.new_joints.extend(joints);
+        if self.joints == self.new_joints {
+            return;
+        }
+        std::mem::swap(&mut self.joints, &mut self.new_joints);
+        // So that a scene that was as large before allocates nothing, whichever of the two lists it is in then.
+        self.new_joints.clear();
+        self.new_joints.reserve(self.joints.len());
+        (self.kept.is_made, self.coloured.is_made) = (false, false);
+    }
+
+    fn place(&mut self, is_coloured: bool, bodies: usize) {
+        if is_coloured {
+            self.coloured.make(&self.joints, bodies);
+        } else {
+            self.kept.make(&self.joints, bodies);
+        }
+    }
+
+    fn places(&self, is_coloured: bool) -> &[Place] {
+        if is_coloured {
+            &self.coloured.places
+        } else {
+            &self.kept.places
+        }
+    }
+
+    /// Of each block, the points of its largest manifold.
+    fn blocks(&self, is_coloured: bool) -> &[u16] {
+        if is_coloured {
+            self.coloured.filling.points_of_blocks()
+        } else {
+            self.kept.filling.points_of_blocks()
+        }
+    }
 }
 
-impl Domains<'_> {
-    /// Places the manifolds in one way, domain by domain.
-    fn place(&self, filling: &mut impl Filling, outcome: &mut Outcome) {
-        filling.begin(self.bodies);
-        outcome.places.resize(self.joints.len(), Place::default());
-        outcome.ends.clear();
-        let mut first = 0;
-        for &end in self.ends {
-            let domain = &self.order[first..end];
-            for &at in domain {
-                let Joint { bodies, points, .. } = self.joints[at as usize];
-                filling.add(bodies, points);
-            }
-            for (&at, place) in domain.iter().zip(filling.end_domain()) {
-                outcome.places[at as usize] = place;
-            }
-            outcome.ends.push(filling.points_of_blocks().len());
-            first = end;
+impl<F: Filling> Way<F> {
+    /// Places the manifolds of joints between `bodies` bodies, unless that is done.
+    fn make(&mut self, joints: &[Joint], bodies: usize) {
+        if self.is_made {
+            return;
         }
-        outcome.points.clear();
-        outcome.points.extend_from_slice(filling.points_of_blocks());
+        self.is_made = true;
+        self.filling.begin(bodies);
+        for joint in joints {
+            self.filling.add(joint.bodies, joint.points);
+        }
+        self.places.clear();
+        self.places.extend(self.filling.place());
     }
 }

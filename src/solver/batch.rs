@@ -165,15 +165,15 @@ impl Batch {
         } = *step;
         self.clear();
         self.settings = settings.for_demand(demand);
-        let has_copies = team.is_some();
         let layout = &mut self.layout;
-        let is_kept = layout.number(islands, range.clone(), bodies, &self.settings, has_copies);
+        let is_kept = layout.number(islands, range.clone(), bodies, &self.settings, team);
         self.load_bodies(bodies);
         self.may_break = may_break;
         if !is_kept {
             let (blocks, points) = (&mut self.blocks, &mut self.points);
-            let layout = &mut self.layout;
-            layout.place(islands, range.clone(), &self.bodies, blocks, points);
+            let (layout, order) = (&mut self.layout, self.settings.config.order);
+            layout.place(islands, range.clone(), &self.bodies, order, team);
+            layout.name(&self.bodies, blocks, points, team);
         }
         self.load_copies();
         for member in 0..self.layout.members.len() {

@@ -23,11 +23,10 @@ struct Coloured {
 /// Colours manifolds and places them; buffers are reused.
 #[derive(Debug, Default)]
 pub struct Colouring {
-    /// By body: the colours of its manifolds in this domain.
+    /// By body: the colours of its manifolds.
     taken: Vec<u32>,
-    /// Manifolds of this domain.
-    domain: Vec<Coloured>,
-    /// By block, of this domain and those before it: points of its largest manifold.
+    manifolds: Vec<Coloured>,
+    /// By block: points of its largest manifold.
     points: Vec<u16>,
 }
 
@@ -35,7 +34,7 @@ impl Filling for Colouring {
     fn begin(&mut self, bodies: usize) {
         self.taken.clear();
         self.taken.resize(bodies, 0);
-        self.domain.clear();
+        self.manifolds.clear();
         self.points.clear();
     }
 
@@ -48,21 +47,18 @@ impl Filling for Colouring {
                 self.taken[body] |= 1 << colour;
             }
         }
-        self.domain.push(Coloured {
+        self.manifolds.push(Coloured {
             colour: colour.min(COLOURS) as u8,
             points: count as u8,
         });
     }
 
-    fn end_domain(&mut self) -> impl Iterator<Item = Place> {
-        let mut next = first_lanes(&self.domain, self.points.len() * WIDTH);
+    fn place(&mut self) -> impl Iterator<Item = Place> {
+        let mut next = first_lanes(&self.manifolds);
         let Self {
-            taken,
-            domain,
-            points,
+            manifolds, points, ..
         } = self;
-        taken.fill(0);
-        domain.drain(..).map(
+        manifolds.drain(..).map(
             move |Coloured {
                       colour,
                       points: count,
@@ -89,13 +85,13 @@ impl Filling for Colouring {
     }
 }
 
-/// By colour and number of points: the first of all lanes, those before `from` being taken, that such a manifold gets.
-fn first_lanes(manifolds: &[Coloured], from: usize) -> [[usize; MAX_POINTS + 1]; COLOURS + 1] {
+/// By colour and number of points: the first of all lanes that such a manifold gets.
+fn first_lanes(manifolds: &[Coloured]) -> [[usize; MAX_POINTS + 1]; COLOURS + 1] {
     let mut lanes = [[0; MAX_POINTS + 1]; COLOURS + 1];
     for manifold in manifolds {
         lanes[usize::from(manifold.colour)][usize::from(manifold.points)] += 1;
     }
-    let mut end = from;
+    let mut end = 0_usize;
     for (colour, counts) in lanes.iter_mut().enumerate() {
         end = end.next_multiple_of(WIDTH);
         let size = if colour == COLOURS { WIDTH } else { 1 };

@@ -11,6 +11,7 @@ use super::demand::SubstepSettings;
 use super::domains::{self, Domains};
 use super::islands::{Island, Islands};
 use super::schedule::ContactOrder;
+use crate::team::Team;
 use std::ops::Range;
 
 /// An island of a batch.
@@ -32,7 +33,7 @@ struct Origin {
     range: Range<usize>,
     order: ContactOrder,
     method: Method,
-    has_copies: bool,
+    has_team: bool,
 }
 
 /// Who is where in a batch.
@@ -59,14 +60,14 @@ pub struct Layout {
 
 impl Layout {
     /// Numbers the bodies of the islands in `range`, unless the layout is theirs already; tells whether it is. If not, the
-    /// manifolds are still to be [placed](Self::place). `has_copies`: whether domains are to have copies of fixed bodies.
+    /// manifolds are still to be [placed](Self::place) and [named](Self::name). With a `team`, domains have their own copies of fixed bodies.
     pub(super) fn number(
         &mut self,
         islands: &Islands,
         range: Range<usize>,
         bodies: &Bodies,
         settings: &SubstepSettings,
-        has_copies: bool,
+        team: Option<&Team>,
     ) -> bool {
         let config = &settings.config;
         let origin = Some(Origin {
@@ -74,7 +75,7 @@ impl Layout {
             range: range.clone(),
             order: config.order,
             method: config.method,
-            has_copies,
+            has_team: team.is_some(),
         });
         let is_cut_as_before = match &islands.list[range.clone()] {
             [island] => self.cut(island, islands, bodies, settings),
@@ -130,36 +131,15 @@ impl Layout {
         self.cuts.sort(&mut self.slots, &mut self.pairs);
     }
 
-    /// Gives each manifold of the islands in `range` a lane, and makes the blocks. `bodies`: by number, of which the last is
-    /// idle, for the lanes that are not used.
+    /// Gives each manifold of the islands in `range` a lane. `bodies`: by number, of which the last is idle, for the lanes that
+    /// are not used.
     pub(super) fn place(
         &mut self,
         islands: &Islands,
         range: Range<usize>,
         bodies: &[SolverBody],
-        blocks: &mut Vec<Block>,
-        points: &mut Vec<Point>,
-    ) {
-        let origin = self.origin.as_ref().expect("bodies have numbers");
-        let (order, has_copies) = (origin.order, origin.has_copies);
-        self.place_manifolds(islands, range, bodies, order);
-        self.make_blocks(blocks, points);
-        for (pair, &(index, place)) in self.pairs.iter().zip(&self.places) {
-            let block = &mut blocks[place.block as usize];
-            block.put(place.lane as usize, index, *pair);
-        }
-        self.originals.clear();
-        if has_copies {
-            self.name_copies(bodies, blocks);
-        }
-    }
-
-    fn place_manifolds(
-        &mut self,
-        islands: &Islands,
-        range: Range<usize>,
-        bodies: &[SolverBody],
         order: ContactOrder,
+        team: Option<&Team>,
     ) {
         let rule = Rule {
             order,
@@ -179,7 +159,7 @@ impl Layout {
                 domain: cuts.of(bodies),
             }
         });
-        self.arrangement.arrange(joints, rule);
+        self.arrangement.arrange(joints, rule, team);
         let names = of_batch.map(|at| islands.manifolds[at]);
         let places = self.arrangement.places().iter().copied();
         self.places.clear();
@@ -188,8 +168,15 @@ impl Layout {
         self.domains.extend(self.arrangement.domains());
     }
 
-    /// Makes blocks with empty lanes. What they hold from another step is overwritten when they are filled.
-    fn make_blocks(&self, blocks: &mut Vec<Block>, points: &mut Vec<Point>) {
+    /// Makes the blocks: names the bodies and manifolds of their lanes. What else they hold from another step is overwritten
+    /// when they are filled.
+    pub(super) fn name(
+        &mut self,
+        bodies: &[SolverBody],
+        blocks: &mut Vec<Block>,
+        points: &mut Vec<Point>,
+        team: Option<&Team>,
+    ) {
         let idle = self.slots.len() as u32;
         let counts = self.arrangement.points_of_blocks();
         blocks.resize_with(counts.len(), Block::default);
@@ -199,6 +186,14 @@ impl Layout {
             end += count;
         }
         points.resize(end, Point::default());
+        for (pair, &(index, place)) in self.pairs.iter().zip(&self.places) {
+            let block = &mut blocks[place.block as usize];
+            block.put(place.lane as usize, index, *pair);
+        }
+        self.originals.clear();
+        if team.is_some() {
+            self.name_copies(bodies, blocks);
+        }
     }
 
     /// Gives each domain its own copies of the fixed bodies and of the idle one, so that domains of a stage, which different

@@ -26,16 +26,14 @@ pub enum ContactOrder {
 
 /// A way to put manifolds into blocks.
 pub trait Filling {
-    /// Forgets the blocks. `bodies` is how many bodies there are.
+    /// Forgets the manifolds and blocks. `bodies` is how many bodies there are.
     fn begin(&mut self, bodies: usize);
 
-    /// Takes the next manifold of a domain, with `count` points, which joins these bodies; those that contacts do not move are
-    /// `None`.
+    /// Takes the next manifold, with `count` points, which joins these bodies; those that contacts do not move are `None`.
     fn add(&mut self, bodies: [Option<u32>; 2], count: u32);
 
-    /// Places the manifolds that were added since the last domain ended, in blocks of their own behind all others; returns
-    /// their places in the order in which they came.
-    fn end_domain(&mut self) -> impl Iterator<Item = Place>;
+    /// Places the manifolds that were added; returns their places in the order in which they came.
+    fn place(&mut self) -> impl Iterator<Item = Place>;
 
     /// Of each block, the points of its largest manifold.
     fn points_of_blocks(&self) -> &[u16];
@@ -59,14 +57,13 @@ struct Waiting {
 /// Places manifolds in their order; buffers are reused.
 #[derive(Debug, Default)]
 pub struct Schedule {
-    /// By body: the last manifold of this domain that joins it, times two, plus which of its bodies that is.
+    /// By body: the last manifold that joins it, times two, plus which of its bodies that is.
     last: Vec<u32>,
-    /// Manifolds of this domain.
-    domain: Vec<Waiting>,
+    manifolds: Vec<Waiting>,
     /// By number of points: manifolds that wait for none, as they came to that, and how many of them are placed.
     ready: [Vec<u32>; MAX_POINTS + 1],
     placed: [usize; MAX_POINTS + 1],
-    /// By block, of this domain and those before it: points of its largest manifold.
+    /// By block: points of its largest manifold.
     points: Vec<u16>,
 }
 
@@ -74,7 +71,7 @@ impl Filling for Schedule {
     fn begin(&mut self, bodies: usize) {
         self.last.clear();
         self.last.resize(bodies, NONE);
-        self.domain.clear();
+        self.manifolds.clear();
         self.points.clear();
     }
 
@@ -85,24 +82,23 @@ impl Filling for Schedule {
             points: count as u8,
             place: Place::default(),
         };
-        let index = self.domain.len() as u32;
+        let index = self.manifolds.len() as u32;
         for (side, body) in bodies.into_iter().enumerate() {
             let Some(body) = body else { continue };
             let last = &mut self.last[body as usize];
             if *last != NONE {
-                self.domain[(*last / 2) as usize].next[(*last % 2) as usize] = index;
+                self.manifolds[(*last / 2) as usize].next[(*last % 2) as usize] = index;
                 manifold.waits += 1;
             }
             *last = 2 * index + side as u32;
         }
-        self.domain.push(manifold);
+        self.manifolds.push(manifold);
     }
 
-    fn end_domain(&mut self) -> impl Iterator<Item = Place> {
-        self.last.fill(NONE);
+    fn place(&mut self) -> impl Iterator<Item = Place> {
         self.ready.iter_mut().for_each(Vec::clear);
         self.placed = [0; MAX_POINTS + 1];
-        for (index, manifold) in (0..).zip(&self.domain) {
+        for (index, manifold) in (0..).zip(&self.manifolds) {
             if manifold.waits == 0 {
                 self.ready[usize::from(manifold.points)].push(index);
             }
@@ -110,7 +106,7 @@ impl Filling for Schedule {
         while let Some(points) = self.most_ready() {
             self.fill_block(points);
         }
-        self.domain.drain(..).map(|manifold| manifold.place)
+        self.manifolds.drain(..).map(|manifold| manifold.place)
     }
 
     fn points_of_blocks(&self) -> &[u16] {
@@ -143,7 +139,7 @@ impl Schedule {
             used += more;
         }
         for (lane, &index) in taken[..used].iter().enumerate() {
-            let manifold = &mut self.domain[index as usize];
+            let manifold = &mut self.manifolds[index as usize];
             manifold.place = Place {
                 block,
                 lane: lane as u16,
@@ -160,7 +156,7 @@ impl Schedule {
         if index == NONE {
             return;
         }
-        let manifold = &mut self.domain[index as usize];
+        let manifold = &mut self.manifolds[index as usize];
         manifold.waits -= 1;
         if manifold.waits == 0 {
             self.ready[usize::from(manifold.points)].push(index);

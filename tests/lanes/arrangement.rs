@@ -55,9 +55,9 @@ proptest! {
         let mut rule = random_rule(&mut dice, bodies);
         let mut kept = Arrangement::default();
         for _ in 0..12 {
-            kept.arrange(joints.iter().copied(), rule);
+            kept.arrange(joints.iter().copied(), rule, None);
             let mut fresh = Arrangement::default();
-            fresh.arrange(joints.iter().copied(), rule);
+            fresh.arrange(joints.iter().copied(), rule, None);
             prop_assert_eq!(outcome(&kept), outcome(&fresh));
             match dice.below(5) {
                 0 => joints.push(random_joint(&mut dice, bodies)),
@@ -94,7 +94,7 @@ proptest! {
         let order = [ContactOrder::Kept, ContactOrder::Coloured][dice.below(2)];
         let mut arrangement = Arrangement::default();
         let domains = cuts.count();
-        arrangement.arrange(joints.iter().copied(), Rule { order, bodies, domains });
+        arrangement.arrange(joints.iter().copied(), Rule { order, bodies, domains }, None);
         let (places, ranges, points) = outcome(&arrangement);
         prop_assert_eq!(ranges.len(), domains);
         prop_assert_eq!(ranges.iter().map(Range::len).sum::<usize>(), points.len());

@@ -144,7 +144,7 @@ impl Blocks {
             let moves = |body: &u32| scene.bodies[*body as usize].inverse_mass > 0.0;
             schedule.add([m.a, m.b].map(|body| Some(body).filter(moves)), m.count);
         }
-        let places: Vec<Place> = schedule.end_domain().collect();
+        let places: Vec<Place> = schedule.place().collect();
         let mut blocks = Vec::new();
         let mut count = 0;
         for points in schedule

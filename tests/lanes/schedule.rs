@@ -20,7 +20,7 @@ fn place_all(
     for &(pair, count) in joints {
         filling.add(pair, count);
     }
-    let places = filling.end_domain().collect();
+    let places = filling.place().collect();
     let points = filling.points_of_blocks().iter();
     (places, points.map(|&count| usize::from(count)).collect())
 }
@@ -144,12 +144,12 @@ fn same_joints_after_others_are_placed_as_if_there_had_been_none() {
             for i in 0..dice.below(50) as u32 {
                 filling.add([Some(i), Some(i + 1)], 1);
             }
-            drop(filling.end_domain());
+            drop(filling.place());
             filling.begin(10);
             for body in [0, 1, 0] {
                 filling.add([Some(body), Some(body + 2)], 2);
             }
-            places.push(filling.end_domain().collect());
+            places.push(filling.place().collect());
         }
         assert!(places.iter().all(|p| *p == places[0]), "{places:?}");
     }
