@@ -47,6 +47,8 @@ pub struct Domains {
     /// By old number of a body: its new one.
     renamed: Vec<u32>,
     old_slots: Vec<u32>,
+    /// By number of a body: its centre, m, if contacts move it.
+    centres: Vec<Option<Vec3>>,
     /// By half that is being cut.
     cuts: Vec<Cut>,
 }
@@ -117,17 +119,19 @@ impl Domains {
     /// them.
     pub fn cut(
         &mut self,
-        centres: impl Iterator<Item = Option<Vec3>> + Clone,
+        centres: impl Iterator<Item = Option<Vec3>>,
         gravity: Vec3,
         leaves: usize,
     ) -> bool {
+        self.centres.clear();
+        self.centres.extend(centres);
         self.new_leaf.clear();
-        self.new_leaf.extend(centres.clone().map(|_| 0));
+        self.new_leaf.resize(self.centres.len(), 0);
         for level in 0..leaves.ilog2() {
-            self.halve(centres.clone(), gravity, 1 << level);
+            self.halve(gravity, 1 << level);
         }
         let mut ends = [0; MOST_LEAVES];
-        for (leaf, centre) in self.new_leaf.iter_mut().zip(centres) {
+        for (leaf, centre) in self.new_leaf.iter_mut().zip(&self.centres) {
             match centre {
                 Some(_) => ends[*leaf as usize] += 1,
                 None => *leaf = leaves as u8,
@@ -182,20 +186,16 @@ impl Domains {
     }
 
     /// Cuts each of `count` parts in two.
-    fn halve(
-        &mut self,
-        centres: impl Iterator<Item = Option<Vec3>> + Clone,
-        gravity: Vec3,
-        count: usize,
-    ) {
+    fn halve(&mut self, gravity: Vec3, count: usize) {
         let Self {
             new_leaf: leaf,
+            centres,
             cuts,
             ..
         } = self;
         cuts.clear();
         cuts.resize(count, Cut::default());
-        for (leaf, centre) in leaf.iter().zip(centres.clone()) {
+        for (leaf, &centre) in leaf.iter().zip(&*centres) {
             if let Some(centre) = centre {
                 let cut = &mut cuts[*leaf as usize];
                 cut.min = cut.min.min(centre);
@@ -203,7 +203,7 @@ impl Domains {
             }
         }
         cuts.iter_mut().for_each(|cut| cut.choose_axis(gravity));
-        for (leaf, centre) in leaf.iter().zip(centres.clone()) {
+        for (leaf, &centre) in leaf.iter().zip(&*centres) {
             if let Some(centre) = centre {
                 let cut = &mut cuts[*leaf as usize];
                 let slab = cut.slab_of(centre);
@@ -211,7 +211,7 @@ impl Domains {
             }
         }
         cuts.iter_mut().for_each(Cut::choose_slab);
-        for (leaf, centre) in leaf.iter_mut().zip(centres) {
+        for (leaf, centre) in leaf.iter_mut().zip(&*centres) {
             let cut = &cuts[*leaf as usize];
             let is_second = centre.is_some_and(|centre| cut.slab_of(centre) >= cut.slab);
             *leaf = 2 * *leaf + u8::from(is_second);
