@@ -195,8 +195,6 @@ pub(crate) struct PairState {
     /// Unit vector from A to B, A's frame, along which the bodies were apart.
     axis: Option<Vec3>,
     sight: Sight,
-    /// How far the bodies may slide along the face that they touch with, m.
-    slide: f32,
     pub(crate) friction: f32,
     pub(crate) restitution: f32,
     pub(crate) patch: BoundPatch,
@@ -235,7 +233,8 @@ impl PairView<'_> {
         let sight = Sight::of(a, b);
         let motion = sight.motion_since(&state.sight, a.radius.min(b.radius));
         let mut moved = motion.length();
-        if moved > term.tolerance && moved + term.tolerance <= state.slide {
+        let slide = state.patch.slide.min(SLIDE * smaller_extent(self.paces));
+        if moved > term.tolerance && moved + term.tolerance <= slide {
             // What a slide changes, with all that the quick look lets pass after this, is nothing.
             let normal = state.patch.normal_for(a.radius < b.radius, sight.rotation);
             moved = motion.along(normal);
@@ -265,16 +264,13 @@ impl PairView<'_> {
     pub(crate) fn set_apart(&mut self, axis: Vec3, distance: f32) {
         self.note(false, f32::INFINITY, distance);
         self.state.axis = Some(axis);
-        self.state.slide = 0.0;
     }
 
     /// Notes the patch that a test now found, which holds all points up to `reach` (m).
     pub(crate) fn set_near(&mut self, patch: BoundPatch, reach: f32) {
-        let extent = smaller_extent(self.paces);
-        let [least, most] = [RECYCLE_UNSTEADY, RECYCLE].map(|s| s * extent);
+        let [least, most] = [RECYCLE_UNSTEADY, RECYCLE].map(|s| s * smaller_extent(self.paces));
         self.note(patch.count > 0, patch.steady.clamp(least, most), reach);
         self.state.axis = None;
-        self.state.slide = patch.slide.min(SLIDE * extent);
         self.state.patch = patch;
     }
 

@@ -163,10 +163,8 @@ impl Arrangement {
     fn place(&mut self, is_coloured: bool, bodies: usize, team: Option<&Team>) -> usize {
         let domains = &mut self.domains[..self.ends.len()];
         Team::each(team, domains, |domain| domain.place(is_coloured, bodies));
-        let blocks = domains
-            .iter()
-            .map(|domain| domain.blocks(is_coloured).len());
-        blocks.sum()
+        let blocks = domains.iter().map(|domain| domain.placed(is_coloured).1);
+        blocks.map(<[u16]>::len).sum()
     }
 
     /// Puts the blocks of the domains one behind the other.
@@ -181,12 +179,13 @@ impl Arrangement {
         ends.clear();
         let mut order = self.order.iter();
         for domain in &self.domains[..self.ends.len()] {
+            let (of_manifolds, of_blocks) = domain.placed(is_coloured);
             let first = points.len() as u32;
-            for (place, &at) in domain.places(is_coloured).iter().zip(&mut order) {
+            for (place, &at) in of_manifolds.iter().zip(&mut order) {
                 let block = first + place.block;
                 places[at as usize] = Place { block, ..*place };
             }
-            points.extend_from_slice(domain.blocks(is_coloured));
+            points.extend_from_slice(of_blocks);
             ends.push(points.len());
         }
     }
@@ -215,20 +214,12 @@ impl Domain {
         }
     }
 
-    fn places(&self, is_coloured: bool) -> &[Place] {
+    /// Places of its manifolds and, of each block, the points of its largest manifold.
+    fn placed(&self, is_coloured: bool) -> (&[Place], &[u16]) {
         if is_coloured {
-            &self.coloured.places
+            self.coloured.placed()
         } else {
-            &self.kept.places
-        }
-    }
-
-    /// Of each block, the points of its largest manifold.
-    fn blocks(&self, is_coloured: bool) -> &[u16] {
-        if is_coloured {
-            self.coloured.filling.points_of_blocks()
-        } else {
-            self.kept.filling.points_of_blocks()
+            self.kept.placed()
         }
     }
 }
@@ -246,5 +237,9 @@ impl<F: Filling> Way<F> {
         }
         self.places.clear();
         self.places.extend(self.filling.place());
+    }
+
+    fn placed(&self) -> (&[Place], &[u16]) {
+        (&self.places, self.filling.points_of_blocks())
     }
 }

@@ -60,7 +60,8 @@ pub struct Layout {
 
 impl Layout {
     /// Numbers the bodies of the islands in `range`, unless the layout is theirs already; tells whether it is. If not, the
-    /// manifolds are still to be [placed](Self::place) and [named](Self::name). With a `team`, domains have their own copies of fixed bodies.
+    /// manifolds are still to be [placed](Self::place) and [named](Self::name). With a `team`, domains have their own copies of
+    /// fixed bodies.
     pub(super) fn number(
         &mut self,
         islands: &Islands,
