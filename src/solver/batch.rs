@@ -8,7 +8,7 @@ use super::blocks::{Block, Blow, Place, Point, Solid};
 use super::bodies::{Bodies, SolverBody};
 use super::demand::{Demand, Effort, SubstepSettings};
 use super::exact::ExactScratch;
-use super::fill::{Source, derive, derive_stale, fill};
+use super::fill::{Source, derive_stale, fill};
 use super::follow::{Following, Start, Turn};
 use super::islands::{Islands, MovingPair};
 use super::lanes::F8;
@@ -144,6 +144,8 @@ pub(super) struct BatchScratch {
     pub(super) rows: Vec<PointRows>,
     /// Inverse inertia tensors of a batch, for the exact method.
     pub(super) inertia: Vec<Mat3>,
+    /// By body: its velocities at the start of the sub-step, then what contacts have added to them; empty if that is not known.
+    pub(super) gains: Vec<SolverBody>,
     /// Velocities without contact impulses.
     pub(super) free: Vec<SolverBody>,
     /// Velocities at the start of the step, if a body may break.
@@ -228,7 +230,6 @@ impl Batch {
         let mut parts: Parts<_> = parts.collect();
         Team::each(team, &mut parts, |(blocks, points, starts)| {
             fill(blocks, points, source, width);
-            derive(blocks, points, source.solids, width);
             for (start, point) in starts.iter_mut().zip(points.iter()) {
                 *start = Start::of(point);
             }

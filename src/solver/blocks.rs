@@ -160,7 +160,8 @@ impl Default for Block {
 
 /// A vector of one lane.
 pub fn vector(lanes: &[F8; 3], lane: usize) -> Vec3 {
-    Vec3::from(lanes.each_ref().map(|x| x.0[lane]))
+    let [x, y, z] = lanes;
+    Vec3::new(x.0[lane], y.0[lane], z.0[lane])
 }
 
 /// Sets a vector of one lane.
@@ -244,10 +245,14 @@ impl Point {
     /// Writes what the last sub-step found back into the contact point: as impulses of a whole step.
     pub fn store(&self, lane: usize, block: &Block, point: &mut ContactPoint, substeps: u32) {
         let n = substeps as f32;
-        let [normal, t1, t2] = self.impulse.map(|lanes| lanes.0[lane]);
-        let directions = [0, 1].map(|k| vector(&block.tangents[k], lane));
+        let Vec3 {
+            x: normal,
+            y: t1,
+            z: t2,
+        } = vector(&self.impulse, lane);
+        let [d1, d2] = &block.tangents;
         point.normal_impulse = n * normal;
-        point.friction_impulse = n * (directions[0] * t1 + directions[1] * t2);
+        point.friction_impulse = n * (vector(d1, lane) * t1 + vector(d2, lane) * t2);
         point.total_impulse = self.total.0[lane] + normal;
     }
 }

@@ -23,8 +23,7 @@ pub struct Source<'a> {
     pub slop: f32,
 }
 
-/// Fills blocks, whose bodies and manifolds are known, and their points, which are all of `points`; masses come with
-/// [`derive()`].
+/// Fills blocks, whose bodies and manifolds are known, and their points, which are all of `points`.
 pub fn fill(blocks: &mut [Block], points: &mut [Point], source: Source<'_>, width: LaneWidth) {
     let kernel = Fill {
         blocks,
@@ -34,13 +33,8 @@ pub fn fill(blocks: &mut [Block], points: &mut [Point], source: Source<'_>, widt
     run(width, kernel);
 }
 
-/// Computes masses and couplings of the points of blocks, which are all of `points`, from anchors and inertias.
-pub fn derive(blocks: &mut [Block], points: &mut [Point], solids: &[Solid], width: LaneWidth) {
-    let all = std::iter::repeat(true);
-    derive_stale(blocks, points, solids, all, width);
-}
-
-/// As [`derive()`], for those blocks of which `is_stale` says so, one after the other.
+/// Computes masses and couplings of the points of blocks, which are all of `points`, anew from anchors and inertias: for
+/// those blocks of which `is_stale` says so, one after the other.
 pub(super) fn derive_stale(
     blocks: &mut [Block],
     points: &mut [Point],
@@ -96,6 +90,11 @@ impl Kernel for Fill<'_> {
             let (points, after) = rest.split_at_mut(block.points.len());
             rest = after;
             fill_block::<L>(block, points, &self.source);
+            let [a, b] = load_masses::<L>(block, self.source.solids);
+            let extent = a.min(b);
+            (L::splat(self.source.slop) * extent).store(&mut block.slop);
+            (L::splat(1.0) / extent.sqrt()).store(&mut block.speed_scale);
+            derive::<L>(block, points);
         }
     }
 }
@@ -122,10 +121,6 @@ fn fill_block<L: Lanes>(block: &mut Block, points: &mut [Point], source: &Source
     t2.store(&mut block.tangents[1]);
     friction.store(&mut block.friction);
     restitution.store(&mut block.restitution);
-    let extents = [0, 1].map(|side| source.extents(&block.bodies[side]));
-    let extent = L::load(&extents[0]).min(L::load(&extents[1]));
-    (L::splat(source.slop) * extent).store(&mut block.slop);
-    (L::splat(1.0) / extent.sqrt()).store(&mut block.speed_scale);
     for (k, point) in points.iter_mut().enumerate() {
         let [ax, ay, az, bx, by, bz, gap, _] = L::columns(&geometry[k]);
         V3([ax, ay, az]).store(&mut point.anchors[0]);
@@ -146,13 +141,6 @@ fn fill_block<L: Lanes>(block: &mut Block, points: &mut [Point], source: &Source
             .store(&mut point.impulse[2]);
         zero.store(&mut point.wanted);
         zero.store(&mut point.total);
-    }
-}
-
-impl Source<'_> {
-    /// Least extents of the bodies in lanes.
-    fn extents(&self, bodies: &[u32; WIDTH]) -> F8 {
-        F8(bodies.map(|body| self.solids[body as usize].extent()))
     }
 }
 
@@ -186,36 +174,43 @@ impl<S: Iterator<Item = bool>> Kernel for Derive<'_, S> {
         for (block, is_stale) in self.blocks.iter_mut().zip(self.is_stale) {
             let (points, after) = rest.split_at_mut(block.points.len());
             rest = after;
-            if !is_stale {
-                continue;
-            }
-            load_masses::<L>(block, self.solids);
-            let pair = Masses::<L>::load(block);
-            let mass = pair.mass[0] + pair.mass[1];
-            let normal = V3::<L>::load(&block.normal);
-            let (t1, t2) = (V3::load(&block.tangents[0]), V3::load(&block.tangents[1]));
-            for point in points {
-                let arms = load_anchors(point);
-                let along_normal = pair.turns(&arms, normal);
-                let of_normal = pair.effect(&arms, normal, &along_normal);
-                let of_t1 = pair.effect(&arms, t1, &pair.turns(&arms, t1));
-                let of_t2 = pair.effect(&arms, t2, &pair.turns(&arms, t2));
-                inverse(mass + of_normal).store(&mut point.normal_mass);
-                inverse(mass + of_t1.max(of_t2)).store(&mut point.tangent_mass);
-                let of_both = pair.effect(&arms, t1, &along_normal);
-                of_both.store(&mut point.coupling[0]);
-                let of_both = pair.effect(&arms, t2, &along_normal);
-                of_both.store(&mut point.coupling[1]);
+            if is_stale {
+                load_masses::<L>(block, self.solids);
+                derive::<L>(block, points);
             }
         }
     }
 }
 
-/// Copies masses and inertias of the bodies into a block.
+/// Computes masses and couplings of the points of a block.
 #[inline(always)]
-fn load_masses<L: Lanes>(block: &mut Block, solids: &[Solid]) {
-    for side in 0..2 {
-        let [xx, yy, zz, xy, xz, yz, mass, _] = L::gather(solids, &block.bodies[side]);
+fn derive<L: Lanes>(block: &Block, points: &mut [Point]) {
+    let pair = Masses::<L>::load(block);
+    let mass = pair.mass[0] + pair.mass[1];
+    let normal = V3::<L>::load(&block.normal);
+    let (t1, t2) = (V3::load(&block.tangents[0]), V3::load(&block.tangents[1]));
+    for point in points {
+        let arms = load_anchors(point);
+        let along_normal = pair.turns(&arms, normal);
+        let of_normal = pair.effect(&arms, normal, &along_normal);
+        let of_t1 = pair.effect(&arms, t1, &pair.turns(&arms, t1));
+        let of_t2 = pair.effect(&arms, t2, &pair.turns(&arms, t2));
+        inverse(mass + of_normal).store(&mut point.normal_mass);
+        inverse(mass + of_t1.max(of_t2)).store(&mut point.tangent_mass);
+        let of_both = pair.effect(&arms, t1, &along_normal);
+        of_both.store(&mut point.coupling[0]);
+        let of_both = pair.effect(&arms, t2, &along_normal);
+        of_both.store(&mut point.coupling[1]);
+    }
+}
+
+/// Copies masses and inertias of the bodies into a block; returns their least extents.
+#[inline(always)]
+fn load_masses<L: Lanes>(block: &mut Block, solids: &[Solid]) -> [L; 2] {
+    let mut extents = [L::splat(0.0); 2];
+    for (side, least_extent) in extents.iter_mut().enumerate() {
+        let [xx, yy, zz, xy, xz, yz, mass, extent] = L::gather(solids, &block.bodies[side]);
+        *least_extent = extent;
         mass.store(&mut block.inverse_mass[side]);
         let six = &mut block.inverse_inertia[side];
         xx.store(&mut six[0]);
@@ -225,6 +220,7 @@ fn load_masses<L: Lanes>(block: &mut Block, solids: &[Solid]) {
         xz.store(&mut six[4]);
         yz.store(&mut six[5]);
     }
+    extents
 }
 
 /// `1 / x`, or 0.

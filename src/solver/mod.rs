@@ -50,6 +50,7 @@ pub mod substeps;
 pub mod sweep;
 pub mod ties;
 mod triple;
+mod warm_start;
 
 pub use lanes::LaneWidth;
 pub use schedule::ContactOrder;

@@ -1,4 +1,5 @@
-//! What comes before the sweeps of a sub-step: targets and warm start.
+//! What comes before the sweeps of a sub-step: targets and warm start. Targets may also be set on the way, by the first
+//! sweep, which has all that they follow from at hand.
 
 use super::blocks::{Block, Point, load_anchors};
 use super::bodies::SolverBody;
@@ -9,35 +10,15 @@ use super::ties::{RATE, Tie};
 use super::triple::V3;
 use std::cell::Cell;
 
-/// Targets, warm start, or both.
-pub(super) struct Prepare<'a, 'c, const TARGETS: bool, const WARM: bool, const TIED: bool> {
-    contacts: &'a mut Contacts<'c>,
-    ties: &'a mut [Tie],
-    feedback: Feedback,
-    first: bool,
+/// Sets the wanted velocities; see [`Pass::Targets`](super::sweep::Pass::Targets).
+pub(super) struct Targets<'a, 'c, const TIED: bool> {
+    pub(super) contacts: &'a mut Contacts<'c>,
+    pub(super) ties: &'a mut [Tie],
+    pub(super) feedback: Feedback,
+    pub(super) first: bool,
 }
 
-impl<'a, 'c, const TARGETS: bool, const WARM: bool, const TIED: bool>
-    Prepare<'a, 'c, TARGETS, WARM, TIED>
-{
-    pub(super) fn new(
-        contacts: &'a mut Contacts<'c>,
-        ties: &'a mut [Tie],
-        feedback: Feedback,
-        first: bool,
-    ) -> Self {
-        Self {
-            contacts,
-            ties,
-            feedback,
-            first,
-        }
-    }
-}
-
-impl<const TARGETS: bool, const WARM: bool, const TIED: bool> Kernel
-    for Prepare<'_, '_, TARGETS, WARM, TIED>
-{
+impl<const TIED: bool> Kernel for Targets<'_, '_, TIED> {
     type Output = f32;
 
     #[inline(always)]
@@ -46,50 +27,80 @@ impl<const TARGETS: bool, const WARM: bool, const TIED: bool> Kernel
             blocks,
             points,
             first_point,
-            bodies,
             displacements,
             ..
         } = self.contacts;
+        let aim = Aim::<L>::new(displacements, &self.feedback, self.first);
         for block in blocks.iter() {
             let start = block.points.start - *first_point;
             let range = start..start + block.points.len();
             let points = &mut points[range.clone()];
-            if TARGETS {
-                targets::<L>(block, points, displacements, &self.feedback, self.first);
+            let of_block = aim.of_block(block);
+            for point in points.iter_mut() {
+                aim.at(&of_block, &load_anchors(point), point);
             }
-            if TARGETS && TIED {
+            if TIED {
                 let ties = &mut self.ties[range];
                 tie_targets::<L>(block, points, ties, displacements, &self.feedback);
-            }
-            if WARM {
-                warm_start::<L>(block, points, bodies);
             }
         }
         0.0
     }
 }
 
-#[inline(always)]
-fn targets<L: Lanes>(
-    block: &Block,
-    points: &mut [Point],
-    displacements: &[Cell<SolverBody>],
-    feedback: &Feedback,
+/// What the wanted velocities follow from, besides the contacts.
+pub(super) struct Aim<'a, L> {
+    displacements: &'a [Cell<SolverBody>],
+    rate: L,
+    most: L,
+    /// -1 / length of the sub-step, 1/s.
+    closing: L,
     first: bool,
-) {
-    let moved = Pair::<L>::gather(displacements, block);
-    let (zero, rate) = (L::splat(0.0), L::splat(feedback.rate));
-    let (closing, most) = (L::splat(-1.0 / feedback.h), L::splat(feedback.most));
-    let normal = V3::<L>::load(&block.normal);
-    let slop = L::load(&block.slop);
-    for point in points {
-        let shift = moved.relative(&load_anchors(point));
-        let gap = L::load(&point.separation) + normal.dot(shift);
-        let overlap = zero - gap - slop;
-        let push = (rate * overlap.max(zero)).min(most);
-        gap.if_above(zero, gap * closing, push)
+}
+
+/// What of it is the same for all points of a block.
+pub(super) struct BlockAim<L> {
+    moved: Pair<L>,
+    normal: V3<L>,
+    slop: L,
+}
+
+impl<'a, L: Lanes> Aim<'a, L> {
+    #[inline(always)]
+    pub(super) fn new(
+        displacements: &'a [Cell<SolverBody>],
+        feedback: &Feedback,
+        first: bool,
+    ) -> Self {
+        Self {
+            displacements,
+            rate: L::splat(feedback.rate),
+            most: L::splat(feedback.most),
+            closing: L::splat(-1.0 / feedback.h),
+            first,
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn of_block(&self, block: &Block) -> BlockAim<L> {
+        BlockAim {
+            moved: Pair::gather(self.displacements, block),
+            normal: V3::load(&block.normal),
+            slop: L::load(&block.slop),
+        }
+    }
+
+    /// Sets the wanted velocity of a point; of a sub-step that is not the first, the impulse of the one before goes to the total.
+    #[inline(always)]
+    pub(super) fn at(&self, of_block: &BlockAim<L>, anchors: &[V3<L>; 2], point: &mut Point) {
+        let zero = L::splat(0.0);
+        let shift = of_block.moved.relative(anchors);
+        let gap = L::load(&point.separation) + of_block.normal.dot(shift);
+        let overlap = zero - gap - of_block.slop;
+        let push = (self.rate * overlap.max(zero)).min(self.most);
+        gap.if_above(zero, gap * self.closing, push)
             .store(&mut point.wanted);
-        if !first {
+        if !self.first {
             let total = L::load(&point.total) + L::load(&point.impulse[0]);
             total.store(&mut point.total);
         }
@@ -126,8 +137,33 @@ fn tie_targets<L: Lanes>(
     }
 }
 
+/// Gives bodies what the impulses of points are worth, `share` times; see [`Pass::Warm`](super::sweep::Pass::Warm).
+pub(super) struct Warm<'a, B> {
+    pub(super) blocks: B,
+    /// Points of the blocks, and what the blocks call the first of them.
+    pub(super) points: &'a [Point],
+    pub(super) first_point: usize,
+    pub(super) bodies: &'a [Cell<SolverBody>],
+    pub(super) share: f32,
+}
+
+impl<'a, B: Iterator<Item = &'a Block>> Kernel for Warm<'_, B> {
+    type Output = f32;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> f32 {
+        let share = L::splat(self.share);
+        for block in self.blocks {
+            let start = block.points.start - self.first_point;
+            let points = &self.points[start..start + block.points.len()];
+            warm_start(block, points, self.bodies, share);
+        }
+        0.0
+    }
+}
+
 #[inline(always)]
-fn warm_start<L: Lanes>(block: &Block, points: &[Point], bodies: &[Cell<SolverBody>]) {
+fn warm_start<L: Lanes>(block: &Block, points: &[Point], bodies: &[Cell<SolverBody>], share: L) {
     let frame = Frame::<L>::load(block);
     let zero = V3([L::splat(0.0); 3]);
     let (mut linear, mut angular) = (zero, [zero; 2]);
@@ -141,6 +177,8 @@ fn warm_start<L: Lanes>(block: &Block, points: &[Point], bodies: &[Cell<SolverBo
         ];
     }
     let mut pair = Pair::<L>::gather(bodies, block);
-    pair.apply(&Masses::load(block), linear, angular);
+    let [of_a, of_b] = angular;
+    let angular = [of_a.times(share), of_b.times(share)];
+    pair.apply(&Masses::load(block), linear.times(share), angular);
     pair.scatter(bodies, block);
 }

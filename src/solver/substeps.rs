@@ -20,11 +20,10 @@ use super::demand::{Effort, SubstepSettings};
 use super::domains;
 use super::shift::Shift;
 use super::soft_step::Softness;
-use super::sweep::{Contacts, Pass};
+use super::sweep::{Contacts, Feedback, Pass, cells};
 use super::{Method, SolverConfig};
 use crate::contact::manifold::Manifold;
 use crate::team::{Shared, Team};
-use std::cell::Cell;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Rebounds are solved until no row changes by more than this share of the fastest one.
@@ -44,12 +43,14 @@ const MOST_TURN: f32 = 0.05;
 enum SweepKind {
     /// With position feedback.
     Solve(Softness),
+    /// The same, where wanted velocities are to be set on the way.
+    SolveFrom {
+        feedback: Feedback,
+        first: bool,
+        softness: Softness,
+    },
     /// Without.
     Relax,
-}
-
-fn cells<T>(list: &mut [T]) -> &[Cell<T>] {
-    Cell::from_mut(list).as_slice_of_cells()
 }
 
 impl Batch {
@@ -58,9 +59,10 @@ impl Batch {
         let settings = &{ self.settings };
         let mut effort = self.effort;
         let effort = &mut effort;
+        self.forget_gains();
         for substep in 0..settings.config.substeps {
             if substep > 0 {
-                self.follow_motion(f32::INFINITY, team);
+                self.follow_with_gains(team);
             }
             effort.begin(settings.config.substeps - substep);
             self.apply_gravity(settings);
@@ -69,6 +71,7 @@ impl Batch {
             } else {
                 self.solve_substep(substep == 0, manifolds, effort, team);
             }
+            self.note_gains();
             self.turn_bodies(settings.h, team);
             let is_last = substep + 1 == settings.config.substeps;
             if (is_last || self.may_break && self.can_hit()) && self.find_overloaded() {
@@ -154,8 +157,17 @@ impl Batch {
         let config = &settings.config;
         let tolerance = self.tolerance(config, MOVING_TOLERANCE, 0.0);
         let feedback = settings.feedback();
-        self.pass(Pass::Begin { feedback, first }, team);
-        let solve = SweepKind::Solve(settings.softness());
+        let softness = settings.softness();
+        let mut solve = SweepKind::SolveFrom {
+            feedback,
+            first,
+            softness,
+        };
+        if config.sweeps == 0 || !self.ties.is_empty() {
+            self.pass(Pass::Targets { feedback, first }, team);
+            solve = SweepKind::Solve(softness);
+        }
+        self.warm_start(team);
         self.sweep(config.sweeps, solve, tolerance, effort, team);
         self.move_bodies(settings, manifolds);
         self.relax(settings, tolerance, effort, team);
@@ -183,7 +195,7 @@ impl Batch {
             self.keep_free_velocities();
             self.solve_exactly(config, effort);
         } else {
-            self.pass(Pass::Warm, team);
+            self.warm_start(team);
             let solve = SweepKind::Solve(settings.softness());
             self.sweep(config.sweeps, solve, tolerance, effort, team);
         }
@@ -195,6 +207,7 @@ impl Batch {
         self.relax(settings, tolerance, effort, team);
         if hits.any {
             self.forget_blows(config.restitution_threshold);
+            self.forget_gains();
         }
     }
 
@@ -306,7 +319,19 @@ impl Batch {
             done += 1;
             let measure = tolerance.is_some() && done >= least;
             let pass = match kind {
-                SweepKind::Solve(softness) => Pass::Solve { softness, measure },
+                SweepKind::SolveFrom {
+                    feedback,
+                    first,
+                    softness,
+                } if done == 1 => Pass::SolveFirst {
+                    feedback,
+                    first,
+                    softness,
+                    measure,
+                },
+                SweepKind::Solve(softness) | SweepKind::SolveFrom { softness, .. } => {
+                    Pass::Solve { softness, measure }
+                }
                 SweepKind::Relax => Pass::Relax { measure },
             };
             change = self.pass(pass, team);

@@ -11,7 +11,7 @@ use super::bodies::SolverBody;
 use super::extrapolate::Extrapolate;
 use super::lane_pair::{Frame, Masses, Pair, load_three, project, store_three};
 use super::lanes::{F8, Kernel, LaneWidth, Lanes, run};
-use super::prepare::Prepare;
+use super::prepare::{Aim, Targets, Warm};
 use super::soft_step::Softness;
 use super::ties::{Bounds, Tie};
 use std::cell::Cell;
@@ -61,16 +61,21 @@ pub enum Pass {
     },
     /// Adds `M^-1 J^T lambda` of the impulses found in the points to the velocities: the warm start.
     Warm,
-    /// Both at once.
-    Begin {
+    /// One sweep with position feedback, friction before the normal. With `measure`, tells the largest velocity change of a row
+    /// in units of its [speed scale](super::rows::PointRows::speed_scale), else 0.
+    Solve {
+        /// Compliance.
+        softness: Softness,
+        /// Whether to measure.
+        measure: bool,
+    },
+    /// [`Targets`](Self::Targets) and the first [`Solve`](Self::Solve) in one go through the contacts, with the same outcome;
+    /// not where there are bonds.
+    SolveFirst {
         /// How overlap is pushed out.
         feedback: Feedback,
         /// Whether the step begins.
         first: bool,
-    },
-    /// One sweep with position feedback, friction before the normal. With `measure`, tells the largest velocity change of a row
-    /// in units of its [speed scale](super::rows::PointRows::speed_scale), else 0.
-    Solve {
         /// Compliance.
         softness: Softness,
         /// Whether to measure.
@@ -91,6 +96,11 @@ pub enum Pass {
     },
 }
 
+/// The elements of a list, for passes.
+pub(super) fn cells<T>(list: &mut [T]) -> &[Cell<T>] {
+    Cell::from_mut(list).as_slice_of_cells()
+}
+
 impl Contacts<'_> {
     /// Does a pass; returns the largest velocity change if it is measured, else 0. `last`: where the impulses were before an
     /// extrapolation, and then where they are; of no use to other passes.
@@ -108,17 +118,43 @@ impl Contacts<'_> {
         let contacts = self;
         match pass {
             Pass::Targets { feedback, first } => {
-                let prepare = Prepare::<true, false, TIED>::new(contacts, ties, feedback, first);
-                run(width, prepare)
+                let targets = Targets::<TIED> {
+                    contacts,
+                    ties,
+                    feedback,
+                    first,
+                };
+                run(width, targets)
             }
             Pass::Warm => {
-                let none = Feedback::NONE;
-                let prepare = Prepare::<false, true, TIED>::new(contacts, ties, none, true);
-                run(width, prepare)
+                let warm = Warm {
+                    blocks: contacts.blocks.iter(),
+                    points: contacts.points,
+                    first_point: contacts.first_point,
+                    bodies: contacts.bodies,
+                    share: 1.0,
+                };
+                run(width, warm)
             }
-            Pass::Begin { feedback, first } => {
-                let prepare = Prepare::<true, true, TIED>::new(contacts, ties, feedback, first);
-                run(width, prepare)
+            Pass::SolveFirst {
+                feedback,
+                first,
+                softness,
+                measure,
+            } => {
+                debug_assert!(!TIED, "bonds have targets of their own");
+                let sweep = Sweep::<false> {
+                    contacts,
+                    ties: &mut [],
+                    measure,
+                };
+                let solve = SolveFirst {
+                    sweep,
+                    softness,
+                    feedback,
+                    first,
+                };
+                run(width, solve)
             }
             Pass::Solve { softness, measure } => {
                 let sweep = Sweep::<TIED> {
@@ -149,14 +185,6 @@ impl Contacts<'_> {
     }
 }
 
-impl Feedback {
-    const NONE: Self = Self {
-        h: 1.0,
-        rate: 0.0,
-        most: 0.0,
-    };
-}
-
 /// What the two sweeps have in common.
 struct Sweep<'a, 'c, const TIED: bool> {
     contacts: &'a mut Contacts<'c>,
@@ -165,29 +193,42 @@ struct Sweep<'a, 'c, const TIED: bool> {
 }
 
 impl<const TIED: bool> Sweep<'_, '_, TIED> {
-    /// Solves each point of each block by a rule.
+    /// Solves each point of each block by a rule, with `aims` once their wanted velocities have been set: by
+    /// these `feedback` and `first` of [`Pass::Targets`].
     #[inline(always)]
-    fn each_point<L: Lanes, R: Rule<L>>(self, rule: &R) -> f32 {
+    fn each_point<L: Lanes, R: Rule<L>>(self, rule: &R, aims: Option<(Feedback, bool)>) -> f32 {
         let Contacts {
             blocks,
             points,
             first_point,
             blows,
             bodies,
+            displacements,
             friction: model,
             ..
         } = self.contacts;
+        let aim = match &aims {
+            Some((feedback, first)) => Some(Aim::<L>::new(displacements, feedback, *first)),
+            None => None,
+        };
         let zero = L::splat(0.0);
         let mut largest = zero;
         for block in blocks.iter() {
             let (frame, masses) = (Frame::<L>::load(block), Masses::load(block));
             let friction = L::load(&block.friction);
             let mut pair = Pair::<L>::gather(bodies, block);
+            let of_block = match &aim {
+                Some(aim) => Some(aim.of_block(block)),
+                None => None,
+            };
             let mut change = zero;
             let start = block.points.start - *first_point;
             for i in start..start + block.points.len() {
                 let point = &mut points[i];
                 let anchors = load_anchors(point);
+                if let (Some(aim), Some(of_block)) = (&aim, &of_block) {
+                    aim.at(of_block, &anchors, point);
+                }
                 let velocity = pair.relative(&anchors);
                 let mut state = State::<L, TIED> {
                     velocity: [
@@ -296,6 +337,14 @@ struct Feeding<L> {
 }
 
 impl<L: Lanes> Feeding<L> {
+    #[inline(always)]
+    fn new(softness: Softness) -> Self {
+        Self {
+            mass_scale: L::splat(softness.mass_scale),
+            keep: L::splat(1.0 - softness.release),
+        }
+    }
+
     /// Friction that stops the point or, where it is bonded, takes it back as softly as the normal does.
     #[inline(always)]
     fn friction<const TIED: bool>(&self, state: &State<'_, L, TIED>) -> [L; 2] {
@@ -364,12 +413,25 @@ impl<const TIED: bool> Kernel for Solve<'_, '_, TIED> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> f32 {
-        let softness = self.1;
-        let rule = Feeding {
-            mass_scale: L::splat(softness.mass_scale),
-            keep: L::splat(1.0 - softness.release),
-        };
-        self.0.each_point::<L, _>(&rule)
+        self.0.each_point::<L, _>(&Feeding::new(self.1), None)
+    }
+}
+
+struct SolveFirst<'a, 'c> {
+    sweep: Sweep<'a, 'c, false>,
+    softness: Softness,
+    feedback: Feedback,
+    first: bool,
+}
+
+impl Kernel for SolveFirst<'_, '_> {
+    type Output = f32;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> f32 {
+        let aims = Some((self.feedback, self.first));
+        let rule = Feeding::new(self.softness);
+        self.sweep.each_point::<L, _>(&rule, aims)
     }
 }
 
@@ -380,6 +442,6 @@ impl<const TIED: bool> Kernel for Relax<'_, '_, TIED> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> f32 {
-        self.0.each_point::<L, _>(&Settling)
+        self.0.each_point::<L, _>(&Settling, None)
     }
 }

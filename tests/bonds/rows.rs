@@ -6,7 +6,7 @@ use bevy_cleave::math::tangents;
 use bevy_cleave::solver::FrictionModel;
 use bevy_cleave::solver::blocks::{Block, Point, Solid};
 use bevy_cleave::solver::bodies::SolverBody;
-use bevy_cleave::solver::fill::{Source, derive, fill};
+use bevy_cleave::solver::fill::{Source, fill};
 use bevy_cleave::solver::lanes::{F8, LaneWidth, WIDTH};
 use bevy_cleave::solver::pgs;
 use bevy_cleave::solver::rows::PointRows;
@@ -81,7 +81,6 @@ impl Scene {
             slop: 0.0,
         };
         fill(&mut blocks, &mut points, source, LaneWidth::One);
-        derive(&mut blocks, &mut points, &solids, LaneWidth::One);
         let mut ties = vec![Tie::default(); MAX_POINTS];
         for lane in 0..WIDTH {
             if dice.below(2) == 0 {

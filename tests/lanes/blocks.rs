@@ -6,7 +6,7 @@ use bevy_cleave::contact::manifold::{ContactPoint, MAX_POINTS, Manifold};
 use bevy_cleave::math::tangents;
 use bevy_cleave::solver::blocks::{Block, Place, Point, Solid};
 use bevy_cleave::solver::bodies::SolverBody;
-use bevy_cleave::solver::fill::{Source, derive, fill};
+use bevy_cleave::solver::fill::{Source, fill};
 use bevy_cleave::solver::lanes::{F8, LaneWidth};
 use bevy_cleave::solver::rows::{PointRows, Side};
 use bevy_cleave::solver::schedule::{Filling, Schedule};
@@ -169,7 +169,6 @@ impl Blocks {
             slop: SLOP,
         };
         fill(&mut blocks, &mut points, source, width);
-        derive(&mut blocks, &mut points, &scene.solids, width);
         Self {
             places,
             blocks,
@@ -237,8 +236,13 @@ impl Blocks {
         let (feedback, measure, weight) = (FEEDBACK, true, 0.5);
         let mut do_pass = |pass| self.pass(pass, &mut displacements, &mut last);
         let (first, later) = (true, false);
-        do_pass(Pass::Begin { feedback, first });
-        let solved = do_pass(Pass::Solve { softness, measure });
+        do_pass(Pass::Warm);
+        let solved = do_pass(Pass::SolveFirst {
+            feedback,
+            first,
+            softness,
+            measure,
+        });
         do_pass(Pass::Extrapolate { weight });
         let first = later;
         do_pass(Pass::Targets { feedback, first });

@@ -1,0 +1,85 @@
+//! The warm start of a sub-step.
+//!
+//! In the first sub-step of a step the contacts are asked for it, `v += M^-1 J^T lambda`. Later their answer is known before:
+//! a sub-step begins without their impulses and ends with `lambda`, so what they have done to the bodies since it began is
+//!
+//! ```text
+//! v_end - v_begin = M^-1 J^T lambda
+//! ```
+//!
+//! To add that again takes one look at each body instead of one at each contact. Where rows are [pointed
+//! anew](super::follow) in between, their part is taken out by the old rows and added by the new ones.
+
+use super::batch::Batch;
+use super::bodies::SolverBody;
+use super::lanes::run;
+use super::prepare::Warm;
+use super::sweep::{Pass, cells};
+use crate::team::Team;
+
+/// Of so many blocks, one may follow the motion; if more do, all contacts are asked in each sub-step.
+const BLOCKS_PER_FOLLOWING: usize = 8;
+
+impl Batch {
+    /// Gives the bodies what the impulses of the sub-step before are worth.
+    pub(super) fn warm_start(&mut self, team: Option<&Team>) {
+        let gains = &mut self.scratch.gains;
+        if gains.is_empty() {
+            gains.extend_from_slice(&self.bodies);
+            self.pass(Pass::Warm, team);
+            return;
+        }
+        for (body, gain) in self.bodies.iter_mut().zip(gains) {
+            let begin = *body;
+            body.linear += gain.linear;
+            body.angular += gain.angular;
+            *gain = begin;
+        }
+    }
+
+    /// Ends a sub-step that began with a [warm start](Self::warm_start): finds what contacts have given to the bodies.
+    pub(super) fn note_gains(&mut self) {
+        for (gain, body) in self.scratch.gains.iter_mut().zip(&self.bodies) {
+            *gain = SolverBody {
+                linear: body.linear - gain.linear,
+                angular: body.angular - gain.angular,
+                ..*body
+            };
+        }
+    }
+
+    /// Has the contacts asked at the next warm start, because their impulses are no longer what the sub-step found.
+    pub(super) fn forget_gains(&mut self) {
+        self.scratch.gains.clear();
+    }
+
+    /// [Points](Self::follow_motion) the rows of moving manifolds anew, between two sub-steps.
+    pub(super) fn follow_with_gains(&mut self, team: Option<&Team>) {
+        if self.moving.is_empty() {
+            return;
+        }
+        let follow = self.following.iter().filter(|following| following.any);
+        if BLOCKS_PER_FOLLOWING * follow.count() > self.blocks.len() {
+            self.forget_gains();
+        }
+        self.add_to_gains(-1.0);
+        self.follow_motion(f32::INFINITY, team);
+        self.add_to_gains(1.0);
+    }
+
+    /// Adds `share` times what the impulses of following blocks are worth to the gains, if these are known.
+    fn add_to_gains(&mut self, share: f32) {
+        if self.scratch.gains.is_empty() {
+            return;
+        }
+        let blocks = self.blocks.iter().zip(&self.following);
+        let warm = Warm {
+            blocks: blocks.filter_map(|(block, following)| following.any.then_some(block)),
+            points: &self.points,
+            first_point: 0,
+            bodies: cells(&mut self.scratch.gains),
+            share,
+        };
+        run(self.settings.config.lane_width, warm);
+    }
+}
