@@ -88,7 +88,8 @@ impl Source {
         self.load(&mut batch);
         let feedback = self.settings().feedback();
         let first = true;
-        batch.pass(Pass::Begin { feedback, first }, None);
+        batch.pass(Pass::Targets { feedback, first }, None);
+        batch.pass(Pass::Warm, None);
         batch
     }
 }

@@ -56,7 +56,11 @@ const ALL: [Kernel; 21] = [
     ("cache warm start: pile of 100", "point", || cache(true)),
     ("cache store: pile of 100", "point", || cache(false)),
     ("batch load: pyramid of 10", "point", batch_load),
-    ("warm start and targets: pyramid of 10", "point", begin),
+    (
+        "first sweep with targets: pyramid of 10",
+        "point",
+        first_sweep,
+    ),
     ("solve sweep: widest lanes", "point", || {
         solve(LaneWidth::Widest)
     }),
@@ -224,18 +228,16 @@ fn batch_load() -> Work {
     (source.points(), Box::new(move || source.load(&mut batch)))
 }
 
-fn begin() -> Work {
+fn first_sweep() -> Work {
     let source = source();
     let mut batch = source.batch();
-    let feedback = batch.settings.feedback();
-    let first = false;
-    let work = move || {
-        pass(
-            &mut batch,
-            LaneWidth::Widest,
-            Pass::Begin { feedback, first },
-        )
+    let of_step = Pass::SolveFirst {
+        feedback: batch.settings.feedback(),
+        first: false,
+        softness: Softness::new(&four_substeps(), H / 4.0),
+        measure: false,
     };
+    let work = move || pass(&mut batch, LaneWidth::Widest, of_step);
     (source.points(), Box::new(work))
 }
 

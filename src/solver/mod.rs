@@ -35,6 +35,7 @@ pub mod layout;
 pub mod limit;
 pub mod mlcp;
 pub mod momentum;
+mod passive;
 pub mod pgs;
 mod prepare;
 mod rehearsal;

@@ -7,10 +7,11 @@
 //! ```text
 //! for each sub-step of h seconds:
 //!   v += h g
-//!   s -> wanted velocities, compliance, rebounds
-//!   solve                      impulses, warm started from the sub-step before
+//!   warm start                 the impulses of the sub-step before
+//!   solve                      s -> wanted velocities, compliance, rebounds; then impulses
 //!   q += h v
 //!   relax                      takes the velocity that pushed overlap out from the bodies again; impacts rebound
+//!   passive                    where that was not all, no energy stays
 //! ```
 
 use super::batch::{Batch, BatchScratch};
@@ -71,7 +72,6 @@ impl Batch {
             } else {
                 self.solve_substep(substep == 0, manifolds, effort, team);
             }
-            self.note_gains();
             self.turn_bodies(settings.h, team);
             let is_last = substep + 1 == settings.config.substeps;
             if (is_last || self.may_break && self.can_hit()) && self.find_overloaded() {
@@ -171,6 +171,7 @@ impl Batch {
         self.sweep(config.sweeps, solve, tolerance, effort, team);
         self.move_bodies(settings, manifolds);
         self.relax(settings, tolerance, effort, team);
+        self.note_gains();
     }
 
     /// From targets to the relaxed velocities of a sub-step.
@@ -205,6 +206,7 @@ impl Batch {
             self.follow_motion(MOST_TURN / settings.h, team);
         }
         self.relax(settings, tolerance, effort, team);
+        self.note_gains();
         if hits.any {
             self.forget_blows(config.restitution_threshold);
             self.forget_gains();

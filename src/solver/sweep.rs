@@ -193,40 +193,31 @@ struct Sweep<'a, 'c, const TIED: bool> {
 }
 
 impl<const TIED: bool> Sweep<'_, '_, TIED> {
-    /// Solves each point of each block by a rule, with `aims` once their wanted velocities have been set: by
-    /// these `feedback` and `first` of [`Pass::Targets`].
+    /// Solves each point of each block by a rule, after its wanted velocity has been set if there is an `aim`.
     #[inline(always)]
-    fn each_point<L: Lanes, R: Rule<L>>(self, rule: &R, aims: Option<(Feedback, bool)>) -> f32 {
+    fn each_point<L: Lanes, R: Rule<L>>(self, rule: &R, aim: Option<&Aim<'_, L>>) -> f32 {
         let Contacts {
             blocks,
             points,
             first_point,
             blows,
             bodies,
-            displacements,
             friction: model,
             ..
         } = self.contacts;
-        let aim = match &aims {
-            Some((feedback, first)) => Some(Aim::<L>::new(displacements, feedback, *first)),
-            None => None,
-        };
         let zero = L::splat(0.0);
         let mut largest = zero;
         for block in blocks.iter() {
             let (frame, masses) = (Frame::<L>::load(block), Masses::load(block));
             let friction = L::load(&block.friction);
             let mut pair = Pair::<L>::gather(bodies, block);
-            let of_block = match &aim {
-                Some(aim) => Some(aim.of_block(block)),
-                None => None,
-            };
+            let aim = aim.map(|aim| (aim, aim.of_block(block)));
             let mut change = zero;
             let start = block.points.start - *first_point;
             for i in start..start + block.points.len() {
                 let point = &mut points[i];
                 let anchors = load_anchors(point);
-                if let (Some(aim), Some(of_block)) = (&aim, &of_block) {
+                if let Some((aim, of_block)) = &aim {
                     aim.at(of_block, &anchors, point);
                 }
                 let velocity = pair.relative(&anchors);
@@ -429,9 +420,10 @@ impl Kernel for SolveFirst<'_, '_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> f32 {
-        let aims = Some((self.feedback, self.first));
+        let displacements = self.sweep.contacts.displacements;
+        let aim = Aim::<L>::new(displacements, &self.feedback, self.first);
         let rule = Feeding::new(self.softness);
-        self.sweep.each_point::<L, _>(&rule, aims)
+        self.sweep.each_point::<L, _>(&rule, Some(&aim))
     }
 }
 

@@ -11,11 +11,12 @@
 //! anew](super::follow) in between, their part is taken out by the old rows and added by the new ones.
 
 use super::batch::Batch;
-use super::bodies::SolverBody;
 use super::lanes::run;
+use super::passive::{LinearSums, Sums};
 use super::prepare::Warm;
 use super::sweep::{Pass, cells};
 use crate::team::Team;
+use std::ops::Range;
 
 /// Of so many blocks, one may follow the motion; if more do, all contacts are asked in each sub-step.
 const BLOCKS_PER_FOLLOWING: usize = 8;
@@ -37,15 +38,32 @@ impl Batch {
         }
     }
 
-    /// Ends a sub-step that began with a [warm start](Self::warm_start): finds what contacts have given to the bodies.
+    /// Ends a sub-step that began with a [warm start](Self::warm_start): finds what contacts have given to the bodies, which
+    /// is no [energy](super::passive).
     pub(super) fn note_gains(&mut self) {
-        for (gain, body) in self.scratch.gains.iter_mut().zip(&self.bodies) {
-            *gain = SolverBody {
-                linear: body.linear - gain.linear,
-                angular: body.angular - gain.angular,
-                ..*body
-            };
+        if self.scratch.gains.is_empty() {
+            return;
         }
+        let mut members = std::mem::take(&mut self.layout.members);
+        for member in &members {
+            let linear = self.note_gains_of(member.bodies.clone());
+            self.keep_passive(member, linear);
+        }
+        let others = members.last().map_or(0, |member| member.bodies.end);
+        self.note_gains_of(others..self.bodies.len());
+        std::mem::swap(&mut self.layout.members, &mut members);
+    }
+
+    /// Turns velocities at the start of a sub-step into what has been added since.
+    fn note_gains_of(&mut self, bodies: Range<usize>) -> Sums {
+        let mut sums = LinearSums::default();
+        let gains = self.scratch.gains[bodies.clone()].iter_mut();
+        for (gain, body) in gains.zip(&self.bodies[bodies]) {
+            gain.linear = body.linear - gain.linear;
+            gain.angular = body.angular - gain.angular;
+            sums.add(body, gain);
+        }
+        sums.total()
     }
 
     /// Has the contacts asked at the next warm start, because their impulses are no longer what the sub-step found.

@@ -127,10 +127,22 @@ fn energy(simulation: &Simulation) -> f64 {
     bodies.iter().filter(is_dynamic).map(of_body).sum()
 }
 
-/// A beam of twelve bonded laths, each of which breaks in two, under a ball of 160 kg at 9 m/s: the blow tears the pieces
-/// farther apart than bonds reach, and these do not pull them back.
+/// A beam of twelve bonded laths, each of which breaks in two, under a ball of 160 kg at 9 m/s that hits it at one of 20
+/// places: the blow tears the pieces farther apart than bonds reach, and these do not pull them back; where sweeps end before
+/// light pieces have stopped the heavy ball, they do not throw it back. The bound leaves room for what pushing overlap out
+/// lifts the ball by.
 #[test]
 fn a_beam_that_a_blow_breaks_and_tears_gains_no_energy() {
+    for place in 0..20_u8 {
+        let (gained, fractures) = break_a_beam(0.015 * f32::from(place) - 0.1);
+        assert!(gained < 0.01, "at place {place}: {gained} of the energy");
+        assert!(fractures > 4, "at place {place}: {fractures} laths broke");
+    }
+}
+
+/// Drops a ball at `x` (m) on a beam; returns the largest gain of energy of a step, as a share of all, and the number of
+/// fractures.
+fn break_a_beam(x: f32) -> (f64, usize) {
     let block = |size: Vec3, at| {
         let shape = ConvexMesh::cuboid(size.x, size.y, size.z).expect("valid size");
         BodyDesc::dynamic(shape, at)
@@ -158,7 +170,7 @@ fn a_beam_that_a_blow_breaks_and_tears_gains_no_energy() {
         }
     });
     let ball = primitives::icosphere(0.17, 2).expect("valid size");
-    let at = Vec3::new(0.1, 3.0, 0.0);
+    let at = Vec3::new(x, 3.0, 0.0);
     let ball = BodyDesc {
         density: 7800.0,
         linear_velocity: -7.0 * Vec3::Y,
@@ -178,14 +190,13 @@ fn a_beam_that_a_blow_breaks_and_tears_gains_no_energy() {
     }
     simulation.step(H);
     let before = energy(&simulation);
-    let (mut lowest, mut fractures) = (before, 0);
-    for step in 0..40 {
+    let (mut lowest, mut gained, mut fractures) = (before, 0.0_f64, 0);
+    for _ in 0..40 {
         simulation.step(H);
         fractures += simulation.fractures.done.len();
         let now = energy(&simulation);
-        let gained = (now - lowest) / before;
-        assert!(gained < 0.01, "step {step}: {lowest} became {now} J");
+        gained = gained.max((now - lowest) / before);
         lowest = lowest.min(now);
     }
-    assert!(fractures > 4, "{fractures} laths broke");
+    (gained, fractures)
 }
