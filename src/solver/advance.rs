@@ -5,7 +5,7 @@ use super::bodies::SolverBody;
 use super::demand::SubstepSettings;
 use super::doubles::EIGHT;
 use super::lanes::LaneWidth;
-use super::shares::Parts;
+use super::shares::{Parts, parts_by_body};
 use super::spin::Spin;
 use crate::contact::manifold::{ContactPoint, Manifold};
 use crate::parts::front_mut;
@@ -14,20 +14,32 @@ use glam::{Mat3, Vec3};
 
 impl Batch {
     /// The velocities that gravity gives.
-    pub(super) fn apply_gravity(&mut self, settings: &SubstepSettings) {
+    pub(super) fn apply_gravity(&mut self, settings: &SubstepSettings, team: Option<&Team>) {
         let change = settings.gravity * settings.h;
-        for body in self.bodies.iter_mut().filter(|b| b.inverse_mass > 0.0) {
-            body.linear += change;
-        }
+        let mut parts: Parts<_> = parts_by_body(&mut self.bodies, &self.layout.cuts).collect();
+        Team::each(team, &mut parts, |bodies| {
+            for body in bodies.iter_mut().filter(|b| b.inverse_mass > 0.0) {
+                body.linear += change;
+            }
+        });
     }
 
     /// Moves the bodies by their velocities.
-    pub(super) fn move_bodies(&mut self, settings: &SubstepSettings, manifolds: &[Manifold]) {
-        let h = settings.h;
-        for (q, v) in self.displacements.iter_mut().zip(self.bodies.iter()) {
-            q.linear += h * v.linear;
-            q.angular += h * v.angular;
-        }
+    pub(super) fn move_bodies(
+        &mut self,
+        settings: &SubstepSettings,
+        manifolds: &[Manifold],
+        team: Option<&Team>,
+    ) {
+        let (h, cuts) = (settings.h, &self.layout.cuts);
+        let displacements = parts_by_body(&mut self.displacements, cuts);
+        let parts = displacements.zip(parts_by_body(&mut self.bodies, cuts));
+        Team::each(team, &mut parts.collect::<Parts<_>>(), |(qs, vs)| {
+            for (q, v) in qs.iter_mut().zip(vs.iter()) {
+                q.linear += h * v.linear;
+                q.angular += h * v.angular;
+            }
+        });
         if self.has_restitution {
             self.correct_flight(settings);
         }
@@ -96,7 +108,7 @@ impl Batch {
             &mut self.solids[..],
             &mut self.turning[..],
         );
-        let parts = self.layout.cuts.shares_of_bodies(count, team).map(|range| {
+        let parts = self.layout.cuts.shares_of_bodies(count).map(|range| {
             let spinning = rest.2.partition_point(|t| (t.body as usize) < range.end);
             (
                 range.start,

@@ -16,7 +16,7 @@ use super::layout::Layout;
 use super::limit::{BodyBlow, Limit};
 use super::momentum::Pace;
 use super::rows::{PointRows, Side};
-use super::shares::{Parts, parts_of_blocks};
+use super::shares::{Parts, parts_by_body, parts_of_blocks};
 use super::spin::Spin;
 use super::ties::Tie;
 use crate::contact::manifold::Manifold;
@@ -169,7 +169,7 @@ impl Batch {
         self.settings = settings.for_demand(demand);
         let layout = &mut self.layout;
         let is_kept = layout.number(islands, range.clone(), bodies, &self.settings, team);
-        self.load_bodies(bodies);
+        self.load_bodies(bodies, team);
         self.may_break = may_break;
         if !is_kept {
             let (blocks, points) = (&mut self.blocks, &mut self.points);
@@ -293,19 +293,29 @@ impl Batch {
     }
 
     /// Copies the bodies, and adds an idle one.
-    fn load_bodies(&mut self, bodies: &Bodies) {
-        let slots = || self.layout.slots.iter().map(|&slot| slot as usize);
-        self.bodies.extend(slots().map(|i| bodies.velocity[i]));
-        self.solids.extend(slots().map(|i| {
-            let inverse_mass = bodies.velocity[i].inverse_mass;
-            Solid::new(
-                inverse_mass,
-                &bodies.inverse_inertia[i],
-                bodies.least_extent[i],
-            )
-        }));
-        self.bodies.push(SolverBody::default());
-        self.solids.push(Solid::new(0.0, &Mat3::ZERO, 1.0));
+    fn load_bodies(&mut self, bodies: &Bodies, team: Option<&Team>) {
+        let (cuts, mut slots) = (&self.layout.cuts, &self.layout.slots[..]);
+        self.bodies.resize(slots.len() + 1, SolverBody::default());
+        self.solids
+            .resize(slots.len() + 1, Solid::new(0.0, &Mat3::ZERO, 1.0));
+        let parts = parts_by_body(&mut self.bodies, cuts);
+        let parts = parts.zip(parts_by_body(&mut self.solids, cuts));
+        let parts = parts.map(|part| {
+            let count = part.0.len().min(slots.len());
+            (front(&mut slots, count), part)
+        });
+        Team::each(team, &mut parts.collect::<Parts<_>>(), |(slots, part)| {
+            let copies = part.0.iter_mut().zip(part.1.iter_mut());
+            for (&slot, (body, solid)) in slots.iter().zip(copies) {
+                let i = slot as usize;
+                *body = bodies.velocity[i];
+                *solid = Solid::new(
+                    body.inverse_mass,
+                    &bodies.inverse_inertia[i],
+                    bodies.least_extent[i],
+                );
+            }
+        });
     }
 
     /// Finds the largest extent that a contact of an island is measured by.

@@ -13,6 +13,7 @@
 //! alone. Each domain keeps the order of its manifolds. A thread keeps to its leaves, whose data stay in its cache; stages of
 //! a colouring would hand half of all bodies to the other core dozens of times per sweep.
 
+use super::halves::{Halves, MOST_LEAVES};
 use crate::team::Team;
 use glam::Vec3;
 use std::ops::Range;
@@ -20,13 +21,6 @@ use std::ops::Range;
 /// Least manifolds of a leaf, on average: some 50 us of a sweep, a hundred times what threads need to meet. A cut costs
 /// structures precision, for support gets across it once per sweep only, so there are no more of them than pay.
 pub const LEAST_MANIFOLDS: usize = 2000;
-
-/// Most leaves.
-const MOST_LEAVES: usize = 8;
-
-/// Places for a cut along an axis. Odd, so that none is in the middle, where symmetric structures have bodies that rounding
-/// would move across.
-const SLABS: usize = 61;
 
 /// Number of leaves of an island with `manifolds` manifolds: a power of two.
 pub fn leaves(manifolds: usize) -> usize {
@@ -47,63 +41,7 @@ pub struct Domains {
     /// By old number of a body: its new one.
     renamed: Vec<u32>,
     old_slots: Vec<u32>,
-    /// By number of a body: its centre, m, if contacts move it.
-    centres: Vec<Option<Vec3>>,
-    /// By half that is being cut.
-    cuts: Vec<Cut>,
-}
-
-/// A cut of some bodies in two.
-#[derive(Clone, Debug)]
-struct Cut {
-    min: Vec3,
-    max: Vec3,
-    axis: usize,
-    /// Bodies by slab.
-    counts: [u32; SLABS],
-    /// The first slab of the second half.
-    slab: usize,
-}
-
-impl Default for Cut {
-    fn default() -> Self {
-        Self {
-            min: Vec3::INFINITY,
-            max: Vec3::NEG_INFINITY,
-            axis: 0,
-            counts: [0; SLABS],
-            slab: 0,
-        }
-    }
-}
-
-impl Cut {
-    /// Across the longest way. Cuts along gravity are preferred: within a domain, a sweep carries support up.
-    fn choose_axis(&mut self, gravity: Vec3) {
-        let along = gravity.normalize_or_zero().abs();
-        let way = (self.max - self.min) * (Vec3::ONE - 0.5 * along);
-        self.axis = way.max_position();
-    }
-
-    fn slab_of(&self, centre: Vec3) -> usize {
-        let (from, to) = (self.min[self.axis], self.max[self.axis]);
-        let share = (centre[self.axis] - from) / (to - from);
-        ((SLABS as f32 * share) as usize).min(SLABS - 1)
-    }
-
-    /// Cuts where the halves are most nearly of a size.
-    fn choose_slab(&mut self) {
-        let all: u32 = self.counts.iter().sum();
-        let mut below = 0;
-        let mut least = u32::MAX;
-        for (slab, count) in self.counts.iter().enumerate() {
-            below += count;
-            let difference = all.abs_diff(2 * below);
-            if difference < least {
-                (least, self.slab) = (difference, slab + 1);
-            }
-        }
-    }
+    halves: Halves,
 }
 
 impl Domains {
@@ -114,34 +52,29 @@ impl Domains {
         is_same
     }
 
-    /// Cuts bodies into `leaves` leaves, more than one, by their centres of mass, m; those that contacts do not move have none,
-    /// and are in no leaf. Whether they were cut the same way before; then they keep the numbers that [`sort`](Self::sort) gave
-    /// them.
+    /// Cuts `count` bodies into `leaves` leaves, more than one, by their centres of mass, m; those that contacts do not move
+    /// have none, and are in no leaf. Whether they were cut the same way before; then they keep the numbers that
+    /// [`sort`](Self::sort) gave them.
     pub fn cut(
         &mut self,
-        centres: impl Iterator<Item = Option<Vec3>>,
+        count: usize,
+        centre: impl Fn(usize) -> Option<Vec3> + Sync,
         gravity: Vec3,
         leaves: usize,
+        team: Option<&Team>,
     ) -> bool {
-        self.centres.clear();
-        self.centres.extend(centres);
         self.new_leaf.clear();
-        self.new_leaf.resize(self.centres.len(), 0);
-        for level in 0..leaves.ilog2() {
-            self.halve(gravity, 1 << level);
-        }
-        let mut ends = [0; MOST_LEAVES];
-        for (leaf, centre) in self.new_leaf.iter_mut().zip(&self.centres) {
-            match centre {
-                Some(_) => ends[*leaf as usize] += 1,
-                None => *leaf = leaves as u8,
-            }
-        }
+        let leaf_by_body = self.halves.cut(count, centre, gravity, leaves, team);
+        self.new_leaf.extend(leaf_by_body);
         if !self.leaves.is_empty() && self.new_leaf == self.old_leaf {
             return true;
         }
         std::mem::swap(&mut self.new_leaf, &mut self.old_leaf);
         self.leaf.clone_from(&self.old_leaf);
+        let mut ends = [0; MOST_LEAVES + 1];
+        for leaf in &self.leaf {
+            ends[*leaf as usize] += 1;
+        }
         self.leaves.clear();
         let mut first = 0;
         self.leaves.extend(ends[..leaves].iter().map(|count| {
@@ -185,52 +118,11 @@ impl Domains {
         &self.leaves
     }
 
-    /// Cuts each of `count` parts in two.
-    fn halve(&mut self, gravity: Vec3, count: usize) {
-        let Self {
-            new_leaf: leaf,
-            centres,
-            cuts,
-            ..
-        } = self;
-        cuts.clear();
-        cuts.resize(count, Cut::default());
-        for (leaf, &centre) in leaf.iter().zip(&*centres) {
-            if let Some(centre) = centre {
-                let cut = &mut cuts[*leaf as usize];
-                cut.min = cut.min.min(centre);
-                cut.max = cut.max.max(centre);
-            }
-        }
-        cuts.iter_mut().for_each(|cut| cut.choose_axis(gravity));
-        for (leaf, &centre) in leaf.iter().zip(&*centres) {
-            if let Some(centre) = centre {
-                let cut = &mut cuts[*leaf as usize];
-                let slab = cut.slab_of(centre);
-                cut.counts[slab] += 1;
-            }
-        }
-        cuts.iter_mut().for_each(Cut::choose_slab);
-        for (leaf, centre) in leaf.iter_mut().zip(&*centres) {
-            let cut = &cuts[*leaf as usize];
-            let is_second = centre.is_some_and(|centre| cut.slab_of(centre) >= cut.slab);
-            *leaf = 2 * *leaf + u8::from(is_second);
-        }
-    }
-
-    /// Parts of `count` bodies that a team works on at a time: the leaves and the rest; all at once without a team.
-    pub(super) fn shares_of_bodies(
-        &self,
-        count: usize,
-        team: Option<&Team>,
-    ) -> impl Iterator<Item = Range<usize>> {
-        let leaves = if team.is_some() {
-            &self.leaves[..]
-        } else {
-            &[]
-        };
-        let end = leaves.last().map_or(0, |leaf| leaf.end);
-        leaves.iter().cloned().chain(std::iter::once(end..count))
+    /// Parts of `count` bodies that a team works on at a time: the leaves and the rest.
+    pub(super) fn shares_of_bodies(&self, count: usize) -> impl Iterator<Item = Range<usize>> {
+        let end = self.leaves.last().map_or(0, |leaf| leaf.end);
+        let rest = std::iter::once(end..count);
+        self.leaves.iter().cloned().chain(rest)
     }
 
     /// The domain of a manifold that joins these bodies; of bodies that contacts do not move, `None`.

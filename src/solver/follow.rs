@@ -92,7 +92,7 @@ impl Batch {
             &self.turning[..],
             &self.scratch.is_followed[..],
         );
-        let parts = self.layout.cuts.shares_of_bodies(self.bodies.len(), team);
+        let parts = self.layout.cuts.shares_of_bodies(self.bodies.len());
         let mut parts: Parts<_> = parts
             .map(|range| {
                 let spinning = rest.3.partition_point(|t| (t.body as usize) < range.end);

@@ -79,7 +79,7 @@ impl Layout {
             has_team: team.is_some(),
         });
         let is_cut_as_before = match &islands.list[range.clone()] {
-            [island] => self.cut(island, islands, bodies, settings),
+            [island] => self.cut(island, islands, bodies, settings, team),
             _ => self.cuts.keep_whole(),
         };
         let is_kept = is_cut_as_before && self.origin == origin;
@@ -97,17 +97,20 @@ impl Layout {
         islands: &Islands,
         bodies: &Bodies,
         settings: &SubstepSettings,
+        team: Option<&Team>,
     ) -> bool {
         let leaves = domains::leaves(island.manifolds.len());
         if leaves == 1 || settings.config.method == Method::Exact {
             return self.cuts.keep_whole();
         }
         let slots = &islands.slots[island.bodies.clone()];
-        let centres = slots.iter().map(|&slot| {
-            let is_movable = bodies.velocity[slot as usize].inverse_mass > 0.0;
-            is_movable.then(|| bodies.centre[slot as usize])
-        });
-        self.cuts.cut(centres, settings.gravity, leaves)
+        let centre = |number: usize| {
+            let slot = slots[number] as usize;
+            let is_movable = bodies.velocity[slot].inverse_mass > 0.0;
+            is_movable.then(|| bodies.centre[slot])
+        };
+        self.cuts
+            .cut(slots.len(), centre, settings.gravity, leaves, team)
     }
 
     fn number_islands(&mut self, islands: &Islands, range: Range<usize>) {

@@ -27,6 +27,7 @@ mod exact_substep;
 mod extrapolate;
 pub mod fill;
 mod follow;
+mod halves;
 pub mod integrate;
 pub mod islands;
 mod lane_pair;

@@ -73,10 +73,23 @@ impl LinearSums {
     }
 }
 
+impl std::ops::Add for Sums {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            mass: self.mass + other.mass,
+            work: self.work + other.work,
+            square: self.square + other.square,
+            after: self.after + other.after,
+        }
+    }
+}
+
 impl Sums {
     /// Adds momenta and velocities, those gained and those after.
     #[inline(always)]
-    fn add(&mut self, momentum: [Vec3; 2], velocity: [Vec3; 2]) {
+    fn add_body(&mut self, momentum: [Vec3; 2], velocity: [Vec3; 2]) {
         let square = f64::from(momentum[0].dot(velocity[0]));
         self.work += f64::from(momentum[0].dot(velocity[1])) - square;
         self.square += square;
@@ -133,7 +146,7 @@ impl Batch {
             // Bodies that contacts do not turn have no inverse.
             if inverse.determinant() > 0.0 {
                 let inertia = inverse.inverse();
-                sums.add([inertia * gain, inertia * now], [gain, now]);
+                sums.add_body([inertia * gain, inertia * now], [gain, now]);
             }
         }
         sums

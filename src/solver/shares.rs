@@ -1,6 +1,7 @@
 //! Lists cut along the domains of a batch, for a team of threads.
 
 use super::blocks::{Block, Point};
+use super::domains::Domains;
 use crate::parts::front_mut;
 use crate::team::Team;
 use smallvec::SmallVec;
@@ -20,6 +21,15 @@ pub(super) fn shares(
     } else {
         std::iter::once(0..count).collect()
     }
+}
+
+/// Parts of a list by body: the leaves and the rest.
+pub(super) fn parts_by_body<'a, T>(
+    mut list: &'a mut [T],
+    cuts: &Domains,
+) -> impl Iterator<Item = &'a mut [T]> {
+    let shares = cuts.shares_of_bodies(list.len());
+    shares.map(move |share| front_mut(&mut list, share.len()))
 }
 
 /// Where the points of some blocks lie.

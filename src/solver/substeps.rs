@@ -66,7 +66,7 @@ impl Batch {
                 self.follow_with_gains(team);
             }
             effort.begin(settings.config.substeps - substep);
-            self.apply_gravity(settings);
+            self.apply_gravity(settings, team);
             if self.is_calm() {
                 self.solve_calm_substep(substep == 0, manifolds, effort, team);
             } else {
@@ -169,9 +169,9 @@ impl Batch {
         }
         self.warm_start(team);
         self.sweep(config.sweeps, solve, tolerance, effort, team);
-        self.move_bodies(settings, manifolds);
+        self.move_bodies(settings, manifolds, team);
         self.relax(settings, tolerance, effort, team);
-        self.note_gains();
+        self.note_gains(team);
     }
 
     /// From targets to the relaxed velocities of a sub-step.
@@ -200,13 +200,13 @@ impl Batch {
             let solve = SweepKind::Solve(settings.softness());
             self.sweep(config.sweeps, solve, tolerance, effort, team);
         }
-        self.move_bodies(settings, manifolds);
+        self.move_bodies(settings, manifolds, team);
         if hits.any {
             // What follows acts where the bodies are now: blows are large enough to matter for the angular momentum.
             self.follow_motion(MOST_TURN / settings.h, team);
         }
         self.relax(settings, tolerance, effort, team);
-        self.note_gains();
+        self.note_gains(team);
         if hits.any {
             self.forget_blows(config.restitution_threshold);
             self.forget_gains();

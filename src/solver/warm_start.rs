@@ -11,12 +11,13 @@
 //! anew](super::follow) in between, their part is taken out by the old rows and added by the new ones.
 
 use super::batch::Batch;
+use super::bodies::SolverBody;
 use super::lanes::run;
 use super::passive::{LinearSums, Sums};
 use super::prepare::Warm;
+use super::shares::{Parts, parts_by_body};
 use super::sweep::{Pass, cells};
 use crate::team::Team;
-use std::ops::Range;
 
 /// Of so many blocks, one may follow the motion; if more do, all contacts are asked in each sub-step.
 const BLOCKS_PER_FOLLOWING: usize = 8;
@@ -30,40 +31,51 @@ impl Batch {
             self.pass(Pass::Warm, team);
             return;
         }
-        for (body, gain) in self.bodies.iter_mut().zip(gains) {
-            let begin = *body;
-            body.linear += gain.linear;
-            body.angular += gain.angular;
-            *gain = begin;
-        }
+        let cuts = &self.layout.cuts;
+        let parts = parts_by_body(&mut self.bodies, cuts).zip(parts_by_body(gains, cuts));
+        Team::each(team, &mut parts.collect::<Parts<_>>(), |(bodies, gains)| {
+            for (body, gain) in bodies.iter_mut().zip(gains.iter_mut()) {
+                let begin = *body;
+                body.linear += gain.linear;
+                body.angular += gain.angular;
+                *gain = begin;
+            }
+        });
     }
 
     /// Ends a sub-step that began with a [warm start](Self::warm_start): finds what contacts have given to the bodies, which
     /// is no [energy](super::passive).
-    pub(super) fn note_gains(&mut self) {
+    pub(super) fn note_gains(&mut self, team: Option<&Team>) {
         if self.scratch.gains.is_empty() {
             return;
         }
-        let mut members = std::mem::take(&mut self.layout.members);
-        for member in &members {
-            let linear = self.note_gains_of(member.bodies.clone());
+        let members = std::mem::take(&mut self.layout.members);
+        if let [member] = &members[..] {
+            let linear = self.note_gains_of_island(team);
             self.keep_passive(member, linear);
+        } else {
+            for member in &members {
+                let bodies = member.bodies.clone();
+                let linear = note_gains(
+                    &mut self.scratch.gains[bodies.clone()],
+                    &self.bodies[bodies],
+                );
+                self.keep_passive(member, linear.total());
+            }
         }
-        let others = members.last().map_or(0, |member| member.bodies.end);
-        self.note_gains_of(others..self.bodies.len());
-        std::mem::swap(&mut self.layout.members, &mut members);
+        self.layout.members = members;
     }
 
-    /// Turns velocities at the start of a sub-step into what has been added since.
-    fn note_gains_of(&mut self, bodies: Range<usize>) -> Sums {
-        let mut sums = LinearSums::default();
-        let gains = self.scratch.gains[bodies.clone()].iter_mut();
-        for (gain, body) in gains.zip(&self.bodies[bodies]) {
-            gain.linear = body.linear - gain.linear;
-            gain.angular = body.angular - gain.angular;
-            sums.add(body, gain);
-        }
-        sums.total()
+    fn note_gains_of_island(&mut self, team: Option<&Team>) -> Sums {
+        let cuts = &self.layout.cuts;
+        let parts =
+            parts_by_body(&mut self.scratch.gains, cuts).zip(parts_by_body(&mut self.bodies, cuts));
+        let mut parts: Parts<_> = parts.map(|part| (part, LinearSums::default())).collect();
+        Team::each(team, &mut parts, |((gains, bodies), sums)| {
+            *sums = note_gains(gains, bodies);
+        });
+        let sums = parts.iter().map(|(_, sums)| sums.total());
+        sums.reduce(|a, b| a + b).unwrap_or_default()
     }
 
     /// Has the contacts asked at the next warm start, because their impulses are no longer what the sub-step found.
@@ -100,4 +112,15 @@ impl Batch {
         };
         run(self.settings.config.lane_width, warm);
     }
+}
+
+/// Turns velocities at the start of a sub-step into what has been added since.
+fn note_gains(gains: &mut [SolverBody], bodies: &[SolverBody]) -> LinearSums {
+    let mut sums = LinearSums::default();
+    for (gain, body) in gains.iter_mut().zip(bodies) {
+        gain.linear = body.linear - gain.linear;
+        gain.angular = body.angular - gain.angular;
+        sums.add(body, gain);
+    }
+    sums
 }

@@ -83,7 +83,7 @@ proptest! {
         let centres: Vec<Option<Vec3>> = (0..bodies).map(centre).collect();
         let leaves = [1, 2, 4, 8][dice.below(4)];
         let mut cuts = Domains::default();
-        cuts.cut(centres.iter().copied(), dice.vector(-1.0, 1.0), leaves);
+        cuts.cut(centres.len(), |i| centres[i], dice.vector(-1.0, 1.0), leaves, None);
         let joint = |_| {
             let joint = random_joint(&mut dice, bodies);
             let movable = |body: u32| (!is_fixed(body as usize)).then_some(body);
@@ -136,7 +136,7 @@ fn leaves_of_a_cloud_are_of_a_size_and_separators_small() {
     let mut jitter = |i: usize| at(i) + 0.2 * dice.vector(-1.0, 1.0);
     let centres: Vec<Option<Vec3>> = (0..side * side * side).map(|i| Some(jitter(i))).collect();
     let mut cuts = Domains::default();
-    cuts.cut(centres.iter().copied(), Vec3::NEG_Y, 4);
+    cuts.cut(centres.len(), |i| centres[i], Vec3::NEG_Y, 4, None);
     let mut sizes = [0; 7];
     for i in 0..centres.len() as u32 {
         sizes[cuts.of([Some(i), None]) as usize] += 1;
