@@ -103,6 +103,7 @@ pub(crate) fn registry() -> Vec<Entry> {
     let ours = [
         crate::engines::cleave::entry(),
         crate::engines::cleave_plugin::entry(),
+        crate::engines::bare_app::entry(),
     ];
     #[allow(
         unused_mut,

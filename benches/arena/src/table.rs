@@ -159,11 +159,16 @@ impl Row {
     }
 }
 
+/// The app around our plugin without it; its times stand for no engine.
+pub(crate) const BARE_APP: &str = "bare-app";
+
 /// All that a file holds.
 #[derive(Debug, Default)]
 pub(crate) struct Table {
     /// In the order of their first appearance; a later row of the same point replaces an earlier one.
     pub(crate) rows: Vec<Row>,
+    /// Those of the [bare app](BARE_APP).
+    pub(crate) bare: Vec<Row>,
     /// The comment lines, without their mark.
     pub(crate) comments: Vec<String>,
 }
@@ -203,10 +208,21 @@ impl Table {
             };
             key(old) == key(&row)
         };
-        match self.rows.iter_mut().find(is_same) {
+        let rows = if row.engine == BARE_APP {
+            &mut self.bare
+        } else {
+            &mut self.rows
+        };
+        match rows.iter_mut().find(is_same) {
             Some(old) => *old = row,
-            None => self.rows.push(row),
+            None => rows.push(row),
         }
+    }
+
+    /// What an update of an app without physics takes in a scene, ms, if that was measured.
+    pub(crate) fn bare_cost(&self, scene: &str, threads: usize) -> Option<f64> {
+        let here = |row: &&Row| row.scene == scene && row.threads == threads;
+        self.bare.iter().find(here).map(Row::cost)
     }
 
     /// The different values of something in the rows, in the order of their first appearance.

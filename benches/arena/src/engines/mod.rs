@@ -2,6 +2,7 @@
 
 #[cfg(feature = "avian")]
 pub(crate) mod avian;
+pub(crate) mod bare_app;
 #[cfg(feature = "box3d")]
 pub(crate) mod box3d;
 pub(crate) mod cleave;

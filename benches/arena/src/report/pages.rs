@@ -1,6 +1,6 @@
 //! The pages of the report as Markdown.
 
-use super::dominance::{Duel, Duels, OURS, Overall, ROUNDING, overall};
+use super::dominance::{Duel, Duels, Footing, OURS, Overall, ROUNDING, overall};
 use super::error_label;
 use crate::table::{Row, Table};
 use std::fmt::Write;
@@ -31,24 +31,26 @@ fn rules() -> String {
         "\nTimes are medians over the steps after landing, in ms per step: CPU time of the process on one thread, wall \
          time on more. For each point of another engine that stands (finite, nothing fallen, no wall passed), at any \
          setting, its ratio is its time over the time of our cheapest setting whose error is no larger; 0 if we have \
-         none. Errors below {ROUNDING:e} count as equal. All points: [points.md](points.md).\n"
+         none. Errors below {ROUNDING:e} count as equal. Our plugin and Avian are measured by a whole update of their app; where \
+         others are said to be in an app too, the time of an update without physics, measured beside, is added to \
+         theirs. All points: [points.md](points.md).\n"
     )
 }
 
 fn figures(table: &Table) -> String {
     let mut text = String::from(
         "\n## Dominance\n\n| ours | threads | dominance_worst | dominance_median | median over scenes of the worst | \
-         points not reached |\n|---|---|---|---|---|---|\n",
+         points at which ours is at least as fast | points not reached |\n|---|---|---|---|---|---|---|\n",
     );
     for overall in overall(table) {
         let all = overall.all();
         let (engine, threads, of_worst) =
-            (overall.engine, overall.threads, overall.median_of_worst());
+            (overall.title(), overall.threads, overall.median_of_worst());
         let (worst, median) = (all.worst(), all.median());
-        let (missed, count) = (all.not_reached().count(), all.0.len());
+        let (won, missed, count) = (all.won(), all.not_reached().count(), all.0.len());
         writeln!(
             text,
-            "| {engine} | {threads} | {worst:.2} | {median:.2} | {of_worst:.2} | {missed} of {count} |"
+            "| {engine} | {threads} | {worst:.2} | {median:.2} | {of_worst:.2} | {won} | {missed} of {count} |"
         )
         .expect("a string");
     }
@@ -59,12 +61,14 @@ fn by_scene(overall: &Overall<'_>) -> String {
     let mut text = format!(
         "\n### {}, {} thread(s)\n\n| scene | worst | median | hardest point | ms | error | ours | ms | error | not reached \
          |\n|---|---|---|---|---|---|---|---|---|---|\n",
-        overall.engine, overall.threads
+        overall.title(),
+        overall.threads
     );
     for (scene, duels) in &overall.scenes {
-        let Some(Duel { peer, ours }) = duels.hardest() else {
+        let Some(duel) = duels.hardest() else {
             continue;
         };
+        let Duel { peer, ours, .. } = duel;
         let [setting, ms, err] = match ours {
             Some(ours) => [ours.setting.clone(), time(ours.cost()), number(ours.err)],
             None => ["not reached".into(), "-".into(), "-".into()],
@@ -76,7 +80,7 @@ fn by_scene(overall: &Overall<'_>) -> String {
             duels.worst(),
             duels.median(),
             name(peer),
-            time(peer.cost()),
+            time(duel.cost()),
             number(peer.err),
             missed.join(", ")
         )
@@ -176,7 +180,8 @@ fn points_of(table: &Table, rows: &[&Row]) -> String {
     let [first, ..] = rows else {
         return String::new();
     };
-    let duels = OURS.map(|ours| Duels::new(table, ours, first.threads, &first.scene));
+    let duels =
+        OURS.map(|ours| Duels::new(table, ours, first.threads, &first.scene, Footing::Alone));
     let mut text = format!(
         "| engine | setting | ms | mean CPU ms | {} | mean penetration, m | gain of energy | speed at the end, m/s | fallen | \
          {} |\n|---|---|---|---|---|---|---|---|---|---|---|\n",
