@@ -5,7 +5,7 @@ use super::bodies::SolverBody;
 use super::demand::SubstepSettings;
 use super::doubles::EIGHT;
 use super::lanes::LaneWidth;
-use super::shares::{Parts, parts_by_body};
+use super::shares::{Parts, each_part};
 use super::spin::Spin;
 use crate::contact::manifold::{ContactPoint, Manifold};
 use crate::parts::front_mut;
@@ -16,8 +16,8 @@ impl Batch {
     /// The velocities that gravity gives.
     pub(super) fn apply_gravity(&mut self, settings: &SubstepSettings, team: Option<&Team>) {
         let change = settings.gravity * settings.h;
-        let mut parts: Parts<_> = parts_by_body(&mut self.bodies, &self.layout.cuts).collect();
-        Team::each(team, &mut parts, |bodies| {
+        let lists = (&mut self.bodies[..], &mut self.displacements[..]);
+        each_part(&self.layout.cuts, team, lists, |bodies, _| {
             for body in bodies.iter_mut().filter(|b| b.inverse_mass > 0.0) {
                 body.linear += change;
             }
@@ -31,10 +31,9 @@ impl Batch {
         manifolds: &[Manifold],
         team: Option<&Team>,
     ) {
-        let (h, cuts) = (settings.h, &self.layout.cuts);
-        let displacements = parts_by_body(&mut self.displacements, cuts);
-        let parts = displacements.zip(parts_by_body(&mut self.bodies, cuts));
-        Team::each(team, &mut parts.collect::<Parts<_>>(), |(qs, vs)| {
+        let h = settings.h;
+        let lists = (&mut self.displacements[..], &mut self.bodies[..]);
+        each_part(&self.layout.cuts, team, lists, |qs, vs| {
             for (q, v) in qs.iter_mut().zip(vs.iter()) {
                 q.linear += h * v.linear;
                 q.angular += h * v.angular;

@@ -32,6 +32,21 @@ pub(super) fn parts_by_body<'a, T>(
     shares.map(move |share| front_mut(&mut list, share.len()))
 }
 
+/// Does `work` on what two lists hold of the bodies of each part, all at once where there are no leaves.
+pub(super) fn each_part<A: Send, B: Send>(
+    cuts: &Domains,
+    team: Option<&Team>,
+    lists: (&mut [A], &mut [B]),
+    work: impl Fn(&mut [A], &mut [B]) + Sync,
+) {
+    let (a, b) = lists;
+    if cuts.leaves().is_empty() {
+        return work(a, b);
+    }
+    let parts = parts_by_body(a, cuts).zip(parts_by_body(b, cuts));
+    Team::each(team, &mut parts.collect::<Parts<_>>(), |(a, b)| work(a, b));
+}
+
 /// Where the points of some blocks lie.
 pub(super) fn points_of(blocks: &[Block]) -> Range<usize> {
     match (blocks.first(), blocks.last()) {

@@ -15,7 +15,7 @@ use super::bodies::SolverBody;
 use super::lanes::run;
 use super::passive::{LinearSums, Sums};
 use super::prepare::Warm;
-use super::shares::{Parts, parts_by_body};
+use super::shares::{Parts, each_part, parts_by_body};
 use super::sweep::{Pass, cells};
 use crate::team::Team;
 
@@ -31,9 +31,8 @@ impl Batch {
             self.pass(Pass::Warm, team);
             return;
         }
-        let cuts = &self.layout.cuts;
-        let parts = parts_by_body(&mut self.bodies, cuts).zip(parts_by_body(gains, cuts));
-        Team::each(team, &mut parts.collect::<Parts<_>>(), |(bodies, gains)| {
+        let lists = (&mut self.bodies[..], &mut gains[..]);
+        each_part(&self.layout.cuts, team, lists, |bodies, gains| {
             for (body, gain) in bodies.iter_mut().zip(gains.iter_mut()) {
                 let begin = *body;
                 body.linear += gain.linear;
@@ -50,10 +49,11 @@ impl Batch {
             return;
         }
         let members = std::mem::take(&mut self.layout.members);
-        if let [member] = &members[..] {
-            let linear = self.note_gains_of_island(team);
+        if let ([member], [_, ..]) = (&members[..], self.layout.cuts.leaves()) {
+            let linear = self.note_gains_of_leaves(team);
             self.keep_passive(member, linear);
         } else {
+            // Behind their bodies there is only the idle one, which gains nothing.
             for member in &members {
                 let bodies = member.bodies.clone();
                 let linear = note_gains(
@@ -66,7 +66,7 @@ impl Batch {
         self.layout.members = members;
     }
 
-    fn note_gains_of_island(&mut self, team: Option<&Team>) -> Sums {
+    fn note_gains_of_leaves(&mut self, team: Option<&Team>) -> Sums {
         let cuts = &self.layout.cuts;
         let parts =
             parts_by_body(&mut self.scratch.gains, cuts).zip(parts_by_body(&mut self.bodies, cuts));
