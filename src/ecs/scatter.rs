@@ -3,7 +3,7 @@
 use super::components::*;
 use crate::contact::BodyId;
 use crate::math::Pose;
-use crate::solver::bodies::{Bodies, RigidBody};
+use crate::solver::bodies::Bodies;
 use crate::step::StepReport;
 use bevy_ecs::change_detection::{ContiguousComponentTicksMut, ContiguousMut};
 use bevy_ecs::prelude::*;
@@ -79,7 +79,7 @@ pub(crate) fn scatter(
             let (v, omega) = bodies.velocity(slot);
             linear.set(row, LinearVelocity(v));
             angular.set(row, AngularVelocity(omega));
-            if bodies.kind(slot) != RigidBody::Static {
+            if !bodies.is_static(slot) {
                 transforms.set(row, transform_of(bodies.pose(slot)));
             }
         }
