@@ -245,11 +245,7 @@ impl Point {
     /// Writes what the last sub-step found back into the contact point: as impulses of a whole step.
     pub fn store(&self, lane: usize, block: &Block, point: &mut ContactPoint, substeps: u32) {
         let n = substeps as f32;
-        let Vec3 {
-            x: normal,
-            y: t1,
-            z: t2,
-        } = vector(&self.impulse, lane);
+        let [normal, t1, t2] = vector(&self.impulse, lane).to_array();
         let [d1, d2] = &block.tangents;
         point.normal_impulse = n * normal;
         point.friction_impulse = n * (vector(d1, lane) * t1 + vector(d2, lane) * t2);

@@ -92,10 +92,14 @@ impl Sums {
         self.after += f64::from(momentum[1].dot(velocity[1]));
     }
 
+    /// `v_0.M v_0`
+    fn before(&self) -> f64 {
+        self.after - 2.0 * self.work - self.square
+    }
+
     /// Twice the energy that is allowed: what it was, or that of `speed`, m/s.
     fn allowed(&self, speed: f32) -> f64 {
-        let before = self.after - 2.0 * self.work - self.square;
-        before.max(self.mass * f64::from(speed * speed))
+        self.before().max(self.mass * f64::from(speed * speed))
     }
 
     /// The share of the impulses that leaves no more energy than is allowed.
@@ -104,22 +108,25 @@ impl Sums {
         if self.after <= allowed {
             return 1.0;
         }
-        let spare = allowed - (self.after - 2.0 * self.work - self.square);
+        let spare = allowed - self.before();
         let root = (self.work * self.work + self.square * spare).sqrt();
         ((root - self.work) / self.square).clamp(0.0, 1.0)
     }
 }
 
 impl Batch {
+    /// Whether contacts are to add no energy: other methods leave in the velocities what pushes overlap out.
+    pub(super) fn is_passive(&self) -> bool {
+        let config = &self.settings.config;
+        config.method == Method::SoftStep && config.relax_sweeps > 0
+    }
+
     /// Takes the impulses of an island, whose gains are known, times the share that adds no energy. `linear`: sums of linear
     /// motion alone.
     pub(super) fn keep_passive(&mut self, member: &Member, linear: Sums) {
-        let config = &self.settings.config;
         let speed = self.settings.gravity.length() * self.settings.step();
         let is_fine = linear.after <= SUSPICIOUS * linear.allowed(speed);
-        // Other methods leave in the velocities what pushes overlap out.
-        let takes_back = config.method == Method::SoftStep && config.relax_sweeps > 0;
-        if is_fine || !takes_back || self.is_driven(member) {
+        if is_fine || !self.is_passive() || self.is_driven(member) {
             return;
         }
         let share = self.sums(member).share(speed);

@@ -25,13 +25,15 @@ const BLOCKS_PER_FOLLOWING: usize = 8;
 impl Batch {
     /// Gives the bodies what the impulses of the sub-step before are worth.
     pub(super) fn warm_start(&mut self, team: Option<&Team>) {
-        let gains = &mut self.scratch.gains;
-        if gains.is_empty() {
-            gains.extend_from_slice(&self.bodies);
+        if self.scratch.gains.is_empty() {
+            // A single sub-step whose energy is not bounded has no use for them.
+            if self.settings.config.substeps > 1 || self.is_passive() {
+                self.scratch.gains.extend_from_slice(&self.bodies);
+            }
             self.pass(Pass::Warm, team);
             return;
         }
-        let lists = (&mut self.bodies[..], &mut gains[..]);
+        let lists = (&mut self.bodies[..], &mut self.scratch.gains[..]);
         each_part(&self.layout.cuts, team, lists, |bodies, gains| {
             for (body, gain) in bodies.iter_mut().zip(gains.iter_mut()) {
                 let begin = *body;

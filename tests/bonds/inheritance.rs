@@ -134,7 +134,7 @@ fn energy(simulation: &Simulation) -> f64 {
 #[test]
 fn a_beam_that_a_blow_breaks_and_tears_gains_no_energy() {
     for place in 0..20_u8 {
-        let (gained, fractures) = break_a_beam(0.015 * f32::from(place) - 0.1);
+        let (gained, fractures) = break_a_beam(0.0125 * f32::from(place) - 0.1);
         assert!(gained < 0.01, "at place {place}: {gained} of the energy");
         assert!(fractures > 4, "at place {place}: {fractures} laths broke");
     }

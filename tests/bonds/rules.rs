@@ -142,3 +142,26 @@ fn a_bond_holds_what_was_bonded_with_an_overlap_or_a_gap_where_it_is() {
         assert!(moved.length() < 1e-4, "moved by {moved}");
     }
 }
+
+/// A body that something puts aside, as a blow does within a step: what is off by a hundredth of the extent or less is taken
+/// back by a bond that bears it, what is off by more is not, whatever the bond bears.
+#[test]
+fn a_bond_takes_back_what_is_a_little_off_and_lets_go_of_what_was_torn_away() {
+    for (shift, holds) in [(0.005_f32, true), (0.02, false)] {
+        let (mut simulation, slots) = two_cubes();
+        let bond = Bond::new(1e4 * WEIGHT, 1.0);
+        simulation.bond(slots[0], slots[1], bond).expect("usable");
+        simulation.step(H);
+        let pose = simulation.bodies.pose(slots[1]);
+        let aside = Pose::new(pose.position + shift * Vec3::X, pose.rotation);
+        simulation.bodies.set_pose(slots[1], aside).expect("usable");
+        (0..30).for_each(|_| simulation.step(H));
+        assert_eq!(simulation.bonds.len(), usize::from(holds), "{shift} m off");
+        let off = simulation.bodies.centre_of_mass(slots[1]).x;
+        let is_back = off < 0.1 * shift;
+        assert_eq!(
+            is_back, holds,
+            "put {shift} m aside, {off} m off in the end"
+        );
+    }
+}

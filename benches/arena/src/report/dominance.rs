@@ -9,8 +9,8 @@ pub(crate) const OURS: [&str; 2] = ["cleave", "cleave-plugin"];
 /// Errors below it count as equal: f32 positions of some metres are rounded to that.
 pub(crate) const ROUNDING: f64 = 1e-6;
 
-/// Engines that are plugins of an app themselves.
-const PLUGINS: [&str; 2] = ["cleave-plugin", "avian"];
+/// The peer that is a plugin of an app itself.
+const PLUGIN: &str = "avian";
 
 /// Where the engines that are no plugins are stepped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,11 +69,7 @@ impl<'a> Duels<'a> {
         let duel = |peer: &'a Row| Duel {
             peer,
             ours: cheapest(&mine, peer),
-            app: if PLUGINS.contains(&peer.engine.as_str()) {
-                0.0
-            } else {
-                app
-            },
+            app: if peer.engine == PLUGIN { 0.0 } else { app },
         };
         Self(peers.map(duel).collect())
     }
