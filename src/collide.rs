@@ -33,8 +33,8 @@ const PAIRS_PER_PART: usize = 128;
 /// Most parts, so that few buffers serve any number of pairs.
 const MAX_PARTS: usize = 32;
 
-/// How many touching pairs ahead their states are asked for.
-const AHEAD: usize = 4;
+/// How many touching pairs ahead their states and bodies are asked for.
+const AHEAD: usize = 8;
 
 /// How far ahead in time the step looks, so that contacts exist before bodies overlap.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -440,6 +440,9 @@ fn write_manifolds(
     for (k, (&at, manifold)) in touching.iter().zip(manifolds).enumerate() {
         if let Some(&next) = touching.get(k + AHEAD) {
             prefetch(&*states[next as usize]);
+            for body in scene.pair(pairs[next as usize]) {
+                prefetch(&body.place);
+            }
         }
         let (pair, state) = (&pairs[at as usize], &states[at as usize]);
         let [a, b] = scene.pair(*pair);

@@ -4,6 +4,7 @@ use super::sat::Hint;
 use crate::geometry::lanes::{LANES, Points4};
 use crate::geometry::{KdBox, KdCode};
 use crate::math::{Pose, rotate, tangents};
+use crate::prefetch::prefetch;
 use glam::{Mat3, Quat, Vec3};
 
 /// Most points a manifold keeps.
@@ -59,6 +60,13 @@ impl Manifold {
     /// The valid points, for writing.
     pub fn points_mut(&mut self) -> &mut [ContactPoint] {
         &mut self.points[..self.count as usize]
+    }
+
+    /// Asks for what a manifold with `count` points holds.
+    pub(crate) fn prefetch(&self, count: usize) {
+        prefetch(&self.normal);
+        // The last point ends where the next one begins.
+        self.points.iter().take(count + 1).for_each(prefetch);
     }
 }
 
@@ -217,15 +225,16 @@ impl BoundPatch {
         let placed = self.place(normal, apart, &on_a, &on_b, &along);
         manifold.normal = normal;
         manifold.count = self.count;
-        for (l, point) in manifold.points.iter_mut().enumerate() {
-            *point = ContactPoint::default();
-            if l < self.count as usize {
-                point.anchor_a = placed.anchor_a.get(l);
-                point.anchor_b = placed.anchor_b.get(l);
-                point.separation = placed.separation[l];
-                point.code_a = self.code_a[l];
-                point.code_b = self.code_b[l];
-            }
+        // What is beyond the last one is left alone: a scene of thousands waits for the memory.
+        for (l, point) in manifold.points_mut().iter_mut().enumerate() {
+            *point = ContactPoint {
+                anchor_a: placed.anchor_a.get(l),
+                anchor_b: placed.anchor_b.get(l),
+                separation: placed.separation[l],
+                code_a: self.code_a[l],
+                code_b: self.code_b[l],
+                ..ContactPoint::default()
+            };
         }
     }
 

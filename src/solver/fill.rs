@@ -8,7 +8,10 @@ use crate::contact::manifold::{ContactPoint, MAX_POINTS, Manifold};
 use crate::prefetch::prefetch;
 
 /// How many blocks ahead the manifolds that they are filled from are asked for.
-const AHEAD: usize = 2;
+const AHEAD: usize = 4;
+
+/// How many points ahead they are asked for.
+const POINTS_AHEAD: usize = 6;
 
 /// What blocks are filled from.
 #[derive(Clone, Copy, Debug)]
@@ -82,9 +85,13 @@ impl Kernel for Fill<'_> {
         let mut rest = self.points;
         for i in 0..self.blocks.len() {
             if let Some(next) = self.blocks.get(i + AHEAD) {
-                let next = &next.manifolds[..next.used];
-                next.iter()
-                    .for_each(|&m| prefetch(&self.source.manifolds[m as usize]));
+                prefetch(next);
+                for &manifold in &next.manifolds[..next.used] {
+                    self.source.manifolds[manifold as usize].prefetch(next.points.len());
+                }
+            }
+            if let Some(next) = rest.get(POINTS_AHEAD) {
+                prefetch(next);
             }
             let block = &mut self.blocks[i];
             let (points, after) = rest.split_at_mut(block.points.len());

@@ -32,6 +32,7 @@ pub(super) struct Shift<'a> {
     pub(super) last: Shared<'a, [F8; 3]>,
     pub(super) friction: FrictionModel,
     pub(super) width: LaneWidth,
+    pub(super) is_far: bool,
     /// The largest velocity change so far, as bits: those of positive numbers are in the order of the numbers.
     pub(super) change: AtomicU32,
 }
@@ -63,6 +64,7 @@ impl Shift<'_> {
                 displacements: self.displacements.cells(),
                 friction: self.friction,
                 width: self.width,
+                is_far: self.is_far,
             };
             let last = self.last.part(last_range);
             if self.has_ties {

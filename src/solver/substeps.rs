@@ -39,6 +39,9 @@ const FAST_TOLERANCE: f32 = 1e-4;
 /// Turn within a sub-step, rad, up to which rows that have been solved may be pointed anew.
 const MOST_TURN: f32 = 0.05;
 
+/// Bytes that a core's second-level cache keeps of what is gone through again and again; most have 512 KiB to 2 MiB.
+const NEAR_CACHE: usize = 1 << 19;
+
 /// What one sweep does.
 #[derive(Clone, Copy, Debug)]
 enum SweepKind {
@@ -99,6 +102,7 @@ impl Batch {
     /// Does a pass over all contacts, several domains at a time if there is a team; returns the largest velocity change if it
     /// measures.
     pub fn pass(&mut self, pass: Pass, team: Option<&Team>) -> f32 {
+        let is_far = self.is_far();
         let Some(team) = team else {
             let mut contacts = Contacts {
                 blocks: &self.blocks,
@@ -109,6 +113,7 @@ impl Batch {
                 displacements: cells(&mut self.displacements),
                 friction: self.settings.config.friction_model,
                 width: self.settings.config.lane_width,
+                is_far,
             };
             let last = &mut self.scratch.last_impulses;
             return if self.ties.is_empty() {
@@ -120,8 +125,14 @@ impl Batch {
         self.pass_with(pass, team)
     }
 
+    /// Whether blocks and points are more than a near cache keeps from one pass to the next.
+    fn is_far(&self) -> bool {
+        size_of_val(&self.blocks[..]) + size_of_val(&self.points[..]) > NEAR_CACHE
+    }
+
     fn pass_with(&mut self, pass: Pass, team: &Team) -> f32 {
         let config = &self.settings.config;
+        let is_far = self.is_far();
         let work = Shift {
             pass,
             blocks: &self.blocks,
@@ -134,6 +145,7 @@ impl Batch {
             last: Shared::new(&mut self.scratch.last_impulses),
             friction: config.friction_model,
             width: config.lane_width,
+            is_far,
             change: AtomicU32::new(0),
         };
         let mut first = 0;

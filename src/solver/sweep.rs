@@ -14,7 +14,11 @@ use super::lanes::{F8, Kernel, LaneWidth, Lanes, run};
 use super::prepare::{Aim, Targets, Warm};
 use super::soft_step::Softness;
 use super::ties::{Bounds, Tie};
+use crate::prefetch::prefetch;
 use std::cell::Cell;
+
+/// How many blocks and points ahead of a sweep they are asked for: some 200 ns, in which far memory answers.
+const AHEAD: [usize; 2] = [3, 6];
 
 /// What all loops run over.
 #[derive(Debug)]
@@ -35,6 +39,8 @@ pub struct Contacts<'a> {
     pub friction: FrictionModel,
     /// Lanes of a register.
     pub width: LaneWidth,
+    /// Whether blocks and points lie in far memory, so that sweeps ask for them ahead.
+    pub is_far: bool,
 }
 
 /// How position feedback is computed; see [`soft_step`](super::soft_step).
@@ -203,11 +209,15 @@ impl<const TIED: bool> Sweep<'_, '_, TIED> {
             blows,
             bodies,
             friction: model,
+            is_far,
             ..
         } = self.contacts;
         let zero = L::splat(0.0);
         let mut largest = zero;
-        for block in blocks.iter() {
+        for (at, block) in blocks.iter().enumerate() {
+            if *is_far && let Some(next) = blocks.get(at + AHEAD[0]) {
+                prefetch(next);
+            }
             let (frame, masses) = (Frame::<L>::load(block), Masses::load(block));
             let friction = L::load(&block.friction);
             let mut pair = Pair::<L>::gather(bodies, block);
@@ -215,6 +225,9 @@ impl<const TIED: bool> Sweep<'_, '_, TIED> {
             let mut change = zero;
             let start = block.points.start - *first_point;
             for i in start..start + block.points.len() {
+                if *is_far && let Some(next) = points.get(i + AHEAD[1]) {
+                    prefetch(next);
+                }
                 let point = &mut points[i];
                 let anchors = load_anchors(point);
                 if let Some((aim, of_block)) = &aim {

@@ -122,6 +122,7 @@ impl Scene {
             displacements: &[],
             friction,
             width,
+            is_far: false,
         };
         let pass = Pass::Solve {
             softness: Softness::HARD,
@@ -183,6 +184,7 @@ fn lanes_without_a_bond_get_the_bits_that_they_get_among_contacts() {
             displacements: &[],
             friction: FrictionModel::Disc,
             width: LaneWidth::Widest,
+            is_far: false,
         };
         let pass = Pass::Solve {
             softness: Softness::HARD,

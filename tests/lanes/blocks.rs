@@ -190,6 +190,7 @@ impl Blocks {
             displacements: Cell::from_mut(displacements).as_slice_of_cells(),
             friction: self.friction,
             width: self.width,
+            is_far: false,
         };
         contacts.pass(pass, last)
     }
