@@ -96,7 +96,7 @@ fn main() {
     // Without `--bench` it is a test that the bench runs.
     let is_bench = std::env::args().any(|arg| arg == "--bench");
     let cases: &[(usize, usize)] = if is_bench {
-        &[(1, 20_000), (50, 4000), (1000, 300), (5000, 120)]
+        &[(1, 20_000), (50, 4000), (1000, 300), (5000, 500)]
     } else {
         &[(1, 4), (50, 4)]
     };

@@ -15,6 +15,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
 use bevy_math::Vec3;
 use bevy_transform::components::Transform;
+use std::ops::Range;
 
 /// What happened to bodies' entities since the last step, in the order in which it happened.
 ///
@@ -264,10 +265,9 @@ pub(crate) fn gather_motion(
             linear.changed_ticks_slice(),
             angular.changed_ticks_slice(),
         ];
-        for (row, handle) in handle.iter().enumerate() {
-            if !ticks.iter().any(|column| by_user(column[row])) {
-                continue;
-            }
+        let strange = strange_rows(ticks, own);
+        for row in strange.filter(|&row| ticks.iter().any(|column| by_user(column[row]))) {
+            let handle = &handle[row];
             let Some((slot, _)) = handle.0.filter(|&(slot, id)| bodies.is(slot, id)) else {
                 continue;
             };
@@ -285,6 +285,23 @@ pub(crate) fn gather_motion(
         }
     }
 }
+
+/// Rows among which are all that have another tick than `own` in a column.
+///
+/// Most have not, so many are compared at once.
+fn strange_rows<const N: usize>(columns: [&[Tick]; N], own: Tick) -> impl Iterator<Item = usize> {
+    let count = columns.iter().map(|column| column.len()).min().unwrap_or(0);
+    let starts = (0..count).step_by(ROWS);
+    let runs = starts.map(move |start| start..(start + ROWS).min(count));
+    let is_strange = move |run: &Range<usize>| {
+        let mut columns = columns.iter().map(|column| &column[run.clone()]);
+        columns.any(|ticks| ticks.iter().fold(false, |any, &tick| any | (tick != own)))
+    };
+    runs.filter(is_strange).flatten()
+}
+
+/// Rows that are compared at once.
+const ROWS: usize = 64;
 
 fn read_motion(
     bodies: &mut Bodies,

@@ -3,9 +3,11 @@
 use super::components::*;
 use crate::contact::BodyId;
 use crate::math::Pose;
+use crate::parts::run_parts;
 use crate::solver::bodies::Bodies;
 use crate::step::StepReport;
-use bevy_ecs::change_detection::{ContiguousComponentTicksMut, ContiguousMut};
+use crate::team::Team;
+use bevy_ecs::change_detection::{ContiguousComponentTicksMut, ContiguousMut, Tick};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemChangeTick;
 use bevy_math::Vec3;
@@ -55,6 +57,12 @@ type Motion = (
     &'static mut AngularVelocity,
 );
 
+/// Bodies from which it pays to have them written by a team: 20 us of work.
+const WORTH_HELP: usize = 2048;
+
+/// Least rows of a part of a table.
+const LEAST_ROWS: usize = 512;
+
 /// System: writes pose and velocity to the entities whose bodies moved. `Transform` is written, never read back: the
 /// pose of record is the centre of mass in [`Bodies`].
 pub(crate) fn scatter(
@@ -64,24 +72,43 @@ pub(crate) fn scatter(
     tick: SystemChangeTick,
 ) {
     entities.written = tick.this_run();
+    let bodies = &*bodies;
     // All of these components are stored in tables, so there is a slice for each.
     let tables = motion.contiguous_iter_mut().ok().into_iter().flatten();
-    for (handles, transforms, linear, angular) in tables {
-        let mut transforms = Column::new(transforms);
-        let mut linear = Column::new(linear);
-        let mut angular = Column::new(angular);
-        for (row, handle) in handles.iter().enumerate() {
-            let is_alive =
-                |&(slot, id): &(u32, BodyId)| bodies.is(slot, id) && bodies.is_active(slot);
-            let Some((slot, _)) = handle.0.filter(is_alive) else {
-                continue;
-            };
-            let (v, omega) = bodies.velocity(slot);
-            linear.set(row, LinearVelocity(v));
-            angular.set(row, AngularVelocity(omega));
-            if !bodies.is_static(slot) {
-                transforms.set(row, transform_of(bodies.pose(slot)));
-            }
+    Team::lead_if(bodies.len() - bodies.asleep() >= WORTH_HELP, |team| {
+        for (handles, transforms, linear, angular) in tables {
+            let mut transforms = Column::new(transforms);
+            let mut linear = Column::new(linear);
+            let mut angular = Column::new(angular);
+            let size = Team::part_size(team, handles.len(), LEAST_ROWS);
+            let velocities = linear.parts(size).zip(angular.parts(size));
+            let motions = transforms.parts(size).zip(velocities);
+            let parts = handles.chunks(size).zip(motions);
+            run_parts(team, parts, |(handles, (transforms, (linear, angular)))| {
+                write_rows(bodies, handles, transforms, linear, angular);
+            });
+        }
+    });
+}
+
+fn write_rows(
+    bodies: &Bodies,
+    handles: &[BodyHandle],
+    transforms: Rows<Transform>,
+    linear: Rows<LinearVelocity>,
+    angular: Rows<AngularVelocity>,
+) {
+    let rows = transforms.iter().zip(linear.iter().zip(angular.iter()));
+    for (handle, (transform, (linear, angular))) in handles.iter().zip(rows) {
+        let is_alive = |&(slot, id): &(u32, BodyId)| bodies.is(slot, id) && bodies.is_active(slot);
+        let Some((slot, _)) = handle.0.filter(is_alive) else {
+            continue;
+        };
+        let (v, omega) = bodies.velocity(slot);
+        linear.set(LinearVelocity(v));
+        angular.set(AngularVelocity(omega));
+        if !bodies.is_static(slot) {
+            transform.set(transform_of(bodies.pose(slot)));
         }
     }
 }
@@ -99,38 +126,81 @@ pub(super) fn transform_of(pose: Pose) -> Transform {
 struct Column<'w, T> {
     values: &'w mut [T],
     ticks: ContiguousComponentTicksMut<'w>,
-    has_changed: bool,
 }
 
-impl<'w, T: PartialEq> Column<'w, T> {
+impl<'w, T> Column<'w, T> {
     fn new(column: ContiguousMut<'w, T>) -> Self {
         let (values, ticks) = ContiguousMut::bypass_change_detection_split(column);
-        Self {
-            values,
-            ticks,
-            has_changed: false,
-        }
+        Self { values, ticks }
     }
 
-    /// Writes `value`, and notes it as a change if it is one.
-    fn set(&mut self, row: usize, value: T) {
-        if self.values[row] != value {
-            self.values[row] = value;
-            let this_run = self.ticks.this_run();
-            self.ticks.changed_mut()[row] = this_run;
-            self.ticks
-                .changed_by_mut()
-                .map(|by| by[row] = Location::caller());
-            self.has_changed = true;
-        }
+    /// The rows in parts of `size`.
+    fn parts(
+        &mut self,
+        size: usize,
+    ) -> impl ExactSizeIterator<Item = Rows<'_, T>> + DoubleEndedIterator {
+        let now = self.ticks.this_run();
+        let values = self.values.chunks_mut(size);
+        let parts = values.zip(self.ticks.changed_mut().chunks_mut(size));
+        parts.map(move |(values, changed)| Rows {
+            values,
+            changed,
+            now,
+        })
     }
 }
 
 impl<T> Drop for Column<'_, T> {
-    /// The table's own mark of a change can only be set along with ticks, of which none are left to set.
+    /// Notes what goes with changes, if there were any: the table's own mark, which can only be set along with ticks, of which
+    /// none are left to set, and, in builds that track it, who made them.
     fn drop(&mut self) {
-        if self.has_changed {
-            self.ticks.reborrow().slice(0..0).mark_all_as_changed();
+        let now = self.ticks.this_run();
+        if !self.ticks.changed().contains(&now) {
+            return;
+        }
+        self.ticks.reborrow().slice(0..0).mark_all_as_changed();
+        if self.ticks.changed_by().into_option().is_some() {
+            let changed = self.ticks.changed().to_vec();
+            self.ticks.changed_by_mut().map(|by| {
+                for (by, _) in by.iter_mut().zip(changed).filter(|(_, tick)| *tick == now) {
+                    *by = Location::caller();
+                }
+            });
+        }
+    }
+}
+
+/// Some of the rows of a column.
+struct Rows<'c, T> {
+    values: &'c mut [T],
+    changed: &'c mut [Tick],
+    now: Tick,
+}
+
+impl<'c, T> Rows<'c, T> {
+    fn iter(self) -> impl Iterator<Item = Row<'c, T>> {
+        let rows = self.values.iter_mut().zip(self.changed);
+        rows.map(move |(value, changed)| Row {
+            value,
+            changed,
+            now: self.now,
+        })
+    }
+}
+
+/// One row.
+struct Row<'c, T> {
+    value: &'c mut T,
+    changed: &'c mut Tick,
+    now: Tick,
+}
+
+impl<T: PartialEq> Row<'_, T> {
+    /// Writes `value`, and notes it as a change if it is one.
+    fn set(self, value: T) {
+        if *self.value != value {
+            *self.value = value;
+            *self.changed = self.now;
         }
     }
 }
