@@ -79,6 +79,7 @@ impl Plugin for CleavePlugin {
             .init_resource::<FractureBudget>()
             .init_resource::<StepReport>()
             .init_resource::<BodyEntities>()
+            .init_resource::<CurrentSettings>()
             .init_resource::<gather::BodyQueue>()
             .init_resource::<cut::SliceRequests>()
             .init_resource::<bond::BondRequests>()
@@ -158,42 +159,34 @@ fn add_phases(schedule: &mut Schedule) {
     schedule.add_systems((
         (
             gather::register_bodies,
-            gather::gather_changes,
-            gather::gather_motion,
-            gather::settle_marked,
-            bond::gather_requests,
+            gather::read_entities,
             mass_properties,
-            gather::publish_mass,
         )
             .chain()
             .in_set(Phase::MassProperties),
-        (cut::gather_requests, make_cuts).chain().in_set(Phase::Cut),
+        cut.in_set(Phase::Cut),
         broadphase.in_set(Phase::Broadphase),
-        (generate_contacts, attach_bonds)
-            .chain()
-            .in_set(Phase::ContactGeneration),
+        generate_contacts.in_set(Phase::ContactGeneration),
         solve.in_set(Phase::Solve),
-        (fracture, break_bonds, bond::report_broken)
-            .chain()
-            .in_set(Phase::Fracture),
+        fracture.in_set(Phase::Fracture),
         integrate.in_set(Phase::Integrate),
         age_cache.in_set(Phase::CacheAging),
         sleep.in_set(Phase::Sleep),
         (
-            cut::report_refusals,
-            cut::despawn_expired,
-            cut::spawn_pieces.run_if(cut::anything_broke),
-            scatter::unmark_woken,
+            scatter::renew_entities,
             scatter::scatter,
-            scatter::mark_asleep,
-            scatter::report_problems,
+            scatter::tell_entities,
         )
             .chain()
             .in_set(Phase::Writeback),
     ));
 }
 
-/// What the phases are told, from the resources.
+/// What the phases are told. They take it from here, which is one resource instead of four for each of them.
+#[derive(Debug, Default, Resource)]
+struct CurrentSettings(StepSettings);
+
+/// The same from the resources, at the start of a step.
 #[derive(SystemParam)]
 struct Settings<'w> {
     gravity: Res<'w, Gravity>,
@@ -226,57 +219,60 @@ fn can_step(settings: Settings, mut has_warned: Local<bool>) -> bool {
     settings.is_usable()
 }
 
-fn mass_properties(mut bodies: ResMut<Bodies>, mut report: ResMut<StepReport>) {
+fn mass_properties(
+    mut bodies: ResMut<Bodies>,
+    mut report: ResMut<StepReport>,
+    entities: Res<BodyEntities>,
+    mut masses: Query<&mut MassProperties>,
+    settings: Settings,
+    mut current: ResMut<CurrentSettings>,
+) {
+    current.0 = settings.get();
     step::mass_properties(&mut bodies, &mut report);
+    gather::publish_mass(&bodies, &entities, &mut masses);
 }
 
 fn broadphase(
     bodies: Res<Bodies>,
     mut contacts: ResMut<Contacts>,
-    settings: Settings,
+    settings: Res<CurrentSettings>,
     mut report: ResMut<StepReport>,
 ) {
-    step::broadphase(&bodies, &mut contacts, &settings.get(), &mut report);
+    step::broadphase(&bodies, &mut contacts, &settings.0, &mut report);
 }
 
 fn generate_contacts(
     mut bodies: ResMut<Bodies>,
     mut contacts: ResMut<Contacts>,
     mut cache: ResMut<ContactCache>,
-    settings: Settings,
+    mut bonds: ResMut<Bonds>,
+    settings: Res<CurrentSettings>,
     mut report: ResMut<StepReport>,
 ) {
     step::generate_contacts(
         &mut bodies,
         &mut contacts,
         &mut cache,
-        &settings.get(),
+        &settings.0,
         &mut report,
     );
+    step::attach_bonds(&bodies, &mut contacts, &mut bonds);
 }
 
 fn solve(
     mut bodies: ResMut<Bodies>,
     mut contacts: ResMut<Contacts>,
     fractures: Res<Fractures>,
-    settings: Settings,
+    settings: Res<CurrentSettings>,
     mut report: ResMut<StepReport>,
 ) {
     step::solve(
         &mut bodies,
         &mut contacts,
         &fractures,
-        &settings.get(),
+        &settings.0,
         &mut report,
     );
-}
-
-fn attach_bonds(bodies: Res<Bodies>, mut contacts: ResMut<Contacts>, mut bonds: ResMut<Bonds>) {
-    step::attach_bonds(&bodies, &mut contacts, &mut bonds);
-}
-
-fn break_bonds(mut bodies: ResMut<Bodies>, contacts: Res<Contacts>, mut bonds: ResMut<Bonds>) {
-    step::break_bonds(&mut bodies, &contacts, &mut bonds);
 }
 
 fn integrate(mut bodies: ResMut<Bodies>, mut report: ResMut<StepReport>) {
@@ -287,59 +283,69 @@ fn age_cache(
     bodies: Res<Bodies>,
     contacts: Res<Contacts>,
     mut cache: ResMut<ContactCache>,
-    settings: Settings,
+    settings: Res<CurrentSettings>,
 ) {
-    step::age_cache(&bodies, &contacts, &mut cache, &settings.get());
+    step::age_cache(&bodies, &contacts, &mut cache, &settings.0);
 }
 
 fn sleep(
     mut bodies: ResMut<Bodies>,
     contacts: Res<Contacts>,
     mut cache: ResMut<ContactCache>,
-    settings: Settings,
+    settings: Res<CurrentSettings>,
     mut report: ResMut<StepReport>,
 ) {
-    step::sleep(
-        &mut bodies,
-        &contacts,
-        &mut cache,
-        &settings.get(),
-        &mut report,
-    );
+    step::sleep(&mut bodies, &contacts, &mut cache, &settings.0, &mut report);
 }
 
-fn make_cuts(
+/// What bodies that break leave traces in.
+#[derive(SystemParam)]
+struct Breaking<'w> {
+    cache: ResMut<'w, ContactCache>,
+    fractures: ResMut<'w, Fractures>,
+    bonds: ResMut<'w, Bonds>,
+}
+
+fn cut(
     mut bodies: ResMut<Bodies>,
-    mut cache: ResMut<ContactCache>,
-    mut fractures: ResMut<Fractures>,
-    mut bonds: ResMut<Bonds>,
-    settings: Settings,
+    mut breaking: Breaking,
+    settings: Res<CurrentSettings>,
+    mut requests: ResMut<cut::SliceRequests>,
+    mut warnings: ResMut<Messages<BodyWarning>>,
+    handles: Query<&BodyHandle>,
 ) {
-    step::cut(
-        &mut bodies,
-        &mut cache,
-        &mut fractures,
-        &mut bonds,
-        &settings.get(),
-    );
+    let Breaking {
+        cache,
+        fractures,
+        bonds,
+    } = &mut breaking;
+    cut::gather_requests(&mut requests, &bodies, fractures, &mut warnings, &handles);
+    step::cut(&mut bodies, cache, fractures, bonds, &settings.0);
 }
 
 fn fracture(
     mut bodies: ResMut<Bodies>,
     mut contacts: ResMut<Contacts>,
-    mut cache: ResMut<ContactCache>,
-    mut fractures: ResMut<Fractures>,
-    mut bonds: ResMut<Bonds>,
-    settings: Settings,
+    mut breaking: Breaking,
+    settings: Res<CurrentSettings>,
     mut report: ResMut<StepReport>,
+    entities: Res<BodyEntities>,
+    mut broken: MessageWriter<BondBroken>,
 ) {
+    let Breaking {
+        cache,
+        fractures,
+        bonds,
+    } = &mut breaking;
     step::fracture(
         &mut bodies,
         &mut contacts,
-        &mut cache,
-        &mut fractures,
-        &mut bonds,
-        &settings.get(),
+        cache,
+        fractures,
+        bonds,
+        &settings.0,
         &mut report,
     );
+    step::break_bonds(&mut bodies, &contacts, bonds);
+    bond::report_broken(bonds, &entities, &mut broken);
 }

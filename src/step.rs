@@ -195,7 +195,7 @@ pub struct Simulation {
 }
 
 /// What all phases of one step are told.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StepSettings {
     /// Gravity.
     pub gravity: Gravity,

@@ -60,13 +60,13 @@ impl BondRequest {
 #[derive(Debug, Default, Resource)]
 pub(crate) struct BondRequests(Vec<BondRequest>);
 
-/// System: makes and takes away the bonds that were asked for, once the entities have bodies.
-pub(crate) fn gather_requests(
-    mut requests: ResMut<BondRequests>,
-    mut bodies: ResMut<Bodies>,
-    mut bonds: ResMut<Bonds>,
-    mut warnings: ResMut<Messages<BodyWarning>>,
-    handles: Query<&BodyHandle>,
+/// Makes and takes away the bonds that were asked for, once the entities have bodies.
+pub(super) fn make_bonds(
+    requests: &mut BondRequests,
+    bodies: &mut Bodies,
+    bonds: &mut Bonds,
+    warnings: &mut Messages<BodyWarning>,
+    handles: &Query<&BodyHandle>,
 ) {
     let slot_of = |bodies: &Bodies, entity: Entity| {
         let handle = handles.get(entity).ok().and_then(|handle| handle.0);
@@ -76,44 +76,41 @@ pub(crate) fn gather_requests(
     for request in requests.0.drain(..) {
         let (entity, outcome) = match request {
             BondRequest::Pair(a, b, bond) => {
-                let slots = slot_of(&bodies, a).and_then(|i| Ok((i, slot_of(&bodies, b)?)));
-                (
-                    a,
-                    slots.and_then(|(i, j)| bonds.bond(&mut bodies, i, j, bond)),
-                )
+                let slots = slot_of(bodies, a).and_then(|i| Ok((i, slot_of(bodies, b)?)));
+                (a, slots.and_then(|(i, j)| bonds.bond(bodies, i, j, bond)))
             }
             BondRequest::Release(a, b) => {
-                if let (Ok(i), Ok(j)) = (slot_of(&bodies, a), slot_of(&bodies, b)) {
-                    bonds.unbond(&mut bodies, i, j);
+                if let (Ok(i), Ok(j)) = (slot_of(bodies, a), slot_of(bodies, b)) {
+                    bonds.unbond(bodies, i, j);
                 }
                 continue;
             }
             BondRequest::Neighbours(entities, strength) => {
                 let mut slots = Vec::with_capacity(entities.len());
                 for &entity in &entities {
-                    match slot_of(&bodies, entity) {
+                    match slot_of(bodies, entity) {
                         Ok(slot) => slots.push(slot),
-                        Err(error) => warn(&mut warnings, entity, error),
+                        Err(error) => warn(warnings, entity, error),
                     }
                 }
                 let Some(&first) = entities.first() else {
                     continue;
                 };
-                let made = bonds.bond_neighbours(&mut bodies, &slots, strength);
+                let made = bonds.bond_neighbours(bodies, &slots, strength);
                 (first, made.map(|_| ()))
             }
         };
         if let Err(error) = outcome {
-            warn(&mut warnings, entity, error);
+            warn(warnings, entity, error);
         }
     }
 }
 
-/// System: tells which bonds broke. Bonds of bodies without entities break in silence.
+/// Tells which bonds broke. Bonds of bodies without entities break in silence.
 pub(crate) fn report_broken(
-    bonds: Res<Bonds>,
-    entities: Res<BodyEntities>,
-    mut messages: MessageWriter<BondBroken>,
+    bonds: &Bonds,
+    entities: &BodyEntities,
+    messages: &mut MessageWriter<BondBroken>,
 ) {
     for broken in &bonds.broken {
         let [i, j] = broken.slots;

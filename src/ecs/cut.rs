@@ -37,48 +37,43 @@ impl SliceCommands for Commands<'_, '_> {
 #[derive(Debug, Default, Resource)]
 pub(crate) struct SliceRequests(Vec<(Entity, Plane)>);
 
-/// System: finds the bodies that are to be cut, before they move on from where the planes were chosen.
+/// Finds the bodies that are to be cut, before they move on from where the planes were chosen.
 pub(crate) fn gather_requests(
-    mut requests: ResMut<SliceRequests>,
-    bodies: Res<Bodies>,
-    mut fractures: ResMut<Fractures>,
-    mut warnings: ResMut<Messages<BodyWarning>>,
-    handles: Query<&BodyHandle>,
+    requests: &mut SliceRequests,
+    bodies: &Bodies,
+    fractures: &mut Fractures,
+    warnings: &mut Messages<BodyWarning>,
+    handles: &Query<&BodyHandle>,
 ) {
     for (entity, plane) in requests.0.drain(..) {
         let handle = handles.get(entity).ok().and_then(|handle| handle.0);
         let body = handle.filter(|&(slot, id)| bodies.is(slot, id));
-        let request = body.map(|(slot, _)| CutRequest::in_world(&bodies, slot, plane));
+        let request = body.map(|(slot, _)| CutRequest::in_world(bodies, slot, plane));
         match request.unwrap_or(Err(CutError::NoBody)) {
             Ok(request) => fractures.requests.push(request),
-            Err(error) => warn(&mut warnings, entity, error),
+            Err(error) => warn(warnings, entity, error),
         }
     }
 }
 
-/// System: warns about cuts that were not made.
-pub(crate) fn report_refusals(
-    fractures: Res<Fractures>,
-    entities: Res<BodyEntities>,
-    mut warnings: ResMut<Messages<BodyWarning>>,
+/// Warns about cuts that were not made.
+pub(super) fn report_refusals(
+    fractures: &Fractures,
+    entities: &BodyEntities,
+    warnings: &mut Messages<BodyWarning>,
 ) {
     for (request, error) in &fractures.refused {
         if let Some(entity) = entities.of(request.slot, request.body) {
-            warn(&mut warnings, entity, error.clone());
+            warn(warnings, entity, error.clone());
         }
     }
 }
 
-/// Run condition: something broke in this step.
-pub(crate) fn anything_broke(fractures: Res<Fractures>) -> bool {
-    !fractures.done.is_empty()
-}
-
-/// System: spawns an entity for every piece, despawns the parents, tells what happened.
+/// Command: spawns an entity for every piece, despawns the parents, tells what happened.
 ///
 /// A piece that broke again in the same step never was an entity: its pieces are told of as those of the first parent.
 /// Pieces of a body without an entity stay bodies without entities.
-pub(crate) fn spawn_pieces(world: &mut World) {
+pub(super) fn spawn_pieces(world: &mut World) {
     let done = std::mem::take(&mut world.resource_mut::<Fractures>().done);
     for (message, pieces) in families(world, &done) {
         let pieces = pieces.into_iter();
@@ -91,11 +86,11 @@ pub(crate) fn spawn_pieces(world: &mut World) {
     world.resource_mut::<Fractures>().done = done;
 }
 
-/// System: despawns the entities of pieces whose time was over.
-pub(crate) fn despawn_expired(
-    mut commands: Commands,
-    fractures: Res<Fractures>,
-    entities: Res<BodyEntities>,
+/// Despawns the entities of pieces whose time was over.
+pub(super) fn despawn_expired(
+    commands: &mut Commands,
+    fractures: &Fractures,
+    entities: &BodyEntities,
 ) {
     for &(slot, id) in &fractures.expired {
         if let Some(entity) = entities.of(slot, id) {

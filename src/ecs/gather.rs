@@ -1,10 +1,12 @@
 //! Components into flat arrays: new bodies, removed bodies, and what the user changed since the last step.
 
+use super::bond::{BondRequests, make_bonds};
 use super::components::*;
 use super::scatter::transform_of;
 use crate::contact::cache::ContactCache;
 use crate::contact::material::{Density, Friction, Restitution};
 use crate::contact::{BodyId, CollisionLayers};
+use crate::fracture::Bonds;
 use crate::geometry::{ConvexMesh, HalfSpace};
 use crate::mass::MassProperties;
 use crate::math::Pose;
@@ -13,6 +15,7 @@ use crate::solver::bodies::{Bodies, BodyDesc, BodyError, RigidBody, Shape};
 use bevy_ecs::change_detection::{ContiguousRef, Tick};
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
+use bevy_ecs::system::SystemParam;
 use bevy_math::Vec3;
 use bevy_transform::components::Transform;
 use std::ops::Range;
@@ -121,11 +124,46 @@ pub(crate) fn on_sleeping_removed(
     }
 }
 
-/// System: bodies that were marked as sleeping need not wait for it.
-pub(crate) fn settle_marked(
+/// What is read of entities that have bodies.
+#[derive(SystemParam)]
+pub(crate) struct Readings<'w, 's> {
+    ticks: Query<'w, 's, ChangeTicks, With<BodyHandle>>,
+    changed: Query<'w, 's, Entity, (Changes, With<BodyHandle>)>,
+    described: Query<'w, 's, (&'static BodyHandle, Option<BodyParts>)>,
+    motion: Query<'w, 's, Motion>,
+    marked: Query<'w, 's, &'static BodyHandle, With<Sleeping>>,
+    handles: Query<'w, 's, &'static BodyHandle>,
+}
+
+/// System: what the user changed about bodies, and the bonds that were asked for, now that the entities have bodies.
+///
+/// One system, because each takes some 30 ns and as much for every two resources: with one body that is what a step costs.
+pub(crate) fn read_entities(
     mut queue: ResMut<BodyQueue>,
     mut bodies: ResMut<Bodies>,
-    marked: Query<&BodyHandle, With<Sleeping>>,
+    mut entities: ResMut<BodyEntities>,
+    mut warnings: ResMut<Messages<BodyWarning>>,
+    (mut requests, mut bonds): (ResMut<BondRequests>, ResMut<Bonds>),
+    readings: Readings,
+) {
+    let (bodies, warnings) = (&mut *bodies, &mut *warnings);
+    gather_changes(&mut queue, bodies, warnings, &readings);
+    gather_motion(bodies, &mut entities, warnings, &readings.motion);
+    settle_marked(&mut queue, bodies, &readings.marked);
+    make_bonds(
+        &mut requests,
+        bodies,
+        &mut bonds,
+        warnings,
+        &readings.handles,
+    );
+}
+
+/// Bodies that were marked as sleeping need not wait for it.
+fn settle_marked(
+    queue: &mut BodyQueue,
+    bodies: &mut Bodies,
+    marked: &Query<&BodyHandle, With<Sleeping>>,
 ) {
     for entity in queue.marked.drain(..) {
         let body = marked.get(entity).ok().and_then(|handle| handle.0);
@@ -245,14 +283,14 @@ type Motion = (
     Ref<'static, AngularVelocity>,
 );
 
-/// System: poses and velocities that the user changed. A state that is not usable takes the body out until it is.
+/// Poses and velocities that the user changed. A state that is not usable takes the body out until it is.
 ///
 /// What the plugin wrote itself bears the tick of its own system and is passed over without a look at the values.
-pub(crate) fn gather_motion(
-    mut bodies: ResMut<Bodies>,
-    mut entities: ResMut<BodyEntities>,
-    mut warnings: ResMut<Messages<BodyWarning>>,
-    motion: Query<Motion>,
+fn gather_motion(
+    bodies: &mut Bodies,
+    entities: &mut BodyEntities,
+    warnings: &mut Messages<BodyWarning>,
+    motion: &Query<Motion>,
 ) {
     let own = entities.written;
     // All of these components are stored in tables, so there is a slice for each.
@@ -273,11 +311,11 @@ pub(crate) fn gather_motion(
             };
             let velocity = (linear[row].0, angular[row].0);
             let seen = &mut entities.seen[slot as usize];
-            match read_motion(&mut bodies, seen, slot, &transform[row], velocity) {
+            match read_motion(bodies, seen, slot, &transform[row], velocity) {
                 Ok(()) => bodies.set_frozen(slot, false),
                 Err(error) => {
                     if bodies.is_active(slot) {
-                        warn(&mut warnings, entity[row], error);
+                        warn(warnings, entity[row], error);
                     }
                     bodies.set_frozen(slot, true);
                 }
@@ -364,19 +402,18 @@ fn has_any_changed(ticks: &Query<ChangeTicks, With<BodyHandle>>) -> bool {
     })
 }
 
-/// System: shapes, densities, materials and layers that the user changed. What is not usable is not taken over.
-pub(crate) fn gather_changes(
-    mut queue: ResMut<BodyQueue>,
-    mut bodies: ResMut<Bodies>,
-    mut warnings: ResMut<Messages<BodyWarning>>,
-    ticks: Query<ChangeTicks, With<BodyHandle>>,
-    changed: Query<Entity, (Changes, With<BodyHandle>)>,
-    described: Query<(&BodyHandle, Option<BodyParts>)>,
+/// Shapes, densities, materials and layers that the user changed. What is not usable is not taken over.
+fn gather_changes(
+    queue: &mut BodyQueue,
+    bodies: &mut Bodies,
+    warnings: &mut Messages<BodyWarning>,
+    readings: &Readings,
 ) {
-    let has_changed = has_any_changed(&ticks);
-    let changed = has_changed.then(|| changed.iter()).into_iter().flatten();
+    let has_changed = has_any_changed(&readings.ticks);
+    let changed = has_changed.then(|| readings.changed.iter());
+    let changed = changed.into_iter().flatten();
     for entity in changed.chain(queue.reduced.drain(..)) {
-        let Ok((handle, parts)) = described.get(entity) else {
+        let Ok((handle, parts)) = readings.described.get(entity) else {
             continue;
         };
         let Some((slot, _)) = handle.0.filter(|&(slot, id)| bodies.is(slot, id)) else {
@@ -386,16 +423,16 @@ pub(crate) fn gather_changes(
         let parts = parts.as_ref().ok_or(BodyError::Incomplete);
         let desc = parts.and_then(|parts| describe(parts, Pose::IDENTITY));
         if let Err(error) = desc.and_then(|desc| bodies.redescribe(slot, desc)) {
-            warn(&mut warnings, entity, error);
+            warn(warnings, entity, error);
         }
     }
 }
 
-/// System: writes computed mass properties to their entities.
+/// Writes computed mass properties to their entities.
 pub(crate) fn publish_mass(
-    bodies: Res<Bodies>,
-    entities: Res<BodyEntities>,
-    mut masses: Query<&mut MassProperties>,
+    bodies: &Bodies,
+    entities: &BodyEntities,
+    masses: &mut Query<&mut MassProperties>,
 ) {
     for &slot in &bodies.fresh_mass {
         let entity = entities.of(slot, bodies.id(slot));

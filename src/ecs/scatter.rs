@@ -1,7 +1,9 @@
 //! Flat arrays into components: poses and velocities of bodies that moved, and problems of the step.
 
 use super::components::*;
+use super::cut;
 use crate::contact::BodyId;
+use crate::fracture::Fractures;
 use crate::math::Pose;
 use crate::parts::run_parts;
 use crate::solver::bodies::Bodies;
@@ -14,12 +16,46 @@ use bevy_math::Vec3;
 use bevy_transform::components::Transform;
 use std::panic::Location;
 
-/// System: takes the mark from the entities whose bodies woke, or never fell asleep, so that they are written again.
-pub(crate) fn unmark_woken(
+/// System: brings the entities in line with the bodies, before motion is written: cuts that were refused, pieces whose time is
+/// over, marks of bodies that woke, and what broke.
+///
+/// One system, because each takes some 30 ns and as much for every two resources: with one body that is what a step costs.
+pub(crate) fn renew_entities(
     mut commands: Commands,
     bodies: Res<Bodies>,
+    fractures: Res<Fractures>,
     entities: Res<BodyEntities>,
+    mut warnings: ResMut<Messages<BodyWarning>>,
     marked: Query<(), With<Sleeping>>,
+) {
+    cut::report_refusals(&fractures, &entities, &mut warnings);
+    cut::despawn_expired(&mut commands, &fractures, &entities);
+    unmark_woken(&mut commands, &bodies, &entities, &marked);
+    if !fractures.done.is_empty() {
+        commands.queue(cut::spawn_pieces);
+    }
+}
+
+/// System: what is left once motion is written: marks of bodies that fell asleep, and problems of the step.
+pub(crate) fn tell_entities(
+    mut commands: Commands,
+    mut bodies: ResMut<Bodies>,
+    entities: Res<BodyEntities>,
+    report: Res<StepReport>,
+    mut warnings: ResMut<Messages<BodyWarning>>,
+    marked: Query<(), With<Sleeping>>,
+) {
+    mark_asleep(&mut commands, &bodies, &entities, &marked);
+    bodies.forget_turned();
+    report_problems(&report, &bodies, &entities, &mut warnings);
+}
+
+/// Takes the mark from the entities whose bodies woke, or never fell asleep, so that they are written again.
+fn unmark_woken(
+    commands: &mut Commands,
+    bodies: &Bodies,
+    entities: &BodyEntities,
+    marked: &Query<(), With<Sleeping>>,
 ) {
     for &(slot, id) in bodies.turned() {
         if bodies.is(slot, id) && !bodies.is_asleep(slot) {
@@ -31,12 +67,12 @@ pub(crate) fn unmark_woken(
     }
 }
 
-/// System: marks the entities whose bodies fell asleep, after they were written for the last time.
-pub(crate) fn mark_asleep(
-    mut commands: Commands,
-    mut bodies: ResMut<Bodies>,
-    entities: Res<BodyEntities>,
-    marked: Query<(), With<Sleeping>>,
+/// Marks the entities whose bodies fell asleep, after they were written for the last time.
+fn mark_asleep(
+    commands: &mut Commands,
+    bodies: &Bodies,
+    entities: &BodyEntities,
+    marked: &Query<(), With<Sleeping>>,
 ) {
     for &(slot, id) in bodies.turned() {
         if bodies.is(slot, id) && bodies.is_asleep(slot) {
@@ -46,7 +82,6 @@ pub(crate) fn mark_asleep(
             }
         }
     }
-    bodies.forget_turned();
 }
 
 /// What the plugin writes of a body's motion, table by table.
@@ -205,16 +240,16 @@ impl<T: PartialEq> Row<'_, T> {
     }
 }
 
-/// System: warns about bodies that the step could not handle.
-pub(crate) fn report_problems(
-    report: Res<StepReport>,
-    bodies: Res<Bodies>,
-    entities: Res<BodyEntities>,
-    mut warnings: ResMut<Messages<BodyWarning>>,
+/// Warns about bodies that the step could not handle.
+fn report_problems(
+    report: &StepReport,
+    bodies: &Bodies,
+    entities: &BodyEntities,
+    warnings: &mut Messages<BodyWarning>,
 ) {
     for (slot, error) in &report.problems {
         if let Some(entity) = entities.of(*slot, bodies.id(*slot)) {
-            warn(&mut warnings, entity, *error);
+            warn(warnings, entity, *error);
         }
     }
 }
