@@ -100,6 +100,9 @@ impl Batch {
 
     /// Turns the bodies that spin, and their inertia with them.
     pub(super) fn turn_bodies(&mut self, h: f32, team: Option<&Team>) {
+        if self.turning.is_empty() {
+            return;
+        }
         let count = self.bodies.len();
         let width = self.settings.config.lane_width;
         let mut rest = (
