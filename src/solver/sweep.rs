@@ -20,6 +20,9 @@ use std::cell::Cell;
 /// How many blocks and points ahead of a sweep they are asked for: some 200 ns, in which far memory answers.
 const AHEAD: [usize; 2] = [3, 6];
 
+/// The same for what a block needs to know of bodies besides their velocities.
+const BODIES_AHEAD: usize = 2;
+
 /// What all loops run over.
 #[derive(Debug)]
 pub struct Contacts<'a> {
@@ -217,6 +220,9 @@ impl<const TIED: bool> Sweep<'_, '_, TIED> {
         for (at, block) in blocks.iter().enumerate() {
             if *is_far && let Some(next) = blocks.get(at + AHEAD[0]) {
                 prefetch(next);
+            }
+            if let (Some(aim), Some(next)) = (aim, blocks.get(at + BODIES_AHEAD)) {
+                aim.prefetch(next);
             }
             let (frame, masses) = (Frame::<L>::load(block), Masses::load(block));
             let friction = L::load(&block.friction);
