@@ -25,7 +25,8 @@ pub struct PhysicsSchedule;
 /// The phases of a step, in order.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PhysicsSystems {
-    /// Entities and what changed about them become bodies; mass, centre and inertia of changed shapes.
+    /// Entities and what changed about them become bodies; mass, centre and inertia of changed shapes. [`Gravity`],
+    /// [`SolverConfig`], [`FractureBudget`] and the clock are read here: changed later, they act from the next step on.
     MassProperties,
     /// Bodies that are to be cut become pieces.
     Cut,
@@ -182,7 +183,7 @@ fn add_phases(schedule: &mut Schedule) {
     ));
 }
 
-/// What the phases are told. They take it from here, which is one resource instead of four for each of them.
+/// What the phases of the present step are told: one resource instead of four for each of them.
 #[derive(Debug, Default, Resource)]
 struct CurrentSettings(StepSettings);
 

@@ -199,3 +199,100 @@ fn only_bodies_that_move_are_marked_as_changed() {
     app.update();
     assert_eq!(app.world().resource::<Moved>().0, [falling]);
 }
+
+/// Cubes that fly past each other, every third one fixed: more than are written by one thread.
+fn swarm() -> Vec<BodyDesc> {
+    let mesh = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("valid");
+    let cube = |i: u16| {
+        let at = 4.0 * glam::Vec3::new(f32::from(i % 60), f32::from(i / 60), 0.0);
+        let mut cube = BodyDesc::dynamic(mesh.clone(), at);
+        cube.linear_velocity = glam::Vec3::Z * f32::from(i % 7);
+        cube.angular_velocity = glam::Vec3::new(0.1, 0.2, 0.3) * f32::from(i % 5);
+        if i.is_multiple_of(3) {
+            cube.kind = RigidBody::Static;
+            cube.linear_velocity = glam::Vec3::ZERO;
+            cube.angular_velocity = glam::Vec3::ZERO;
+        }
+        cube
+    };
+    (0..5000).map(cube).collect()
+}
+
+#[test]
+fn what_a_team_writes_is_what_the_plain_step_finds() {
+    let mut simulation = Simulation::default();
+    let mut app = app();
+    let mut entities = Vec::new();
+    for desc in swarm() {
+        simulation.bodies.insert(desc.clone()).expect("usable");
+        entities.push(app.world_mut().spawn_body(desc));
+    }
+    for step in 0..5 {
+        simulation.step(step_length().as_secs_f32());
+        app.update();
+        let expected = bits_of_simulation(&simulation);
+        assert_eq!(expected, bits_of_world(app.world_mut()), "step {step}");
+        // One change among thousands is seen.
+        let chosen = entities[1000 * step + 1];
+        let mut velocity = app.world_mut().get_mut::<LinearVelocity>(chosen);
+        velocity.as_mut().expect("a body").0 = glam::Vec3::X;
+        let (slot, _) = app
+            .world()
+            .get::<BodyHandle>(chosen)
+            .and_then(|h| h.get())
+            .expect("a body");
+        let (_, omega) = simulation.bodies.velocity(slot);
+        simulation
+            .bodies
+            .set_velocity(slot, glam::Vec3::X, omega)
+            .expect("usable");
+    }
+}
+
+#[test]
+fn what_a_team_writes_is_marked_as_changed_and_nothing_else() {
+    #[derive(Resource, Default)]
+    struct Moved(Vec<Entity>);
+
+    let mut app = app();
+    let mut movable = Vec::new();
+    for desc in swarm() {
+        let kind = desc.kind;
+        let entity = app.world_mut().spawn_body(desc);
+        if kind == RigidBody::Dynamic {
+            movable.push(entity);
+        }
+    }
+    app.init_resource::<Moved>().add_systems(
+        Last,
+        |mut moved: ResMut<Moved>, changed: Query<Entity, Changed<Transform>>| {
+            moved.0 = changed.iter().collect();
+        },
+    );
+    app.update();
+    app.update();
+    let mut moved = std::mem::take(&mut app.world_mut().resource_mut::<Moved>().0);
+    moved.sort();
+    movable.sort();
+    assert_eq!(moved, movable);
+}
+
+#[test]
+fn gravity_changed_within_a_step_acts_from_the_next_one_on() {
+    let mut app = app();
+    let mesh = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("valid");
+    let body = app.world_mut().spawn((RigidBody::Dynamic, mesh)).id();
+    app.world_mut().insert_resource(Gravity(glam::Vec3::ZERO));
+    app.update();
+    app.add_systems(
+        PhysicsSchedule,
+        (|mut gravity: ResMut<Gravity>| gravity.0 = -glam::Vec3::Y)
+            .after(PhysicsSystems::MassProperties)
+            .before(PhysicsSystems::Cut),
+    );
+    let fall = |app: &App| app.world().get::<LinearVelocity>(body).expect("a body").0.y;
+    app.update();
+    assert_eq!(fall(&app), 0.0, "read before");
+    app.update();
+    assert!(fall(&app) < 0.0);
+}

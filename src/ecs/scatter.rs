@@ -19,7 +19,7 @@ use std::panic::Location;
 /// System: brings the entities in line with the bodies, before motion is written: cuts that were refused, pieces whose time is
 /// over, marks of bodies that woke, and what broke.
 ///
-/// One system, because each takes some 30 ns and as much for every two resources: with one body that is what a step costs.
+/// One system for all of it: with one body, systems and the resources that they take are most of what the plugin adds to a step.
 pub(crate) fn renew_entities(
     mut commands: Commands,
     bodies: Res<Bodies>,
@@ -110,7 +110,8 @@ pub(crate) fn scatter(
     let bodies = &*bodies;
     // All of these components are stored in tables, so there is a slice for each.
     let tables = motion.contiguous_iter_mut().ok().into_iter().flatten();
-    Team::lead_if(bodies.len() - bodies.asleep() >= WORTH_HELP, |team| {
+    let awake = bodies.len().saturating_sub(bodies.asleep());
+    Team::lead_if(awake >= WORTH_HELP, |team| {
         for (handles, transforms, linear, angular) in tables {
             let mut transforms = Column::new(transforms);
             let mut linear = Column::new(linear);
@@ -133,7 +134,9 @@ fn write_rows(
     linear: Rows<LinearVelocity>,
     angular: Rows<AngularVelocity>,
 ) {
-    let rows = transforms.iter().zip(linear.iter().zip(angular.iter()));
+    let rows = transforms
+        .into_rows()
+        .zip(linear.into_rows().zip(angular.into_rows()));
     for (handle, (transform, (linear, angular))) in handles.iter().zip(rows) {
         let is_alive = |&(slot, id): &(u32, BodyId)| bodies.is(slot, id) && bodies.is_active(slot);
         let Some((slot, _)) = handle.0.filter(is_alive) else {
@@ -213,7 +216,7 @@ struct Rows<'c, T> {
 }
 
 impl<'c, T> Rows<'c, T> {
-    fn iter(self) -> impl Iterator<Item = Row<'c, T>> {
+    fn into_rows(self) -> impl Iterator<Item = Row<'c, T>> {
         let rows = self.values.iter_mut().zip(self.changed);
         rows.map(move |(value, changed)| Row {
             value,
