@@ -178,23 +178,28 @@ fn a_change_between_gathering_and_writing_back_is_taken_over_in_the_next_step() 
     assert_eq!(height_in_simulation(&app, wall), 4.0);
 }
 
-#[test]
-fn only_bodies_that_move_are_marked_as_changed() {
-    #[derive(Resource, Default)]
-    struct Moved(Vec<Entity>);
+/// Entities whose `Transform` was marked as changed in the last update.
+#[derive(Resource, Default)]
+struct Moved(Vec<Entity>);
 
-    let mut app = app();
-    let mesh = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("valid");
-    let body = |kind, x| (kind, mesh.clone(), Transform::from_xyz(x, 0.0, 0.0));
-    let falling = app.world_mut().spawn(body(RigidBody::Dynamic, 0.0)).id();
-    app.world_mut().spawn(body(RigidBody::Static, 5.0));
-    app.world_mut().spawn(body(RigidBody::Kinematic, 10.0));
+fn watch_moved(app: &mut App) {
     app.init_resource::<Moved>().add_systems(
         Last,
         |mut moved: ResMut<Moved>, changed: Query<Entity, Changed<Transform>>| {
             moved.0 = changed.iter().collect();
         },
     );
+}
+
+#[test]
+fn only_bodies_that_move_are_marked_as_changed() {
+    let mut app = app();
+    let mesh = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("valid");
+    let body = |kind, x| (kind, mesh.clone(), Transform::from_xyz(x, 0.0, 0.0));
+    let falling = app.world_mut().spawn(body(RigidBody::Dynamic, 0.0)).id();
+    app.world_mut().spawn(body(RigidBody::Static, 5.0));
+    app.world_mut().spawn(body(RigidBody::Kinematic, 10.0));
+    watch_moved(&mut app);
     app.update();
     app.update();
     assert_eq!(app.world().resource::<Moved>().0, [falling]);
@@ -251,9 +256,6 @@ fn what_a_team_writes_is_what_the_plain_step_finds() {
 
 #[test]
 fn what_a_team_writes_is_marked_as_changed_and_nothing_else() {
-    #[derive(Resource, Default)]
-    struct Moved(Vec<Entity>);
-
     let mut app = app();
     let mut movable = Vec::new();
     for desc in swarm() {
@@ -263,12 +265,7 @@ fn what_a_team_writes_is_marked_as_changed_and_nothing_else() {
             movable.push(entity);
         }
     }
-    app.init_resource::<Moved>().add_systems(
-        Last,
-        |mut moved: ResMut<Moved>, changed: Query<Entity, Changed<Transform>>| {
-            moved.0 = changed.iter().collect();
-        },
-    );
+    watch_moved(&mut app);
     app.update();
     app.update();
     let mut moved = std::mem::take(&mut app.world_mut().resource_mut::<Moved>().0);
