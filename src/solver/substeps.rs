@@ -122,7 +122,7 @@ impl Batch {
                 contacts.pass_tied(pass, last, &mut self.ties)
             };
         };
-        self.pass_with(pass, team)
+        self.pass_with(pass, team, is_far)
     }
 
     /// Whether blocks and points are more than a near cache keeps from one pass to the next.
@@ -130,9 +130,8 @@ impl Batch {
         size_of_val(&self.blocks[..]) + size_of_val(&self.points[..]) > NEAR_CACHE
     }
 
-    fn pass_with(&mut self, pass: Pass, team: &Team) -> f32 {
+    fn pass_with(&mut self, pass: Pass, team: &Team, is_far: bool) -> f32 {
         let config = &self.settings.config;
-        let is_far = self.is_far();
         let work = Shift {
             pass,
             blocks: &self.blocks,
