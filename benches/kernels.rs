@@ -173,7 +173,7 @@ fn contact_cache(c: &mut Criterion) {
         let boxes: Vec<_> = slots
             .map(|slot| bodies.convex(slot).map(|mesh| KdBox::around(mesh.aabb())))
             .collect();
-        let mut manifolds = contacts.manifolds().to_vec();
+        let mut manifolds = contacts.manifolds().clone();
         b.iter(|| {
             let stats = cache.warm_start(&mut manifolds, &ids, &rotations, &boxes, H);
             cache.store_and_age(&manifolds, &ids, &rotations, H);

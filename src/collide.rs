@@ -6,7 +6,8 @@
 use crate::contact::BodyId;
 use crate::contact::broadphase::{Broadphase, Pair, Proxy, ProxyKind, ProxyShape};
 use crate::contact::half_space::examine_half_space;
-use crate::contact::manifold::{BodyPlace, BoundPatch, Manifold, Patch};
+use crate::contact::manifold::{BodyPlace, BoundPatch, Patch};
+use crate::contact::manifolds::{ManifoldHead, Manifolds, PartSize, Writer};
 use crate::contact::pair::{
     Pace, PairBody, PairState, PairTerm, PairView, Verdict, reach_of_test, smaller_extent,
 };
@@ -14,7 +15,7 @@ use crate::contact::sat::{Found, Hint, NarrowScratch, distance_along, examine_hu
 use crate::geometry::ConvexHull;
 use crate::geometry::lanes::bounds;
 use crate::math::{Aabb, Plane, Pose, rotate};
-use crate::parts::{Pieces, WORTH_HELP, run_parts};
+use crate::parts::{WORTH_HELP, run_parts};
 use crate::prefetch::prefetch;
 use crate::solver::bodies::{Bodies, RigidBody, Shape};
 use crate::team::Team;
@@ -157,6 +158,8 @@ struct Part {
     scratch: NarrowScratch,
     /// Indices of its pairs that touch, within the part.
     touching: Vec<u32>,
+    /// What these make.
+    size: PartSize,
 }
 
 /// Whether the contacts of `pairs` pairs are worth a team.
@@ -232,7 +235,7 @@ impl NarrowPhase {
         bodies: &Bodies,
         broadphase: &Broadphase,
         ahead: Lookahead,
-        manifolds: &mut Vec<Manifold>,
+        manifolds: &mut Manifolds,
         team: Option<&Team>,
     ) {
         self.carry_states(bodies, broadphase);
@@ -256,17 +259,20 @@ impl NarrowPhase {
             parts.zip(known),
             |((part, pairs), (terms, states))| part.test(scene, pairs, terms, states),
         );
-        let parts = &self.parts[..pairs.len().div_ceil(part_size)];
-        let sizes = parts.iter().map(|part| part.touching.len());
-        manifolds.resize(sizes.clone().sum(), Manifold::default());
-        let pieces = Pieces::new(manifolds, sizes);
+        let parts = &mut self.parts[..pairs.len().div_ceil(part_size)];
+        let mut first = 0;
+        for part in parts.iter_mut() {
+            part.size.first = first;
+            first += part.size.points;
+        }
+        let writers = manifolds.writers(parts.iter().map(|part| part.size));
         let pairs = pairs.chunks(part_size).zip(self.states.chunks(part_size));
         let parts = parts.iter().zip(pairs);
         run_parts(
             team,
-            pieces.zip(parts),
-            |(piece, (part, (pairs, states)))| {
-                write_manifolds(scene, pairs, states, &part.touching, piece)
+            writers.zip(parts),
+            |(writer, (part, (pairs, states)))| {
+                write_manifolds(scene, pairs, states, &part.touching, writer)
             },
         );
     }
@@ -371,6 +377,7 @@ impl Part {
         states: &mut [Box<PairState>],
     ) {
         self.touching.clear();
+        self.size = PartSize::default();
         for (index, ((&pair, term), state)) in (0..).zip(pairs.iter().zip(terms).zip(states)) {
             if !scene.bodies.needs_look(pair) {
                 continue;
@@ -387,8 +394,10 @@ impl Part {
                 };
                 self.renew(scene, pair, view);
             }
-            if term.touches {
+            if term.points > 0 {
                 self.touching.push(index);
+                self.size.manifolds += 1;
+                self.size.points += term.points;
             }
         }
     }
@@ -435,9 +444,9 @@ fn write_manifolds(
     pairs: &[Pair],
     states: &[Box<PairState>],
     touching: &[u32],
-    manifolds: &mut [Manifold],
+    mut writer: Writer<'_>,
 ) {
-    for (k, (&at, manifold)) in touching.iter().zip(manifolds).enumerate() {
+    for (k, &at) in touching.iter().enumerate() {
         if let Some(&next) = touching.get(k + AHEAD) {
             prefetch(&*states[next as usize]);
             for body in scene.pair(pairs[next as usize]) {
@@ -445,10 +454,18 @@ fn write_manifolds(
             }
         }
         let (pair, state) = (&pairs[at as usize], &states[at as usize]);
+        let Some((head, points)) = writer.next(state.patch.count) else {
+            return;
+        };
         let [a, b] = scene.pair(*pair);
-        (manifold.a, manifold.b) = (pair.a, pair.b);
-        (manifold.friction, manifold.restitution) = (state.friction, state.restitution);
-        state.patch.write(&a.place, &b.place, manifold);
+        *head = ManifoldHead {
+            a: pair.a,
+            b: pair.b,
+            normal: state.patch.write(&a.place, &b.place, points),
+            friction: state.friction,
+            restitution: state.restitution,
+            count: state.patch.count,
+        };
     }
 }
 

@@ -19,7 +19,7 @@
 use crate::collide::{self, Lookahead};
 use crate::contact::broadphase::Broadphase;
 use crate::contact::cache::{CacheStats, ContactCache};
-use crate::contact::manifold::Manifold;
+use crate::contact::{ManifoldRef, Manifolds};
 use crate::fracture::{
     Bond, BondError, Bonds, CutError, CutRequest, FractureBudget, Fractures, break_overloaded,
     make_cuts, note_loads,
@@ -40,12 +40,14 @@ use bevy_ecs::resource::Resource;
 pub struct Contacts {
     pub(crate) broadphase: Broadphase,
     pub(crate) narrow: collide::NarrowPhase,
-    pub(crate) manifolds: Vec<Manifold>,
+    pub(crate) manifolds: Manifolds,
     pub(crate) solver: ContactSolver,
     /// Whether a body broke in the last round, and its island waits for the next one.
     is_broken: bool,
     /// Manifolds that are solved while a new round is prepared, sorted by body ids.
-    solved: Vec<Manifold>,
+    solved: Manifolds,
+    /// For putting the two together.
+    joined: Manifolds,
     /// Kinetic and potential energy before the step, J, if the error is measured.
     energy_before: Option<f64>,
     /// Rows of an island whose error is measured.
@@ -81,24 +83,34 @@ impl Contacts {
 
     /// Keeps the manifolds of bodies that have got their motion, whose contacts are not to be looked for again.
     fn set_solved_aside(&mut self) {
-        let is_solved = |m: &&Manifold| self.solver.is_moved(m.a) || self.solver.is_moved(m.b);
         self.solved.clear();
-        self.solved.extend(self.manifolds.iter().filter(is_solved));
+        for manifold in self.manifolds.iter() {
+            if self.solver.is_moved(manifold.a) || self.solver.is_moved(manifold.b) {
+                self.solved.push(manifold);
+            }
+        }
     }
 
     /// Puts them back in place of what was found anew for the same bodies.
     fn take_solved_back(&mut self, bodies: &Bodies) {
         let solver = &self.solver;
-        self.manifolds
-            .retain(|m| !solver.is_moved(m.a) && !solver.is_moved(m.b));
-        self.manifolds.append(&mut self.solved);
-        let name = |m: &Manifold| (bodies.id(m.a), bodies.id(m.b));
-        self.manifolds.sort_by_key(name);
+        let name = |m: &ManifoldRef| (bodies.id(m.a), bodies.id(m.b));
+        let is_new = |m: &ManifoldRef| !solver.is_moved(m.a) && !solver.is_moved(m.b);
+        let mut new = self.manifolds.iter().filter(is_new).peekable();
+        self.joined.clear();
+        for solved in self.solved.iter() {
+            while let Some(before) = new.next_if(|new| name(new) < name(&solved)) {
+                self.joined.push(before);
+            }
+            self.joined.push(solved);
+        }
+        new.for_each(|manifold| self.joined.push(manifold));
+        std::mem::swap(&mut self.manifolds, &mut self.joined);
     }
 
     /// Manifolds of the last step with the impulses that were found, sorted by body ids. Those of bodies that sleep are not
     /// among them.
-    pub fn manifolds(&self) -> &[Manifold] {
+    pub fn manifolds(&self) -> &Manifolds {
         &self.manifolds
     }
 
@@ -355,7 +367,7 @@ pub fn generate_contacts(
         loop {
             narrow.collide(bodies, broadphase, ahead, manifolds, team);
             // What was woken has pairs of its own, and may touch others that sleep.
-            if !bodies.wake_touched(manifolds) {
+            if !bodies.wake_touched(manifolds.heads()) {
                 break;
             }
         }
@@ -373,7 +385,7 @@ pub fn generate_contacts(
         cache.warm_start_by(team, manifolds, ids, rotation, kd_box, settings.h)
     });
     report.manifolds = manifolds.len();
-    report.contacts = manifolds.iter().map(|m| m.count as usize).sum();
+    report.contacts = manifolds.points().len();
 }
 
 /// The end of phase 4: manifolds of bonded pairs hold.
@@ -551,7 +563,7 @@ fn measure_error(
         sum.add(&ResidualSum::of(rows, island.bodies, &settings.config));
     }
     let [kinetic_energy, potential_energy] = bodies.energy(settings.gravity.0, true);
-    let points = manifolds.iter().flat_map(|m| m.points());
+    let points = manifolds.points().iter();
     StepError {
         residual: sum.residual(),
         penetration: points.map(|p| -p.separation).fold(0.0, f32::max),

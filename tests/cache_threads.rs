@@ -2,7 +2,9 @@
 
 mod dice;
 
-use bevy_cleave::contact::{BodyId, CacheEntry, CacheStats, ContactCache, ContactPoint, Manifold};
+use bevy_cleave::contact::{
+    BodyId, CacheEntry, CacheStats, ContactCache, ContactPoint, Manifold, ManifoldHead, Manifolds,
+};
 use bevy_cleave::geometry::KdBox;
 use bevy_cleave::math::Aabb;
 use bevy_tasks::{ComputeTaskPool, TaskPoolBuilder};
@@ -61,9 +63,12 @@ impl World {
         let mut pairs: Vec<_> = pairs
             .filter(|&(a, b)| self.ids[a] < self.ids[b])
             .map(|(a, b)| Manifold {
-                a: a as u32,
-                b: b as u32,
-                normal: Vec3::Y,
+                head: ManifoldHead {
+                    a: a as u32,
+                    b: b as u32,
+                    normal: Vec3::Y,
+                    ..ManifoldHead::default()
+                },
                 ..Manifold::default()
             })
             .collect();
@@ -120,11 +125,11 @@ fn play() -> Vec<Outcome> {
         let touching = pairs
             .iter()
             .filter(|m| m.count > 0 || random.below(50) == 0);
-        let mut manifolds: Vec<Manifold> = touching.copied().collect();
+        let mut manifolds: Manifolds = touching.collect();
         most = most.max(manifolds.len());
         let stats = cache.warm_start(&mut manifolds, ids, rotations, boxes, H);
-        let warm = manifolds.iter().flat_map(|m| m.points().to_vec()).collect();
-        for point in manifolds.iter_mut().flat_map(Manifold::points_mut) {
+        let warm = manifolds.points().to_vec();
+        for point in manifolds.points_mut() {
             point.normal_impulse = random.unit();
             point.friction_impulse = random.vector(-1.0, 1.0);
         }

@@ -4,8 +4,8 @@ mod dice;
 
 use bevy_cleave::contact::cache::MAX_AGE;
 use bevy_cleave::contact::{
-    BodyId, CacheStats, ContactCache, ContactPoint, Manifold, ManifoldBody, NarrowScratch,
-    collide_half_space, collide_hulls,
+    BodyId, CacheStats, ContactCache, ContactPoint, Manifold, ManifoldBody, ManifoldHead,
+    Manifolds, NarrowScratch, collide_half_space, collide_hulls,
 };
 use bevy_cleave::geometry::{ConvexHull, KdBox, KdCode};
 use bevy_cleave::math::{Aabb, Plane, Pose};
@@ -34,16 +34,23 @@ fn unit_boxes() -> [Option<KdBox>; 2] {
 /// A manifold of slots 0 and 1 with the given points.
 fn manifold(points: &[ContactPoint]) -> Manifold {
     let mut manifold = Manifold {
-        a: 0,
-        b: 1,
-        normal: Vec3::Y,
-        friction: 0.5,
-        restitution: 0.0,
-        count: points.len() as u32,
+        head: ManifoldHead {
+            a: 0,
+            b: 1,
+            normal: Vec3::Y,
+            friction: 0.5,
+            restitution: 0.0,
+            count: points.len() as u32,
+        },
         points: Default::default(),
     };
     manifold.points_mut().copy_from_slice(points);
     manifold
+}
+
+/// Manifolds as the cache takes them.
+fn list(manifolds: &[Manifold]) -> Manifolds {
+    manifolds.iter().collect()
 }
 
 /// A point at the same place in both unit boxes.
@@ -59,21 +66,21 @@ fn point_at(place: Vec3, normal_impulse: f32) -> ContactPoint {
 
 /// One whole step: warm start, "solve" to the given impulses, store. Returns what the warm start gave.
 fn step(cache: &mut ContactCache, points: &[ContactPoint], h: f32) -> (Vec<f32>, CacheStats) {
-    let mut manifolds = [manifold(points)];
+    let mut manifolds = list(&[manifold(points)]);
     let stats = cache.warm_start(&mut manifolds, &IDS, &ROTATIONS, &unit_boxes(), h);
-    let warm = manifolds[0]
+    let warm = manifolds
         .points()
         .iter()
         .map(|p| p.normal_impulse)
         .collect();
-    cache.store_and_age(&[manifold(points)], &IDS, &ROTATIONS, h);
+    cache.store_and_age(&list(&[manifold(points)]), &IDS, &ROTATIONS, h);
     (warm, stats)
 }
 
 /// One step in which the pair does not touch.
 fn step_apart(cache: &mut ContactCache) {
-    cache.warm_start(&mut [], &IDS, &ROTATIONS, &unit_boxes(), H);
-    cache.store_and_age(&[], &IDS, &ROTATIONS, H);
+    cache.warm_start(&mut list(&[]), &IDS, &ROTATIONS, &unit_boxes(), H);
+    cache.store_and_age(&list(&[]), &IDS, &ROTATIONS, H);
 }
 
 fn ages(cache: &ContactCache) -> Vec<u32> {
@@ -167,23 +174,25 @@ fn friction_turns_with_body_a_and_stays_tangential() {
     let mut cache = ContactCache::new();
     let mut before = manifold(&[point_at(Vec3::ZERO, 1.0)]);
     before.points[0].friction_impulse = Vec3::new(0.3, 0.0, 0.4);
-    cache.store_and_age(&[before], &IDS, &ROTATIONS, H);
+    cache.store_and_age(&list(&[before]), &IDS, &ROTATIONS, H);
     // A quarter turn about y takes x to -z and z to x; then the normal is tilted by 0.6/0.8.
     let turned = [
         Quat::from_xyzw(0.0, 0.5_f32.sqrt(), 0.0, 0.5_f32.sqrt()),
         Quat::IDENTITY,
     ];
-    let mut after = [manifold(&[point_at(Vec3::ZERO, 0.0)])];
-    after[0].normal = Vec3::new(0.6, 0.8, 0.0);
+    let mut after = manifold(&[point_at(Vec3::ZERO, 0.0)]);
+    after.normal = Vec3::new(0.6, 0.8, 0.0);
+    let normal = after.normal;
+    let mut after = list(&[after]);
     cache.warm_start(&mut after, &IDS, &turned, &unit_boxes(), H);
-    let friction = after[0].points[0].friction_impulse;
+    let friction = after.points()[0].friction_impulse;
     let turned = Vec3::new(0.4, 0.0, -0.3);
-    let expected = turned - after[0].normal * after[0].normal.dot(turned);
+    let expected = turned - normal * normal.dot(turned);
     assert!(
         (friction - expected).length() < 1e-6,
         "{friction} {expected}"
     );
-    assert!(friction.dot(after[0].normal).abs() < 1e-6);
+    assert!(friction.dot(normal).abs() < 1e-6);
 }
 
 #[test]
@@ -236,20 +245,20 @@ fn a_body_without_box_is_matched_on_the_other_side() {
         code_b: KdCode(0),
         ..point_at(Vec3::new(x, -0.5, 0.0), impulse)
     };
-    let before = [manifold(&[at(-0.5, 1.0), at(0.5, 2.0)])];
+    let before = list(&[manifold(&[at(-0.5, 1.0), at(0.5, 2.0)])]);
     cache.store_and_age(&before, &IDS, &ROTATIONS, H);
-    let mut after = [manifold(&[at(0.495, 0.0), at(-0.5, 0.0)])];
+    let mut after = list(&[manifold(&[at(0.495, 0.0), at(-0.5, 0.0)])]);
     let stats = cache.warm_start(&mut after, &IDS, &ROTATIONS, &boxes, H);
     assert_eq!((stats.exact_hits, stats.near_hits), (1, 1));
     assert_eq!(
         [
-            after[0].points[0].normal_impulse,
-            after[0].points[1].normal_impulse
+            after.points()[0].normal_impulse,
+            after.points()[1].normal_impulse
         ],
         [2.0, 1.0]
     );
     // Without any box only the codes are left.
-    let mut after = [manifold(&[at(0.495, 0.0), at(-0.5, 0.0)])];
+    let mut after = list(&[manifold(&[at(0.495, 0.0), at(-0.5, 0.0)])]);
     let stats = cache.warm_start(&mut after, &IDS, &ROTATIONS, &[None, None], H);
     assert_eq!((stats.exact_hits, stats.near_hits, stats.misses), (1, 0, 1));
 }
@@ -267,17 +276,17 @@ fn small_body_on_vast_ground_is_matched_on_the_small_body() {
         ..point_at(Vec3::new(x, -0.5, z), impulse)
     };
     let mut cache = ContactCache::new();
-    let before = [manifold(&[corner(-0.1, -0.1, 1.0), corner(0.1, 0.1, 2.0)])];
+    let before = list(&[manifold(&[corner(-0.1, -0.1, 1.0), corner(0.1, 0.1, 2.0)])]);
     cache.store_and_age(&before, &IDS, &ROTATIONS, H);
-    let mut after = [manifold(&[
+    let mut after = list(&[manifold(&[
         corner(0.105, 0.1, 0.0),
         corner(-0.105, -0.1, 0.0),
-    ])];
+    ])]);
     cache.warm_start(&mut after, &IDS, &ROTATIONS, &boxes, H);
     assert_eq!(
         [
-            after[0].points[0].normal_impulse,
-            after[0].points[1].normal_impulse
+            after.points()[0].normal_impulse,
+            after.points()[1].normal_impulse
         ],
         [2.0, 1.0]
     );
@@ -287,13 +296,18 @@ fn small_body_on_vast_ground_is_matched_on_the_small_body() {
 fn removed_bodies_are_forgotten_and_others_kept() {
     let ids = [BodyId(1), BodyId(2), BodyId(5)];
     let rotations = [Quat::IDENTITY; 3];
-    let pair = |a: u32, b: u32| Manifold {
-        a,
-        b,
-        ..manifold(&[point_at(Vec3::ZERO, 1.0)])
+    let pair = |a: u32, b: u32| {
+        let mut pair = manifold(&[point_at(Vec3::ZERO, 1.0)]);
+        (pair.a, pair.b) = (a, b);
+        pair
     };
     let mut cache = ContactCache::new();
-    cache.store_and_age(&[pair(0, 1), pair(0, 2), pair(1, 2)], &ids, &rotations, H);
+    cache.store_and_age(
+        &list(&[pair(0, 1), pair(0, 2), pair(1, 2)]),
+        &ids,
+        &rotations,
+        H,
+    );
     assert_eq!(cache.len(), 3);
     cache.remove_bodies(|id| id == BodyId(2));
     assert_eq!(cache.pairs().collect::<Vec<_>>(), [(BodyId(1), BodyId(5))]);
@@ -348,11 +362,9 @@ fn random_manifold(random: &mut Dice, a: usize, b: usize) -> Option<Manifold> {
             ..ContactPoint::default()
         })
         .collect();
-    Some(Manifold {
-        a: a as u32,
-        b: b as u32,
-        ..manifold(&points)
-    })
+    let mut found = manifold(&points);
+    (found.a, found.b) = (a as u32, b as u32);
+    Some(found)
 }
 
 /// Random manifolds with random impulses, sorted; of a thousand pairs, `kept` are as `before`.
@@ -395,9 +407,9 @@ fn check_against_hash_map(ids: &[BodyId], steps: usize, kept: usize) {
         } else {
             random_manifolds(&mut random, ids, &solved, kept)
         };
-        let mut manifolds = solved.clone();
+        let mut manifolds = list(&solved);
         cache.warm_start(&mut manifolds, ids, &rotations, &boxes, H);
-        cache.store_and_age(&solved, ids, &rotations, H);
+        cache.store_and_age(&list(&solved), ids, &rotations, H);
         let keys: Vec<_> = solved
             .iter()
             .flat_map(|m| m.points().iter().map(|p| (m.a, m.b, *p)))
@@ -513,14 +525,14 @@ impl Scene {
                 code_box: boxes[slot as usize],
             };
             let (a, b) = (body(0, Pose::IDENTITY), body(1, pose));
-            let mut manifolds = [Manifold::from_patch(&a, &b, &patch, 0.5, 0.0)];
+            let mut manifolds = list(&[Manifold::from_patch(&a, &b, &patch, 0.5, 0.0)]);
             let rotations = [Quat::IDENTITY, pose.rotation];
             let stats = cache.warm_start(&mut manifolds, &ids, &rotations, &boxes, H);
             if number > 0 {
                 total.add(&stats);
             }
             let places: Vec<[Vec3; 2]> = patch.points().iter().map(|p| [p.on_a, p.on_b]).collect();
-            for (point, place) in manifolds[0].points_mut().iter_mut().zip(&places) {
+            for (point, place) in manifolds.points_mut().iter_mut().zip(&places) {
                 // The "impulse" is the number of the point, so that the warm start tells which one was found.
                 if point.normal_impulse > 0.0 {
                     let found = last[point.normal_impulse as usize - 1];
@@ -528,7 +540,7 @@ impl Scene {
                     wrong += u32::from(moved.fold(f32::INFINITY, f32::min) > 0.005);
                 }
             }
-            for (i, point) in manifolds[0].points_mut().iter_mut().enumerate() {
+            for (i, point) in manifolds.points_mut().iter_mut().enumerate() {
                 point.normal_impulse = (i + 1) as f32;
             }
             cache.store_and_age(&manifolds, &ids, &rotations, H);
@@ -719,15 +731,10 @@ fn contacts_with_a_half_space_stay_warm_while_sliding() {
             code_box: boxes[slot as usize],
         };
         let floor = body(0, Pose::new(Vec3::Y * 0.5, Quat::IDENTITY));
-        let mut manifolds = [Manifold::from_patch(
-            &floor,
-            &body(1, pose),
-            &patch,
-            0.5,
-            0.0,
-        )];
+        let manifold = Manifold::from_patch(&floor, &body(1, pose), &patch, 0.5, 0.0);
+        let mut manifolds = list(&[manifold]);
         let stats = cache.warm_start(&mut manifolds, &ids, &rotations, &boxes, H);
-        assert_eq!(manifolds[0].normal, Vec3::Y);
+        assert_eq!(manifold.normal, Vec3::Y);
         assert_eq!(stats.exact_hits, if number == 0 { 0 } else { 4 });
         cache.store_and_age(&manifolds, &ids, &rotations, H);
     }

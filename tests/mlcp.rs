@@ -268,7 +268,7 @@ fn scene(mut simulation: Simulation) -> Scene {
         inertia.push(Mat3::from_diagonal(Vec3::splat(inverse)));
     }
     let mut rows = Vec::new();
-    for manifold in simulation.contacts.manifolds() {
+    for manifold in simulation.contacts.manifolds().iter() {
         let sides = [manifold.a, manifold.b].map(|slot| Side {
             inverse_mass: bodies[slot as usize].inverse_mass,
             inverse_inertia: inertia[slot as usize],
@@ -280,7 +280,7 @@ fn scene(mut simulation: Simulation) -> Scene {
                 ..*point
             };
             let pair = [manifold.a, manifold.b];
-            rows.push(PointRows::new(manifold, &cold, pair, sides, 1.0, 0.0));
+            rows.push(PointRows::new(&manifold, &cold, pair, sides, 1.0, 0.0));
         }
     }
     (rows, bodies, inertia)

@@ -3,7 +3,7 @@
 
 mod dice;
 
-use bevy_cleave::contact::{ContactPoint, Manifold, NarrowScratch, collide_hulls};
+use bevy_cleave::contact::{ContactPoint, Manifold, ManifoldRef, NarrowScratch, collide_hulls};
 use bevy_cleave::prelude::*;
 use dice::Dice;
 use glam::{Quat, Vec3};
@@ -52,7 +52,11 @@ fn manifold_at(simulation: &mut Simulation, pose_b: Pose) -> Option<Manifold> {
         .set_velocity(1, Vec3::ZERO, Vec3::ZERO)
         .expect("rest");
     simulation.step(H);
-    simulation.contacts.manifolds().first().copied()
+    simulation
+        .contacts
+        .manifolds()
+        .get(0)
+        .map(ManifoldRef::to_owned)
 }
 
 fn deepest(manifold: &Manifold) -> f32 {

@@ -1,7 +1,7 @@
 //! Contacts of a scene in one batch, for what runs over blocks.
 
 use crate::H;
-use bevy_cleave::contact::manifold::Manifold;
+use bevy_cleave::contact::Manifolds;
 use bevy_cleave::prelude::*;
 use bevy_cleave::solver::batch::{Batch, Step};
 use bevy_cleave::solver::demand::{Demand, SubstepSettings};
@@ -35,15 +35,15 @@ pub(crate) fn four_substeps() -> SolverConfig {
 /// What a batch is loaded from.
 pub(crate) struct Source {
     simulation: Simulation,
-    manifolds: Vec<Manifold>,
+    manifolds: Manifolds,
     islands: Islands,
 }
 
 impl Source {
     pub(crate) fn new(simulation: Simulation) -> Self {
-        let manifolds = simulation.contacts.manifolds().to_vec();
+        let manifolds = simulation.contacts.manifolds().clone();
         let mut islands = Islands::default();
-        islands.find(&manifolds, &simulation.bodies, |_| true, None);
+        islands.find(manifolds.heads(), &simulation.bodies, |_| true, None);
         Self {
             simulation,
             manifolds,

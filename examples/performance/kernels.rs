@@ -201,11 +201,8 @@ fn cache(is_warm_start: bool) -> Work {
         .collect();
     let boxes = slots.map(|slot| bodies.convex(slot).map(|mesh| KdBox::around(mesh.aabb())));
     let boxes: Vec<_> = boxes.collect();
-    let mut manifolds = contacts.manifolds().to_vec();
-    let points = manifolds
-        .iter()
-        .map(|manifold| manifold.points().len())
-        .sum();
+    let mut manifolds = contacts.manifolds().clone();
+    let points = manifolds.points().len();
     cache.warm_start(&mut manifolds, &ids, &rotations, &boxes, H);
     let work = move || {
         if is_warm_start {

@@ -39,11 +39,10 @@ mod renewal;
 
 pub use inherit::{Family, Heir};
 
-use super::{BodyId, Manifold};
-use crate::contact::manifold::ContactPoint;
+use super::{BodyId, ContactPoint, ManifoldHead, Manifolds};
 use crate::geometry::{KdBox, KdCode};
 use crate::math::rotate;
-use crate::parts::{Pieces, WORTH_HELP, run_parts};
+use crate::parts::{WORTH_HELP, run_parts};
 use crate::team::Team;
 use bevy_ecs::resource::Resource;
 use glam::{Quat, Vec3};
@@ -333,13 +332,13 @@ impl ContactCache {
     /// code 0 and is matched on the other body's side alone.
     pub fn warm_start(
         &mut self,
-        manifolds: &mut [Manifold],
+        manifolds: &mut Manifolds,
         ids: &[BodyId],
         rotations: &[Quat],
         boxes: &[Option<KdBox>],
         h: f32,
     ) -> CacheStats {
-        Team::lead_if(is_worth_help(manifolds), |team| {
+        Team::lead_if(is_worth_help(manifolds.len()), |team| {
             self.warm_start_by(team, manifolds, ids, rotations, boxes, h)
         })
     }
@@ -348,14 +347,14 @@ impl ContactCache {
     pub(crate) fn warm_start_by(
         &mut self,
         team: Option<&Team>,
-        manifolds: &mut [Manifold],
+        manifolds: &mut Manifolds,
         ids: &[BodyId],
         rotations: &[Quat],
         boxes: &[Option<KdBox>],
         h: f32,
     ) -> CacheStats {
-        debug_assert!(is_sorted(manifolds, ids));
-        self.plan.split(&self.current, manifolds, ids);
+        debug_assert!(is_sorted(manifolds.heads(), ids));
+        self.plan.split(&self.current, manifolds.heads(), ids);
         let pass = WarmStart {
             ids,
             rotations,
@@ -365,13 +364,12 @@ impl ContactCache {
             any_taken: self.any_taken,
         };
         let shares = self.plan.shares(&mut self.current);
-        let sizes = self.plan.manifolds().map(|range| range.len());
-        let pieces = Pieces::new(manifolds, sizes);
+        let runs = manifolds.runs(self.plan.manifolds());
         let matched = self.plan.one_each(&mut self.matched);
         run_parts(
             team,
-            matched.iter_mut().zip(shares.zip(pieces)),
-            |(matched, (share, manifolds))| *matched = pass.run(share, manifolds),
+            matched.iter_mut().zip(shares.zip(runs)),
+            |(matched, (share, run))| *matched = pass.run(share, run),
         );
         let mut stats = CacheStats::default();
         matched.iter().for_each(|part| stats.add(&part.stats));
@@ -385,21 +383,24 @@ impl ContactCache {
     /// age 0, in place of the entry it was matched to; all other entries grow one step older.
     pub fn store_and_age(
         &mut self,
-        manifolds: &[Manifold],
+        manifolds: &Manifolds,
         ids: &[BodyId],
         rotations: &[Quat],
         h: f32,
     ) {
-        debug_assert!(is_sorted(manifolds, ids));
+        debug_assert!(is_sorted(manifolds.heads(), ids));
         self.h = h;
         self.any_taken = false;
-        self.plan.split(&self.current, manifolds, ids);
+        self.plan.split(&self.current, manifolds.heads(), ids);
         let solved = Solved {
             manifolds,
+            range: 0..manifolds.len(),
             ids,
             rotations,
         };
-        Team::lead_if(is_worth_help(manifolds), |team| self.store(team, &solved));
+        Team::lead_if(is_worth_help(manifolds.len()), |team| {
+            self.store(team, &solved)
+        });
     }
 
     fn store(&mut self, team: Option<&Team>, solved: &Solved) {
@@ -428,18 +429,18 @@ impl ContactCache {
     }
 }
 
-/// Whether a pass over the entries of `manifolds` is worth a team.
-fn is_worth_help(manifolds: &[Manifold]) -> bool {
-    manifolds.len() >= WORTH_HELP * plan::MANIFOLDS_PER_PART
+/// Whether a pass over the entries of so many manifolds is worth a team.
+fn is_worth_help(manifolds: usize) -> bool {
+    manifolds >= WORTH_HELP * plan::MANIFOLDS_PER_PART
 }
 
 /// Names of a manifold's bodies.
-fn bodies_of(manifold: &Manifold, ids: &[BodyId]) -> (BodyId, BodyId) {
+fn bodies_of(manifold: &ManifoldHead, ids: &[BodyId]) -> (BodyId, BodyId) {
     (ids[manifold.a as usize], ids[manifold.b as usize])
 }
 
 /// Whether manifolds come in the order that the merge relies on.
-fn is_sorted(manifolds: &[Manifold], ids: &[BodyId]) -> bool {
+fn is_sorted(manifolds: &[ManifoldHead], ids: &[BodyId]) -> bool {
     manifolds.is_sorted_by(|l, r| bodies_of(l, ids) < bodies_of(r, ids))
 }
 

@@ -1,10 +1,10 @@
 //! Contact manifolds: feature clipping, reduction to four points, normal from A to B.
 
+use super::manifolds::{Manifold, ManifoldHead};
 use super::sat::Hint;
 use crate::geometry::lanes::{LANES, Points4};
 use crate::geometry::{KdBox, KdCode};
 use crate::math::{Pose, rotate, tangents};
-use crate::prefetch::prefetch;
 use glam::{Mat3, Quat, Vec3};
 
 /// Most points a manifold keeps.
@@ -12,6 +12,7 @@ pub const MAX_POINTS: usize = 4;
 
 /// One point where two bodies touch or nearly touch.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(align(64))]
 pub struct ContactPoint {
     /// From A's centre of mass to the contact point (midway between the two surfaces), world axes, m.
     pub anchor_a: Vec3,
@@ -30,44 +31,6 @@ pub struct ContactPoint {
     pub friction_impulse: Vec3,
     /// Normal impulse of the whole step, blows included, N s.
     pub total_impulse: f32,
-}
-
-/// All points where two bodies touch.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Manifold {
-    /// Slot of body A (the one with the smaller id).
-    pub a: u32,
-    /// Slot of body B.
-    pub b: u32,
-    /// Unit normal from A to B, world axes.
-    pub normal: Vec3,
-    /// Coefficient of friction of the pair.
-    pub friction: f32,
-    /// Coefficient of restitution of the pair.
-    pub restitution: f32,
-    /// Number of valid points.
-    pub count: u32,
-    /// The points; those beyond `count` are meaningless.
-    pub points: [ContactPoint; MAX_POINTS],
-}
-
-impl Manifold {
-    /// The valid points.
-    pub fn points(&self) -> &[ContactPoint] {
-        &self.points[..self.count as usize]
-    }
-
-    /// The valid points, for writing.
-    pub fn points_mut(&mut self) -> &mut [ContactPoint] {
-        &mut self.points[..self.count as usize]
-    }
-
-    /// Asks for what a manifold with `count` points holds.
-    pub(crate) fn prefetch(&self, count: usize) {
-        prefetch(&self.normal);
-        // The last point ends where the next one begins.
-        self.points.iter().take(count + 1).for_each(prefetch);
-    }
 }
 
 /// What a manifold needs to know of one of its two bodies.
@@ -98,25 +61,27 @@ impl Manifold {
             centre: body.pose.transform_point(body.centre),
             turn: Mat3::from_quat(body.pose.rotation),
         };
-        let mut manifold = Self {
-            a: a.slot,
-            b: b.slot,
-            normal: Vec3::ZERO,
-            friction,
-            restitution,
-            count: 0,
-            points: Default::default(),
-        };
         let turn = a.pose.rotation.inverse() * b.pose.rotation;
         let (centres, boxes) = ([a.centre, b.centre], [a.code_box, b.code_box]);
         let patch = BoundPatch::new(patch, turn, centres, boxes);
-        patch.write(&place(a), &place(b), &mut manifold);
-        manifold
+        let mut points = [ContactPoint::default(); MAX_POINTS];
+        let count = patch.count as usize;
+        let normal = patch.write(&place(a), &place(b), &mut points[..count]);
+        let head = ManifoldHead {
+            a: a.slot,
+            b: b.slot,
+            normal,
+            friction,
+            restitution,
+            count: patch.count,
+        };
+        Self { head, points }
     }
 }
 
-/// Where a body is.
+/// Where a body is: one cache line, because pairs ask for their bodies in any order.
 #[derive(Clone, Copy, Debug, Default)]
+#[repr(align(64))]
 pub(crate) struct BodyPlace {
     /// Centre of mass, world, m.
     pub(crate) centre: Vec3,
@@ -212,21 +177,18 @@ impl BoundPatch {
         }
     }
 
-    /// Writes normal and points as the bodies are now, with impulses of zero.
+    /// Writes the points, of which there are `count`, as the bodies are now, with impulses of zero; returns the normal.
     ///
     /// All lengths come from the bodies' own frames and the difference of the two centres, which is exact, so they are as
     /// good far from the world's origin as near it.
-    pub(crate) fn write(&self, a: &BodyPlace, b: &BodyPlace, manifold: &mut Manifold) {
+    pub(crate) fn write(&self, a: &BodyPlace, b: &BodyPlace, points: &mut [ContactPoint]) -> Vec3 {
         let turn = if self.normal_of_b { &b.turn } else { &a.turn };
         let normal = *turn * self.normal;
         let apart = b.centre - a.centre;
         let (on_a, on_b) = (turned(&self.on_a, &a.turn), turned(&self.on_b, &b.turn));
         let along = turned(&self.along, turn);
         let placed = self.place(normal, apart, &on_a, &on_b, &along);
-        manifold.normal = normal;
-        manifold.count = self.count;
-        // What is beyond the last one is left alone: a scene of thousands waits for the memory.
-        for (l, point) in manifold.points_mut().iter_mut().enumerate() {
+        for (l, point) in points.iter_mut().enumerate() {
             *point = ContactPoint {
                 anchor_a: placed.anchor_a.get(l),
                 anchor_b: placed.anchor_b.get(l),
@@ -236,6 +198,7 @@ impl BoundPatch {
                 ..ContactPoint::default()
             };
         }
+        normal
     }
 
     /// Separations and anchors, given the points' places on the two bodies in world axes.

@@ -8,13 +8,15 @@ mod clipping;
 mod edge_search;
 pub(crate) mod half_space;
 pub mod manifold;
+pub mod manifolds;
 pub mod material;
 pub(crate) mod pair;
 pub mod sat;
 
 pub use broadphase::{Broadphase, Pair, Proxy, ProxyKind, ProxyShape};
 pub use cache::{CacheEntry, CacheStats, ContactCache};
-pub use manifold::{ContactPoint, Manifold, ManifoldBody, Patch, PatchPoint};
+pub use manifold::{ContactPoint, ManifoldBody, Patch, PatchPoint};
+pub use manifolds::{Manifold, ManifoldHead, ManifoldRef, Manifolds};
 pub use material::{CombineRule, Density, Friction, MaterialError, Restitution};
 pub use sat::{NarrowScratch, collide_half_space, collide_hulls};
 

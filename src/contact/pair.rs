@@ -159,8 +159,8 @@ pub(crate) struct PairTerm {
     /// else the gap up to which the patch has all points.
     limit: f32,
     epochs: [u32; 2],
-    /// Whether there are contact points.
-    pub(crate) touches: bool,
+    /// Number of contact points.
+    pub(crate) points: u32,
 }
 
 const _: () = assert!(size_of::<PairTerm>() == 32);
@@ -173,7 +173,7 @@ impl Default for PairTerm {
             tolerance: f32::NEG_INFINITY,
             limit: f32::NEG_INFINITY,
             epochs: [0; 2],
-            touches: false,
+            points: 0,
         }
     }
 }
@@ -189,8 +189,9 @@ impl PairTerm {
     }
 }
 
-/// What the last test of a pair found.
+/// What the last test of a pair found. Begins with a cache line, as it is asked for by lines.
 #[derive(Clone, Debug, Default)]
+#[repr(align(64))]
 pub(crate) struct PairState {
     /// Unit vector from A to B, A's frame, along which the bodies were apart.
     axis: Option<Vec3>,
@@ -251,7 +252,7 @@ impl PairView<'_> {
     /// What the last test says about the next one, if it found these shapes touching. `centres`: of mass, own frames, m.
     pub(crate) fn hint(&self, b_in_a: &Pose, centres: [Vec3; 2]) -> Hint {
         let epochs = [self.paces[0].epoch(), self.paces[1].epoch()];
-        if !self.term.touches || self.term.epochs != epochs {
+        if self.term.points == 0 || self.term.epochs != epochs {
             return Hint::NONE;
         }
         Hint {
@@ -262,26 +263,26 @@ impl PairView<'_> {
 
     /// Notes that a test now found the bodies `distance` (m) apart along `axis`.
     pub(crate) fn set_apart(&mut self, axis: Vec3, distance: f32) {
-        self.note(false, f32::INFINITY, distance);
+        self.note(0, f32::INFINITY, distance);
         self.state.axis = Some(axis);
     }
 
     /// Notes the patch that a test now found, which holds all points up to `reach` (m).
     pub(crate) fn set_near(&mut self, patch: BoundPatch, reach: f32) {
         let [least, most] = [RECYCLE_UNSTEADY, RECYCLE].map(|s| s * smaller_extent(self.paces));
-        self.note(patch.count > 0, patch.steady.clamp(least, most), reach);
+        self.note(patch.count, patch.steady.clamp(least, most), reach);
         self.state.axis = None;
         self.state.patch = patch;
     }
 
-    fn note(&mut self, touches: bool, tolerance: f32, limit: f32) {
+    fn note(&mut self, points: u32, tolerance: f32, limit: f32) {
         let [a, b] = self.paces;
         *self.term = PairTerm {
             path: a.path + b.path,
             tolerance,
             limit,
             epochs: [a.epoch(), b.epoch()],
-            touches,
+            points,
         };
         self.state.sight = Sight::of(self.bodies[0], self.bodies[1]);
     }

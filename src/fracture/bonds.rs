@@ -19,7 +19,8 @@
 use super::neighbours::{close_pairs, touching_area};
 use crate::collide::relative_pose;
 use crate::contact::BodyId;
-use crate::contact::manifold::{ContactPoint, MAX_POINTS, Manifold};
+use crate::contact::manifold::{ContactPoint, MAX_POINTS};
+use crate::contact::manifolds::{ManifoldHead, Manifolds};
 use crate::math::{Pose, rotate};
 use crate::solver::bodies::{Bodies, RigidBody};
 use crate::solver::ties::BondedManifold;
@@ -241,7 +242,7 @@ impl Bonds {
     pub(crate) fn attach(
         &mut self,
         bodies: &Bodies,
-        manifolds: &mut [Manifold],
+        manifolds: &mut Manifolds,
         bonded: &mut Vec<BondedManifold>,
     ) {
         let Self { joints, broken } = self;
@@ -249,24 +250,31 @@ impl Bonds {
         if joints.is_empty() {
             return;
         }
-        let name = |m: &Manifold| (bodies.id(m.a), bodies.id(m.b));
-        let mut manifolds = (0..).zip(manifolds).peekable();
+        let name = |m: &ManifoldHead| (bodies.id(m.a), bodies.id(m.b));
+        let mut next = 0;
         joints.retain_mut(|joint| {
-            while manifolds.next_if(|(_, m)| name(m) < joint.bodies).is_some() {}
-            let found = manifolds.next_if(|(_, m)| name(m) == joint.bodies);
+            let rest = manifolds.heads()[next..].iter();
+            next += rest.take_while(|m| name(m) < joint.bodies).count();
+            let is_found = manifolds
+                .heads()
+                .get(next)
+                .is_some_and(|m| name(m) == joint.bodies);
+            let found = is_found.then(|| (next, manifolds.at_mut(next)));
             match found {
                 _ if !joint.is_alive(bodies) => false,
-                Some((_, manifold)) if joint.is_loose => {
-                    forget_pull(manifold);
+                Some((_, (head, points))) if joint.is_loose => {
+                    forget_pull(head, points);
                     false
                 }
-                Some((_, manifold)) if joint.is_torn(bodies, manifold) => {
-                    forget_pull(manifold);
+                Some((_, (head, points))) if joint.is_torn(bodies, points) => {
+                    forget_pull(head, points);
                     broken.push(joint.broken());
                     false
                 }
-                Some((index, manifold)) => {
-                    bonded.push(joint.hold(bodies, index, manifold));
+                Some((index, (head, points))) => {
+                    // Nothing rebounds.
+                    head.restitution = 0.0;
+                    bonded.push(joint.hold(bodies, index as u32, head.normal, points));
                     joint.is_new = false;
                     true
                 }
@@ -343,16 +351,20 @@ impl Joint {
         }
     }
 
-    /// Makes the contact of the pair one that holds: gaps are counted from where the bond was made, nothing rebounds.
-    fn hold(&self, bodies: &Bodies, index: u32, manifold: &mut Manifold) -> BondedManifold {
+    /// Makes the contact of the pair one that holds: gaps are counted from where the bond was made.
+    fn hold(
+        &self,
+        bodies: &Bodies,
+        index: u32,
+        normal: Vec3,
+        points: &mut [ContactPoint],
+    ) -> BondedManifold {
         let mut displacement = [Vec3::ZERO; MAX_POINTS];
-        manifold.restitution = 0.0;
-        let normal = manifold.normal;
-        for (off, point) in displacement.iter_mut().zip(manifold.points_mut()) {
+        for (off, point) in displacement.iter_mut().zip(points.iter_mut()) {
             *off = self.displacement(bodies, [point.anchor_a, point.anchor_b]);
             point.separation = normal.dot(*off);
         }
-        let share = self.bond.area / manifold.count.max(1) as f32;
+        let share = self.bond.area / points.len().max(1) as f32;
         BondedManifold {
             manifold: index,
             bodies: self.bodies,
@@ -365,13 +377,13 @@ impl Joint {
     }
 
     /// Whether a point of the contact is farther from where it was than any bond reaches.
-    fn is_torn(&self, bodies: &Bodies, manifold: &Manifold) -> bool {
+    fn is_torn(&self, bodies: &Bodies, points: &[ContactPoint]) -> bool {
         let most = TEARING_SHARE * smaller_extent(bodies, self.slots);
         let off = |point: &ContactPoint| {
             let anchors = [point.anchor_a, point.anchor_b];
             self.displacement(bodies, anchors).length()
         };
-        manifold.points().iter().any(|point| off(point) > most)
+        points.iter().any(|point| off(point) > most)
     }
 
     /// How far what is now at the ends of the anchors of B has moved against what is there of A, world axes, m.
@@ -387,11 +399,10 @@ impl Joint {
 }
 
 /// Takes from a contact's impulses what only a bond can bear.
-fn forget_pull(manifold: &mut Manifold) {
-    let friction = manifold.friction;
-    for point in manifold.points_mut() {
+fn forget_pull(head: &ManifoldHead, points: &mut [ContactPoint]) {
+    for point in points {
         point.normal_impulse = point.normal_impulse.max(0.0);
-        let bound = friction * point.normal_impulse;
+        let bound = head.friction * point.normal_impulse;
         point.friction_impulse = point.friction_impulse.clamp_length_max(bound);
     }
 }

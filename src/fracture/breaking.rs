@@ -7,7 +7,7 @@ use super::pieces::{Division, Plan, replace};
 use super::{Blow, Bonds, CutError, CutRequest, Fractures, LEAST_PIECES};
 use crate::contact::BodyId;
 use crate::contact::cache::ContactCache;
-use crate::contact::manifold::Manifold;
+use crate::contact::manifolds::Manifolds;
 use crate::geometry::predicates::check_plane;
 use crate::slice::{Cutting, PieceCutter, SliceError};
 use crate::solver::bodies::{Bodies, RigidBody};
@@ -154,7 +154,7 @@ fn break_waiting(
 pub fn break_overloaded(
     fractures: &mut Fractures,
     bodies: &mut Bodies,
-    manifolds: &[Manifold],
+    manifolds: &Manifolds,
     cache: &mut ContactCache,
     bonds: &mut Bonds,
     budget: &FractureBudget,
@@ -212,7 +212,7 @@ pub fn break_overloaded(
 pub fn note_loads(
     fractures: &mut Fractures,
     bodies: &mut Bodies,
-    manifolds: &[Manifold],
+    manifolds: &Manifolds,
     solver: &ContactSolver,
 ) {
     if !bodies.any_fracturable() {

@@ -2,7 +2,7 @@
 
 use super::Blow;
 use super::pieces::Division;
-use crate::contact::manifold::Manifold;
+use crate::contact::manifolds::Manifolds;
 use crate::math::rotate;
 use crate::slice::{Cutting, Impact};
 use crate::solver::bodies::{Bodies, RigidBody};
@@ -89,10 +89,10 @@ impl ImpulseSum {
 }
 
 /// Fills `sums`, by slot. The velocities of `bodies` are those before the blow.
-pub(super) fn sum_impulses(sums: &mut Vec<ImpulseSum>, bodies: &Bodies, manifolds: &[Manifold]) {
+pub(super) fn sum_impulses(sums: &mut Vec<ImpulseSum>, bodies: &Bodies, manifolds: &Manifolds) {
     sums.clear();
     sums.resize(bodies.slots(), ImpulseSum::default());
-    for manifold in manifolds {
+    for manifold in manifolds.iter() {
         let [a, b] = [manifold.a, manifold.b].map(|slot| &bodies.velocity[slot as usize]);
         for point in manifold.points() {
             // Bonds pull too, but only a push is a blow.
@@ -117,8 +117,8 @@ pub(super) fn sum_impulses(sums: &mut Vec<ImpulseSum>, bodies: &Bodies, manifold
 /// Lets the shares (by slot) of the impulses on bodies that break act on them and on what touches them.
 ///
 /// Equal and opposite at one point, so momentum and angular momentum stay what they are.
-pub(super) fn apply_shares(shares: &[f32], bodies: &mut Bodies, manifolds: &[Manifold]) {
-    for manifold in manifolds {
+pub(super) fn apply_shares(shares: &[f32], bodies: &mut Bodies, manifolds: &Manifolds) {
+    for manifold in manifolds.iter() {
         let share = shares[manifold.a as usize].max(shares[manifold.b as usize]);
         if share == 0.0 {
             continue;

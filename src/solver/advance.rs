@@ -7,7 +7,8 @@ use super::doubles::EIGHT;
 use super::lanes::LaneWidth;
 use super::shares::{Parts, each_part};
 use super::spin::Spin;
-use crate::contact::manifold::{ContactPoint, Manifold};
+use crate::contact::manifold::ContactPoint;
+use crate::contact::manifolds::Manifolds;
 use crate::parts::front_mut;
 use crate::team::Team;
 use glam::{Mat3, Vec3};
@@ -28,7 +29,7 @@ impl Batch {
     pub(super) fn move_bodies(
         &mut self,
         settings: &SubstepSettings,
-        manifolds: &[Manifold],
+        manifolds: &Manifolds,
         team: Option<&Team>,
     ) {
         let h = settings.h;
@@ -49,12 +50,12 @@ impl Batch {
     ///
     /// The rows hold the points that were nearest at the start of the step. A thin body that hits with one corner turns at
     /// thousands of radians per second, and no frozen row sees the rest of it come round.
-    fn keep_in_front(&mut self, manifolds: &[Manifold]) {
+    fn keep_in_front(&mut self, manifolds: &Manifolds) {
         for moving in &self.moving {
             let Some(clearance) = moving.clearance else {
                 continue;
             };
-            let manifold = &manifolds[moving.manifold as usize];
+            let manifold = manifolds.at(moving.manifold as usize);
             let pair = moving.bodies;
             let [a, b] = pair.map(|body| self.displacements[body as usize].linear);
             let away = [-manifold.normal, manifold.normal][moving.carrier];

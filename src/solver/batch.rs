@@ -19,7 +19,7 @@ use super::rows::{PointRows, Side};
 use super::shares::{Parts, parts_by_body, parts_of_blocks};
 use super::spin::Spin;
 use super::ties::Tie;
-use crate::contact::manifold::Manifold;
+use crate::contact::manifolds::{Manifolds, Run};
 use crate::parts::{front, front_mut};
 use crate::team::Team;
 use glam::{Mat3, Quat};
@@ -66,7 +66,7 @@ pub struct Step<'a> {
     /// All islands.
     pub islands: &'a Islands,
     /// All manifolds.
-    pub manifolds: &'a [Manifold],
+    pub manifolds: &'a Manifolds,
     /// All bodies.
     pub bodies: &'a Bodies,
     /// The sub-steps of an island that asks for nothing.
@@ -208,7 +208,7 @@ impl Batch {
         self.displacements.resize(count, SolverBody::default());
     }
 
-    fn fill_blocks(&mut self, manifolds: &[Manifold], team: Option<&Team>) {
+    fn fill_blocks(&mut self, manifolds: &Manifolds, team: Option<&Team>) {
         let config = &self.settings.config;
         let source = Source {
             manifolds,
@@ -379,25 +379,25 @@ impl Batch {
         }
     }
 
-    /// Writes the impulses into the contact points of `manifolds`, of which the first has the index `first`, and leaves out what
-    /// is not among them.
-    pub fn store_impulses(&self, manifolds: &mut [Manifold], first: usize) {
-        let end = first + manifolds.len();
+    /// Writes the impulses into the contact points of a run of manifolds, of which the first has the index `first`, and leaves
+    /// out what is not among them.
+    pub(crate) fn store_impulses(&self, run: &mut Run, first: usize) {
+        let end = first + run.len();
         for member in &self.layout.members {
             // Those of one island come in their order.
             let places = &self.layout.places[member.places.clone()];
             let [from, to] =
                 [first, end].map(|past| places.partition_point(|place| (place.0 as usize) < past));
-            self.store_places(&places[from..to], first, manifolds);
+            self.store_places(&places[from..to], first, run);
         }
     }
 
-    /// `first`: index of the first one of `manifolds`.
-    fn store_places(&self, places: &[(u32, Place)], first: usize, manifolds: &mut [Manifold]) {
+    /// `first`: index of the first manifold of the run.
+    fn store_places(&self, places: &[(u32, Place)], first: usize, run: &mut Run) {
         let substeps = self.settings.config.substeps;
         for &(index, place) in places {
             let block = &self.blocks[place.block as usize];
-            let to = manifolds[index as usize - first].points_mut();
+            let to = run.points_of(index as usize - first);
             for (to, point) in to.iter_mut().zip(&self.points[block.points.clone()]) {
                 point.store(place.lane as usize, block, to, substeps);
             }

@@ -10,7 +10,8 @@ use super::limit::BodyBlow;
 use super::rehearsal::{Rehearsal, is_large};
 use super::rows::{PointRows, Row};
 use super::ties::{BondedManifold, is_new_bond};
-use crate::contact::manifold::{ContactPoint, Manifold};
+use crate::contact::manifold::ContactPoint;
+use crate::contact::manifolds::{ManifoldHead, ManifoldRef, Manifolds};
 use crate::math::rotate_by;
 use crate::parts::run_parts;
 use crate::team::Team;
@@ -129,7 +130,7 @@ impl ContactSolver {
     /// impulses until then, and the next round solves what has become of them.
     pub fn solve(
         &mut self,
-        manifolds: &mut [Manifold],
+        manifolds: &mut Manifolds,
         bodies: &mut Bodies,
         settings: &SubstepSettings,
         round: Round,
@@ -166,13 +167,16 @@ impl ContactSolver {
     }
 
     /// Takes back what contacts and bonds have borne.
-    fn store_impulses(&mut self, manifolds: &mut [Manifold], team: Option<&Team>) {
+    fn store_impulses(&mut self, manifolds: &mut Manifolds, team: Option<&Team>) {
         let batches = &self.batches[self.earlier..][..self.ranges.len()];
         let size = Team::part_size(team, manifolds.len(), LEAST_OF_PART);
-        let parts = manifolds.chunks_mut(size).enumerate();
-        run_parts(team, parts, |(part, manifolds)| {
+        let count = manifolds.len();
+        let ranges =
+            (0..count.div_ceil(size)).map(|part| part * size..count.min((part + 1) * size));
+        let runs = ranges.clone().zip(manifolds.runs(ranges));
+        run_parts(team, runs, |(range, mut run)| {
             for batch in batches {
-                batch.store_impulses(manifolds, part * size);
+                batch.store_impulses(&mut run, range.start);
             }
         });
         for batch in batches.iter().filter(|batch| !batch.is_broken) {
@@ -200,7 +204,7 @@ impl ContactSolver {
     /// Finds the islands, what they ask for, and which are solved together.
     pub fn find_batches(
         &mut self,
-        manifolds: &[Manifold],
+        manifolds: &Manifolds,
         bodies: &Bodies,
         settings: &SubstepSettings,
     ) {
@@ -212,15 +216,15 @@ impl ContactSolver {
     /// Finds the islands and what they ask for.
     fn find_islands(
         &mut self,
-        manifolds: &[Manifold],
+        manifolds: &Manifolds,
         bodies: &Bodies,
         settings: &SubstepSettings,
         team: Option<&Team>,
     ) {
         let progress = &self.progress;
         let is_open = |slot: u32| progress.get(slot as usize) != Some(&Progress::Moved);
-        let is_open = |m: &Manifold| is_open(m.a) && is_open(m.b);
-        self.islands.find(manifolds, bodies, is_open, team);
+        let is_open = |m: &ManifoldHead| is_open(m.a) && is_open(m.b);
+        self.islands.find(manifolds.heads(), bodies, is_open, team);
         self.make_wishes(manifolds, bodies, settings, team);
         let wishes = &self.wishes;
         let travel = |manifold: u32| wishes[manifold as usize].travel;
@@ -235,7 +239,7 @@ impl ContactSolver {
     /// Looks what each manifold asks for.
     fn make_wishes(
         &mut self,
-        manifolds: &[Manifold],
+        manifolds: &Manifolds,
         bodies: &Bodies,
         settings: &SubstepSettings,
         team: Option<&Team>,
@@ -243,13 +247,14 @@ impl ContactSolver {
         let (step, depends_on_load) = (settings.step(), settings.depends_on_load());
         self.wishes.resize(manifolds.len(), Wish::default());
         let size = Team::part_size(team, manifolds.len(), LEAST_OF_PART);
-        let parts = self.wishes.chunks_mut(size).zip(manifolds.chunks(size));
-        run_parts(team, parts, |(wishes, manifolds)| {
-            for (wish, manifold) in wishes.iter_mut().zip(manifolds) {
-                let slots = [manifold.a as usize, manifold.b as usize];
+        let parts = self.wishes.chunks_mut(size).enumerate();
+        run_parts(team, parts, |(part, wishes)| {
+            for (index, wish) in (part * size..).zip(wishes) {
+                let head = &manifolds.heads()[index];
+                let slots = [head.a as usize, head.b as usize];
                 wish.travel = Travel::of(bodies, slots, step);
                 wish.load = if depends_on_load {
-                    load_of(manifold, bodies, settings)
+                    load_of(manifolds.at(index), bodies, settings)
                 } else {
                     0.0
                 };
@@ -294,7 +299,7 @@ impl ContactSolver {
     /// threads together, the others side by side.
     fn solve_batches(
         &mut self,
-        manifolds: &[Manifold],
+        manifolds: &Manifolds,
         bodies: &Bodies,
         settings: &SubstepSettings,
         may_break: bool,
@@ -433,7 +438,7 @@ impl ContactSolver {
 
 /// Largest velocity that a contact of the manifold gave its effective mass in the last step, over the smaller body's least
 /// extent, 1/s. What has just landed bears at least its own weight.
-fn load_of(manifold: &Manifold, bodies: &Bodies, settings: &SubstepSettings) -> f32 {
+fn load_of(manifold: ManifoldRef, bodies: &Bodies, settings: &SubstepSettings) -> f32 {
     let slots = [manifold.a, manifold.b].map(|slot| slot as usize);
     let weight = settings.gravity.length() * settings.step();
     let sides = slots.map(|i| side(bodies, i));

@@ -4,7 +4,8 @@ use super::blocks::{Block, FAR, Point, Solid, load_anchors};
 use super::lane_pair::Masses;
 use super::lanes::{F8, Kernel, LaneWidth, Lanes, WIDTH, run};
 use super::triple::V3;
-use crate::contact::manifold::{ContactPoint, MAX_POINTS, Manifold};
+use crate::contact::manifold::{ContactPoint, MAX_POINTS};
+use crate::contact::manifolds::Manifolds;
 use crate::prefetch::prefetch;
 
 /// How many blocks ahead the manifolds that they are filled from are asked for.
@@ -17,7 +18,7 @@ const POINTS_AHEAD: usize = 6;
 #[derive(Clone, Copy, Debug)]
 pub struct Source<'a> {
     /// All manifolds of the step.
-    pub manifolds: &'a [Manifold],
+    pub manifolds: &'a Manifolds,
     /// By number of a body.
     pub solids: &'a [Solid],
     /// Part of the impulses of the last step that a sub-step starts from.
@@ -87,7 +88,8 @@ impl Kernel for Fill<'_> {
             if let Some(next) = self.blocks.get(i + AHEAD) {
                 prefetch(next);
                 for &manifold in &next.manifolds[..next.used] {
-                    self.source.manifolds[manifold as usize].prefetch(next.points.len());
+                    let manifolds = self.source.manifolds;
+                    manifolds.prefetch(manifold as usize, next.points.len());
                 }
             }
             if let Some(next) = rest.get(POINTS_AHEAD) {
@@ -112,7 +114,7 @@ fn fill_block<L: Lanes>(block: &mut Block, points: &mut [Point], source: &Source
     let mut geometry = [[NO_POINT; WIDTH]; MAX_POINTS];
     let mut impulses = [[F8::default(); WIDTH]; MAX_POINTS];
     for lane in 0..block.used {
-        let manifold = &source.manifolds[block.manifolds[lane] as usize];
+        let manifold = source.manifolds.at(block.manifolds[lane] as usize);
         let (n, mu, e) = (manifold.normal, manifold.friction, manifold.restitution);
         headers[lane] = F8([n.x, n.y, n.z, mu, e, 0.0, 0.0, 0.0]);
         for (k, point) in manifold.points().iter().enumerate() {

@@ -6,7 +6,7 @@
 
 use super::bodies::Bodies;
 use super::demand::Travel;
-use crate::contact::manifold::Manifold;
+use crate::contact::manifolds::ManifoldHead;
 use crate::parts::run_parts;
 use crate::team::Team;
 use std::ops::Range;
@@ -57,7 +57,7 @@ struct Link {
 }
 
 impl Link {
-    fn new(manifold: &Manifold, bodies: &Bodies, is_open: bool) -> Self {
+    fn new(manifold: &ManifoldHead, bodies: &Bodies, is_open: bool) -> Self {
         let (a, b) = (manifold.a, manifold.b);
         let moves = [a, b].map(|slot| bodies.velocity[slot as usize].inverse_mass > 0.0);
         let of = match moves {
@@ -110,9 +110,9 @@ impl Islands {
     /// bodies are left out.
     pub fn find(
         &mut self,
-        manifolds: &[Manifold],
+        manifolds: &[ManifoldHead],
         bodies: &Bodies,
-        is_open: impl Fn(&Manifold) -> bool + Sync,
+        is_open: impl Fn(&ManifoldHead) -> bool + Sync,
         team: Option<&Team>,
     ) {
         self.new_links.resize(manifolds.len(), Link::default());

@@ -12,7 +12,7 @@ use super::demand::SubstepSettings;
 use super::islands::{Island, Islands};
 use super::limit::BodyBlow;
 use super::rows::Row;
-use crate::contact::manifold::Manifold;
+use crate::contact::manifolds::{ManifoldHead, ManifoldRef, Manifolds};
 
 /// Manifolds from which an island is large: a tenth of a millisecond, which nobody minds to spend twice.
 const LARGE: usize = 192;
@@ -47,7 +47,7 @@ impl ContactSolver {
     /// impulses of the rehearsal; whether there are any.
     pub(super) fn rehearse(
         &mut self,
-        manifolds: &mut [Manifold],
+        manifolds: &mut Manifolds,
         bodies: &Bodies,
         settings: &SubstepSettings,
     ) -> bool {
@@ -67,11 +67,11 @@ impl ContactSolver {
             } = &mut rehearsal;
             let takes_part = |slot: u32| cast[slot as usize] != NONE;
             let moves = |slot: u32| bodies.velocity[slot as usize].inverse_mass > 0.0;
-            let is_open = |m: &Manifold| {
+            let is_open = |m: &ManifoldHead| {
                 let counts = |slot: u32| takes_part(slot) || !moves(slot);
                 counts(m.a) && counts(m.b) && (takes_part(m.a) || takes_part(m.b))
             };
-            islands.find(manifolds, bodies, is_open, None);
+            islands.find(manifolds.heads(), bodies, is_open, None);
             islands.find_moving(|index| self.travel(index));
             for part in 0..islands.list.len() {
                 let slots = &islands.slots[islands.list[part].bodies.clone()];
@@ -91,7 +91,7 @@ impl ContactSolver {
                 batch.tie(&self.bonded, manifolds);
                 batch.solve(manifolds, None);
                 if batch.is_broken {
-                    batch.store_impulses(manifolds, 0);
+                    batch.store_impulses(&mut manifolds.whole(), 0);
                     self.is_set_aside[whole] = true;
                 }
             }
@@ -119,7 +119,7 @@ impl Rehearsal {
     fn choose(
         &mut self,
         islands: &Islands,
-        manifolds: &[Manifold],
+        manifolds: &Manifolds,
         bodies: &Bodies,
         settings: &SubstepSettings,
     ) -> bool {
@@ -132,7 +132,7 @@ impl Rehearsal {
         for (number, island) in large {
             let of_island = || {
                 let indices = &islands.manifolds[island.manifolds.clone()];
-                indices.iter().map(|&index| &manifolds[index as usize])
+                indices.iter().map(|&index| manifolds.at(index as usize))
             };
             let blows = of_island().filter(|m| may_break(m, bodies, settings.step()));
             self.joining.clear();
@@ -156,7 +156,7 @@ impl Rehearsal {
 }
 
 /// Whether a blow at one of the points of a manifold may be more than one of its bodies bears.
-fn may_break(manifold: &Manifold, bodies: &Bodies, step: f32) -> bool {
+fn may_break(manifold: &ManifoldRef, bodies: &Bodies, step: f32) -> bool {
     let slots = [manifold.a, manifold.b];
     let limits = slots.map(|slot| bodies.limit(slot));
     if limits == [None; 2] {

@@ -20,7 +20,8 @@
 //! Catto, "Iterative Dynamics with Temporal Coherence", 2005, sections 3 to 5.
 
 use super::bodies::SolverBody;
-use crate::contact::manifold::{ContactPoint, Manifold};
+use crate::contact::manifold::ContactPoint;
+use crate::contact::manifolds::ManifoldHead;
 use crate::math::tangents;
 use glam::{Mat3, Vec3};
 
@@ -132,7 +133,7 @@ impl PointRows {
     /// - `extent`: the smaller body's least extent, m
     /// - `slop`: share of the extent by which bodies may overlap
     pub fn new(
-        manifold: &Manifold,
+        manifold: &ManifoldHead,
         point: &ContactPoint,
         bodies: [u32; 2],
         sides: [Side; 2],

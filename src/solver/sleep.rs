@@ -17,7 +17,7 @@ use super::contact_solver::ContactSolver;
 use crate::contact::BodyId;
 use crate::contact::broadphase::Pair;
 use crate::contact::cache::ContactCache;
-use crate::contact::manifold::Manifold;
+use crate::contact::{ManifoldHead, Manifolds};
 use glam::{Quat, Vec3};
 
 /// When islands fall asleep.
@@ -288,7 +288,7 @@ impl Bodies {
 
     /// Wakes the sleeping bodies of `manifolds`, which were made for pairs that [need a look](Self::needs_look); whether there were
     /// any: their own pairs need a look then.
-    pub(crate) fn wake_touched(&mut self, manifolds: &[Manifold]) -> bool {
+    pub(crate) fn wake_touched(&mut self, manifolds: &[ManifoldHead]) -> bool {
         let before = self.sleep.asleep;
         if before == 0 {
             return false;
@@ -361,7 +361,7 @@ impl Bodies {
         &mut self,
         config: &SleepConfig,
         solver: &ContactSolver,
-        manifolds: &[Manifold],
+        manifolds: &Manifolds,
         h: f32,
     ) {
         self.sleep.slept.clear();
@@ -387,7 +387,7 @@ impl Bodies {
                 }
             }
         }
-        self.keep_supports(manifolds);
+        self.keep_supports(manifolds.heads());
     }
 
     /// Lists the islands all of whose bodies have been at rest for long enough.
@@ -420,10 +420,10 @@ impl Bodies {
     }
 
     /// Adds up what fixed bodies bear of each candidate.
-    fn weigh_supports(&mut self, manifolds: &[Manifold]) {
+    fn weigh_supports(&mut self, manifolds: &Manifolds) {
         let up = -self.sleep.gravity.normalize_or_zero();
-        for m in manifolds {
-            let Some((fixed, body, sign)) = self.support(m) else {
+        for m in manifolds.iter() {
+            let Some((fixed, body, sign)) = self.support(&m) else {
                 continue;
             };
             let Some(&index) = self.sleep.candidate_of.get(body as usize) else {
@@ -444,7 +444,7 @@ impl Bodies {
     }
 
     /// Of a manifold between a fixed and a dynamic body: their slots, and the sign of its impulses on the dynamic one.
-    fn support(&self, m: &Manifold) -> Option<(u32, u32, f32)> {
+    fn support(&self, m: &ManifoldHead) -> Option<(u32, u32, f32)> {
         let moves = |slot: u32| self.velocity[slot as usize].inverse_mass > 0.0;
         match (moves(m.a), moves(m.b)) {
             (false, true) => Some((m.a, m.b, 1.0)),
@@ -482,7 +482,7 @@ impl Bodies {
     }
 
     /// Remembers which fixed bodies bear those that fell asleep, and forgets the candidates.
-    fn keep_supports(&mut self, manifolds: &[Manifold]) {
+    fn keep_supports(&mut self, manifolds: &[ManifoldHead]) {
         for m in manifolds {
             let Some((fixed, body, _)) = self.support(m) else {
                 continue;

@@ -23,7 +23,7 @@ use super::shift::Shift;
 use super::soft_step::Softness;
 use super::sweep::{Contacts, Feedback, Pass, cells};
 use super::{Method, SolverConfig};
-use crate::contact::manifold::Manifold;
+use crate::contact::manifolds::Manifolds;
 use crate::team::{Shared, Team};
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -59,7 +59,7 @@ enum SweepKind {
 
 impl Batch {
     /// Advances the batch by a step, or gives up when a body of it breaks.
-    pub fn solve(&mut self, manifolds: &[Manifold], team: Option<&Team>) {
+    pub fn solve(&mut self, manifolds: &Manifolds, team: Option<&Team>) {
         let settings = &{ self.settings };
         let mut effort = self.effort;
         let effort = &mut effort;
@@ -160,7 +160,7 @@ impl Batch {
     fn solve_calm_substep(
         &mut self,
         first: bool,
-        manifolds: &[Manifold],
+        manifolds: &Manifolds,
         effort: &mut Effort,
         team: Option<&Team>,
     ) {
@@ -189,7 +189,7 @@ impl Batch {
     fn solve_substep(
         &mut self,
         first: bool,
-        manifolds: &[Manifold],
+        manifolds: &Manifolds,
         effort: &mut Effort,
         team: Option<&Team>,
     ) {

@@ -23,7 +23,8 @@ use super::blocks::{Block, Place, Point, vector};
 use super::bodies::SolverBody;
 use super::lanes::{F8, Lanes};
 use crate::contact::BodyId;
-use crate::contact::manifold::{MAX_POINTS, Manifold};
+use crate::contact::manifold::MAX_POINTS;
+use crate::contact::manifolds::Manifolds;
 use glam::{Vec2, Vec3};
 
 /// Rate at which bonded points go back to their places, as a share of that at which overlap is pushed out. At the full
@@ -187,7 +188,7 @@ impl<L: Lanes, const TIED: bool> Bounds<L, TIED> {
 
 impl Batch {
     /// Ties those of its manifolds that are in the list, which is sorted by manifolds.
-    pub fn tie(&mut self, bonded: &[BondedManifold], manifolds: &[Manifold]) {
+    pub fn tie(&mut self, bonded: &[BondedManifold], manifolds: &Manifolds) {
         if bonded.is_empty() {
             return;
         }
@@ -200,7 +201,7 @@ impl Batch {
             self.ties.resize(self.points.len(), Tie::default());
             let bond = &bonded[at];
             let (block, lane) = (&self.blocks[place.block as usize], place.lane as usize);
-            let points = manifolds[index as usize].points();
+            let points = manifolds.at(index as usize).points();
             for (k, (off, from)) in bond.displacement.iter().zip(points).enumerate() {
                 let at = block.points.start + k;
                 self.ties[at].load(lane, block, bond, *off, self.settings.h);

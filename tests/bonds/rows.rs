@@ -1,7 +1,8 @@
 //! Bonded blocks against the rows they stand for: one sweep does what Gauss-Seidel does row by row.
 
 use crate::dice::Dice;
-use bevy_cleave::contact::manifold::{ContactPoint, MAX_POINTS, Manifold};
+use bevy_cleave::contact::manifold::{ContactPoint, MAX_POINTS};
+use bevy_cleave::contact::manifolds::{Manifold, ManifoldHead};
 use bevy_cleave::math::tangents;
 use bevy_cleave::solver::FrictionModel;
 use bevy_cleave::solver::blocks::{Block, Point, Solid};
@@ -37,15 +38,15 @@ fn any_manifold(dice: &mut Dice, a: u32) -> Manifold {
             ..ContactPoint::default()
         }
     });
-    Manifold {
+    let head = ManifoldHead {
         a,
         b: a + 1,
         normal,
         friction: dice.unit(),
         count: MAX_POINTS as u32,
-        points,
-        ..Manifold::default()
-    }
+        ..ManifoldHead::default()
+    };
+    Manifold { head, points }
 }
 
 impl Scene {
@@ -75,7 +76,7 @@ impl Scene {
         }
         let mut points = vec![Point::default(); MAX_POINTS];
         let source = Source {
-            manifolds: &manifolds,
+            manifolds: &manifolds.iter().collect(),
             solids: &solids,
             share: 1.0,
             slop: 0.0,

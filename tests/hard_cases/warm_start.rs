@@ -3,7 +3,9 @@
 use crate::dice::Dice;
 use crate::structures::*;
 use crate::support::*;
-use bevy_cleave::contact::{BodyId, CacheStats, ContactCache, ContactPoint, Manifold};
+use bevy_cleave::contact::{
+    BodyId, CacheStats, ContactCache, ContactPoint, ManifoldHead, Manifolds,
+};
 use bevy_cleave::geometry::ConvexHull;
 use bevy_cleave::math::rotate;
 use bevy_cleave::prelude::*;
@@ -73,7 +75,7 @@ struct Known {
 }
 
 /// `point` of the manifold `m`, with names that outlive the step.
-fn known(bodies: &Bodies, m: &Manifold, point: &ContactPoint) -> Known {
+fn known(bodies: &Bodies, m: &ManifoldHead, point: &ContactPoint) -> Known {
     let slots = [m.a, m.b];
     // Anchors are midway between the two surfaces.
     let half_gap = 0.5 * point.separation * m.normal;
@@ -178,10 +180,10 @@ impl Runner {
         }
         step::solve(bodies, contacts, fractures, settings, report);
         self.before.clear();
-        for m in contacts.manifolds() {
+        for m in contacts.manifolds().iter() {
             let points = m.points().iter();
             self.before
-                .extend(points.map(|point| known(bodies, m, point)));
+                .extend(points.map(|point| known(bodies, &m, point)));
         }
         step::fracture(bodies, contacts, cache, fractures, bonds, settings, report);
         step::integrate(bodies, report);
@@ -193,16 +195,15 @@ impl Runner {
 fn match_features(
     before: &[Known],
     bodies: &Bodies,
-    manifolds: &[Manifold],
+    manifolds: &Manifolds,
     tally: &mut Tally,
 ) -> ContactCache {
     let mut taken = vec![false; before.len()];
-    let mut warm = manifolds.to_vec();
-    for m in &mut warm {
-        let rotation = bodies.pose(m.a).rotation;
-        let cold = *m;
-        for point in m.points_mut() {
-            let new = known(bodies, &cold, point);
+    let mut warm = manifolds.clone();
+    for (head, points) in warm.iter_mut() {
+        let rotation = bodies.pose(head.a).rotation;
+        for point in points {
+            let new = known(bodies, head, point);
             let is_same = |k: usize| {
                 !taken[k] && before[k].bodies == new.bodies && before[k].features == new.features
             };
@@ -228,15 +229,15 @@ fn match_features(
 fn tally_warm_points(
     before: &[Known],
     bodies: &Bodies,
-    manifolds: &[Manifold],
+    manifolds: &Manifolds,
     stats: &CacheStats,
     tally: &mut Tally,
 ) {
     tally.points += stats.points as usize;
     tally.hits += (stats.exact_hits + stats.near_hits) as usize;
-    for m in manifolds {
+    for m in manifolds.iter() {
         for point in m.points().iter().filter(|p| p.normal_impulse != 0.0) {
-            let new = known(bodies, m, point);
+            let new = known(bodies, &m, point);
             let giver = before
                 .iter()
                 .filter(|old| old.bodies == new.bodies && old.normal_impulse == new.normal_impulse);

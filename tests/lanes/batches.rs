@@ -2,7 +2,8 @@
 
 use crate::dice::Dice;
 use crate::properties::cases;
-use bevy_cleave::contact::manifold::{MAX_POINTS, Manifold};
+use bevy_cleave::contact::manifold::MAX_POINTS;
+use bevy_cleave::contact::{Manifold, ManifoldHead, Manifolds};
 use bevy_cleave::prelude::*;
 use bevy_cleave::solver::batch::{Batch, Step};
 use bevy_cleave::solver::blocks::{Block, Place};
@@ -37,10 +38,13 @@ fn cube_grid(dice: &mut Dice) -> Bodies {
 
 fn joint(dice: &mut Dice, a: usize, b: usize) -> Manifold {
     Manifold {
-        a: a as u32,
-        b: b as u32,
-        normal: Vec3::Y,
-        count: 1 + dice.below(MAX_POINTS) as u32,
+        head: ManifoldHead {
+            a: a as u32,
+            b: b as u32,
+            normal: Vec3::Y,
+            count: 1 + dice.below(MAX_POINTS) as u32,
+            ..ManifoldHead::default()
+        },
         ..Manifold::default()
     }
 }
@@ -101,13 +105,14 @@ proptest! {
         let mut has_team = true;
         let pool = ComputeTaskPool::get_or_init(|| TaskPoolBuilder::new().num_threads(1).build());
         for _ in 0..8 {
-            islands.find(&manifolds, &bodies, |_| true, None);
+            let list: Manifolds = manifolds.iter().collect();
+            islands.find(list.heads(), &bodies, |_| true, None);
             let largest = |island: &usize| islands.list[*island].manifolds.len();
             let largest = (0..islands.list.len()).max_by_key(largest).expect("there are some");
             Team::lead(pool, |team| {
                 let step = Step {
                     islands: &islands,
-                    manifolds: &manifolds,
+                    manifolds: &list,
                     bodies: &bodies,
                     settings: &settings,
                     team: Some(team).filter(|_| has_team),

@@ -2,7 +2,8 @@
 
 use crate::WIDTHS;
 use crate::dice::Dice;
-use bevy_cleave::contact::manifold::{ContactPoint, MAX_POINTS, Manifold};
+use bevy_cleave::contact::manifold::{ContactPoint, MAX_POINTS};
+use bevy_cleave::contact::manifolds::{Manifold, ManifoldHead};
 use bevy_cleave::math::tangents;
 use bevy_cleave::solver::blocks::{Block, Place, Point, Solid};
 use bevy_cleave::solver::bodies::SolverBody;
@@ -115,15 +116,15 @@ fn random_manifold(dice: &mut Dice) -> Option<Manifold> {
             ..Default::default()
         }
     });
-    Some(Manifold {
+    let head = ManifoldHead {
         a: pair[0] as u32,
         b: pair[1] as u32,
         normal,
         friction,
         restitution: 0.0,
         count: 1 + dice.below(MAX_POINTS) as u32,
-        points,
-    })
+    };
+    Some(Manifold { head, points })
 }
 
 /// The scene in blocks.
@@ -163,7 +164,7 @@ impl Blocks {
         }
         let mut points = vec![Point::default(); count];
         let source = Source {
-            manifolds: &scene.manifolds,
+            manifolds: &scene.manifolds.iter().collect(),
             solids: &scene.solids,
             share: 1.0,
             slop: SLOP,

@@ -2,7 +2,8 @@
 
 use crate::dice::Dice;
 use crate::properties::cases;
-use bevy_cleave::contact::manifold::{MAX_POINTS, Manifold};
+use bevy_cleave::contact::manifold::MAX_POINTS;
+use bevy_cleave::contact::manifolds::ManifoldHead;
 use bevy_cleave::prelude::*;
 use bevy_cleave::solver::islands::{Island, Islands};
 use bevy_cleave::step;
@@ -26,14 +27,14 @@ fn bodies() -> Bodies {
     bodies
 }
 
-fn manifold(dice: &mut Dice) -> Manifold {
+fn manifold(dice: &mut Dice) -> ManifoldHead {
     let a = dice.below(BODIES as usize);
     let b = (a + 1 + dice.below(BODIES as usize - 1)) % BODIES as usize;
-    Manifold {
+    ManifoldHead {
         a: a as u32,
         b: b as u32,
         count: 1 + dice.below(MAX_POINTS) as u32,
-        ..Manifold::default()
+        ..ManifoldHead::default()
     }
 }
 
@@ -60,11 +61,11 @@ proptest! {
     fn islands_that_are_used_again_are_those_found_anew(seed: u64) {
         let (mut dice, bodies) = (Dice::new(seed), bodies());
         let count = dice.below(40);
-        let mut manifolds: Vec<Manifold> = (0..count).map(|_| manifold(&mut dice)).collect();
+        let mut manifolds: Vec<ManifoldHead> = (0..count).map(|_| manifold(&mut dice)).collect();
         let mut left_out = BODIES;
         let mut kept = Islands::default();
         for _ in 0..12 {
-            let is_open = |m: &Manifold| m.a != left_out && m.b != left_out;
+            let is_open = |m: &ManifoldHead| m.a != left_out && m.b != left_out;
             kept.find(&manifolds, &bodies, is_open, None);
             let mut fresh = Islands::default();
             fresh.find(&manifolds, &bodies, is_open, None);

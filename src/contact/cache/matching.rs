@@ -2,8 +2,9 @@
 
 use super::plan::Share;
 use super::{CacheEntry, CacheStats, NEAR_SHARE, bodies_of, continues_as, is_exact};
-use crate::contact::manifold::{ContactPoint, MAX_POINTS};
-use crate::contact::{BodyId, Manifold};
+use crate::contact::manifold::MAX_POINTS;
+use crate::contact::manifolds::Run;
+use crate::contact::{BodyId, ContactPoint, ManifoldHead};
 use crate::geometry::{KdBox, KdCode};
 use crate::math::rotate;
 use glam::{Quat, Vec3};
@@ -30,8 +31,8 @@ pub(super) struct Matched {
 }
 
 impl WarmStart<'_> {
-    /// Fills the impulses of `manifolds`.
-    pub(super) fn run(&self, share: Share, manifolds: &mut [Manifold]) -> Matched {
+    /// Fills the impulses of a run of manifolds.
+    pub(super) fn run(&self, share: Share, run: Run) -> Matched {
         if self.any_taken {
             share
                 .entries
@@ -40,37 +41,43 @@ impl WarmStart<'_> {
         }
         let mut matched = Matched::default();
         let mut pairs = share.pairs.iter().peekable();
-        for manifold in manifolds {
-            let bodies = bodies_of(manifold, self.ids);
+        for (head, points) in run.each() {
+            let bodies = bodies_of(head, self.ids);
             while pairs.next_if(|pair| pair.bodies < bodies).is_some() {}
             let range = pairs
                 .peek()
                 .filter(|pair| pair.bodies == bodies)
                 .map_or(0..0, |pair| share.range(pair));
-            self.fill(manifold, &mut share.entries[range], &mut matched);
+            self.fill(head, points, &mut share.entries[range], &mut matched);
         }
         matched
     }
 
     /// Fills the impulses of one manifold from its entries.
-    fn fill(&self, manifold: &mut Manifold, entries: &mut [CacheEntry], matched: &mut Matched) {
-        let rotation = self.rotations[manifold.a as usize];
-        let normal = manifold.normal;
+    fn fill(
+        &self,
+        head: &ManifoldHead,
+        points: &mut [ContactPoint],
+        entries: &mut [CacheEntry],
+        matched: &mut Matched,
+    ) {
+        let rotation = self.rotations[head.a as usize];
+        let normal = head.normal;
         let stats = &mut matched.stats;
-        if continues(manifold.points(), entries) {
-            stats.points += manifold.count;
-            stats.exact_hits += manifold.count;
-            for (point, entry) in manifold.points_mut().iter_mut().zip(entries) {
+        if continues(points, entries) {
+            stats.points += head.count;
+            stats.exact_hits += head.count;
+            for (point, entry) in points.iter_mut().zip(entries) {
                 let entry = Some(&*entry).filter(|entry| entry.is_finite());
                 apply(point, entry, normal, rotation, self.scale);
             }
             return;
         }
-        let [a, b] = [manifold.a, manifold.b].map(|slot| self.boxes[slot as usize].as_ref());
+        let [a, b] = [head.a, head.b].map(|slot| self.boxes[slot as usize].as_ref());
         let measure = Nearness::of(a, b);
         matched.any_taken = true;
-        let found = match_points(manifold.points(), entries, &measure, stats);
-        for (point, found) in manifold.points_mut().iter_mut().zip(found) {
+        let found = match_points(points, entries, &measure, stats);
+        for (point, found) in points.iter_mut().zip(found) {
             let entry = found
                 .map(|index| entries[index])
                 .filter(|entry| entry.age == 0 && entry.is_finite());

@@ -3,7 +3,7 @@
 //! Manifolds, pairs and entries are in the same order, so a run of manifolds goes with a run of pairs and a run of entries.
 
 use super::{CacheEntry, PairRecord, Table, bodies_of};
-use crate::contact::{BodyId, Manifold};
+use crate::contact::{BodyId, ManifoldHead};
 use crate::parts::Pieces;
 use std::ops::Range;
 
@@ -42,7 +42,7 @@ impl Share<'_> {
 
 impl Plan {
     /// Splits `manifolds` and, where their pairs belong, `table`; every pair is in one part, even if there are no manifolds.
-    pub(super) fn split(&mut self, table: &Table, manifolds: &[Manifold], ids: &[BodyId]) {
+    pub(super) fn split(&mut self, table: &Table, manifolds: &[ManifoldHead], ids: &[BodyId]) {
         let count = manifolds.len().div_ceil(MANIFOLDS_PER_PART).max(1);
         self.stretches.resize_with(count, Stretch::default);
         let (mut pair, mut entry) = (0, 0);
@@ -66,7 +66,7 @@ impl Plan {
     /// The parts' ranges of manifolds.
     pub(super) fn manifolds(
         &self,
-    ) -> impl ExactSizeIterator<Item = Range<usize>> + DoubleEndedIterator + Send {
+    ) -> impl ExactSizeIterator<Item = Range<usize>> + DoubleEndedIterator + Clone + Send {
         self.stretches.iter().map(|part| part.manifolds.clone())
     }
 

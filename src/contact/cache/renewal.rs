@@ -5,43 +5,46 @@
 
 use super::plan::Share;
 use super::{CacheEntry, MAX_AGE, PairRecord, Table, bodies_of, continues_as, is_exact};
-use crate::contact::manifold::ContactPoint;
-use crate::contact::{BodyId, Manifold};
+use crate::contact::{BodyId, ContactPoint, ManifoldRef, Manifolds};
 use crate::parts::{Pieces, front_mut};
 use glam::Quat;
 use std::ops::Range;
 
-/// Manifolds after the solve.
-#[derive(Clone, Copy, Debug)]
+/// A run of the manifolds after the solve.
+#[derive(Clone, Debug)]
 pub(super) struct Solved<'s> {
-    pub(super) manifolds: &'s [Manifold],
+    pub(super) manifolds: &'s Manifolds,
+    pub(super) range: Range<usize>,
     pub(super) ids: &'s [BodyId],
     pub(super) rotations: &'s [Quat],
 }
 
-impl Solved<'_> {
+impl<'s> Solved<'s> {
     /// Those of a part.
     pub(super) fn part(&self, range: Range<usize>) -> Self {
-        Self {
-            manifolds: &self.manifolds[range],
-            ..*self
-        }
+        Self { range, ..*self }
     }
 
+    /// Names of the bodies of the manifold with this index within the run, if there are so many.
     fn name(&self, index: usize) -> Option<(BodyId, BodyId)> {
-        let manifold = self.manifolds.get(index)?;
-        Some(bodies_of(manifold, self.ids))
+        let head = self.manifolds.heads()[self.range.clone()].get(index)?;
+        Some(bodies_of(head, self.ids))
+    }
+
+    /// The manifold with this index within the run.
+    fn manifold(&self, index: usize) -> ManifoldRef<'s> {
+        self.manifolds.at(self.range.start + index)
     }
 }
 
 /// The points of a manifold, if there is one.
-fn points_of(manifold: Option<&Manifold>) -> &[ContactPoint] {
-    manifold.map_or(&[], Manifold::points)
+fn points_of(manifold: Option<ManifoldRef<'_>>) -> &[ContactPoint] {
+    manifold.map_or(&[], ManifoldRef::points)
 }
 
 /// The entries of the points of a manifold, if there is one.
 fn fresh<'s>(
-    manifold: Option<&'s Manifold>,
+    manifold: Option<ManifoldRef<'s>>,
     rotations: &[Quat],
 ) -> impl Iterator<Item = CacheEntry> + use<'s> {
     let to_a = manifold.map_or(Quat::IDENTITY, |m| rotations[m.a as usize].inverse());
@@ -83,7 +86,7 @@ impl Renewal {
                 next += 1;
                 name = solved.name(next);
             }
-            let same = (name == Some(pair.bodies)).then(|| &solved.manifolds[next]);
+            let same = (name == Some(pair.bodies)).then(|| solved.manifold(next));
             let range = share.range(pair);
             let entries = &mut share.entries[range];
             if !renew_in_place(entries, same, solved.rotations) {
@@ -94,13 +97,13 @@ impl Renewal {
                 name = solved.name(next);
             }
         }
-        for new in next..solved.manifolds.len() {
+        for new in next..solved.range.len() {
             self.note_new(share.pairs.len(), new, solved);
         }
     }
 
     fn note_new(&mut self, pair: usize, manifold: usize, solved: &Solved) {
-        let count = solved.manifolds[manifold].points().len();
+        let count = solved.manifold(manifold).points().len();
         // A pair without entries is not recorded.
         if count > 0 {
             self.pairs += 1;
@@ -117,7 +120,7 @@ impl Renewal {
         &mut self,
         pair: usize,
         old: &[CacheEntry],
-        manifold: Option<(usize, &Manifold)>,
+        manifold: Option<(usize, ManifoldRef<'_>)>,
     ) {
         let points = points_of(manifold.map(|(_, manifold)| manifold));
         let count = points.len() + old.iter().filter(|entry| survives(entry, points)).count();
@@ -169,8 +172,8 @@ impl Renewal {
             writer.copy(share, done..change.pair);
             let pair = share.pairs.get(change.pair).filter(|_| !change.is_new);
             let old = pair.map_or(0..0, |pair| share.range(pair));
-            let new = change.manifold.map(|index| &solved.manifolds[index]);
-            let name = new.map(|new| bodies_of(new, solved.ids));
+            let new = change.manifold.map(|index| solved.manifold(index));
+            let name = new.map(|new| bodies_of(new.head(), solved.ids));
             if let Some(bodies) = pair.map(|pair| pair.bodies).or(name) {
                 writer.push(bodies, new, &share.entries[old], solved.rotations);
             }
@@ -181,7 +184,11 @@ impl Renewal {
 }
 
 /// Renews a pair where it is, unless it gets or loses an entry; whether it did.
-fn renew_in_place(entries: &mut [CacheEntry], same: Option<&Manifold>, rotations: &[Quat]) -> bool {
+fn renew_in_place(
+    entries: &mut [CacheEntry],
+    same: Option<ManifoldRef<'_>>,
+    rotations: &[Quat],
+) -> bool {
     let points = points_of(same);
     let (now, old) = entries.split_at_mut(points.len().min(entries.len()));
     if !continues_as(points, now) || !old.iter().all(|entry| survives(entry, points)) {
@@ -232,7 +239,7 @@ impl Writer<'_> {
     fn push(
         &mut self,
         bodies: (BodyId, BodyId),
-        manifold: Option<&Manifold>,
+        manifold: Option<ManifoldRef<'_>>,
         old: &[CacheEntry],
         rotations: &[Quat],
     ) {
