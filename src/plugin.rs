@@ -159,8 +159,7 @@ fn add_phases(schedule: &mut Schedule) {
     );
     schedule.add_systems((
         (
-            gather::register_bodies,
-            gather::read_entities,
+            gather::register_bodies.run_if(gather::any_body_comes_or_goes),
             mass_properties,
         )
             .chain()
@@ -173,11 +172,7 @@ fn add_phases(schedule: &mut Schedule) {
         integrate.in_set(Phase::Integrate),
         age_cache.in_set(Phase::CacheAging),
         sleep.in_set(Phase::Sleep),
-        (
-            scatter::renew_entities,
-            scatter::scatter,
-            scatter::tell_entities,
-        )
+        (scatter::renew_entities, scatter::write_entities)
             .chain()
             .in_set(Phase::Writeback),
     ));
@@ -220,14 +215,18 @@ fn can_step(settings: Settings, mut has_warned: Local<bool>) -> bool {
     settings.is_usable()
 }
 
+/// One system with what is read of entities: with one body, systems and the resources that they take are most of what the
+/// plugin adds to a step.
 fn mass_properties(
     mut bodies: ResMut<Bodies>,
     mut report: ResMut<StepReport>,
-    entities: Res<BodyEntities>,
+    mut entities: ResMut<BodyEntities>,
+    mut readings: gather::Readings,
     mut masses: Query<&mut MassProperties>,
     settings: Settings,
     mut current: ResMut<CurrentSettings>,
 ) {
+    gather::read_entities(&mut bodies, &mut entities, &mut readings);
     current.0 = settings.get();
     step::mass_properties(&mut bodies, &mut report);
     gather::publish_mass(&bodies, &entities, &mut masses);

@@ -53,6 +53,18 @@ pub(crate) struct BodyParts {
     fracturable: Option<&'static Fracturable>,
 }
 
+impl BodyQueue {
+    /// Whether bodies are to be removed or made.
+    fn changes_bodies(&self) -> bool {
+        !(self.arrived.is_empty() && self.left.is_empty() && self.refused.is_empty())
+    }
+}
+
+/// Run condition of [`register_bodies`], which would fetch all that it needs only to find that no body comes or goes.
+pub(crate) fn any_body_comes_or_goes(queue: Res<BodyQueue>) -> bool {
+    queue.changes_bodies()
+}
+
 /// Observer: an entity got a `RigidBody`. Pieces of a fracture already have their slot.
 pub(crate) fn on_body_inserted(
     insert: On<Insert<RigidBody>>,
@@ -124,9 +136,13 @@ pub(crate) fn on_sleeping_removed(
     }
 }
 
-/// What is read of entities that have bodies.
+/// What the user changed about entities that have bodies, and what is asked for with commands.
 #[derive(SystemParam)]
 pub(crate) struct Readings<'w, 's> {
+    queue: ResMut<'w, BodyQueue>,
+    bond_requests: ResMut<'w, BondRequests>,
+    bonds: ResMut<'w, Bonds>,
+    warnings: ResMut<'w, Messages<BodyWarning>>,
     ticks: Query<'w, 's, ChangeTicks, With<BodyHandle>>,
     changed: Query<'w, 's, Entity, (Changes, With<BodyHandle>)>,
     described: Query<'w, 's, (&'static BodyHandle, Option<BodyParts>)>,
@@ -135,28 +151,23 @@ pub(crate) struct Readings<'w, 's> {
     handles: Query<'w, 's, &'static BodyHandle>,
 }
 
-/// System: what the user changed about bodies, and the bonds that were asked for, now that the entities have bodies.
-///
-/// One system for all of it: with one body, systems and the resources that they take are most of what the plugin adds to a step.
+/// Reads what the user changed about bodies, and makes the bonds that were asked for, now that the entities have bodies.
 pub(crate) fn read_entities(
-    mut queue: ResMut<BodyQueue>,
-    mut bodies: ResMut<Bodies>,
-    mut entities: ResMut<BodyEntities>,
-    mut warnings: ResMut<Messages<BodyWarning>>,
-    (mut requests, mut bonds): (ResMut<BondRequests>, ResMut<Bonds>),
-    readings: Readings,
+    bodies: &mut Bodies,
+    entities: &mut BodyEntities,
+    readings: &mut Readings,
 ) {
-    let (bodies, warnings) = (&mut *bodies, &mut *warnings);
-    gather_changes(&mut queue, bodies, warnings, &readings);
-    gather_motion(bodies, &mut entities, warnings, &readings.motion);
-    settle_marked(&mut queue, bodies, &readings.marked);
-    make_bonds(
-        &mut requests,
-        bodies,
-        &mut bonds,
+    gather_changes(bodies, readings);
+    let Readings {
+        queue,
+        bond_requests,
+        bonds,
         warnings,
-        &readings.handles,
-    );
+        ..
+    } = readings;
+    gather_motion(bodies, entities, warnings, &readings.motion);
+    settle_marked(queue, bodies, &readings.marked);
+    make_bonds(bond_requests, bodies, bonds, warnings, &readings.handles);
 }
 
 /// Bodies that were marked as sleeping need not wait for it.
@@ -403,12 +414,10 @@ fn has_any_changed(ticks: &Query<ChangeTicks, With<BodyHandle>>) -> bool {
 }
 
 /// Shapes, densities, materials and layers that the user changed. What is not usable is not taken over.
-fn gather_changes(
-    queue: &mut BodyQueue,
-    bodies: &mut Bodies,
-    warnings: &mut Messages<BodyWarning>,
-    readings: &Readings,
-) {
+fn gather_changes(bodies: &mut Bodies, readings: &mut Readings) {
+    let Readings {
+        queue, warnings, ..
+    } = readings;
     let has_changed = has_any_changed(&readings.ticks);
     let changed = has_changed.then(|| readings.changed.iter());
     let changed = changed.into_iter().flatten();

@@ -36,15 +36,18 @@ pub(crate) fn renew_entities(
     }
 }
 
-/// System: what is left once motion is written: marks of bodies that fell asleep, and problems of the step.
-pub(crate) fn tell_entities(
+/// System: writes motion, then what is left: marks of bodies that fell asleep, and problems of the step.
+pub(crate) fn write_entities(
     mut commands: Commands,
     mut bodies: ResMut<Bodies>,
-    entities: Res<BodyEntities>,
+    mut entities: ResMut<BodyEntities>,
     report: Res<StepReport>,
     mut warnings: ResMut<Messages<BodyWarning>>,
+    (mut motion, tick): (Query<Motion, Without<Sleeping>>, SystemChangeTick),
     marked: Query<(), With<Sleeping>>,
 ) {
+    entities.written = tick.this_run();
+    scatter(&bodies, &mut motion);
     mark_asleep(&mut commands, &bodies, &entities, &marked);
     bodies.forget_turned();
     report_problems(&report, &bodies, &entities, &mut warnings);
@@ -98,16 +101,9 @@ const WORTH_HELP: usize = 2048;
 /// Least rows of a part of a table.
 const LEAST_ROWS: usize = 512;
 
-/// System: writes pose and velocity to the entities whose bodies moved. `Transform` is written, never read back: the
-/// pose of record is the centre of mass in [`Bodies`].
-pub(crate) fn scatter(
-    bodies: Res<Bodies>,
-    mut entities: ResMut<BodyEntities>,
-    mut motion: Query<Motion, Without<Sleeping>>,
-    tick: SystemChangeTick,
-) {
-    entities.written = tick.this_run();
-    let bodies = &*bodies;
+/// Writes pose and velocity to the entities whose bodies moved. `Transform` is written, never read back: the pose of record
+/// is the centre of mass in [`Bodies`].
+fn scatter(bodies: &Bodies, motion: &mut Query<Motion, Without<Sleeping>>) {
     // All of these components are stored in tables, so there is a slice for each.
     let tables = motion.contiguous_iter_mut().ok().into_iter().flatten();
     let awake = bodies.len().saturating_sub(bodies.asleep());
