@@ -4,6 +4,7 @@ use crate::contact::CollisionLayers;
 use crate::contact::cache::ContactCache;
 use crate::contact::material::{Density, Friction, Restitution};
 use crate::ecs::components::*;
+use crate::ecs::state::PluginState;
 use crate::ecs::{bond, cut, gather, scatter};
 use crate::fracture::{Bonds, FractureBudget, Fractures};
 use crate::mass::MassProperties;
@@ -79,11 +80,7 @@ impl Plugin for CleavePlugin {
             .init_resource::<SolverConfig>()
             .init_resource::<FractureBudget>()
             .init_resource::<StepReport>()
-            .init_resource::<BodyEntities>()
-            .init_resource::<CurrentSettings>()
-            .init_resource::<gather::BodyQueue>()
-            .init_resource::<cut::SliceRequests>()
-            .init_resource::<bond::BondRequests>()
+            .init_resource::<PluginState>()
             .add_message::<Fractured>()
             .add_message::<BondBroken>()
             .add_message::<BodyWarning>()
@@ -178,11 +175,7 @@ fn add_phases(schedule: &mut Schedule) {
     ));
 }
 
-/// What the phases of the present step are told: one resource instead of four for each of them.
-#[derive(Debug, Default, Resource)]
-struct CurrentSettings(StepSettings);
-
-/// The same from the resources, at the start of a step.
+/// What the settings of a step are made from, at its start.
 #[derive(SystemParam)]
 struct Settings<'w> {
     gravity: Res<'w, Gravity>,
@@ -218,27 +211,26 @@ fn can_step(settings: Settings, mut has_warned: Local<bool>) -> bool {
 /// One system with what is read of entities: with one body, systems and the resources that they take are most of what the
 /// plugin adds to a step.
 fn mass_properties(
+    mut state: ResMut<PluginState>,
     mut bodies: ResMut<Bodies>,
     mut report: ResMut<StepReport>,
-    mut entities: ResMut<BodyEntities>,
     mut readings: gather::Readings,
     mut masses: Query<&mut MassProperties>,
     settings: Settings,
-    mut current: ResMut<CurrentSettings>,
 ) {
-    gather::read_entities(&mut bodies, &mut entities, &mut readings);
-    current.0 = settings.get();
+    gather::read_entities(&mut state, &mut bodies, &mut readings);
+    state.settings = settings.get();
     step::mass_properties(&mut bodies, &mut report);
-    gather::publish_mass(&bodies, &entities, &mut masses);
+    gather::publish_mass(&bodies, &state.entities, &mut masses);
 }
 
 fn broadphase(
     bodies: Res<Bodies>,
     mut contacts: ResMut<Contacts>,
-    settings: Res<CurrentSettings>,
+    state: Res<PluginState>,
     mut report: ResMut<StepReport>,
 ) {
-    step::broadphase(&bodies, &mut contacts, &settings.0, &mut report);
+    step::broadphase(&bodies, &mut contacts, &state.settings, &mut report);
 }
 
 fn generate_contacts(
@@ -246,14 +238,14 @@ fn generate_contacts(
     mut contacts: ResMut<Contacts>,
     mut cache: ResMut<ContactCache>,
     mut bonds: ResMut<Bonds>,
-    settings: Res<CurrentSettings>,
+    state: Res<PluginState>,
     mut report: ResMut<StepReport>,
 ) {
     step::generate_contacts(
         &mut bodies,
         &mut contacts,
         &mut cache,
-        &settings.0,
+        &state.settings,
         &mut report,
     );
     step::attach_bonds(&bodies, &mut contacts, &mut bonds);
@@ -263,14 +255,14 @@ fn solve(
     mut bodies: ResMut<Bodies>,
     mut contacts: ResMut<Contacts>,
     fractures: Res<Fractures>,
-    settings: Res<CurrentSettings>,
+    state: Res<PluginState>,
     mut report: ResMut<StepReport>,
 ) {
     step::solve(
         &mut bodies,
         &mut contacts,
         &fractures,
-        &settings.0,
+        &state.settings,
         &mut report,
     );
 }
@@ -283,19 +275,25 @@ fn age_cache(
     bodies: Res<Bodies>,
     contacts: Res<Contacts>,
     mut cache: ResMut<ContactCache>,
-    settings: Res<CurrentSettings>,
+    state: Res<PluginState>,
 ) {
-    step::age_cache(&bodies, &contacts, &mut cache, &settings.0);
+    step::age_cache(&bodies, &contacts, &mut cache, &state.settings);
 }
 
 fn sleep(
     mut bodies: ResMut<Bodies>,
     contacts: Res<Contacts>,
     mut cache: ResMut<ContactCache>,
-    settings: Res<CurrentSettings>,
+    state: Res<PluginState>,
     mut report: ResMut<StepReport>,
 ) {
-    step::sleep(&mut bodies, &contacts, &mut cache, &settings.0, &mut report);
+    step::sleep(
+        &mut bodies,
+        &contacts,
+        &mut cache,
+        &state.settings,
+        &mut report,
+    );
 }
 
 /// What bodies that break leave traces in.
@@ -309,8 +307,7 @@ struct Breaking<'w> {
 fn cut(
     mut bodies: ResMut<Bodies>,
     mut breaking: Breaking,
-    settings: Res<CurrentSettings>,
-    mut requests: ResMut<cut::SliceRequests>,
+    mut state: ResMut<PluginState>,
     mut warnings: ResMut<Messages<BodyWarning>>,
     handles: Query<&BodyHandle>,
 ) {
@@ -319,17 +316,21 @@ fn cut(
         fractures,
         bonds,
     } = &mut breaking;
-    cut::gather_requests(&mut requests, &bodies, fractures, &mut warnings, &handles);
-    step::cut(&mut bodies, cache, fractures, bonds, &settings.0);
+    let PluginState {
+        settings,
+        slice_requests,
+        ..
+    } = &mut *state;
+    cut::gather_requests(slice_requests, &bodies, fractures, &mut warnings, &handles);
+    step::cut(&mut bodies, cache, fractures, bonds, settings);
 }
 
 fn fracture(
     mut bodies: ResMut<Bodies>,
     mut contacts: ResMut<Contacts>,
     mut breaking: Breaking,
-    settings: Res<CurrentSettings>,
+    state: Res<PluginState>,
     mut report: ResMut<StepReport>,
-    entities: Res<BodyEntities>,
     mut broken: MessageWriter<BondBroken>,
 ) {
     let Breaking {
@@ -343,9 +344,9 @@ fn fracture(
         cache,
         fractures,
         bonds,
-        &settings.0,
+        &state.settings,
         &mut report,
     );
     step::break_bonds(&mut bodies, &contacts, bonds);
-    bond::report_broken(bonds, &entities, &mut broken);
+    bond::report_broken(bonds, &state.entities, &mut broken);
 }

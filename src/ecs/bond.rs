@@ -1,6 +1,7 @@
 //! Bonds between entities: requests from commands, and messages of what broke.
 
 use super::components::*;
+use super::state::PluginState;
 use crate::contact::BodyId;
 use crate::fracture::{Bond, BondError, Bonds};
 use crate::solver::bodies::Bodies;
@@ -49,15 +50,15 @@ impl BondRequest {
     /// The command that puts it into the queue.
     fn enqueue(self) -> impl Command {
         move |world: &mut World| {
-            if let Some(mut requests) = world.get_resource_mut::<BondRequests>() {
-                requests.0.push(self);
+            if let Some(mut state) = world.get_resource_mut::<PluginState>() {
+                state.bond_requests.0.push(self);
             }
         }
     }
 }
 
 /// What commands asked for since the last step, in order.
-#[derive(Debug, Default, Resource)]
+#[derive(Debug, Default)]
 pub(crate) struct BondRequests(Vec<BondRequest>);
 
 /// Makes and takes away the bonds that were asked for, once the entities have bodies.

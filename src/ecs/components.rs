@@ -97,7 +97,7 @@ pub enum BodyProblem {
 }
 
 /// Entities of the bodies, by slot, and what is needed to tell the user's changes from the plugin's own.
-#[derive(Debug, Default, Resource)]
+#[derive(Debug, Default)]
 pub(crate) struct BodyEntities {
     /// With the id of the body, because a slot may have been given to another body since.
     entity: Vec<Option<(BodyId, Entity)>>,

@@ -1,6 +1,7 @@
 //! Cuts into entities: requests from commands, pieces spawned, parents despawned.
 
 use super::components::*;
+use super::state::PluginState;
 use crate::contact::BodyId;
 use crate::contact::material::Density;
 use crate::fracture::{CutError, CutRequest, Fracture, Fractures};
@@ -26,15 +27,15 @@ pub trait SliceCommands {
 impl SliceCommands for Commands<'_, '_> {
     fn slice(&mut self, entity: Entity, plane: Plane) {
         self.queue(move |world: &mut World| {
-            if let Some(mut requests) = world.get_resource_mut::<SliceRequests>() {
-                requests.0.push((entity, plane));
+            if let Some(mut state) = world.get_resource_mut::<PluginState>() {
+                state.slice_requests.0.push((entity, plane));
             }
         });
     }
 }
 
 /// Cuts that commands asked for since the last step, in order.
-#[derive(Debug, Default, Resource)]
+#[derive(Debug, Default)]
 pub(crate) struct SliceRequests(Vec<(Entity, Plane)>);
 
 /// Finds the bodies that are to be cut, before they move on from where the planes were chosen.
@@ -101,7 +102,8 @@ pub(super) fn despawn_expired(
 
 /// The messages to send, without the pieces, and the slots of these.
 fn families(world: &World, done: &[Fracture]) -> Vec<(Fractured, Vec<u32>)> {
-    let (bodies, entities) = (world.resource::<Bodies>(), world.resource::<BodyEntities>());
+    let bodies = world.resource::<Bodies>();
+    let entities = &world.resource::<PluginState>().entities;
     let mut families: Vec<(Fractured, Vec<u32>)> = Vec::new();
     // By id of a piece: which of the families it belongs to. Ids only grow.
     let mut family_of: Vec<(BodyId, usize)> = Vec::new();
@@ -177,7 +179,8 @@ fn spawn_piece(world: &mut World, parent: Entity, slot: u32) -> Entity {
         entity.insert(fracturable);
     }
     world
-        .resource_mut::<BodyEntities>()
+        .resource_mut::<PluginState>()
+        .entities
         .set(slot, id, piece, transform);
     piece
 }

@@ -1,8 +1,9 @@
 //! Components into flat arrays: new bodies, removed bodies, and what the user changed since the last step.
 
-use super::bond::{BondRequests, make_bonds};
+use super::bond::make_bonds;
 use super::components::*;
 use super::scatter::transform_of;
+use super::state::PluginState;
 use crate::contact::cache::ContactCache;
 use crate::contact::material::{Density, Friction, Restitution};
 use crate::contact::{BodyId, CollisionLayers};
@@ -24,7 +25,7 @@ use std::ops::Range;
 ///
 /// The order of commands decides body ids, not tables or entity numbers: results do not depend on how entities are
 /// stored. Observers fill the queue, because what systems are told of removals is forgotten when frames outrun steps.
-#[derive(Debug, Default, Resource)]
+#[derive(Debug, Default)]
 pub(crate) struct BodyQueue {
     arrived: Vec<Entity>,
     left: Vec<(u32, BodyId)>,
@@ -61,20 +62,20 @@ impl BodyQueue {
 }
 
 /// Run condition of [`register_bodies`], which would fetch all that it needs only to find that no body comes or goes.
-pub(crate) fn any_body_comes_or_goes(queue: Res<BodyQueue>) -> bool {
-    queue.changes_bodies()
+pub(crate) fn any_body_comes_or_goes(state: Res<PluginState>) -> bool {
+    state.queue.changes_bodies()
 }
 
 /// Observer: an entity got a `RigidBody`. Pieces of a fracture already have their slot.
 pub(crate) fn on_body_inserted(
     insert: On<Insert<RigidBody>>,
     handles: Query<&BodyHandle>,
-    mut queue: ResMut<BodyQueue>,
+    mut state: ResMut<PluginState>,
 ) {
     let entity = insert.entity;
     let is_new = handles.get(entity).is_ok_and(|handle| handle.0.is_none());
     if is_new {
-        queue.arrived.push(entity);
+        state.queue.arrived.push(entity);
     }
 }
 
@@ -82,10 +83,10 @@ pub(crate) fn on_body_inserted(
 pub(crate) fn on_body_discarded(
     discard: On<Discard<(RigidBody, BodyHandle)>>,
     mut handles: Query<&mut BodyHandle>,
-    mut queue: ResMut<BodyQueue>,
+    mut state: ResMut<PluginState>,
 ) {
     if let Ok(mut handle) = handles.get_mut(discard.entity) {
-        queue.left.extend(handle.0.take());
+        state.queue.left.extend(handle.0.take());
     }
 }
 
@@ -100,12 +101,13 @@ type Removable = (
 pub(crate) fn on_part_removed(
     remove: On<Remove<Removable>>,
     handles: Query<&BodyHandle>,
-    mut queue: ResMut<BodyQueue>,
+    mut state: ResMut<PluginState>,
 ) {
     let entity = remove.entity;
     let is_body = handles.get(entity).is_ok_and(|handle| handle.0.is_some());
-    if is_body && queue.reduced.last() != Some(&entity) {
-        queue.reduced.push(entity);
+    let reduced = &mut state.queue.reduced;
+    if is_body && reduced.last() != Some(&entity) {
+        reduced.push(entity);
     }
 }
 
@@ -114,11 +116,11 @@ pub(crate) fn on_sleeping_inserted(
     insert: On<Insert<Sleeping>>,
     handles: Query<&BodyHandle>,
     bodies: Res<Bodies>,
-    mut queue: ResMut<BodyQueue>,
+    mut state: ResMut<PluginState>,
 ) {
     let body = handles.get(insert.entity).ok().and_then(|handle| handle.0);
     if !body.is_some_and(|(slot, id)| bodies.is(slot, id) && bodies.is_asleep(slot)) {
-        queue.marked.push(insert.entity);
+        state.queue.marked.push(insert.entity);
     }
 }
 
@@ -139,8 +141,6 @@ pub(crate) fn on_sleeping_removed(
 /// What the user changed about entities that have bodies, and what is asked for with commands.
 #[derive(SystemParam)]
 pub(crate) struct Readings<'w, 's> {
-    queue: ResMut<'w, BodyQueue>,
-    bond_requests: ResMut<'w, BondRequests>,
     bonds: ResMut<'w, Bonds>,
     warnings: ResMut<'w, Messages<BodyWarning>>,
     ticks: Query<'w, 's, ChangeTicks, With<BodyHandle>>,
@@ -152,18 +152,16 @@ pub(crate) struct Readings<'w, 's> {
 }
 
 /// Reads what the user changed about bodies, and makes the bonds that were asked for, now that the entities have bodies.
-pub(crate) fn read_entities(
-    bodies: &mut Bodies,
-    entities: &mut BodyEntities,
-    readings: &mut Readings,
-) {
-    gather_changes(bodies, readings);
-    let Readings {
+pub(crate) fn read_entities(state: &mut PluginState, bodies: &mut Bodies, readings: &mut Readings) {
+    let PluginState {
+        entities,
         queue,
         bond_requests,
-        bonds,
-        warnings,
         ..
+    } = state;
+    gather_changes(queue, bodies, readings);
+    let Readings {
+        bonds, warnings, ..
     } = readings;
     gather_motion(bodies, entities, warnings, &readings.motion);
     settle_marked(queue, bodies, &readings.marked);
@@ -189,13 +187,15 @@ type Arrival = (&'static mut BodyHandle, Option<BodyParts>, Has<Sleeping>);
 
 /// System: frees the slots of bodies that left, gives slots to those that arrived.
 pub(crate) fn register_bodies(
-    mut queue: ResMut<BodyQueue>,
+    mut state: ResMut<PluginState>,
     mut bodies: ResMut<Bodies>,
-    mut entities: ResMut<BodyEntities>,
     mut cache: ResMut<ContactCache>,
     mut warnings: ResMut<Messages<BodyWarning>>,
     mut parts: Query<Arrival, With<RigidBody>>,
 ) {
+    let PluginState {
+        entities, queue, ..
+    } = &mut *state;
     remove_bodies(&mut queue.left, &mut bodies, &mut cache);
     if queue.arrived.is_empty() && queue.refused.is_empty() {
         return;
@@ -414,10 +414,8 @@ fn has_any_changed(ticks: &Query<ChangeTicks, With<BodyHandle>>) -> bool {
 }
 
 /// Shapes, densities, materials and layers that the user changed. What is not usable is not taken over.
-fn gather_changes(bodies: &mut Bodies, readings: &mut Readings) {
-    let Readings {
-        queue, warnings, ..
-    } = readings;
+fn gather_changes(queue: &mut BodyQueue, bodies: &mut Bodies, readings: &mut Readings) {
+    let warnings = &mut *readings.warnings;
     let has_changed = has_any_changed(&readings.ticks);
     let changed = has_changed.then(|| readings.changed.iter());
     let changed = changed.into_iter().flatten();

@@ -12,3 +12,4 @@ pub mod gather;
 pub(crate) mod reflect;
 pub mod scatter;
 pub mod spawn;
+pub(crate) mod state;

@@ -2,6 +2,7 @@
 
 use super::components::*;
 use super::cut;
+use super::state::PluginState;
 use crate::contact::BodyId;
 use crate::fracture::Fractures;
 use crate::math::Pose;
@@ -24,13 +25,14 @@ pub(crate) fn renew_entities(
     mut commands: Commands,
     bodies: Res<Bodies>,
     fractures: Res<Fractures>,
-    entities: Res<BodyEntities>,
+    state: Res<PluginState>,
     mut warnings: ResMut<Messages<BodyWarning>>,
     marked: Query<(), With<Sleeping>>,
 ) {
-    cut::report_refusals(&fractures, &entities, &mut warnings);
-    cut::despawn_expired(&mut commands, &fractures, &entities);
-    unmark_woken(&mut commands, &bodies, &entities, &marked);
+    let entities = &state.entities;
+    cut::report_refusals(&fractures, entities, &mut warnings);
+    cut::despawn_expired(&mut commands, &fractures, entities);
+    unmark_woken(&mut commands, &bodies, entities, &marked);
     if !fractures.done.is_empty() {
         commands.queue(cut::spawn_pieces);
     }
@@ -40,17 +42,18 @@ pub(crate) fn renew_entities(
 pub(crate) fn write_entities(
     mut commands: Commands,
     mut bodies: ResMut<Bodies>,
-    mut entities: ResMut<BodyEntities>,
+    mut state: ResMut<PluginState>,
     report: Res<StepReport>,
     mut warnings: ResMut<Messages<BodyWarning>>,
     (mut motion, tick): (Query<Motion, Without<Sleeping>>, SystemChangeTick),
     marked: Query<(), With<Sleeping>>,
 ) {
+    let entities = &mut state.entities;
     entities.written = tick.this_run();
     scatter(&bodies, &mut motion);
-    mark_asleep(&mut commands, &bodies, &entities, &marked);
+    mark_asleep(&mut commands, &bodies, entities, &marked);
     bodies.forget_turned();
-    report_problems(&report, &bodies, &entities, &mut warnings);
+    report_problems(&report, &bodies, entities, &mut warnings);
 }
 
 /// Takes the mark from the entities whose bodies woke, or never fell asleep, so that they are written again.
