@@ -169,7 +169,10 @@ fn add_phases(schedule: &mut Schedule) {
         integrate.in_set(Phase::Integrate),
         age_cache.in_set(Phase::CacheAging),
         sleep.in_set(Phase::Sleep),
-        (scatter::renew_entities, scatter::write_entities)
+        (
+            scatter::renew_entities.run_if(scatter::any_entity_is_outdated),
+            scatter::write_entities,
+        )
             .chain()
             .in_set(Phase::Writeback),
     ));
@@ -208,7 +211,7 @@ fn can_step(settings: Settings, mut has_warned: Local<bool>) -> bool {
     settings.is_usable()
 }
 
-/// One system with what is read of entities: with one body, systems and the resources that they take are most of what the
+/// Reads entities too, now that they have bodies: with one body, systems and the resources that they take are most of what the
 /// plugin adds to a step.
 fn mass_properties(
     mut state: ResMut<PluginState>,

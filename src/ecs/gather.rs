@@ -54,18 +54,6 @@ pub(crate) struct BodyParts {
     fracturable: Option<&'static Fracturable>,
 }
 
-impl BodyQueue {
-    /// Whether bodies are to be removed or made.
-    fn changes_bodies(&self) -> bool {
-        !(self.arrived.is_empty() && self.left.is_empty() && self.refused.is_empty())
-    }
-}
-
-/// Run condition of [`register_bodies`], which would fetch all that it needs only to find that no body comes or goes.
-pub(crate) fn any_body_comes_or_goes(state: Res<PluginState>) -> bool {
-    state.queue.changes_bodies()
-}
-
 /// Observer: an entity got a `RigidBody`. Pieces of a fracture already have their slot.
 pub(crate) fn on_body_inserted(
     insert: On<Insert<RigidBody>>,
@@ -185,6 +173,17 @@ fn settle_marked(
 /// An entity that is to become a body, and whether it is marked as sleeping.
 type Arrival = (&'static mut BodyHandle, Option<BodyParts>, Has<Sleeping>);
 
+/// Run condition of [`register_bodies`]: most steps would fetch all that it takes only to find that nothing is queued.
+pub(crate) fn any_body_comes_or_goes(state: Res<PluginState>) -> bool {
+    let BodyQueue {
+        arrived,
+        left,
+        refused,
+        ..
+    } = &state.queue;
+    !(arrived.is_empty() && left.is_empty() && refused.is_empty())
+}
+
 /// System: frees the slots of bodies that left, gives slots to those that arrived.
 pub(crate) fn register_bodies(
     mut state: ResMut<PluginState>,
@@ -197,9 +196,6 @@ pub(crate) fn register_bodies(
         entities, queue, ..
     } = &mut *state;
     remove_bodies(&mut queue.left, &mut bodies, &mut cache);
-    if queue.arrived.is_empty() && queue.refused.is_empty() {
-        return;
-    }
     let earlier = std::mem::take(&mut queue.refused);
     let arrived = std::mem::take(&mut queue.arrived);
     let arrived = arrived.into_iter().map(|entity| (entity, None));

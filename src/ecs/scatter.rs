@@ -12,23 +12,48 @@ use crate::step::StepReport;
 use crate::team::Team;
 use bevy_ecs::change_detection::{ContiguousComponentTicksMut, ContiguousMut, Tick};
 use bevy_ecs::prelude::*;
-use bevy_ecs::system::SystemChangeTick;
+use bevy_ecs::system::{SystemChangeTick, SystemParam, SystemState};
 use bevy_math::Vec3;
 use bevy_transform::components::Transform;
 use std::panic::Location;
 
+/// What entities are renewed with.
+#[derive(SystemParam)]
+pub(crate) struct Renewal<'w, 's> {
+    commands: Commands<'w, 's>,
+    bodies: Res<'w, Bodies>,
+    fractures: Res<'w, Fractures>,
+    state: Res<'w, PluginState>,
+    warnings: ResMut<'w, Messages<BodyWarning>>,
+    marked: Query<'w, 's, (), With<Sleeping>>,
+}
+
+/// Run condition of [`renew_entities`]: most steps would fetch all that it takes only to find that nothing broke or woke.
+pub(crate) fn any_entity_is_outdated(bodies: Res<Bodies>, fractures: Res<Fractures>) -> bool {
+    let Fractures {
+        done,
+        refused,
+        expired,
+        ..
+    } = &*fractures;
+    let is_unbroken = done.is_empty() && refused.is_empty() && expired.is_empty();
+    !(is_unbroken && bodies.turned().is_empty())
+}
+
 /// System: brings the entities in line with the bodies, before motion is written: cuts that were refused, pieces whose time is
 /// over, marks of bodies that woke, and what broke.
 ///
-/// One system for all of it: with one body, systems and the resources that they take are most of what the plugin adds to a step.
-pub(crate) fn renew_entities(
-    mut commands: Commands,
-    bodies: Res<Bodies>,
-    fractures: Res<Fractures>,
-    state: Res<PluginState>,
-    mut warnings: ResMut<Messages<BodyWarning>>,
-    marked: Query<(), With<Sleeping>>,
-) {
+/// It has the world to itself and applies its commands itself: a point in the schedule that applied them would be passed in
+/// every step.
+pub(crate) fn renew_entities(world: &mut World, renewal: &mut SystemState<Renewal>) -> Result {
+    let Renewal {
+        mut commands,
+        bodies,
+        fractures,
+        state,
+        mut warnings,
+        marked,
+    } = renewal.get_mut(world)?;
     let entities = &state.entities;
     cut::report_refusals(&fractures, entities, &mut warnings);
     cut::despawn_expired(&mut commands, &fractures, entities);
@@ -36,6 +61,8 @@ pub(crate) fn renew_entities(
     if !fractures.done.is_empty() {
         commands.queue(cut::spawn_pieces);
     }
+    renewal.apply(world);
+    Ok(())
 }
 
 /// System: writes motion, then what is left: marks of bodies that fell asleep, and problems of the step.
