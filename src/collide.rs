@@ -448,7 +448,7 @@ fn write_manifolds(
 ) {
     for (k, &at) in touching.iter().enumerate() {
         if let Some(&next) = touching.get(k + AHEAD) {
-            prefetch(&*states[next as usize]);
+            prefetch(&states[next as usize].patch);
             for body in scene.pair(pairs[next as usize]) {
                 prefetch(&body.place);
             }

@@ -8,6 +8,7 @@ use super::manifold::{BodyPlace, BoundPatch};
 use super::sat::Hint;
 use crate::math::Pose;
 use glam::{Quat, Vec3};
+use std::mem::offset_of;
 
 /// How far a pair may move until its contact is found anew, as a share of the least extent of the smaller body, where
 /// the points stay what they are (corners on faces, crossings of edges): their gaps and places are then followed.
@@ -189,19 +190,21 @@ impl PairTerm {
     }
 }
 
-/// What the last test of a pair found. Begins with a cache line, as it is asked for by lines.
+/// What the last test of a pair found: in four cache lines what manifolds are written from, in a fifth what only a test needs.
 #[derive(Clone, Debug, Default)]
-#[repr(align(64))]
+#[repr(C, align(64))]
 pub(crate) struct PairState {
+    pub(crate) patch: BoundPatch,
+    pub(crate) friction: f32,
+    pub(crate) restitution: f32,
     /// Unit vector from A to B, A's frame, along which the bodies were apart.
     axis: Option<Vec3>,
     sight: Sight,
-    pub(crate) friction: f32,
-    pub(crate) restitution: f32,
-    pub(crate) patch: BoundPatch,
     /// The faces of A and B that separated best.
     pub(crate) faces: [u32; 2],
 }
+
+const _: () = assert!(offset_of!(PairState, axis) <= 4 * 64);
 
 /// A pair as a test sees it.
 #[derive(Debug)]
