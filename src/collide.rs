@@ -7,7 +7,7 @@ use crate::contact::BodyId;
 use crate::contact::broadphase::{Broadphase, Pair, Proxy, ProxyKind, ProxyShape};
 use crate::contact::half_space::examine_half_space;
 use crate::contact::manifold::{BodyPlace, BoundPatch, Patch};
-use crate::contact::manifolds::{ManifoldHead, Manifolds, PartSize, Writer};
+use crate::contact::manifolds::{ManifoldHead, Manifolds, Writer};
 use crate::contact::pair::{
     Pace, PairBody, PairState, PairTerm, PairView, Verdict, reach_of_test, smaller_extent,
 };
@@ -20,6 +20,7 @@ use crate::prefetch::prefetch;
 use crate::solver::bodies::{Bodies, RigidBody, Shape};
 use crate::team::Team;
 use glam::{Mat3, Quat, Vec3};
+use std::ops::Range;
 
 /// How far ahead contacts are found besides the bodies' motion, as a share of the body's least extent: far enough that a
 /// body at rest keeps its contacts while it settles.
@@ -158,8 +159,8 @@ struct Part {
     scratch: NarrowScratch,
     /// Indices of its pairs that touch, within the part.
     touching: Vec<u32>,
-    /// What these make.
-    size: PartSize,
+    /// Where the points of these go: from 0 on until those of the parts before are counted.
+    points: Range<u32>,
 }
 
 /// Whether the contacts of `pairs` pairs are worth a team.
@@ -262,10 +263,13 @@ impl NarrowPhase {
         let parts = &mut self.parts[..pairs.len().div_ceil(part_size)];
         let mut first = 0;
         for part in parts.iter_mut() {
-            part.size.first = first;
-            first += part.size.points;
+            part.points = first..first + part.points.end;
+            first = part.points.end;
         }
-        let writers = manifolds.writers(parts.iter().map(|part| part.size));
+        let sizes = parts
+            .iter()
+            .map(|part| (part.touching.len(), part.points.clone()));
+        let writers = manifolds.writers(sizes);
         let pairs = pairs.chunks(part_size).zip(self.states.chunks(part_size));
         let parts = parts.iter().zip(pairs);
         run_parts(
@@ -377,7 +381,7 @@ impl Part {
         states: &mut [Box<PairState>],
     ) {
         self.touching.clear();
-        self.size = PartSize::default();
+        self.points = 0..0;
         for (index, ((&pair, term), state)) in (0..).zip(pairs.iter().zip(terms).zip(states)) {
             if !scene.bodies.needs_look(pair) {
                 continue;
@@ -396,8 +400,7 @@ impl Part {
             }
             if term.points > 0 {
                 self.touching.push(index);
-                self.size.manifolds += 1;
-                self.size.points += term.points;
+                self.points.end += term.points;
             }
         }
     }

@@ -10,7 +10,7 @@ use glam::{Mat3, Quat, Vec3};
 /// Most points a manifold keeps.
 pub const MAX_POINTS: usize = 4;
 
-/// One point where two bodies touch or nearly touch.
+/// One point where two bodies touch or nearly touch. A cache line, because blocks ask for points in any order.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(align(64))]
 pub struct ContactPoint {

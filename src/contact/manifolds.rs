@@ -1,8 +1,8 @@
 //! The manifolds of a step, one after the other in memory: what the points of each share, and all points packed.
 //!
 //! A step goes through its manifolds some ten times, and in a scene of thousands it waits for memory as it does. Most passes
-//! read only who touches whom: 32 bytes a manifold. A point takes 60 bytes, and a manifold has one to four of them, two in the
-//! mean of a heap.
+//! read only who touches whom: 32 bytes a manifold. A point takes a cache line, and a manifold has one to four of them, two in
+//! the mean of a heap.
 
 use super::manifold::{ContactPoint, MAX_POINTS};
 use crate::parts::{Pieces, front_mut};
@@ -168,20 +168,22 @@ impl Manifolds {
 
     /// The manifold with this index, which there is.
     pub(crate) fn at(&self, index: usize) -> ManifoldRef<'_> {
-        let head = &self.heads[index];
-        let first = self.firsts[index] as usize;
         ManifoldRef {
-            head,
-            points: &self.points[first..first + head.count as usize],
+            head: &self.heads[index],
+            points: &self.points[self.range(index)],
         }
+    }
+
+    /// Where the points of a manifold are.
+    fn range(&self, index: usize) -> Range<usize> {
+        let first = self.firsts[index] as usize;
+        first..first + self.heads[index].count as usize
     }
 
     /// The same, for writing. The number of points stays what it is.
     pub(crate) fn at_mut(&mut self, index: usize) -> (&mut ManifoldHead, &mut [ContactPoint]) {
-        let head = &mut self.heads[index];
-        let first = self.firsts[index] as usize;
-        let points = &mut self.points[first..first + head.count as usize];
-        (head, points)
+        let range = self.range(index);
+        (&mut self.heads[index], &mut self.points[range])
     }
 
     /// Asks for a manifold with `count` points to be brought near.
@@ -189,7 +191,6 @@ impl Manifolds {
     pub(crate) fn prefetch(&self, index: usize, count: usize) {
         prefetch(&self.heads[index]);
         let points = &self.points[self.firsts[index] as usize..];
-        // The last one ends where the next one begins.
         points.iter().take(count).for_each(prefetch);
     }
 
@@ -214,6 +215,16 @@ impl Manifolds {
         })
     }
 
+    /// Runs of `size` manifolds each, of which the last may be shorter.
+    pub(crate) fn chunks_mut(
+        &mut self,
+        size: usize,
+    ) -> impl ExactSizeIterator<Item = Run<'_>> + DoubleEndedIterator + Send {
+        let count = self.len();
+        let range = move |part: usize| part * size..count.min((part + 1) * size);
+        self.runs((0..count.div_ceil(size)).map(range))
+    }
+
     /// All of them as one run.
     pub(crate) fn whole(&mut self) -> Run<'_> {
         Run {
@@ -223,32 +234,31 @@ impl Manifolds {
         }
     }
 
-    /// Makes room for as many manifolds and points as `sizes` add up to, part by part, and writers for the parts. What they do
-    /// not write is left from before.
+    /// Makes room for parts that follow one another, and a writer for each; `sizes`: number of manifolds and range of the points
+    /// of each. What is not written is left from before.
     pub(crate) fn writers<'l, S>(
         &'l mut self,
         sizes: S,
     ) -> impl ExactSizeIterator<Item = Writer<'l>> + DoubleEndedIterator + Send
     where
-        S: ExactSizeIterator<Item = PartSize> + DoubleEndedIterator + Clone + Send + 'l,
+        S: ExactSizeIterator<Item = (usize, Range<u32>)> + DoubleEndedIterator + Clone + Send + 'l,
     {
-        let last = sizes.clone().next_back().unwrap_or_default();
-        let manifolds = sizes.clone().map(|part| part.manifolds).sum();
-        self.heads.resize(manifolds, ManifoldHead::default());
-        self.firsts.resize(manifolds, 0);
-        let points = (last.first + last.points) as usize;
-        self.points.resize(points, ContactPoint::default());
-        let manifolds = sizes.clone().map(|part| part.manifolds);
+        let manifolds = sizes.clone().map(|(manifolds, _)| manifolds);
+        let points = sizes.clone().map(|(_, points)| points.len());
+        self.heads
+            .resize(manifolds.clone().sum(), ManifoldHead::default());
+        self.firsts.resize(self.heads.len(), 0);
+        self.points
+            .resize(points.clone().sum(), ContactPoint::default());
         let heads = Pieces::new(&mut self.heads, manifolds.clone());
         let firsts = Pieces::new(&mut self.firsts, manifolds);
-        let points = sizes.clone().map(|part| part.points as usize);
         let points = Pieces::new(&mut self.points, points);
         sizes
             .zip(heads.zip(firsts).zip(points))
-            .map(|(part, ((heads, firsts), points))| Writer {
+            .map(|((_, range), ((heads, firsts), points))| Writer {
                 heads: heads.iter_mut(),
                 firsts: firsts.iter_mut(),
-                first: part.first,
+                first: range.start,
                 points,
             })
     }
@@ -303,15 +313,6 @@ impl<'l> Run<'l> {
     pub(crate) fn len(&self) -> usize {
         self.heads.len()
     }
-}
-
-/// How many manifolds and points a part of a list gets.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct PartSize {
-    pub(crate) manifolds: usize,
-    pub(crate) points: u32,
-    /// Number of points of the parts before.
-    pub(crate) first: u32,
 }
 
 /// Writes a part of a list, manifold by manifold.
@@ -418,17 +419,13 @@ mod tests {
             let mut list = before;
             let mut first = 0;
             let sizes = counts.map(|counts| {
-                let points = counts.iter().sum();
+                let points: u32 = counts.iter().sum();
                 first += points;
-                PartSize {
-                    manifolds: counts.len(),
-                    points,
-                    first: first - points,
-                }
+                (counts.len(), first - points..first)
             });
-            let writers = list.writers(sizes.into_iter());
+            let writers = list.writers(sizes.clone().into_iter());
             for (mut writer, (counts, size)) in writers.zip(counts.iter().zip(sizes)).rev() {
-                let mut number = size.first as f32;
+                let mut number = size.1.start as f32;
                 for &count in *counts {
                     let (head, points) = writer.next(count).expect("there is room");
                     *head = ManifoldHead {

@@ -170,13 +170,10 @@ impl ContactSolver {
     fn store_impulses(&mut self, manifolds: &mut Manifolds, team: Option<&Team>) {
         let batches = &self.batches[self.earlier..][..self.ranges.len()];
         let size = Team::part_size(team, manifolds.len(), LEAST_OF_PART);
-        let count = manifolds.len();
-        let ranges =
-            (0..count.div_ceil(size)).map(|part| part * size..count.min((part + 1) * size));
-        let runs = ranges.clone().zip(manifolds.runs(ranges));
-        run_parts(team, runs, |(range, mut run)| {
+        let runs = manifolds.chunks_mut(size).enumerate();
+        run_parts(team, runs, |(part, mut run)| {
             for batch in batches {
-                batch.store_impulses(&mut run, range.start);
+                batch.store_impulses(&mut run, part * size);
             }
         });
         for batch in batches.iter().filter(|batch| !batch.is_broken) {
