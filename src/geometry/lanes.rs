@@ -217,24 +217,31 @@ pub(crate) fn move_points(moved: &mut Vec<Points4>, points: &[Points4], turn: &M
 /// The box around points in another frame.
 pub(crate) fn bounds(points: &[Points4], turn: &Mat3, shift: Vec3) -> Aabb {
     let rows = turn.transpose();
-    let (x, y, z) = (
-        range_along(points, rows.x_axis),
-        range_along(points, rows.y_axis),
-        range_along(points, rows.z_axis),
-    );
+    let tight = box_around(points.iter().map(|group| {
+        [
+            group.along(rows.x_axis),
+            group.along(rows.y_axis),
+            group.along(rows.z_axis),
+        ]
+    }));
     Aabb {
-        min: Vec3::new(x[0], y[0], z[0]) + shift,
-        max: Vec3::new(x[1], y[1], z[1]) + shift,
+        min: tight.min + shift,
+        max: tight.max + shift,
     }
 }
 
 /// The box around points in their own frame.
 pub(crate) fn box_of(points: &[Points4]) -> Aabb {
+    box_around(points.iter().map(|group| [group.x, group.y, group.z]))
+}
+
+/// The box around points whose coordinates come by axis, four at a time.
+#[inline(always)]
+fn box_around(groups: impl Iterator<Item = [[f32; LANES]; 3]>) -> Aabb {
     let (mut least, mut most) = ([Vec4::INFINITY; 3], [Vec4::NEG_INFINITY; 3]);
-    for group in points {
-        let coordinates = [group.x, group.y, group.z];
+    for group in groups {
         for axis in 0..3 {
-            let along = Vec4::from_array(coordinates[axis]);
+            let along = Vec4::from_array(group[axis]);
             least[axis] = lower(least[axis], along);
             most[axis] = higher(most[axis], along);
         }
@@ -247,31 +254,6 @@ pub(crate) fn box_of(points: &[Points4]) -> Aabb {
         min: across(least, lower),
         max: across(most, higher),
     }
-}
-
-/// The smallest and the largest coordinate along `axis`.
-fn range_along(points: &[Points4], axis: Vec3) -> [f32; 2] {
-    let (mut least, mut most) = ([f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]);
-    for group in points {
-        let height = group.along(axis);
-        #[allow(clippy::needless_range_loop, reason = "three arrays side by side")]
-        for l in 0..LANES {
-            least[l] = if height[l] < least[l] {
-                height[l]
-            } else {
-                least[l]
-            };
-            most[l] = if height[l] > most[l] {
-                height[l]
-            } else {
-                most[l]
-            };
-        }
-    }
-    [
-        least.into_iter().fold(f32::INFINITY, f32::min),
-        most.into_iter().fold(f32::NEG_INFINITY, f32::max),
-    ]
 }
 
 #[cfg(test)]

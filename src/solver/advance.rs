@@ -3,10 +3,9 @@
 use super::batch::{Batch, TurningBody};
 use super::bodies::SolverBody;
 use super::demand::SubstepSettings;
-use super::doubles::EIGHT;
 use super::lanes::LaneWidth;
 use super::shares::{Parts, each_part};
-use super::spin::Spin;
+use super::spin::{SPINS, Spin};
 use crate::contact::manifold::ContactPoint;
 use crate::contact::manifolds::Manifolds;
 use crate::parts::front_mut;
@@ -122,7 +121,7 @@ impl Batch {
         });
         let mut parts: Parts<_> = parts.collect();
         Team::each(team, &mut parts, |(first, bodies, solids, turning)| {
-            for turning in turning.chunks_mut(EIGHT) {
+            for turning in turning.chunks_mut(SPINS) {
                 turn_together(turning, *first, bodies, h, width);
                 for turning in turning {
                     let r = Mat3::from_quat(turning.spin.rotation);
@@ -142,12 +141,12 @@ fn turn_together(
     h: f32,
     width: LaneWidth,
 ) {
-    let (mut spins, mut omegas) = ([Spin::default(); EIGHT], [Vec3::ZERO; EIGHT]);
+    let (mut spins, mut omegas) = ([Spin::default(); SPINS], [Vec3::ZERO; SPINS]);
     for (lane, turning) in turning.iter().enumerate() {
         spins[lane] = turning.spin;
         omegas[lane] = bodies[turning.body as usize - first].angular;
     }
-    Spin::advance_eight(&mut spins, &mut omegas, h, width);
+    Spin::advance_some(&mut spins, &mut omegas, turning.len(), h, width);
     for (lane, turning) in turning.iter_mut().enumerate() {
         turning.spin = spins[lane];
         bodies[turning.body as usize - first].angular = omegas[lane];

@@ -15,7 +15,6 @@ use crate::contact::manifolds::{ManifoldHead, ManifoldRef, Manifolds};
 use crate::math::rotate_by;
 use crate::parts::run_parts;
 use crate::team::Team;
-use glam::Vec3;
 use std::ops::Range;
 
 /// Calm islands are solved together until they have this many manifolds: enough to fill the lanes of their blocks.
@@ -398,37 +397,6 @@ impl ContactSolver {
                 let slot = batch.layout.slots[turning.body as usize] as usize;
                 bodies.motion[slot].rotation = turning.spin.rotation;
             }
-        }
-    }
-
-    /// Moves the bodies that touch nothing, exactly under constant acceleration: `x += h v + h^2 g / 2`.
-    fn move_free_bodies(&mut self, bodies: &mut Bodies, settings: &SubstepSettings) {
-        let step = settings.step();
-        for slot in 0..bodies.slots() as u32 {
-            let i = slot as usize;
-            if self.progress[i] != Progress::Open || !bodies.is_moving(slot) {
-                continue;
-            }
-            let spin = bodies.spin(slot, step);
-            let body = &mut bodies.velocity[i];
-            let fall = if body.inverse_mass > 0.0 {
-                self.progress[i] = Progress::Moved;
-                settings.gravity * step
-            } else {
-                Vec3::ZERO
-            };
-            let shift = step * (body.linear + 0.5 * fall);
-            body.linear += fall;
-            let rotation = match spin {
-                Some(mut spin) => {
-                    for _ in 0..settings.config.substeps {
-                        body.angular = spin.advance(body.angular, settings.h);
-                    }
-                    spin.rotation
-                }
-                None => rotate_by(bodies.rotation[i], body.angular, step),
-            };
-            bodies.motion[i] = Motion { shift, rotation };
         }
     }
 }

@@ -1,68 +1,16 @@
-//! Double precision one at a time or eight at a time, so that a calculation is written once for both and gives the same bits.
+//! Double precision, several numbers at a time, so that a calculation is written once for any number and gives the same bits.
 
 use std::ops::{Add, Div, Mul, Sub};
 
-/// Numbers of an [`Eight`].
-pub(super) const EIGHT: usize = 8;
-
-/// One number or some, by lane.
-pub(super) trait Number:
-    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
-{
-    /// The same number in all lanes.
-    fn splat(x: f64) -> Self;
-    /// Writes a lane.
-    fn set(&mut self, lane: usize, x: f64);
-    /// Reads a lane.
-    fn get(&self, lane: usize) -> f64;
-    /// Square root by lane.
-    fn sqrt(self) -> Self;
-    /// Whether all lanes are below a bound.
-    fn is_below(self, bound: f64) -> bool;
-    /// `yes` in lanes that are below a bound, else `no`.
-    fn if_below(self, bound: f64, yes: Self, no: Self) -> Self;
-}
-
-impl Number for f64 {
-    #[inline(always)]
-    fn splat(x: f64) -> Self {
-        x
-    }
-
-    #[inline(always)]
-    fn set(&mut self, _: usize, x: f64) {
-        *self = x;
-    }
-
-    #[inline(always)]
-    fn get(&self, _: usize) -> f64 {
-        *self
-    }
-
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        self.sqrt()
-    }
-
-    #[inline(always)]
-    fn is_below(self, bound: f64) -> bool {
-        self < bound
-    }
-
-    #[inline(always)]
-    fn if_below(self, bound: f64, yes: Self, no: Self) -> Self {
-        if self < bound { yes } else { no }
-    }
-}
-
-/// Eight numbers. Loops over them become vector instructions where they are compiled for a processor that has such.
+/// Numbers by lane. Loops over them become vector instructions: of two in any program, of more where they are compiled for a
+/// processor that has such.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
-pub(super) struct Eight([f64; EIGHT]);
+pub(super) struct Doubles<const N: usize>([f64; N]);
 
 macro_rules! by_lane {
     ($($operator:ident $name:ident $sign:tt;)*) => {$(
-        impl $operator for Eight {
+        impl<const N: usize> $operator for Doubles<N> {
             type Output = Self;
 
             #[inline(always)]
@@ -83,32 +31,37 @@ by_lane! {
     Div div /=;
 }
 
-impl Number for Eight {
+impl<const N: usize> Doubles<N> {
+    /// The same number in all lanes.
     #[inline(always)]
-    fn splat(x: f64) -> Self {
-        Self([x; EIGHT])
+    pub(super) fn splat(x: f64) -> Self {
+        Self([x; N])
     }
 
+    /// Writes a lane.
     #[inline(always)]
-    fn set(&mut self, lane: usize, x: f64) {
+    pub(super) fn set(&mut self, lane: usize, x: f64) {
         self.0[lane] = x;
     }
 
+    /// Reads a lane.
     #[inline(always)]
-    fn get(&self, lane: usize) -> f64 {
+    pub(super) fn get(&self, lane: usize) -> f64 {
         self.0[lane]
     }
 
+    /// Square root by lane.
     #[inline(always)]
-    fn sqrt(mut self) -> Self {
+    pub(super) fn sqrt(mut self) -> Self {
         for x in &mut self.0 {
             *x = x.sqrt();
         }
         self
     }
 
+    /// Whether all lanes are below a bound.
     #[inline(always)]
-    fn is_below(self, bound: f64) -> bool {
+    pub(super) fn is_below(self, bound: f64) -> bool {
         let mut all = true;
         for x in self.0 {
             all &= x < bound;
@@ -116,8 +69,9 @@ impl Number for Eight {
         all
     }
 
+    /// `yes` in lanes that are below a bound, else `no`.
     #[inline(always)]
-    fn if_below(self, bound: f64, yes: Self, no: Self) -> Self {
+    pub(super) fn if_below(self, bound: f64, yes: Self, no: Self) -> Self {
         let mut chosen = no;
         for (lane, x) in self.0.into_iter().enumerate() {
             if x < bound {

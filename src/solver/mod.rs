@@ -27,6 +27,7 @@ mod exact_substep;
 mod extrapolate;
 pub mod fill;
 mod follow;
+mod free_flight;
 mod halves;
 pub mod integrate;
 pub mod islands;

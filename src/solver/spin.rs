@@ -10,7 +10,7 @@
 //! Simo and Wong, "Unconditionally Stable Algorithms for Rigid Body Dynamics that Exactly Preserve Energy and Momentum",
 //! 1991, for the midpoint form.
 
-use super::doubles::{EIGHT, Eight, Number};
+use super::doubles::Doubles;
 use super::lanes::{Kernel, LaneWidth, Lanes, run};
 use super::triple::V3;
 use crate::mass::MassProperties;
@@ -28,13 +28,19 @@ const MOST_TURN: f32 = 0.05;
 /// round between two pictures, and nobody sees how.
 const MOST_PARTS: u32 = 16;
 
-/// Most iterations for the angular velocity in the middle. The first guess is off by about `(h |w|)^2` of it, and each
+/// Most iterations for the angular velocity in the middle. The first guess is off by about `(h |w|)^3` of it, and each
 /// iteration gains a factor of about `h |w|`, at most [`MOST_TURN`].
-const ITERATIONS: u32 = 4;
+const ITERATIONS: u32 = 3;
 
 /// Part of the angular velocity that its error in the middle may be: what rounding it to `f32` adds in a step is larger than
 /// this by four orders, and of either sign.
 const NEGLIGIBLE: f64 = 1e-11;
+
+/// Bodies that turn together.
+pub(super) const SPINS: usize = 8;
+
+/// From how many bodies on all lanes are calculated, the unused ones in vain.
+const WORTH_LANES: usize = 4;
 
 /// A body that turns so fast that its axes must be followed within a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,60 +74,48 @@ impl Spin {
 
     /// Turns the body for `h` seconds; returns the free angular velocity after it, from `omega` before (world, rad/s).
     pub fn advance(&mut self, omega: Vec3, h: f32) -> Vec3 {
-        let Some(parts) = parts(omega, h) else {
-            return self.precess(omega, h);
-        };
         let (mut spin, mut omega) = ([*self], [omega]);
-        for _ in 0..parts {
-            advance::<f64>(&mut spin, &mut omega, &[h / parts as f32]);
-        }
+        advance_in_parts(&mut spin, &mut omega, h, advance);
         [*self] = spin;
         omega[0]
     }
 
-    /// Turns eight bodies, each as [`advance`](Self::advance) does, to the same bits.
-    pub(super) fn advance_eight(
-        spins: &mut [Self; EIGHT],
-        omegas: &mut [Vec3; EIGHT],
+    /// Turns the first `count` bodies, each as [`advance`](Self::advance) does, to the same bits.
+    pub(super) fn advance_some(
+        spins: &mut [Self; SPINS],
+        omegas: &mut [Vec3; SPINS],
+        count: usize,
         h: f32,
         width: LaneWidth,
     ) {
-        let parts = omegas.map(|omega| parts(omega, h));
-        let h_of_parts = parts.map(|parts| h / parts.unwrap_or(1) as f32);
-        if parts == [Some(1); EIGHT] {
-            let h = &h_of_parts;
-            return run(width, AdvanceEight { spins, omegas, h });
-        }
-        let most = parts.into_iter().flatten().max();
-        for part in 0..most.unwrap_or(0) {
-            let before = (*spins, *omegas);
-            let kernel = AdvanceEight {
-                spins,
-                omegas,
-                h: &h_of_parts,
+        if count >= WORTH_LANES {
+            let all = |spins: &mut _, omegas: &mut _, h: &_| {
+                run(width, AdvanceAll { spins, omegas, h });
             };
-            run(width, kernel);
-            for lane in (0..EIGHT).filter(|&lane| parts[lane].is_none_or(|parts| parts <= part)) {
-                (spins[lane], omegas[lane]) = (before.0[lane], before.1[lane]);
-            }
+            return advance_in_parts(spins, omegas, h, all);
         }
-        for lane in (0..EIGHT).filter(|&lane| parts[lane].is_none()) {
-            omegas[lane] = spins[lane].precess(omegas[lane], h);
+        let (spins, lone_spin) = spins[..count].as_chunks_mut();
+        let (omegas, lone_omega) = omegas[..count].as_chunks_mut();
+        for (spins, omegas) in spins.iter_mut().zip(omegas) {
+            advance_in_parts::<2>(spins, omegas, h, advance);
+        }
+        for (spin, omega) in lone_spin.iter_mut().zip(lone_omega) {
+            *omega = spin.advance(*omega, h);
         }
     }
 
     /// Turns a body that is faster than it can be followed: about its angular momentum, without a change of the angular
     /// velocity that it sees itself. Momentum and energy stay what they are, which of all orientations it has is chance.
     fn precess(&mut self, omega: Vec3, h: f32) -> Vec3 {
-        let mut moments = V3([0.0; 3]);
+        let mut moments = V3([Doubles::splat(0.0); 3]);
         set(&mut moments, 0, self.moments);
-        let mut w = V3([0.0; 3]);
+        let mut w = V3([Doubles::splat(0.0); 3]);
         set(&mut w, 0, omega.as_dvec3());
-        let axes = Axes::<f64>::of(&[*self]);
+        let axes = Axes::<1>::of(&[*self]);
         let w = axes.inverse().turn(w);
         let momentum = axes.turn(moments.scaled(w));
         self.rotation = rotate_by(self.rotation, get(&momentum, 0), h);
-        get(&Axes::<f64>::of(&[*self]).turn(w), 0)
+        get(&Axes::<1>::of(&[*self]).turn(w), 0)
     }
 }
 
@@ -142,26 +136,53 @@ impl Default for Spin {
     }
 }
 
-struct AdvanceEight<'a> {
-    spins: &'a mut [Spin; EIGHT],
-    omegas: &'a mut [Vec3; EIGHT],
-    h: &'a [f32; EIGHT],
+/// Turns bodies by `turn`, those that turn far in parts, and those that are too fast to be followed about their momentum.
+#[inline(always)]
+fn advance_in_parts<const N: usize>(
+    spins: &mut [Spin; N],
+    omegas: &mut [Vec3; N],
+    h: f32,
+    turn: impl Fn(&mut [Spin; N], &mut [Vec3; N], &[f32; N]),
+) {
+    let parts = omegas.map(|omega| parts(omega, h));
+    let h_of_parts = parts.map(|parts| h / parts.unwrap_or(1) as f32);
+    if parts == [Some(1); N] {
+        return turn(spins, omegas, &h_of_parts);
+    }
+    let most = parts.into_iter().flatten().max();
+    for part in 0..most.unwrap_or(0) {
+        let before = (*spins, *omegas);
+        turn(spins, omegas, &h_of_parts);
+        for lane in (0..N).filter(|&lane| parts[lane].is_none_or(|parts| parts <= part)) {
+            (spins[lane], omegas[lane]) = (before.0[lane], before.1[lane]);
+        }
+    }
+    for lane in (0..N).filter(|&lane| parts[lane].is_none()) {
+        omegas[lane] = spins[lane].precess(omegas[lane], h);
+    }
 }
 
-impl Kernel for AdvanceEight<'_> {
+struct AdvanceAll<'a> {
+    spins: &'a mut [Spin; SPINS],
+    omegas: &'a mut [Vec3; SPINS],
+    h: &'a [f32; SPINS],
+}
+
+impl Kernel for AdvanceAll<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        advance::<Eight>(self.spins, self.omegas, self.h);
+        advance(self.spins, self.omegas, self.h);
     }
 }
 
 /// Turns bodies, one in each lane, for so many seconds each, and takes their angular velocities (world, rad/s) to those after
 /// it.
 #[inline(always)]
-fn advance<N: Number>(spins: &mut [Spin], omegas: &mut [Vec3], h: &[f32]) {
-    let (zero, half, mut step) = (N::splat(0.0), N::splat(0.5), N::splat(0.0));
+fn advance<const N: usize>(spins: &mut [Spin; N], omegas: &mut [Vec3; N], h: &[f32; N]) {
+    let (zero, half) = (Doubles::splat(0.0), Doubles::splat(0.5));
+    let mut step = zero;
     for (lane, &h) in h.iter().enumerate() {
         step.set(lane, f64::from(h));
     }
@@ -169,40 +190,61 @@ fn advance<N: Number>(spins: &mut [Spin], omegas: &mut [Vec3], h: &[f32]) {
     for (lane, spin) in spins.iter().enumerate() {
         set(&mut moments, lane, spin.moments);
     }
-    let axes = Axes::<N>::of(spins);
+    let per_moments = V3([Doubles::splat(1.0); 3]).over(moments);
+    let axes = Axes::of(spins);
     let mut omega = V3([zero; 3]);
     for (lane, w) in omegas.iter().enumerate() {
         set(&mut omega, lane, w.as_dvec3());
     }
     let w = axes.inverse().turn(omega);
     let momentum = moments.scaled(w);
-    let change = w.cross(momentum).times(half * step).over(moments);
-    let mut middle = w.minus(change);
+    let mut middle = first_guess(w, momentum, per_moments, half * step);
     let turn = step * w.dot(w).sqrt();
-    let mut error = turn * turn;
+    let mut error = turn * turn * turn;
     for _ in 0..ITERATIONS {
         if error.is_below(NEGLIGIBLE) {
             break;
         }
-        let after = turned_back(momentum, middle, step).over(moments);
+        let after = turned_back(momentum, middle, step).scaled(per_moments);
         let better = w.plus(after).times(half);
         middle = if_below(error, NEGLIGIBLE, middle, better);
         error = error * turn;
     }
-    let after = turned_back(momentum, middle, step).over(moments);
+    let after = turned_back(momentum, middle, step).scaled(per_moments);
     let middle = axes.turn(middle);
     for (lane, (spin, &h)) in spins.iter_mut().zip(h).enumerate() {
         spin.rotation = rotate_by(spin.rotation, get(&middle, lane), h);
     }
-    let after = Axes::<N>::of(spins).turn(after);
+    let after = Axes::of(spins).turn(after);
     for (lane, omega) in omegas.iter_mut().enumerate() {
         *omega = get(&after, lane);
     }
 }
 
+/// The angular velocity in the middle of the step to second order, from `w` at its start (principal frame, rad/s): with
+/// `L' = L x w` and `w' = I^-1 L'`, the mean of `w` and `w + h w' + h^2 w'' / 2`. `half_step`: `h / 2`.
+#[inline(always)]
+fn first_guess<const N: usize>(
+    w: V3<Doubles<N>>,
+    momentum: V3<Doubles<N>>,
+    per_moments: V3<Doubles<N>>,
+    half_step: Doubles<N>,
+) -> V3<Doubles<N>> {
+    let torque = momentum.cross(w).times(half_step);
+    let change = torque.scaled(per_moments);
+    let second = torque.cross(w).plus(momentum.cross(change));
+    let second = second.times(half_step).scaled(per_moments);
+    w.plus(change.plus(second))
+}
+
 /// `yes` in lanes where `test` is below `bound`, else `no`.
 #[inline(always)]
-fn if_below<N: Number>(test: N, bound: f64, yes: V3<N>, no: V3<N>) -> V3<N> {
+fn if_below<const N: usize>(
+    test: Doubles<N>,
+    bound: f64,
+    yes: V3<Doubles<N>>,
+    no: V3<Doubles<N>>,
+) -> V3<Doubles<N>> {
     let ([a, b, c], [x, y, z]) = (yes.0, no.0);
     V3([
         test.if_below(bound, a, x),
@@ -212,29 +254,29 @@ fn if_below<N: Number>(test: N, bound: f64, yes: V3<N>, no: V3<N>) -> V3<N> {
 }
 
 #[inline(always)]
-fn set<N: Number>(to: &mut V3<N>, lane: usize, v: DVec3) {
+fn set<const N: usize>(to: &mut V3<Doubles<N>>, lane: usize, v: DVec3) {
     to.0[0].set(lane, v.x);
     to.0[1].set(lane, v.y);
     to.0[2].set(lane, v.z);
 }
 
 #[inline(always)]
-fn get<N: Number>(from: &V3<N>, lane: usize) -> Vec3 {
+fn get<const N: usize>(from: &V3<Doubles<N>>, lane: usize) -> Vec3 {
     let [x, y, z] = &from.0;
     DVec3::new(x.get(lane), y.get(lane), z.get(lane)).as_vec3()
 }
 
 /// `world_from_principal`: a quaternion in each lane.
 #[derive(Clone, Copy)]
-struct Axes<N> {
-    vector: V3<N>,
-    scalar: N,
+struct Axes<const N: usize> {
+    vector: V3<Doubles<N>>,
+    scalar: Doubles<N>,
 }
 
-impl<N: Number> Axes<N> {
+impl<const N: usize> Axes<N> {
     #[inline(always)]
-    fn of(spins: &[Spin]) -> Self {
-        let zero = N::splat(0.0);
+    fn of(spins: &[Spin; N]) -> Self {
+        let zero = Doubles::splat(0.0);
         let (mut vector, mut scalar) = (V3([zero; 3]), zero);
         for (lane, spin) in spins.iter().enumerate() {
             let q = (spin.rotation * spin.frame).as_dquat();
@@ -246,7 +288,7 @@ impl<N: Number> Axes<N> {
 
     #[inline(always)]
     fn inverse(self) -> Self {
-        let zero = N::splat(0.0);
+        let zero = Doubles::splat(0.0);
         Self {
             vector: V3([zero; 3]).minus(self.vector),
             ..self
@@ -256,26 +298,30 @@ impl<N: Number> Axes<N> {
     /// `v` turned, without the change of length that the rounding of the quaternion's own length makes: it has a direction,
     /// and thousands of sub-steps would add it up.
     #[inline(always)]
-    fn turn(self, v: V3<N>) -> V3<N> {
+    fn turn(self, v: V3<Doubles<N>>) -> V3<Doubles<N>> {
         let Self {
             vector: u,
             scalar: w,
         } = self;
         let t = u.cross(v);
-        let scale = N::splat(2.0) / (u.dot(u) + w * w);
+        let scale = Doubles::splat(2.0) / (u.dot(u) + w * w);
         v.plus(t.times(w).plus(u.cross(t)).times(scale))
     }
 }
 
 /// `v` seen from a frame that has turned for `h` seconds with `omega`; the rotation of [`rotate_by`].
 #[inline(always)]
-fn turned_back<N: Number>(v: V3<N>, omega: V3<N>, h: N) -> V3<N> {
-    let one = N::splat(1.0);
+fn turned_back<const N: usize>(
+    v: V3<Doubles<N>>,
+    omega: V3<Doubles<N>>,
+    h: Doubles<N>,
+) -> V3<Doubles<N>> {
+    let one = Doubles::splat(1.0);
     let turn = omega.times(h);
-    let series = N::splat(0.5) * (one + turn.dot(turn) / N::splat(12.0));
+    let series = Doubles::splat(0.5) + turn.dot(turn) * Doubles::splat(1.0 / 24.0);
     let half = turn.times(series);
     // The unit quaternion (half, 1) / n, reversed: v - 2 w (u x v) + 2 u x (u x v).
-    let scale = N::splat(2.0) / (one + half.dot(half));
+    let scale = Doubles::splat(2.0) / (one + half.dot(half));
     let t = half.cross(v);
     v.plus(half.cross(t).minus(t).times(scale))
 }
@@ -326,26 +372,26 @@ mod tests {
 
     /// Bodies of all shapes, some fast and some slow, turn the same alone and together, with lanes of any width.
     #[test]
-    fn eight_turn_as_each_alone() {
+    fn many_turn_as_each_alone() {
         let spin = |i: usize| Spin {
             rotation: rotate_by(Quat::IDENTITY, Vec3::new(i as f32, 0.3, -0.7), 0.1),
             frame: rotate_by(Quat::IDENTITY, Vec3::new(0.2, i as f32, 0.1), 0.1),
             moments: DVec3::new(1.0, 0.9 / (1 + i) as f64, 0.3),
         };
-        let spins: [Spin; EIGHT] = std::array::from_fn(spin);
+        let spins: [Spin; SPINS] = std::array::from_fn(spin);
         let speeds = [1e-4, 1e-2, 0.1, 1.0, 10.0, 100.0, 1000.0, 1e5];
         let omegas = speeds.map(|speed| speed * Vec3::new(1.0, -0.4, 0.6));
         let h = 1.0 / 240.0;
         for width in [LaneWidth::Widest, LaneWidth::Four, LaneWidth::One] {
-            let (mut together, mut fast) = (spins, omegas);
-            Spin::advance_eight(&mut together, &mut fast, h, width);
-            for (i, (mut alone, omega)) in spins.into_iter().zip(omegas).enumerate() {
-                let after = alone.advance(omega, h);
-                assert_eq!(
-                    (after, alone),
-                    (fast[i], together[i]),
-                    "body {i}, {width:?}"
-                );
+            for count in 0..=SPINS {
+                let (mut together, mut fast) = (spins, omegas);
+                Spin::advance_some(&mut together, &mut fast, count, h, width);
+                for i in 0..count {
+                    let mut alone = spins[i];
+                    let after = alone.advance(omegas[i], h);
+                    let case = format!("body {i} of {count}, {width:?}");
+                    assert_eq!((after, alone), (fast[i], together[i]), "{case}");
+                }
             }
         }
     }
