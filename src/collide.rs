@@ -127,7 +127,8 @@ impl Told {
             && self.version == bodies.version[i]
             && off + (reach - self.reach).max(0.0) < self.room
             // A body that was fast and has become slow gets a smaller box.
-            && self.reach + self.travel.length() <= 2.0 * (reach + travel.length()) + BOX_MARGIN
+            && self.reach + (1.0 + STRAIGHT_ON) * self.travel.length()
+                <= 2.0 * reach + (1.0 + STRAIGHT_ON) * travel.length() + 0.2 * BOX_MARGIN
     }
 
     /// How far a centre of mass that goes on by `travel` (m) in this step is, at either end of it, from where one is that
@@ -142,7 +143,7 @@ impl Told {
         };
         let off = moved - steps * self.travel;
         let then = off + (travel - self.travel);
-        off.length().max(then.length())
+        off.length_squared().max(then.length_squared()).sqrt()
     }
 }
 

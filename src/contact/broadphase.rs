@@ -16,7 +16,7 @@ use obvhs::bvh2::Bvh2;
 const MARGIN_SHARE: f32 = 0.25;
 
 /// A kept box is renewed when an edge is this many times longer than a fresh one's: after a body was fast.
-const SHRINK: f32 = 2.0;
+const SHRINK: f32 = 1.1;
 
 /// Coordinates are cut to this inside the tree, whose cost estimates multiply them (m); the exact test is not affected.
 const TREE_LIMIT: f32 = 1e15;
