@@ -29,8 +29,11 @@ const CONTACT_MARGIN: f32 = 0.02;
 /// How far the boxes kept by the broad phase reach beyond the bodies, m (it limits this for small bodies itself).
 const BOX_MARGIN: f32 = 0.1;
 
-/// For how many further steps the broad phase is told at once where a body goes that keeps its velocity.
-const STRAIGHT_ON: f32 = 2.0;
+/// For how many steps, this one included, the broad phase is told at once where a body goes that keeps its velocity.
+const STEPS_TOLD: f32 = 3.0;
+
+/// How much longer than it must be a box may be that is kept for what was fast, m.
+const SPARE: f32 = 0.2 * BOX_MARGIN;
 
 /// Pairs of a part, some 10 us of work while all are at rest, 50 us while they land.
 const PAIRS_PER_PART: usize = 128;
@@ -73,14 +76,14 @@ impl Lookahead {
         margin_at_rest(bodies, slot) + self.fall + self.turn(bodies, slot)
     }
 
-    /// The body's box with all places it may reach within the step, and in [`STRAIGHT_ON`] more if it goes on as it does.
+    /// The body's box with all places it may reach within the step, and in [`STEPS_TOLD`] of them if it goes on as it does.
     fn swept_box(&self, bodies: &Bodies, slot: u32, hull: &ConvexHull) -> Aabb {
         let i = slot as usize;
         let turn = Mat3::from_quat(bodies.rotation[i]);
         // From the centre of mass, so that little is lost far from the origin.
         let shift = bodies.centre[i] - turn * bodies.mass[i].centre;
         let tight = bounds(&hull.lanes.points, &turn, shift).fattened(self.reach(bodies, slot));
-        let travel = (1.0 + STRAIGHT_ON) * self.travel(bodies, slot);
+        let travel = STEPS_TOLD * self.travel(bodies, slot);
         Aabb {
             min: tight.min + travel.min(Vec3::ZERO),
             max: tight.max + travel.max(Vec3::ZERO),
@@ -98,6 +101,8 @@ struct Told {
     /// [`Lookahead::reach`] and [`Lookahead::travel`] then, m.
     reach: f32,
     travel: Vec3,
+    /// How far the body reached in all steps told, m.
+    span: f32,
     /// How far the body may leave its way, or reach farther, until the broad phase must be told again, m.
     room: f32,
 }
@@ -106,13 +111,15 @@ impl Told {
     /// Tells the broad phase where the body in `slot` is now.
     fn now(broadphase: &mut Broadphase, bodies: &Bodies, slot: u32, ahead: Lookahead) -> Self {
         let i = slot as usize;
+        let (reach, travel) = (ahead.reach(bodies, slot), ahead.travel(bodies, slot));
         Self {
             id: bodies.ids[i],
             version: bodies.version[i],
             centre: bodies.centre[i],
             rotation: bodies.rotation[i],
-            reach: ahead.reach(bodies, slot),
-            travel: ahead.travel(bodies, slot),
+            reach,
+            travel,
+            span: reach + STEPS_TOLD * travel.length(),
             room: broadphase.set(i, Some(proxy(bodies, slot, ahead)), BOX_MARGIN),
         }
     }
@@ -122,28 +129,27 @@ impl Told {
         let i = slot as usize;
         let turn = (bodies.rotation[i] - self.rotation).length();
         let (reach, travel) = (ahead.reach(bodies, slot), ahead.travel(bodies, slot));
-        let off = self.off_its_way(bodies.centre[i], travel) + 2.0 * turn * bodies.radius(slot);
+        let room = self.room - 2.0 * turn * bodies.radius(slot) - (reach - self.reach).max(0.0);
         self.id == bodies.ids[i]
             && self.version == bodies.version[i]
-            && off + (reach - self.reach).max(0.0) < self.room
+            && self.is_on_its_way(bodies.centre[i], travel, room)
             // A body that was fast and has become slow gets a smaller box.
-            && self.reach + (1.0 + STRAIGHT_ON) * self.travel.length()
-                <= 2.0 * reach + (1.0 + STRAIGHT_ON) * travel.length() + 0.2 * BOX_MARGIN
+            && self.span <= 2.0 * reach + STEPS_TOLD * travel.length() + SPARE
     }
 
-    /// How far a centre of mass that goes on by `travel` (m) in this step is, at either end of it, from where one is that
-    /// kept its velocity, m.
-    fn off_its_way(&self, centre: Vec3, travel: Vec3) -> f32 {
-        let moved = centre - self.centre;
-        let squared = self.travel.length_squared();
-        let steps = if squared > 0.0 {
-            (moved.dot(self.travel) / squared).clamp(0.0, STRAIGHT_ON)
-        } else {
-            0.0
+    /// Whether a centre of mass that goes on by `travel` (m) in this step is nearer than `room` (m), at either end of it, to
+    /// where one is that kept its velocity.
+    fn is_on_its_way(&self, centre: Vec3, travel: Vec3, room: f32) -> bool {
+        let (moved, faster) = (centre - self.centre, travel - self.travel);
+        let is_near = |off: Vec3| {
+            let squared = off.length_squared().max((off + faster).length_squared());
+            room > 0.0 && squared < room * room
         };
-        let off = moved - steps * self.travel;
-        let then = off + (travel - self.travel);
-        off.length_squared().max(then.length_squared()).sqrt()
+        // Most bodies of a large scene are where they were.
+        is_near(moved) || {
+            let steps = moved.dot(self.travel) / self.travel.length_squared();
+            is_near(moved - steps.clamp(0.0, STEPS_TOLD - 1.0) * self.travel)
+        }
     }
 }
 

@@ -80,7 +80,8 @@ impl Spin {
         omega[0]
     }
 
-    /// Turns the first `count` bodies, each as [`advance`](Self::advance) does, to the same bits.
+    /// Turns the first `count` bodies, each as [`advance`](Self::advance) does, to the same bits. The others mean nothing after
+    /// it.
     pub(super) fn advance_some(
         spins: &mut [Self; SPINS],
         omegas: &mut [Vec3; SPINS],
