@@ -217,11 +217,12 @@ pub(crate) fn move_points(moved: &mut Vec<Points4>, points: &[Points4], turn: &M
 /// The box around points in another frame.
 pub(crate) fn bounds(points: &[Points4], turn: &Mat3, shift: Vec3) -> Aabb {
     let rows = turn.transpose();
+    let turned = |group: &Points4, row| Vec4::from_array(group.along(row));
     let tight = box_around(points.iter().map(|group| {
         [
-            group.along(rows.x_axis),
-            group.along(rows.y_axis),
-            group.along(rows.z_axis),
+            turned(group, rows.x_axis),
+            turned(group, rows.y_axis),
+            turned(group, rows.z_axis),
         ]
     }));
     Aabb {
@@ -232,18 +233,23 @@ pub(crate) fn bounds(points: &[Points4], turn: &Mat3, shift: Vec3) -> Aabb {
 
 /// The box around points in their own frame.
 pub(crate) fn box_of(points: &[Points4]) -> Aabb {
-    box_around(points.iter().map(|group| [group.x, group.y, group.z]))
+    box_around(points.iter().map(|group| {
+        [
+            Vec4::from_array(group.x),
+            Vec4::from_array(group.y),
+            Vec4::from_array(group.z),
+        ]
+    }))
 }
 
 /// The box around points whose coordinates come by axis, four at a time.
 #[inline(always)]
-fn box_around(groups: impl Iterator<Item = [[f32; LANES]; 3]>) -> Aabb {
+fn box_around(groups: impl Iterator<Item = [Vec4; 3]>) -> Aabb {
     let (mut least, mut most) = ([Vec4::INFINITY; 3], [Vec4::NEG_INFINITY; 3]);
     for group in groups {
         for axis in 0..3 {
-            let along = Vec4::from_array(group[axis]);
-            least[axis] = lower(least[axis], along);
-            most[axis] = higher(most[axis], along);
+            least[axis] = lower(least[axis], group[axis]);
+            most[axis] = higher(most[axis], group[axis]);
         }
     }
     let across = |[x, y, z]: [Vec4; 3], pick: fn(Vec4, Vec4) -> Vec4| {

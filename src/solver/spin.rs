@@ -24,7 +24,7 @@ const SLOW: f32 = 1e-4;
 /// gains 5 % of its energy in 600 turns, and more iterations only make it worse; with 0.05 it stays below 1 %.
 const MOST_TURN: f32 = 0.05;
 
-/// Most parts: some 1.3 us for a body alone. With eight sub-steps it takes more than 380 rad/s to need more, at 60 Hz: once
+/// Most parts: some 1.9 us for a body alone. With eight sub-steps it takes more than 380 rad/s to need more, at 60 Hz: once
 /// round between two pictures, and nobody sees how.
 const MOST_PARTS: u32 = 16;
 
