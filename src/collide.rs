@@ -101,8 +101,6 @@ struct Told {
     /// [`Lookahead::reach`] and [`Lookahead::travel`] then, m.
     reach: f32,
     travel: Vec3,
-    /// How far the body reached in all steps told, m.
-    span: f32,
     /// How far the body may leave its way, or reach farther, until the broad phase must be told again, m.
     room: f32,
 }
@@ -111,15 +109,13 @@ impl Told {
     /// Tells the broad phase where the body in `slot` is now.
     fn now(broadphase: &mut Broadphase, bodies: &Bodies, slot: u32, ahead: Lookahead) -> Self {
         let i = slot as usize;
-        let (reach, travel) = (ahead.reach(bodies, slot), ahead.travel(bodies, slot));
         Self {
             id: bodies.ids[i],
             version: bodies.version[i],
             centre: bodies.centre[i],
             rotation: bodies.rotation[i],
-            reach,
-            travel,
-            span: reach + STEPS_TOLD * travel.length(),
+            reach: ahead.reach(bodies, slot),
+            travel: ahead.travel(bodies, slot),
             room: broadphase.set(i, Some(proxy(bodies, slot, ahead)), BOX_MARGIN),
         }
     }
@@ -134,23 +130,25 @@ impl Told {
             && self.version == bodies.version[i]
             && self.is_on_its_way(bodies.centre[i], travel, room)
             // A body that was fast and has become slow gets a smaller box.
-            && self.span <= 2.0 * reach + STEPS_TOLD * travel.length() + SPARE
+            && span(self.reach, self.travel) <= span(reach, travel) + reach + SPARE
     }
 
     /// Whether a centre of mass that goes on by `travel` (m) in this step is nearer than `room` (m), at either end of it, to
     /// where one is that kept its velocity.
     fn is_on_its_way(&self, centre: Vec3, travel: Vec3, room: f32) -> bool {
         let (moved, faster) = (centre - self.centre, travel - self.travel);
-        let is_near = |off: Vec3| {
-            let squared = off.length_squared().max((off + faster).length_squared());
-            room > 0.0 && squared < room * room
-        };
-        // Most bodies of a large scene are where they were.
-        is_near(moved) || {
-            let steps = moved.dot(self.travel) / self.travel.length_squared();
-            is_near(moved - steps.clamp(0.0, STEPS_TOLD - 1.0) * self.travel)
-        }
+        let is_near =
+            |off: Vec3| off.length_squared().max((off + faster).length_squared()) < room * room;
+        // Most bodies of a large scene are where they were. Of one that stood there is no way to be on: not a number.
+        let steps = || moved.dot(self.travel) / self.travel.length_squared();
+        let on_its_way = || steps().clamp(0.0, STEPS_TOLD - 1.0) * self.travel;
+        room > 0.0 && (is_near(moved) || is_near(moved - on_its_way()))
     }
+}
+
+/// How far a body gets with the given [`Lookahead::reach`] and [`Lookahead::travel`] in all steps that are told, m.
+fn span(reach: f32, travel: Vec3) -> f32 {
+    reach + STEPS_TOLD * travel.length()
 }
 
 /// What is known of the pairs from step to step, and buffers.

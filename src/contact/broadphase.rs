@@ -33,7 +33,7 @@ pub enum ProxyKind {
 /// What the broad phase knows of a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ProxyShape {
-    /// A world-axes box around the body for the whole step, m.
+    /// A world-axes box around all places where the body may be until the next [`Broadphase::set`], m.
     Box(Aabb),
     /// Everything below a plane of the world frame. Never pairs with another half-space.
     HalfSpace(Plane),

@@ -5,12 +5,12 @@ use super::bodies::SolverBody;
 use super::demand::SubstepSettings;
 use super::lanes::LaneWidth;
 use super::shares::{Parts, each_part};
-use super::spin::{SPINS, Spin};
+use super::spin::{SPINS, Spins};
 use crate::contact::manifold::ContactPoint;
 use crate::contact::manifolds::Manifolds;
 use crate::parts::front_mut;
 use crate::team::Team;
-use glam::{Mat3, Vec3};
+use glam::Mat3;
 
 impl Batch {
     /// The velocities that gravity gives.
@@ -141,14 +141,13 @@ fn turn_together(
     h: f32,
     width: LaneWidth,
 ) {
-    let (mut spins, mut omegas) = ([Spin::default(); SPINS], [Vec3::ZERO; SPINS]);
-    for (lane, turning) in turning.iter().enumerate() {
-        spins[lane] = turning.spin;
-        omegas[lane] = bodies[turning.body as usize - first].angular;
+    let mut spins = Spins::default();
+    for turning in turning.iter() {
+        spins.push(turning.spin, bodies[turning.body as usize - first].angular);
     }
-    Spin::advance_some(&mut spins, &mut omegas, turning.len(), h, width);
-    for (lane, turning) in turning.iter_mut().enumerate() {
-        turning.spin = spins[lane];
-        bodies[turning.body as usize - first].angular = omegas[lane];
+    spins.advance(h, width);
+    for (turning, (spin, omega)) in turning.iter_mut().zip(spins.iter()) {
+        turning.spin = *spin;
+        bodies[turning.body as usize - first].angular = omega;
     }
 }

@@ -3,7 +3,7 @@
 use super::bodies::{Bodies, Motion};
 use super::contact_solver::{ContactSolver, Progress};
 use super::demand::SubstepSettings;
-use super::spin::{SPINS, Spin};
+use super::spin::{SPINS, Spins};
 use crate::math::rotate_by;
 use glam::Vec3;
 
@@ -29,13 +29,14 @@ impl ContactSolver {
             body.linear += fall;
             let rotation = match spin {
                 Some(spin) => {
-                    spinning.push(slot, spin, body.angular);
+                    spinning.slots[spinning.spins.len()] = slot;
+                    spinning.spins.push(spin, body.angular);
                     bodies.rotation[i]
                 }
                 None => rotate_by(bodies.rotation[i], body.angular, step),
             };
             bodies.motion[i] = Motion { shift, rotation };
-            if spinning.count == SPINS {
+            if spinning.spins.len() == SPINS {
                 spinning.turn(bodies, settings);
             }
         }
@@ -46,36 +47,21 @@ impl ContactSolver {
 /// Bodies that touch nothing and must be followed within the step, until there are enough to be turned together.
 #[derive(Default)]
 struct Spinning {
-    count: usize,
     slots: [u32; SPINS],
-    spins: [Spin; SPINS],
-    omegas: [Vec3; SPINS],
+    spins: Spins,
 }
 
 impl Spinning {
-    fn push(&mut self, slot: u32, spin: Spin, omega: Vec3) {
-        self.slots[self.count] = slot;
-        self.spins[self.count] = spin;
-        self.omegas[self.count] = omega;
-        self.count += 1;
-    }
-
     /// Turns them for the step, and begins anew.
     fn turn(&mut self, bodies: &mut Bodies, settings: &SubstepSettings) {
         let config = &settings.config;
         for _ in 0..config.substeps {
-            Spin::advance_some(
-                &mut self.spins,
-                &mut self.omegas,
-                self.count,
-                settings.h,
-                config.lane_width,
-            );
+            self.spins.advance(settings.h, config.lane_width);
         }
-        for lane in 0..self.count {
-            let i = self.slots[lane] as usize;
-            bodies.velocity[i].angular = self.omegas[lane];
-            bodies.motion[i].rotation = self.spins[lane].rotation;
+        for (slot, (spin, omega)) in self.slots.iter().zip(self.spins.iter()) {
+            let i = *slot as usize;
+            bodies.velocity[i].angular = omega;
+            bodies.motion[i].rotation = spin.rotation;
         }
         *self = Self::default();
     }

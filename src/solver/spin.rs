@@ -80,38 +80,11 @@ impl Spin {
         omega[0]
     }
 
-    /// Turns the first `count` bodies, each as [`advance`](Self::advance) does, to the same bits. The others mean nothing after
-    /// it.
-    pub(super) fn advance_some(
-        spins: &mut [Self; SPINS],
-        omegas: &mut [Vec3; SPINS],
-        count: usize,
-        h: f32,
-        width: LaneWidth,
-    ) {
-        if count >= WORTH_LANES {
-            let all = |spins: &mut _, omegas: &mut _, h: &_| {
-                run(width, AdvanceAll { spins, omegas, h });
-            };
-            return advance_in_parts(spins, omegas, h, all);
-        }
-        let (spins, lone_spin) = spins[..count].as_chunks_mut();
-        let (omegas, lone_omega) = omegas[..count].as_chunks_mut();
-        for (spins, omegas) in spins.iter_mut().zip(omegas) {
-            advance_in_parts::<2>(spins, omegas, h, advance);
-        }
-        for (spin, omega) in lone_spin.iter_mut().zip(lone_omega) {
-            *omega = spin.advance(*omega, h);
-        }
-    }
-
     /// Turns a body that is faster than it can be followed: about its angular momentum, without a change of the angular
     /// velocity that it sees itself. Momentum and energy stay what they are, which of all orientations it has is chance.
     fn precess(&mut self, omega: Vec3, h: f32) -> Vec3 {
-        let mut moments = V3([Doubles::splat(0.0); 3]);
-        set(&mut moments, 0, self.moments);
-        let mut w = V3([Doubles::splat(0.0); 3]);
-        set(&mut w, 0, omega.as_dvec3());
+        let alone = |v: DVec3| V3(v.to_array().map(Doubles::splat));
+        let (moments, w) = (alone(self.moments), alone(omega.as_dvec3()));
         let axes = Axes::<1>::of(&[*self]);
         let w = axes.inverse().turn(w);
         let momentum = axes.turn(moments.scaled(w));
@@ -133,6 +106,55 @@ impl Default for Spin {
             rotation: Quat::IDENTITY,
             frame: Quat::IDENTITY,
             moments: DVec3::ONE,
+        }
+    }
+}
+
+/// Up to [`SPINS`] bodies that turn together.
+#[derive(Default)]
+pub(super) struct Spins {
+    count: usize,
+    spins: [Spin; SPINS],
+    omegas: [Vec3; SPINS],
+}
+
+impl Spins {
+    /// Adds a body with its angular velocity (world, rad/s). There must be room.
+    pub(super) fn push(&mut self, spin: Spin, omega: Vec3) {
+        self.spins[self.count] = spin;
+        self.omegas[self.count] = omega;
+        self.count += 1;
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.count
+    }
+
+    /// The bodies in the order in which they came, with their angular velocities.
+    pub(super) fn iter(&self) -> impl Iterator<Item = (&Spin, Vec3)> {
+        self.spins[..self.count].iter().zip(self.omegas)
+    }
+
+    /// Turns all for `h` seconds, each as [`Spin::advance`] does, to the same bits.
+    pub(super) fn advance(&mut self, h: f32, width: LaneWidth) {
+        let Self {
+            count,
+            spins,
+            omegas,
+        } = self;
+        if *count >= WORTH_LANES {
+            let all = |spins: &mut _, omegas: &mut _, h: &_| {
+                run(width, AdvanceAll { spins, omegas, h });
+            };
+            return advance_in_parts(spins, omegas, h, all);
+        }
+        let (spins, lone_spin) = spins[..*count].as_chunks_mut();
+        let (omegas, lone_omega) = omegas[..*count].as_chunks_mut();
+        for (spins, omegas) in spins.iter_mut().zip(omegas) {
+            advance_in_parts::<2>(spins, omegas, h, advance);
+        }
+        for (spin, omega) in lone_spin.iter_mut().zip(lone_omega) {
+            *omega = spin.advance(*omega, h);
         }
     }
 }
@@ -385,13 +407,17 @@ mod tests {
         let h = 1.0 / 240.0;
         for width in [LaneWidth::Widest, LaneWidth::Four, LaneWidth::One] {
             for count in 0..=SPINS {
-                let (mut together, mut fast) = (spins, omegas);
-                Spin::advance_some(&mut together, &mut fast, count, h, width);
-                for i in 0..count {
+                let mut together = Spins::default();
+                for (spin, omega) in spins.into_iter().zip(omegas).take(count) {
+                    together.push(spin, omega);
+                }
+                together.advance(h, width);
+                assert_eq!(together.iter().count(), count);
+                for (i, (spin, omega)) in together.iter().enumerate() {
                     let mut alone = spins[i];
                     let after = alone.advance(omegas[i], h);
                     let case = format!("body {i} of {count}, {width:?}");
-                    assert_eq!((after, alone), (fast[i], together[i]), "{case}");
+                    assert_eq!((after, alone), (omega, *spin), "{case}");
                 }
             }
         }
