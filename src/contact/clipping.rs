@@ -180,21 +180,13 @@ impl Clipping<'_> {
         } else {
             scratch.turn.transpose() * reference.normal
         };
-        let faces = incident.lanes.faces_around(axis.support).iter();
-        let faces = faces.map(|&face| &incident.faces()[face as usize]);
-        let mut best = None;
-        for face in faces {
-            let height = normal.dot(face.plane.normal);
-            if best.is_none_or(|(least, _)| height < least) {
-                best = Some((height, face));
-            }
-        }
+        let face = incident.most_opposed_face(axis.support, normal);
         let corners = if b_refers {
             self.a.lanes.points.as_slice()
         } else {
             scratch.b_in_a.as_slice()
         };
-        let outline = best.map_or(&[][..], |(_, face)| incident.face_loop(face));
+        let outline = face.map_or(&[][..], |face| incident.face_loop(face));
         scratch.polygon.clear();
         scratch.polygon.extend(outline.iter().map(|&v| Candidate {
             at: point(corners, v as usize),

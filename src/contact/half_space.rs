@@ -55,10 +55,14 @@ pub(crate) fn examine_half_space(
         };
     }
     let size = hull.aabb().diagonal();
+    // The face that a falling hull lands on. Vertices off it do not count, however large the margin, or four points would be
+    // spread over the whole height of a flat hull.
+    let face = hull.most_opposed_face(support, plane.normal);
+    let outline = face.map_or(&[][..], |face| hull.face_loop(face));
     let candidates = &mut scratch.polygon;
     candidates.clear();
     candidates.extend(
-        lowest_face(hull, support, &plane)
+        outline
             .iter()
             .map(|&v| hull.vertices()[v as usize])
             .map(|at| Candidate {
@@ -80,18 +84,4 @@ pub(crate) fn examine_half_space(
         });
     }
     Found::Near(patch)
-}
-
-/// Outline of the face that looks down most, of those at the lowest vertex: the one that a falling hull lands on. Vertices
-/// off it do not count, however large the margin, or four points would be spread over the whole height of a flat hull.
-fn lowest_face<'h>(hull: &'h ConvexHull, support: usize, plane: &Plane) -> &'h [u32] {
-    let mut best: (f32, &[u32]) = (f32::INFINITY, &[]);
-    for &face in hull.lanes.faces_around(support) {
-        let face = &hull.faces()[face as usize];
-        let height = plane.normal.dot(face.plane.normal);
-        if height < best.0 {
-            best = (height, hull.face_loop(face));
-        }
-    }
-    best.1
 }

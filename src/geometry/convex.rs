@@ -251,7 +251,7 @@ impl ConvexHull {
         }
         hull.edges = hull.pair_edges()?;
         hull.validate()?;
-        hull.lanes = HullLanes::of(&hull.vertices, &hull.faces, &hull.loops);
+        hull.lanes = HullLanes::of(&hull.vertices, &hull.faces);
         hull.moments = hull.sum_moments();
         Ok(hull)
     }
@@ -376,7 +376,7 @@ impl ConvexHull {
             face.plane.offset += face.plane.normal.dot(offset);
         }
         self.aabb = Aabb::of_points(self.vertices.iter().copied());
-        self.lanes = HullLanes::of(&self.vertices, &self.faces, &self.loops);
+        self.lanes = HullLanes::of(&self.vertices, &self.faces);
         self.moments = self.sum_moments();
         self
     }

@@ -1,11 +1,10 @@
-//! A hull as the narrow phase reads it: coordinates in lanes of four, and the faces around each vertex.
+//! A hull as the narrow phase reads it: coordinates in lanes of four.
 //!
 //! Loops over the lanes have no branches and no order between lanes, so that the compiler makes vector instructions of
 //! them; each lane computes what a scalar loop would, to the last bit.
 
 pub(crate) mod wide;
 
-use super::around::FacesAround;
 use super::convex::Face;
 use crate::math::{Aabb, Plane};
 use glam::{Mat3, Mat4, Vec3, Vec4};
@@ -127,28 +126,20 @@ pub(crate) struct HullLanes {
     pub(crate) points: Vec<Points4>,
     /// Planes of the faces, filled up with the first one.
     pub(crate) planes: Vec<Planes4>,
-    /// Faces around each vertex.
-    pub(crate) around: FacesAround,
 }
 
 impl HullLanes {
     /// Copies of the numbers of a hull with at least one vertex and one face.
-    pub(crate) fn of(vertices: &[Vec3], faces: &[Face], loops: &[u32]) -> Self {
+    pub(crate) fn of(vertices: &[Vec3], faces: &[Face]) -> Self {
         let mut lanes = Self::default();
         lanes.copy(vertices, faces);
-        lanes.around.sort_corners(vertices.len(), faces, loops);
         lanes
     }
 
-    /// Copies points and planes, and leaves the faces around each vertex as they are.
+    /// The same in the memory that is there.
     pub(crate) fn copy(&mut self, vertices: &[Vec3], faces: &[Face]) {
         group_points(&mut self.points, vertices);
         group_planes(&mut self.planes, faces);
-    }
-
-    /// The faces that meet in a vertex, ascending.
-    pub(crate) fn faces_around(&self, vertex: usize) -> &[u32] {
-        self.around.of(vertex)
     }
 }
 

@@ -127,23 +127,18 @@ impl Fans {
         self.filled = filled;
     }
 
-    /// Adds those triangles of a list that are in one list of indices and not in another; both are ascending.
+    /// Adds those triangles of a list that have these indices.
     #[inline(never)]
-    pub(crate) fn add_some(&mut self, all: &[[u32; 3]], wanted: &[u32], unwanted: &[u32]) {
-        if self.triangles.len() < self.filled + wanted.len() {
-            self.triangles.resize(self.filled + wanted.len(), [0; 3]);
+    pub(crate) fn add_some(&mut self, all: &[[u32; 3]], indices: &[u32]) {
+        let filled = self.filled + indices.len();
+        if self.triangles.len() < filled {
+            self.triangles.resize(filled, [0; 3]);
         }
         let room = &mut self.triangles[self.filled..];
-        let last = unwanted.len().saturating_sub(1);
-        let (mut filled, mut passed) = (0, 0);
-        for &index in wanted {
-            let is_unwanted = unwanted.get(passed.min(last)) == Some(&index);
-            passed += usize::from(is_unwanted);
-            // An unwanted one is written too, and the next one over it: there is no guessing which are.
-            room[filled] = all[index as usize];
-            filled += usize::from(!is_unwanted);
+        for (&index, triangle) in indices.iter().zip(room) {
+            *triangle = all[index as usize];
         }
-        self.filled += filled;
+        self.filled = filled;
     }
 
     /// Adds a polygon with many corners, or one for which there is no room yet, and says how many triangles there are.

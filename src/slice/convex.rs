@@ -275,7 +275,7 @@ mod tests {
                     [Ok(HullSlice::Cut(halves)), _] => {
                         cuts += 1;
                         for part in [&halves.below, &halves.above] {
-                            let lanes = HullLanes::of(&part.vertices, &part.faces, &part.loops);
+                            let lanes = HullLanes::of(&part.vertices, &part.faces);
                             assert_eq!(part.lanes, lanes);
                         }
                         hulls.extend([halves.below, halves.above]);

@@ -54,6 +54,8 @@ pub(super) struct Classes {
     pub(super) on_edges: Vec<OnEdge>,
     /// Faces with vertices on both sides.
     pub(super) cut_faces: Selection,
+    /// Faces with vertices on the plane.
+    touched_faces: Vec<u32>,
 }
 
 /// An edge on the plane, and the parts that its two faces are in along it.
@@ -138,6 +140,7 @@ impl Classes {
             on_vertices,
             cut_edges,
             cut_faces,
+            touched_faces,
             ..
         } = self;
         let sides = sides.as_slice();
@@ -157,17 +160,21 @@ impl Classes {
                 faces[face as usize] = BOTH;
             }
         }
-        for &vertex in on_vertices.iter() {
-            for &index in hull.lanes.faces_around(vertex as usize) {
-                let face = &hull.faces[index as usize];
-                let corners = hull.face_loop(face).iter();
-                let parts = corners.fold(0, |all, &v| all | sides[v as usize]);
+        touched_faces.clear();
+        if !on_vertices.is_empty() {
+            for (index, face) in (0..).zip(&hull.faces) {
+                let corners = hull.face_loop(face).iter().map(|&v| sides[v as usize]);
+                if !corners.clone().any(|side| side == ON) {
+                    continue;
+                }
+                let parts = corners.fold(0, |all, side| all | side);
                 let behind = if face.plane.normal.dot(plane.normal) > 0.0 {
                     BELOW
                 } else {
                     ABOVE
                 };
                 faces[index as usize] = if parts == ON { behind } else { parts };
+                touched_faces.push(index);
             }
         }
         select::collect(faces, face_bits);
@@ -177,9 +184,11 @@ impl Classes {
 
     fn find_members(&mut self, hull: &ConvexHull) {
         self.members.clone_from(&self.sides);
-        for &vertex in &self.on_vertices {
-            self.members[vertex as usize] = (hull.lanes.faces_around(vertex as usize).iter())
-                .fold(0, |all, &face| all | self.parts_at(hull, face, vertex));
+        for &face in &self.touched_faces {
+            let corners = hull.face_loop(&hull.faces[face as usize]);
+            for &vertex in corners.iter().filter(|&&v| self.sides[v as usize] == ON) {
+                self.members[vertex as usize] |= self.parts_at(hull, face, vertex);
+            }
         }
         select::collect(&self.members, &mut self.member_bits);
         for index in 0..self.on_edges.len() {
@@ -197,7 +206,7 @@ impl Classes {
     ///
     /// Where a loop changes sides on the plane, it does so at the first corner there; so a corner is in the part that follows
     /// it, and in that of the corner right before it, if that one is off the plane.
-    pub(super) fn parts_at(&self, hull: &ConvexHull, face: u32, vertex: u32) -> u8 {
+    fn parts_at(&self, hull: &ConvexHull, face: u32, vertex: u32) -> u8 {
         let after = self.part_after(hull, face, vertex);
         if self.faces[face as usize] != BOTH {
             return after;

@@ -10,7 +10,6 @@ use crate::geometry::lanes::box_of;
 use crate::geometry::lanes::wide::{Avx2, renumber, select_edges};
 use crate::geometry::{ConvexHull, Edge, Face};
 use crate::math::Plane;
-use smallvec::SmallVec;
 
 /// All that the writing of one part needs.
 pub(super) struct Writer<'a> {
@@ -29,14 +28,11 @@ impl Writer<'_> {
     /// Writes the part; its moments stay to be found.
     pub(super) fn write(&self, out: &mut ConvexHull) -> Result<(), Irregular> {
         self.write_vertices(out);
-        self.write_around(out)?;
         self.write_faces(out)?;
         self.write_edges(out);
         out.lanes.copy(&out.vertices, &out.faces);
         out.aabb = box_of(&out.lanes.points);
-        let (vertices, faces) = self.numbers.tables();
-        renumber(self.wide, &mut out.loops, vertices);
-        renumber(self.wide, out.lanes.around.faces_mut(), faces);
+        renumber(self.wide, &mut out.loops, self.numbers.of_vertices());
         Ok(())
     }
 
@@ -58,93 +54,48 @@ impl Writer<'_> {
         out.vertices.extend_from_slice(&self.rim.points);
     }
 
-    /// The faces around the vertices.
-    fn write_around(&self, out: &mut ConvexHull) -> Result<(), Irregular> {
-        let (from, old) = (&self.hull.lanes.around, self.numbers.vertices.indices());
-        let mut around = (out.lanes.around).rewrite(out.vertices.len(), 2 * self.numbers.edges);
-        let (mut has_room, mut written) = (true, 0);
-        for &on in &self.classes.on_vertices {
-            if self.classes.members[on as usize] & self.mask() == 0 {
-                continue;
-            }
-            let place = self.numbers.tables().0[on as usize] as usize;
-            has_room &= around.copy(from, &old[written..place]);
-            let faces: SmallVec<[u32; 16]> = self.faces_around(on).collect();
-            has_room &= around.push(&faces);
-            written = place + 1;
-        }
-        has_room &= around.copy(from, &old[written..]);
-        let of_cuts = self.rim.cut_edges.iter().map(|edge| {
-            let [a, b] = edge.faces;
-            [a.min(b), a.max(b), self.cap()]
-        });
-        has_room &= around.push_threes(of_cuts);
-        if has_room { Ok(()) } else { Err(Irregular) }
-    }
-
-    /// The faces of the part around a vertex on the plane, ascending.
-    fn faces_around(&self, vertex: u32) -> impl Iterator<Item = u32> {
-        let old = self.hull.lanes.faces_around(vertex as usize).iter();
-        let kept = old
-            .copied()
-            .filter(move |&face| self.classes.parts_at(self.hull, face, vertex) & self.mask() != 0);
-        let is_on_rim = self.rim.has(vertex);
-        kept.chain(is_on_rim.then_some(self.cap()))
-    }
-
-    /// Faces and their loops, the cap last.
+    /// Faces and their loops: those that the part has whole, pieces of those that are cut, and the cap.
     fn write_faces(&self, out: &mut ConvexHull) -> Result<(), Irregular> {
-        let old = self.numbers.faces.indices();
-        let unwritten = Face {
+        let whole = self.numbers.whole_faces.indices();
+        let cut = self.classes.cut_faces.indices();
+        let mut cap = Face {
             plane: self.plane,
             first: 0,
-            count: 0,
+            count: self.rim.cap.len() as u32,
         };
-        out.faces.resize(old.len() + 1, unwritten);
+        out.faces.resize(whole.len() + cut.len() + 1, cap);
         out.loops.resize(2 * self.numbers.edges, 0);
-        let first = self.write_old_faces(old, &mut out.faces, &mut out.loops)?;
-        // Reversed about the same first corner: where vertices on the plane leave the cap uneven, both parts have it as the
-        // same triangle fan, and their volumes add up.
-        let (cap, room) = (&self.rim.cap, &mut out.loops[first..]);
+        let (of_whole, rest) = out.faces.split_at_mut(whole.len());
+        let mut writer = LoopWriter {
+            room: &mut out.loops,
+            written: 0,
+        };
+        match self.hull.only_triangles() {
+            Some(triangles) => writer.write_triangles(self.hull, triangles, whole, of_whole)?,
+            None => writer.write_polygons(self.hull, whole, of_whole)?,
+        }
+        let pieces = self.rim.pieces[self.part].iter();
+        for ((&face, (from, count)), out) in cut.iter().zip(pieces).zip(rest) {
+            *out = writer.write(self.hull.faces[face as usize].plane, from, count)?;
+        }
+        cap.first = writer.written as u32;
+        out.faces[whole.len() + cut.len()] = cap;
+        self.write_cap(&mut out.loops[cap.first as usize..])
+    }
+
+    /// The loop of the cap, which fills the room that is left.
+    fn write_cap(&self, room: &mut [u32]) -> Result<(), Irregular> {
+        let cap = &self.rim.cap;
         if room.len() != cap.len() {
             return Err(Irregular);
         }
         room.copy_from_slice(cap);
+        // Reversed about the same first corner: where vertices on the plane leave the cap uneven, both parts have it as the
+        // same triangle fan, and their volumes add up.
         if self.mask() != BELOW {
             room[1..].reverse();
         }
-        out.faces[old.len()] = Face {
-            first: first as u32,
-            count: cap.len() as u32,
-            ..unwritten
-        };
         Ok(())
-    }
-
-    /// Faces of the hull, or the pieces of those that are cut; says how many corners they have.
-    fn write_old_faces(
-        &self,
-        old: &[u32],
-        out: &mut [Face],
-        room: &mut [u32],
-    ) -> Result<usize, Irregular> {
-        let writer = FaceWriter {
-            faces: &self.hull.faces,
-            loops: &self.hull.loops,
-            old,
-            out,
-            room,
-            place: 0,
-            written: 0,
-        };
-        let cut = self.classes.cut_faces.indices().iter();
-        let pieces = cut.zip(self.rim.pieces[self.part].iter());
-        if self.hull.only_triangles().is_some() {
-            writer.write_all::<3>(pieces, |face, _| (3 * face as usize, 3))
-        } else {
-            let loop_of = |_, old: &Face| (old.first as usize, old.count as usize);
-            writer.write_all::<USUAL_CORNERS>(pieces, loop_of)
-        }
     }
 
     /// Edges that the part has whole, halves of cut ones, edges on the plane, and chords.
@@ -184,87 +135,76 @@ impl Writer<'_> {
     }
 }
 
-/// Writes faces, one after the other.
-struct FaceWriter<'a> {
-    /// All faces of the hull.
-    faces: &'a [Face],
-    /// Their loops.
-    loops: &'a [u32],
-    /// Those that are to be written.
-    old: &'a [u32],
-    /// Room for as many faces.
-    out: &'a mut [Face],
+/// Writes loops, one after the other.
+struct LoopWriter<'a> {
     /// Room for all loops.
     room: &'a mut [u32],
-    /// Faces written.
-    place: usize,
     /// Corners written.
-    written: u32,
+    written: usize,
 }
 
-impl<'a> FaceWriter<'a> {
-    /// Writes all faces, and says how many corners they have. Some are in pieces: lists that begin with the corners of a
-    /// piece, and how many it has. `loop_of` says where the loop of any other begins, and how many corners it has, mostly no
-    /// more than `N`.
+impl LoopWriter<'_> {
+    /// Writes the first faces of a part: those with these indices, of a hull that has only triangles.
     ///
-    /// Kept apart, so that all that the loop needs stays in registers.
+    /// Kept apart, as the next, so that all that the loop needs stays in registers.
     #[inline(never)]
-    fn write_all<const N: usize>(
-        mut self,
-        pieces: impl Iterator<Item = (&'a u32, (&'a [u32], usize))>,
-        loop_of: impl Fn(u32, &Face) -> (usize, usize),
-    ) -> Result<usize, Irregular> {
-        for (&face, (piece, count)) in pieces {
-            self.write_whole::<N>(face, &loop_of)?;
-            self.write::<USUAL_CORNERS>(face, piece, 0, count)?;
-        }
-        self.write_whole::<N>(u32::MAX, loop_of)?;
-        Ok(self.written as usize)
-    }
-
-    /// Writes the faces before `end`.
-    #[inline(always)]
-    fn write_whole<const N: usize>(
+    fn write_triangles(
         &mut self,
-        end: u32,
-        loop_of: impl Fn(u32, &Face) -> (usize, usize),
+        hull: &ConvexHull,
+        triangles: &[[u32; 3]],
+        indices: &[u32],
+        out: &mut [Face],
     ) -> Result<(), Irregular> {
-        while let Some(&face) = self.old.get(self.place)
-            && face != end
-        {
-            let (first, count) = loop_of(face, &self.faces[face as usize]);
-            self.write::<N>(face, self.loops, first, count)?;
+        self.written = 3 * indices.len();
+        let room = self.room.get_mut(..self.written).ok_or(Irregular)?;
+        let room = room.as_chunks_mut().0.iter_mut();
+        let places = (0..).step_by(3);
+        for (((&index, out), corners), first) in indices.iter().zip(out).zip(room).zip(places) {
+            *corners = triangles[index as usize];
+            *out = Face {
+                plane: hull.faces[index as usize].plane,
+                first,
+                count: 3,
+            };
         }
         Ok(())
     }
 
-    /// Writes a face with `count` corners, mostly no more than `N`, that stand in a list from `first` on.
-    #[inline(always)]
-    fn write<const N: usize>(
+    /// Writes those of a hull's faces that have these indices.
+    #[inline(never)]
+    fn write_polygons(
         &mut self,
-        face: u32,
-        from: &[u32],
-        first: usize,
-        count: usize,
+        hull: &ConvexHull,
+        indices: &[u32],
+        out: &mut [Face],
     ) -> Result<(), Irregular> {
-        let written = self.written as usize;
-        if count <= N
-            && let Some(from) = from.get(first..first + N)
-            && let Some(to) = self.room.get_mut(written..written + N)
+        for (&index, out) in indices.iter().zip(out) {
+            let face = &hull.faces[index as usize];
+            let (from, count) = face.polygon(&hull.loops);
+            *out = self.write(face.plane, from, count)?;
+        }
+        Ok(())
+    }
+
+    /// Writes a face whose loop is the first `count` corners of a list.
+    #[inline(always)]
+    fn write(&mut self, plane: Plane, from: &[u32], count: usize) -> Result<Face, Irregular> {
+        let first = self.written;
+        if count <= USUAL_CORNERS
+            && let Some(from) = from.first_chunk::<USUAL_CORNERS>()
+            && let Some(to) = self.room.get_mut(first..first + USUAL_CORNERS)
         {
             // More than there may be, which the next face writes over: there is no guessing how many corners it has.
             to.copy_from_slice(from);
         } else {
-            copy_many_corners(&from[first..][..count], self.room, written)?;
+            copy_many_corners(&from[..count], self.room, first)?;
         }
-        *self.out.get_mut(self.place).ok_or(Irregular)? = Face {
-            plane: self.faces[face as usize].plane,
-            first: self.written,
+        self.written += count;
+        Ok(Face {
+            plane,
+            first: first as u32,
             count: count as u32,
-        };
-        self.written += count as u32;
-        self.place += 1;
-        Ok(())
+        })
     }
 }
 

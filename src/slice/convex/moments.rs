@@ -42,7 +42,7 @@ impl Summing<'_> {
     pub(super) fn find_moments(mut self, halves: &mut HullHalves) -> Result<(), Irregular> {
         let few = usize::from(halves.above.loops.len() < halves.below.loops.len());
         let cut = self.classes.cut_faces.len();
-        if self.numbers.parts[1 - few].faces.len() > 2 * cut {
+        if self.numbers.parts[1 - few].whole_faces.len() > cut {
             self.inherit(few, halves);
         } else {
             for part in [&mut halves.below, &mut halves.above] {
@@ -73,35 +73,31 @@ impl Summing<'_> {
 
     /// Sums over the faces that a part has whole.
     fn sum_whole_faces(&mut self, part: usize) -> Moments {
-        let (hull, cut) = (self.hull, self.classes.cut_faces.indices());
-        let indices = self.numbers.parts[part].faces.indices();
-        if let Some(triangles) = hull.only_triangles() {
-            let fill = |fans: &mut Fans| fans.add_some(triangles, indices, cut);
-            return self.sum(&hull.vertices, fill);
-        }
-        let last = cut.len().saturating_sub(1);
-        let mut next = 0;
-        let faces = indices.iter();
-        let polygons = faces.map(|&index| {
-            let (from, count) = hull.faces[index as usize].polygon(&hull.loops);
-            let is_cut = cut.get(next.min(last)) == Some(&index);
-            next += usize::from(is_cut);
-            // Two corners add nothing.
-            (from, if is_cut { 2 } else { count })
-        });
-        self.sum(&hull.vertices, |fans| fans.add(polygons))
+        let numbers = self.numbers;
+        self.sum_faces(numbers.parts[part].whole_faces.indices())
     }
 
     /// Sums over the cut faces.
     fn sum_cut_faces(&mut self) -> Moments {
-        let (hull, cut) = (self.hull, self.classes.cut_faces.indices().iter());
-        let polygons = cut.map(|&face| hull.faces[face as usize].polygon(&hull.loops));
-        self.sum(&hull.vertices, |fans| fans.add(polygons))
+        let classes = self.classes;
+        self.sum_faces(classes.cut_faces.indices())
+    }
+
+    /// Sums over faces of the hull.
+    fn sum_faces(&mut self, indices: &[u32]) -> Moments {
+        let hull = self.hull;
+        self.sum(&hull.vertices, |fans| match hull.only_triangles() {
+            Some(triangles) => fans.add_some(triangles, indices),
+            None => {
+                let faces = indices.iter().map(|&index| &hull.faces[index as usize]);
+                fans.add(faces.map(|face| face.polygon(&hull.loops)));
+            }
+        })
     }
 
     /// Sums over a part's pieces of cut faces.
     fn sum_pieces(&mut self, part: usize, out: &ConvexHull) -> Moments {
-        let (vertices, _) = self.numbers.parts[part].tables();
+        let vertices = self.numbers.parts[part].of_vertices();
         let (wide, pieces) = (self.wide, self.rim.pieces[part].iter());
         self.sum(&out.vertices, |fans| {
             fans.add(pieces);

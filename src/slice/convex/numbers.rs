@@ -23,20 +23,19 @@ pub(super) struct PartNumbers {
     first_face: usize,
     /// The hull's vertices that the part has.
     pub(super) vertices: Selection,
-    /// The hull's faces that are whole or in pieces in the part.
-    pub(super) faces: Selection,
+    /// The hull's faces that the part has whole. Pieces of cut faces follow them, and then the cap.
+    pub(super) whole_faces: Selection,
     /// How many edges the part has.
     pub(super) edges: usize,
 }
 
 impl PartNumbers {
-    /// New numbers of vertices, which are those of the hull and the cut points, and of faces, which are those of the hull
-    /// and the cap.
-    pub(super) fn tables(&self) -> (&[u32], &[u32]) {
-        self.table.split_at(self.first_face)
+    /// New numbers of the hull's vertices and the cut points.
+    pub(super) fn of_vertices(&self) -> &[u32] {
+        &self.table[..self.first_face]
     }
 
-    /// Both in one list.
+    /// The same, and new numbers of the hull's faces and the cap.
     pub(super) fn of_edges(&self) -> EdgeTable<'_> {
         EdgeTable {
             numbers: &self.table,
@@ -63,15 +62,26 @@ impl PartNumbers {
             wide,
             &mut self.vertices,
             &classes.member_bits,
-            part,
+            |bits| bits[part],
             of_vertices,
         );
-        select_and_number(wide, &mut self.faces, &classes.face_bits, part, of_hull);
+        select_and_number(
+            wide,
+            &mut self.whole_faces,
+            &classes.face_bits,
+            |bits| bits[part] & !bits[1 - part],
+            of_hull,
+        );
+        let mut next_face = self.whole_faces.len() as u32;
+        for &face in classes.cut_faces.indices() {
+            of_hull[face as usize] = next_face;
+            next_face += 1;
+        }
         let first_cut = self.vertices.len() as u32;
         for (number, cut) in of_cuts.iter_mut().zip(first_cut..) {
             *number = cut;
         }
-        of_faces[hull.faces.len()] = self.faces.len() as u32;
+        of_faces[hull.faces.len()] = next_face;
     }
 }
 
@@ -90,7 +100,8 @@ impl Numbers {
         let cuts = rim.points.len();
         for (part, numbers) in self.parts.iter_mut().enumerate() {
             numbers.count(hull, classes, cuts, part, wide);
-            let (vertices, faces) = (numbers.vertices.len() + cuts, numbers.faces.len() + 1);
+            let vertices = numbers.vertices.len() + cuts;
+            let faces = numbers.whole_faces.len() + rim.chords.len() + 1;
             let mask = BELOW << part;
             let on = classes.on_edges.iter().filter(|e| e.parts.contains(&mask));
             numbers.edges = classes.whole_edges[part].len() + on.count() + cuts + rim.chords.len();

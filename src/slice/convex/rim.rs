@@ -197,11 +197,6 @@ impl Rim {
         }
     }
 
-    /// Whether the cap has a vertex of the hull as a corner.
-    pub(super) fn has(&self, vertex: u32) -> bool {
-        self.next[vertex as usize] != NONE
-    }
-
     /// Whether an edge within one part has the same ends as an edge of the cap.
     fn is_doubled(&self, hull: &ConvexHull, classes: &Classes) -> bool {
         let within = classes.on_edges.iter().filter(|e| e.parts[0] == e.parts[1]);

@@ -144,32 +144,33 @@ pub(super) fn select<const N: usize>(
     }
 }
 
-/// Selects from a list what a part has, and numbers it in order. The numbers of what it has not mean nothing.
+/// Selects from a list and numbers what is selected in order; `wanted` says what of a group that is. The numbers of the
+/// others mean nothing.
 pub(super) fn select_and_number(
     wide: Option<Avx2>,
     selection: &mut Selection,
     bits: &[Bits],
-    part: usize,
+    wanted: impl Fn(Bits) -> u8,
     numbers: &mut [u32],
 ) {
     let numbering = Numbering {
         room: selection.restart(numbers.len()),
         bits,
-        part,
+        wanted,
         numbers,
     };
     selection.count = run(wide, numbering);
 }
 
 /// What [`select_and_number`] works on.
-struct Numbering<'a> {
+struct Numbering<'a, W> {
     room: &'a mut [u32],
     bits: &'a [Bits],
-    part: usize,
+    wanted: W,
     numbers: &'a mut [u32],
 }
 
-impl Loop for Numbering<'_> {
+impl<W: Fn(Bits) -> u8> Loop for Numbering<'_, W> {
     /// How many were selected.
     type Output = usize;
 
@@ -178,13 +179,13 @@ impl Loop for Numbering<'_> {
         let (groups, rest) = self.numbers.as_chunks_mut();
         let (mut first, mut count) = (0, 0);
         for (bits, numbers) in self.bits.iter().zip(groups) {
-            let bits = bits[self.part];
+            let bits = (self.wanted)(*bits);
             *numbers = sums(&RANKS[usize::from(bits)], count as u32);
             count += push(&mut self.room[count..], first, bits);
             first += GROUP as u32;
         }
         if let (Some(bits), false) = (self.bits.last(), rest.is_empty()) {
-            let bits = bits[self.part];
+            let bits = (self.wanted)(*bits);
             let ranks = sums(&RANKS[usize::from(bits)], count as u32);
             rest.copy_from_slice(&ranks[..rest.len()]);
             count += push(&mut self.room[count..], first, bits);
@@ -277,7 +278,8 @@ mod tests {
             collect(&sides, &mut bits);
             for (part, wide) in [(0, None), (0, Avx2::find()), (1, None), (1, Avx2::find())] {
                 let mut numbers = vec![u32::MAX; count];
-                select_and_number(wide, &mut selection, &bits, part, &mut numbers);
+                let has = |bits: Bits| bits[part];
+                select_and_number(wide, &mut selection, &bits, has, &mut numbers);
                 let expected = indices_where(&sides, |side| side >> part & 1 == 1);
                 assert_eq!(selection.indices(), expected);
                 for (number, &index) in (0..).zip(&expected) {
