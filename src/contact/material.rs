@@ -51,6 +51,7 @@ pub enum MaterialError {
 
 /// Coulomb friction of a body's surface: the friction force is at most `coefficient` times the normal force.
 #[derive(Clone, Copy, Debug, PartialEq, Component)]
+#[component(summary_tick)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Friction {
     /// Coefficient, 0 (ice) upwards; 0.5 unless given.
@@ -102,6 +103,7 @@ impl Friction {
 
 /// Newton's restitution of a body's surface: separation speed over approach speed.
 #[derive(Clone, Copy, Debug, PartialEq, Component)]
+#[component(summary_tick)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Restitution {
     /// Coefficient, 0 (clay) to 1 (no loss); 0 unless given.
@@ -153,6 +155,7 @@ impl Restitution {
 
 /// Density of a body, kg/m3.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Component)]
+#[component(summary_tick)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Density(pub f32);
 

@@ -28,6 +28,7 @@ pub struct BodyId(pub u32);
 
 /// Which bodies may touch: two bodies do if each one's `memberships` meets the other's `filters`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Component)]
+#[component(summary_tick)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct CollisionLayers {
     /// Layers the body is in, as bits.

@@ -23,6 +23,7 @@ pub struct AngularVelocity(pub Vec3);
 
 /// Mass properties to use instead of those that follow from shape and density.
 #[derive(Clone, Copy, Debug, PartialEq, Component)]
+#[component(summary_tick)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct MassOverride(pub MassProperties);
 

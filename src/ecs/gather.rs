@@ -392,13 +392,13 @@ type ChangeTicks = (
     Option<Ref<'static, Fracturable>>,
 );
 
-/// Whether any description changed: a pass over the ticks alone, which is much cheaper than to ask each entity.
+/// Whether any description may have changed: a look at what tables have noted of all their entities together.
 fn has_any_changed(ticks: &Query<ChangeTicks, With<BodyHandle>>) -> bool {
     fn any<T>(column: Option<ContiguousRef<T>>) -> bool {
         column.is_some_and(|column| {
             let (_, ticks) = ContiguousRef::split(column);
-            // Without an early exit this is done for many at once.
-            ticks.is_changed_iter().fold(false, |any, one| any | one)
+            // All of these components ask for such a note.
+            ticks.summary_tick_is_changed().unwrap_or(true)
         })
     }
     let Ok(mut tables) = ticks.contiguous_iter() else {

@@ -142,6 +142,16 @@ fn scatter(bodies: &Bodies, motion: &mut Query<Motion, Without<Sleeping>>) {
             let mut transforms = Column::new(transforms);
             let mut linear = Column::new(linear);
             let mut angular = Column::new(angular);
+            if team.is_none() {
+                write_rows(
+                    bodies,
+                    handles,
+                    transforms.all(),
+                    linear.all(),
+                    angular.all(),
+                );
+                continue;
+            }
             let size = Team::part_size(team, handles.len(), LEAST_ROWS);
             let velocities = linear.parts(size).zip(angular.parts(size));
             let motions = transforms.parts(size).zip(velocities);
@@ -187,15 +197,24 @@ pub(super) fn transform_of(pose: Pose) -> Transform {
 }
 
 /// The values of one component in one table with the ticks of their last changes.
-struct Column<'w, T> {
+struct Column<'w, T: Component> {
     values: &'w mut [T],
     ticks: ContiguousComponentTicksMut<'w>,
 }
 
-impl<'w, T> Column<'w, T> {
+impl<'w, T: Component> Column<'w, T> {
     fn new(column: ContiguousMut<'w, T>) -> Self {
         let (values, ticks) = ContiguousMut::bypass_change_detection_split(column);
         Self { values, ticks }
+    }
+
+    /// All rows.
+    fn all(&mut self) -> Rows<'_, T> {
+        Rows {
+            now: self.ticks.this_run(),
+            values: self.values,
+            changed: self.ticks.changed_mut(),
+        }
     }
 
     /// The rows in parts of `size`.
@@ -214,12 +233,13 @@ impl<'w, T> Column<'w, T> {
     }
 }
 
-impl<T> Drop for Column<'_, T> {
-    /// Notes what goes with changes, if there were any: the table's own mark, which can only be set along with ticks, of which
-    /// none are left to set, and, in builds that track it, who made them.
+impl<T: Component> Drop for Column<'_, T> {
+    /// Notes what goes with changes, if there were any: the table's own mark, if the component has one, which can only be set
+    /// along with ticks, of which none are left to set, and, in builds that track it, who made them.
     fn drop(&mut self) {
         let now = self.ticks.this_run();
-        if !self.ticks.changed().contains(&now) {
+        let is_noted = T::HAS_SUMMARY_TICK || self.ticks.changed_by().into_option().is_some();
+        if !(is_noted && self.ticks.changed().contains(&now)) {
             return;
         }
         self.ticks.reborrow().slice(0..0).mark_all_as_changed();

@@ -12,6 +12,7 @@ use std::sync::Arc;
 ///
 /// Shared and immutable, so cloning costs one reference count. Coordinates are metres in the entity's frame.
 #[derive(Clone, Debug, Component)]
+#[component(summary_tick)]
 pub struct ConvexMesh(Arc<Parts>);
 
 #[derive(Debug)]
@@ -146,6 +147,7 @@ impl ConvexMesh {
 
 /// A static half-space: everything on the far side of the plane is solid. For a floor or a wall without end.
 #[derive(Clone, Copy, Debug, PartialEq, Component)]
+#[component(summary_tick)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct HalfSpace {
     /// Outward unit normal in the entity's frame; the plane goes through the entity's origin.

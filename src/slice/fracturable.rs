@@ -9,6 +9,7 @@ use glam::Vec4;
 
 /// Makes a body break when it is hit hard enough.
 #[derive(Clone, Debug, PartialEq, Component)]
+#[component(summary_tick)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Fracturable {
     /// The body breaks when its contact impulses of one step, summed over all contacts, exceed this; N s.
