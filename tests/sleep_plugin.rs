@@ -195,8 +195,19 @@ fn materials_shapes_and_layers_wake() {
         ..Default::default()
     };
     let lower = cuboid(Vec3::new(1.0, 0.9, 1.0));
-    let changes: [&dyn Fn(&mut EntityWorldMut); 4] = [
+    let breakable = Fracturable {
+        strength: 1e3,
+        ..Default::default()
+    };
+    let changes: [&dyn Fn(&mut EntityWorldMut); 7] = [
         &|entity| _ = entity.insert(Friction::new(0.2)),
+        &|entity| _ = entity.insert(Restitution::new(0.3)),
+        &|entity| _ = entity.insert(breakable.clone()),
+        &|entity| {
+            let mut mass = *entity.get::<MassProperties>().expect("a body");
+            mass.mass *= 1.5;
+            entity.insert(MassOverride(mass));
+        },
         &|entity| _ = entity.insert(Density(300.0)),
         &|entity| _ = entity.insert(lower.clone()),
         &|entity| _ = entity.insert(other_layer),
