@@ -26,27 +26,38 @@ impl ConvexHull {
 
     /// Calls `found` for each face that has a vertex, in their order.
     fn for_faces_around<'h>(&'h self, vertex: u32, mut found: impl FnMut(&'h Face)) {
-        let mut look_at = |first: usize, corners: &[u32]| {
-            for (place, _) in (first..).zip(corners).filter(|&(_, &v)| v == vertex) {
-                // Faces stand in the order of their loops.
+        let has_triangles_only = self.only_triangles().is_some();
+        let face_at = |place: usize| match has_triangles_only {
+            true => &self.faces[place / 3],
+            // Faces stand in the order of their loops.
+            false => {
                 let after = (self.faces).partition_point(|face| face.first as usize <= place);
-                found(&self.faces[after - 1]);
+                &self.faces[after - 1]
             }
         };
         let (groups, rest) = self.loops.as_chunks::<GROUP>();
         for (number, group) in groups.iter().enumerate() {
-            if has(group, vertex) {
-                look_at(number * GROUP, group);
+            let mut places = places_of(vertex, group);
+            while places != 0 {
+                found(face_at(number * GROUP + places.trailing_zeros() as usize));
+                places &= places - 1;
             }
         }
-        look_at(groups.len() * GROUP, rest);
+        let rest = (groups.len() * GROUP..).zip(rest);
+        for (place, _) in rest.filter(|&(_, &corner)| corner == vertex) {
+            found(face_at(place));
+        }
     }
 }
 
-/// Whether a vertex is among eight, without a branch for each.
+/// The places of a vertex among eight, as bits, without a branch for each.
 #[inline(always)]
-fn has(group: &[u32; GROUP], vertex: u32) -> bool {
-    (group.iter()).fold(false, |has, &corner| has | (corner == vertex))
+fn places_of(vertex: u32, corners: &[u32; GROUP]) -> u32 {
+    let mut places = 0;
+    for (place, &corner) in corners.iter().enumerate() {
+        places |= u32::from(corner == vertex) << place;
+    }
+    places
 }
 
 #[cfg(test)]
