@@ -4,8 +4,11 @@ use super::ConvexHull;
 use super::convex::Face;
 use glam::Vec3;
 
-/// Corners that are looked at together.
+/// Corners whose places are found together.
 const GROUP: usize = 8;
+
+/// Groups that are passed over together where none has the vertex.
+const GROUPS: usize = 4;
 
 impl ConvexHull {
     /// Of the faces that meet in a vertex the one whose normal is most opposed to `direction`, the first on a tie; none if no
@@ -36,11 +39,19 @@ impl ConvexHull {
             }
         };
         let (groups, rest) = self.loops.as_chunks::<GROUP>();
-        for (number, group) in groups.iter().enumerate() {
-            let mut places = places_of(vertex, group);
-            while places != 0 {
-                found(face_at(number * GROUP + places.trailing_zeros() as usize));
-                places &= places - 1;
+        for (number, groups) in groups.chunks(GROUPS).enumerate() {
+            if !has(vertex, groups.as_flattened()) {
+                continue;
+            }
+            for (group, first) in groups
+                .iter()
+                .zip((number * GROUPS * GROUP..).step_by(GROUP))
+            {
+                let mut places = places_of(vertex, group);
+                while places != 0 {
+                    found(face_at(first + places.trailing_zeros() as usize));
+                    places &= places - 1;
+                }
             }
         }
         let rest = (groups.len() * GROUP..).zip(rest);
@@ -48,6 +59,12 @@ impl ConvexHull {
             found(face_at(place));
         }
     }
+}
+
+/// Whether a vertex is among some corners, without a branch for each.
+#[inline(always)]
+fn has(vertex: u32, corners: &[u32]) -> bool {
+    (corners.iter()).fold(false, |has, &corner| has | (corner == vertex))
 }
 
 /// The places of a vertex among eight, as bits, without a branch for each.
