@@ -10,7 +10,7 @@
 //! - B. Mirtich, "Fast and Accurate Computation of Polyhedral Mass Properties", Journal of Graphics Tools 1(2), 1996.
 
 use super::convex::Face;
-use super::lanes::wide::{Avx2, Loop, TrianglesOf, renumber, run};
+use super::lanes::wide::{Avx2, Loop, TrianglesOf, run};
 use glam::{DMat3, DVec3, Vec3};
 use std::ops::{Add, Neg, Sub};
 
@@ -141,6 +141,16 @@ impl Fans {
         self.filled = filled;
     }
 
+    /// Adds triangles.
+    fn add_all(&mut self, triangles: &[[u32; 3]]) {
+        let filled = self.filled + triangles.len();
+        if self.triangles.len() < filled {
+            self.triangles.resize(filled, [0; 3]);
+        }
+        self.triangles[self.filled..filled].copy_from_slice(triangles);
+        self.filled = filled;
+    }
+
     /// Adds a polygon with many corners, or one for which there is no room yet, and says how many triangles there are.
     #[inline(never)]
     fn add_fan(&mut self, filled: usize, corners: &[u32]) -> usize {
@@ -156,36 +166,39 @@ impl Fans {
         filled + rest.len().saturating_sub(1)
     }
 
-    /// Exchanges the corners for those that a table has for them.
-    pub(crate) fn renumber(&mut self, wide: Option<Avx2>, table: &[u32]) {
-        let triangles = &mut self.triangles[..self.filled];
-        renumber(wide, triangles.as_flattened_mut(), table);
-    }
-
-    /// The sums over all triangles, about `apex` (m).
-    pub(crate) fn sum(&mut self, apex: DVec3, vertices: &[Vec3], wide: Option<Avx2>) -> Moments {
-        let whole = self.filled.next_multiple_of(LANES);
-        if self.triangles.len() < whole {
-            self.triangles.resize(whole, [0; 3]);
-        }
-        // The volume of a triangle with three equal corners is zero exactly.
-        self.triangles[self.filled..whole].fill([0; 3]);
-        let sums = run(
-            wide,
-            Summing {
-                vertices,
-                apex: apex.to_array(),
-                fours: self.triangles[..whole].as_chunks().0,
-            },
-        );
+    /// The sums over these triangles and all that were added, about `apex` (m).
+    pub(crate) fn sum(
+        &mut self,
+        triangles: &[[u32; 3]],
+        apex: DVec3,
+        vertices: &[Vec3],
+        wide: Option<Avx2>,
+    ) -> Moments {
+        let (fours, rest) = triangles.as_chunks();
+        self.add_all(rest);
+        let summing = Summing {
+            vertices,
+            apex: apex.to_array(),
+            lists: [fours, self.fours()],
+        };
         let [six_volumes, x, y, z, xx, yy, zz, yz, zx, xy] =
-            sums.map(|[a, b, c, d]| (a + b) + (c + d));
+            run(wide, summing).map(|[a, b, c, d]| (a + b) + (c + d));
         Moments {
             six_volumes,
             first: DVec3::new(x, y, z),
             diagonal: DVec3::new(xx, yy, zz),
             products: DVec3::new(yz, zx, xy),
         }
+    }
+
+    /// All triangles, filled up with ones whose volume is zero exactly: those with three equal corners.
+    fn fours(&mut self) -> &[[[u32; 3]; LANES]] {
+        let whole = self.filled.next_multiple_of(LANES);
+        if self.triangles.len() < whole {
+            self.triangles.resize(whole, [0; 3]);
+        }
+        self.triangles[self.filled..whole].fill([0; 3]);
+        self.triangles[..whole].as_chunks().0
     }
 }
 
@@ -194,7 +207,7 @@ impl Fans {
 struct Summing<'a> {
     vertices: &'a [Vec3],
     apex: [f64; 3],
-    fours: &'a [[[u32; 3]; LANES]],
+    lists: [&'a [[[u32; 3]; LANES]]; 2],
 }
 
 impl Loop for Summing<'_> {
@@ -203,13 +216,15 @@ impl Loop for Summing<'_> {
 
     #[inline(always)]
     fn run(self) -> [Lanes; 10] {
-        let triangles = TrianglesOf::new(self.vertices, self.fours);
         let mut sums = [[0.0; LANES]; 10];
-        for four in 0..triangles.len() {
-            let a = seen_from(self.apex, triangles.columns(four, 0));
-            let b = seen_from(self.apex, triangles.columns(four, 1));
-            let c = seen_from(self.apex, triangles.columns(four, 2));
-            add_four(&mut sums, a, b, c);
+        for fours in self.lists {
+            let triangles = TrianglesOf::new(self.vertices, fours);
+            for four in 0..triangles.len() {
+                let a = seen_from(self.apex, triangles.columns(four, 0));
+                let b = seen_from(self.apex, triangles.columns(four, 1));
+                let c = seen_from(self.apex, triangles.columns(four, 2));
+                add_four(&mut sums, a, b, c);
+            }
         }
         sums
     }
@@ -290,7 +305,7 @@ impl SolidMoments {
         let apex = vertices.first().map_or(DVec3::ZERO, |v| v.as_dvec3());
         fans.clear();
         fans.add(faces.iter().map(|face| face.polygon(loops)));
-        let sums = fans.sum(apex, vertices, wide);
+        let sums = fans.sum(&[], apex, vertices, wide);
         Self {
             apex,
             sums,

@@ -210,7 +210,6 @@ impl HullSlicer {
         let summing = Summing {
             hull,
             classes,
-            rim,
             numbers,
             fans,
             wide,

@@ -178,10 +178,13 @@ impl LoopWriter<'_> {
         indices: &[u32],
         out: &mut [Face],
     ) -> Result<(), Irregular> {
+        let (faces, loops) = (hull.faces.as_slice(), hull.loops.as_slice());
         for (&index, out) in indices.iter().zip(out) {
-            let face = &hull.faces[index as usize];
-            let (from, count) = face.polygon(&hull.loops);
-            *out = self.write(face.plane, from, count)?;
+            let face = &faces[index as usize];
+            let (first, count) = (face.first as usize, face.count as usize);
+            out.plane = face.plane;
+            (out.first, out.count) = (self.written as u32, face.count);
+            self.copy_corners(loops, first, count)?;
         }
         Ok(())
     }
@@ -189,22 +192,30 @@ impl LoopWriter<'_> {
     /// Writes a face whose loop is the first `count` corners of a list.
     #[inline(always)]
     fn write(&mut self, plane: Plane, from: &[u32], count: usize) -> Result<Face, Irregular> {
-        let first = self.written;
+        let first = self.written as u32;
+        self.copy_corners(from, 0, count)?;
+        Ok(Face {
+            plane,
+            first,
+            count: count as u32,
+        })
+    }
+
+    /// Writes `count` corners that begin at `first` in a list.
+    #[inline(always)]
+    fn copy_corners(&mut self, from: &[u32], first: usize, count: usize) -> Result<(), Irregular> {
+        let to = self.written;
         if count <= USUAL_CORNERS
-            && let Some(from) = from.first_chunk::<USUAL_CORNERS>()
-            && let Some(to) = self.room.get_mut(first..first + USUAL_CORNERS)
+            && let Some(from) = from.get(first..first + USUAL_CORNERS)
+            && let Some(to) = self.room.get_mut(to..to + USUAL_CORNERS)
         {
             // More than there may be, which the next face writes over: there is no guessing how many corners it has.
             to.copy_from_slice(from);
         } else {
-            copy_many_corners(&from[..count], self.room, first)?;
+            copy_many_corners(&from[first..first + count], self.room, to)?;
         }
         self.written += count;
-        Ok(Face {
-            plane,
-            first: first as u32,
-            count: count as u32,
-        })
+        Ok(())
     }
 }
 

@@ -9,18 +9,17 @@
 
 use super::classes::Classes;
 use super::numbers::Numbers;
-use super::rim::Rim;
 use super::{HullHalves, Irregular};
 use crate::geometry::ConvexHull;
 use crate::geometry::lanes::wide::Avx2;
 use crate::geometry::moments::{Fans, Moments};
 use glam::Vec3;
+use std::ops::Range;
 
 /// All that the moments of the parts follow from.
 pub(super) struct Summing<'a> {
     pub(super) hull: &'a ConvexHull,
     pub(super) classes: &'a Classes,
-    pub(super) rim: &'a Rim,
     pub(super) numbers: &'a Numbers,
     pub(super) fans: &'a mut Fans,
     pub(super) wide: Option<Avx2>,
@@ -58,65 +57,71 @@ impl Summing<'_> {
 
     /// Moments of the parts, of which `few` has fewer corners, by addition and subtraction.
     fn inherit(&mut self, few: usize, halves: &mut HullHalves) {
-        let hull = self.hull;
-        let whole = self.sum_whole_faces(few);
-        let others = hull.moments.sums - (whole + self.sum_cut_faces());
-        let cap = self.sum_cap(&halves.below);
-        let parts = [&mut halves.below, &mut halves.above];
-        for (part, out) in parts.into_iter().enumerate() {
-            let new = self.sum_pieces(part, out) + if part == 0 { cap } else { -cap };
-            let sums = new + if part == few { whole } else { others };
-            let moments = hull.moments.with_sums(sums);
-            out.moments = moments.unwrap_or_else(|| out.sum_moments_with(self.fans, self.wide));
-        }
+        let [below, above] = [&mut halves.below, &mut halves.above];
+        let [small, large] = if few == 0 {
+            [below, above]
+        } else {
+            [above, below]
+        };
+        let [in_small, in_large] = [few, 1 - few].map(|part| self.numbers.parts[part].pieces());
+        // The cap is the same triangles in both parts, with the other side out: what it adds to one, the other loses.
+        let kept = self.sum_whole_faces_and_cap(small, in_small.start);
+        let left = self.hull.moments.sums - (kept + self.sum_cut_faces());
+        let sums = kept + self.sum_polygons(small, in_small);
+        self.finish(small, sums);
+        let sums = left + self.sum_polygons(large, in_large);
+        self.finish(large, sums);
     }
 
-    /// Sums over the faces that a part has whole.
-    fn sum_whole_faces(&mut self, part: usize) -> Moments {
-        let numbers = self.numbers;
-        self.sum_faces(numbers.parts[part].whole_faces.indices())
+    /// Gives a part its moments, from sums about the hull's point.
+    fn finish(&mut self, part: &mut ConvexHull, sums: Moments) {
+        let moments = self.hull.moments.with_sums(sums);
+        part.moments = moments.unwrap_or_else(|| part.sum_moments_with(self.fans, self.wide));
+    }
+
+    /// Sums over the faces that a part has whole, which are its first ones, and its cap, which is its last.
+    fn sum_whole_faces_and_cap(&mut self, part: &ConvexHull, whole: usize) -> Moments {
+        let (first, rest) = part.faces.split_at(whole);
+        let cap = rest.iter().rev().take(1);
+        self.fans.clear();
+        self.fans.add(cap.map(|face| face.polygon(&part.loops)));
+        let triangles = match self.hull.only_triangles() {
+            Some(_) => &part.loops[..3 * whole],
+            None => {
+                let polygons = first.iter().map(|face| face.polygon(&part.loops));
+                self.fans.add(polygons);
+                &[]
+            }
+        };
+        self.sum(triangles.as_chunks().0, &part.vertices)
     }
 
     /// Sums over the cut faces.
     fn sum_cut_faces(&mut self) -> Moments {
-        let classes = self.classes;
-        self.sum_faces(classes.cut_faces.indices())
-    }
-
-    /// Sums over faces of the hull.
-    fn sum_faces(&mut self, indices: &[u32]) -> Moments {
-        let hull = self.hull;
-        self.sum(&hull.vertices, |fans| match hull.only_triangles() {
-            Some(triangles) => fans.add_some(triangles, indices),
-            None => {
-                let faces = indices.iter().map(|&index| &hull.faces[index as usize]);
-                fans.add(faces.map(|face| face.polygon(&hull.loops)));
-            }
-        })
-    }
-
-    /// Sums over a part's pieces of cut faces.
-    fn sum_pieces(&mut self, part: usize, out: &ConvexHull) -> Moments {
-        let vertices = self.numbers.parts[part].of_vertices();
-        let (wide, pieces) = (self.wide, self.rim.pieces[part].iter());
-        self.sum(&out.vertices, |fans| {
-            fans.add(pieces);
-            fans.renumber(wide, vertices);
-        })
-    }
-
-    /// Sums over the cap of the part below; it is the same triangles in both parts, with the other side out.
-    fn sum_cap(&mut self, below: &ConvexHull) -> Moments {
-        let cap = below.faces.iter().rev().take(1);
-        let polygons = cap.map(|face| face.polygon(&below.loops));
-        self.sum(&below.vertices, |fans| fans.add(polygons))
-    }
-
-    /// Sums over polygons, about the point of the hull.
-    fn sum(&mut self, vertices: &[Vec3], fill: impl FnOnce(&mut Fans)) -> Moments {
+        let (hull, cut) = (self.hull, self.classes.cut_faces.indices());
         self.fans.clear();
-        fill(self.fans);
-        self.fans.sum(self.hull.moments.apex, vertices, self.wide)
+        match hull.only_triangles() {
+            Some(triangles) => self.fans.add_some(triangles, cut),
+            None => {
+                let faces = cut.iter().map(|&index| &hull.faces[index as usize]);
+                self.fans.add(faces.map(|face| face.polygon(&hull.loops)));
+            }
+        }
+        self.sum(&[], &hull.vertices)
+    }
+
+    /// Sums over some faces of a part.
+    fn sum_polygons(&mut self, part: &ConvexHull, faces: Range<usize>) -> Moments {
+        let faces = part.faces[faces].iter();
+        self.fans.clear();
+        self.fans.add(faces.map(|face| face.polygon(&part.loops)));
+        self.sum(&[], &part.vertices)
+    }
+
+    /// Sums over triangles and those of the fans, about the point of the hull.
+    fn sum(&mut self, triangles: &[[u32; 3]], vertices: &[Vec3]) -> Moments {
+        let apex = self.hull.moments.apex;
+        self.fans.sum(triangles, apex, vertices, self.wide)
     }
 }
 

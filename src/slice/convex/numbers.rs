@@ -6,6 +6,7 @@ use super::rim::Rim;
 use super::select::{Selection, select_and_number};
 use crate::geometry::ConvexHull;
 use crate::geometry::lanes::wide::{Avx2, EdgeTable};
+use std::ops::Range;
 
 /// What each part has of everything, and under which numbers.
 #[derive(Clone, Debug, Default)]
@@ -25,6 +26,8 @@ pub(super) struct PartNumbers {
     pub(super) vertices: Selection,
     /// The hull's faces that the part has whole. Pieces of cut faces follow them, and then the cap.
     pub(super) whole_faces: Selection,
+    /// How many faces the part has.
+    faces: usize,
     /// How many edges the part has.
     pub(super) edges: usize,
 }
@@ -41,6 +44,11 @@ impl PartNumbers {
             numbers: &self.table,
             first_face: self.first_face,
         }
+    }
+
+    /// Which of the part's faces are pieces of cut ones.
+    pub(super) fn pieces(&self) -> Range<usize> {
+        self.whole_faces.len()..self.faces - 1
     }
 
     fn count(
@@ -101,11 +109,11 @@ impl Numbers {
         for (part, numbers) in self.parts.iter_mut().enumerate() {
             numbers.count(hull, classes, cuts, part, wide);
             let vertices = numbers.vertices.len() + cuts;
-            let faces = numbers.whole_faces.len() + rim.chords.len() + 1;
+            numbers.faces = numbers.whole_faces.len() + rim.chords.len() + 1;
             let mask = BELOW << part;
             let on = classes.on_edges.iter().filter(|e| e.parts.contains(&mask));
             numbers.edges = classes.whole_edges[part].len() + on.count() + cuts + rim.chords.len();
-            if vertices + faces != numbers.edges + 2 {
+            if vertices + numbers.faces != numbers.edges + 2 {
                 return Err(Irregular);
             }
         }
