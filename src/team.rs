@@ -1,8 +1,11 @@
 //! Threads that work through many short lists of tasks together, with almost nothing in between.
 //!
 //! A phase of the step is a row of passes over lists, and a sub-step of a large heap a dozen loops of some 100 us each; to hand
-//! each to the task pool would take a good part of that. So helpers come once for a phase: they look for tasks without rest,
-//! and the thread that leads never waits for a helper that has not taken a task. Without helpers it does all tasks itself.
+//! each to the task pool would take a good part of that. So helpers come for a phase: they look for tasks without rest, and
+//! the thread that leads never waits for a helper that has not taken a task. Without helpers it does all tasks itself.
+//!
+//! To wake a helper takes some 30 us, which a step of a millisecond has not got for each of its phases. So helpers look for
+//! the next phase a little longer, and only then go back to the pool.
 //!
 //! A thread prefers the same tasks of every list, whose data are in its cache, and takes those of others if these are late.
 #![allow(
@@ -11,11 +14,13 @@
 )]
 
 use bevy_tasks::ComputeTaskPool;
+use std::any::Any;
 use std::cell::{Cell, UnsafeCell};
 use std::hint::spin_loop;
 use std::ops::Range;
-use std::sync::OnceLock;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread::available_parallelism;
 
 /// A list of tasks: does the one with the given number.
@@ -27,11 +32,17 @@ const SPINS: u32 = 2000;
 /// Pauses between two looks for a task, some 100 ns.
 const PAUSES: u32 = 4;
 
+/// Looks for a task after the last phase until a helper goes: some 50 us, longer than what phases leave between them.
+const LINGER: u32 = 400;
+
 /// Most parts that a list is cut into.
 pub const MOST_PARTS: usize = 8;
 
 /// Most tasks of a list.
 pub const MOST_TASKS: usize = 32;
+
+/// The team of the compute task pool.
+static TEAM: OnceLock<Team> = OnceLock::new();
 
 /// A leader and its helpers.
 pub struct Team {
@@ -41,43 +52,53 @@ pub struct Team {
     left: AtomicU64,
     /// Tasks of the present list that are done.
     done: AtomicU32,
-    is_over: AtomicBool,
-    helpers: usize,
+    /// Whether somebody leads.
+    is_led: AtomicBool,
+    /// By helper: whether it looks for tasks, or has been called to.
+    are_here: Box<[AtomicBool]>,
+    /// What a helper's task panicked with.
+    panic: Mutex<Option<Box<dyn Any + Send>>>,
 }
 
 impl std::fmt::Debug for Team {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Team")
-            .field("helpers", &self.helpers)
+            .field("threads", &self.threads())
             .finish_non_exhaustive()
     }
 }
 
-// SAFETY: `tasks` is written by the leader while `left` holds no task and all that were taken are done, so nobody reads
-// it then; helpers read it after they took a task from `left`, which the leader filled after writing.
+// SAFETY: `tasks` is written by the leader, of which there is one at a time, while `left` holds no task and all that were
+// taken are done, so nobody reads it then; helpers read it after they took a task from `left`, which the leader filled after
+// writing.
 unsafe impl Sync for Team {}
 
 impl Team {
-    /// Leads a team of all threads of `pool` through `work`.
-    pub fn lead<R>(pool: &ComputeTaskPool, work: impl FnOnce(&Self) -> R) -> R {
-        let team = Self {
+    fn new(helpers: usize) -> Self {
+        Self {
             tasks: UnsafeCell::new(&|_| {}),
             left: AtomicU64::new(0),
             done: AtomicU32::new(0),
-            is_over: AtomicBool::new(false),
-            helpers: pool.thread_num(),
-        };
-        let mut result = None;
-        pool.scope(|scope| {
-            for helper in 1..team.threads() {
-                let team = &team;
-                scope.spawn(async move { team.help(helper) });
+            is_led: AtomicBool::new(false),
+            are_here: (0..helpers).map(|_| AtomicBool::new(false)).collect(),
+            panic: Mutex::new(None),
+        }
+    }
+
+    /// Leads a team of all threads of `pool` through `work`. If another thread leads it already, the leader is alone.
+    pub fn lead<R>(pool: &'static ComputeTaskPool, work: impl FnOnce(&Self) -> R) -> R {
+        let team = TEAM.get_or_init(|| Self::new(pool.thread_num()));
+        if team.is_led.swap(true, Ordering::Acquire) {
+            return work(&Self::new(pool.thread_num()));
+        }
+        // However the work ends, the helpers must go.
+        let _dismissal = Dismissal(&team.is_led);
+        for (helper, is_here) in (1..).zip(&team.are_here) {
+            if !is_here.swap(true, Ordering::AcqRel) {
+                pool.spawn(async move { team.help(helper) }).detach();
             }
-            // However the work ends, the helpers must go.
-            let _over = Dismissal(&team.is_over);
-            result = Some(work(&team));
-        });
-        result.expect("the scope has run")
+        }
+        work(team)
     }
 
     /// Leads a team of all threads of the compute task pool through `work`, if there is a pool, a core for it, and the work is
@@ -90,9 +111,22 @@ impl Team {
         }
     }
 
+    /// As [`lead_if`](Self::lead_if) with those helpers that have not gone yet since the last phase, if there are any: for work
+    /// that is not worth waking one.
+    pub fn lead_present_if<R>(is_worth_help: bool, work: impl FnOnce(Option<&Self>) -> R) -> R {
+        let team = TEAM.get().filter(|team| {
+            let mut helpers = team.are_here.iter();
+            is_worth_help
+                && helpers.any(|is_here| is_here.load(Ordering::Relaxed))
+                && !team.is_led.swap(true, Ordering::Acquire)
+        });
+        let _dismissal = team.map(|team| Dismissal(&team.is_led));
+        work(team)
+    }
+
     /// Number of threads, the leader among them.
     pub fn threads(&self) -> usize {
-        self.helpers + 1
+        self.are_here.len() + 1
     }
 
     /// How many parts to cut a list of `count` elements into, if a part is to have `least` of them: one without a team.
@@ -137,12 +171,21 @@ impl Team {
         let wait = WaitForAll { team: self, count };
         while self.take_one(0) {}
         drop(wait);
+        let panic = self.panicked().take();
+        if let Some(panic) = panic {
+            resume_unwind(panic);
+        }
     }
 
-    /// Looks for tasks until the leader is done.
+    fn panicked(&self) -> MutexGuard<'_, Option<Box<dyn Any + Send>>> {
+        self.panic.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Looks for tasks until nobody has led for a while.
     fn help(&self, thread: usize) {
+        let _leave = Dismissal(&self.are_here[thread - 1]);
         let mut idle = 0;
-        while !self.is_over.load(Ordering::Acquire) {
+        while idle < LINGER || self.is_led.load(Ordering::Acquire) {
             if self.take_one(thread) {
                 idle = 0;
             } else if idle < SPINS {
@@ -176,7 +219,12 @@ impl Team {
             // SAFETY: a task has been taken and is not done yet, so the leader does not write (see `Sync`).
             let tasks = unsafe { *self.tasks.get() };
             let _done = CountDone(&self.done);
-            tasks(task as usize);
+            if thread == 0 {
+                tasks(task as usize);
+            } else if let Err(panic) = catch_unwind(AssertUnwindSafe(|| tasks(task as usize))) {
+                // It is the leader's to tell, once all others are done.
+                self.panicked().get_or_insert(panic);
+            }
         }
         true
     }
@@ -188,12 +236,12 @@ fn has_cores() -> bool {
     *CORES.get_or_init(|| available_parallelism().map_or(1, usize::from)) > 1
 }
 
-/// Sends the helpers away when dropped.
+/// Says that a leader or helper is gone when dropped.
 struct Dismissal<'a>(&'a AtomicBool);
 
 impl Drop for Dismissal<'_> {
     fn drop(&mut self) {
-        self.0.store(true, Ordering::Release);
+        self.0.store(false, Ordering::Release);
     }
 }
 

@@ -74,3 +74,58 @@ fn each_part_is_worked_on_once_with_and_without_a_team() {
         assert!(parts.iter().all(|&part| part == 2));
     }
 }
+
+#[test]
+fn two_leaders_at_a_time_both_get_their_work_done() {
+    let lead = || {
+        for _ in 0..200 {
+            let sum = AtomicU32::new(0);
+            Team::lead(pool(), |team| {
+                assert_eq!(team.threads(), 4);
+                team.run(32, &|task| {
+                    sum.fetch_add(task as u32, Ordering::Relaxed);
+                });
+            });
+            assert_eq!(sum.into_inner(), 31 * 32 / 2);
+        }
+    };
+    std::thread::scope(|scope| {
+        for _ in 0..3 {
+            scope.spawn(lead);
+        }
+    });
+}
+
+#[test]
+fn a_panic_on_another_thread_reaches_the_leader() {
+    let leader = std::thread::current().id();
+    let outcome = std::panic::catch_unwind(|| {
+        // Helpers may come late, but not for ever.
+        for _ in 0..1_000_000 {
+            Team::lead(pool(), |team| {
+                team.run(4, &|_| {
+                    assert_eq!(std::thread::current().id(), leader, "asked for");
+                });
+            });
+        }
+    });
+    assert!(outcome.is_err());
+    Team::lead(pool(), |team| team.run(4, &|_| ()));
+}
+
+#[test]
+fn helpers_stay_for_a_while_and_then_go() {
+    let is_helped = || Team::lead_present_if(true, |team| team.is_some());
+    // Another test may lead them just then.
+    let comes = (0..1000).any(|_| {
+        Team::lead(pool(), |_| ());
+        is_helped()
+    });
+    assert!(comes);
+    assert!(Team::lead_present_if(false, |team| team.is_none()));
+    let goes = (0..1000).any(|_| {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+        !is_helped()
+    });
+    assert!(goes);
+}

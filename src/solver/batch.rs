@@ -25,6 +25,9 @@ use crate::team::Team;
 use glam::{Mat3, Quat};
 use std::ops::Range;
 
+/// Least pairs of a part of which a team finds the largest extent: each takes some 5 ns.
+const LEAST_PAIRS: usize = 1024;
+
 /// A body that turns, and its number within the batch.
 #[derive(Clone, Copy, Debug)]
 pub struct TurningBody {
@@ -179,7 +182,7 @@ impl Batch {
         }
         self.load_copies();
         for member in 0..self.layout.members.len() {
-            self.measure(member);
+            self.measure(member, team);
             self.load_turning(member, bodies);
         }
         let first = islands.list[range.start].manifolds.start;
@@ -188,8 +191,7 @@ impl Batch {
         }
         self.load_limits(bodies);
         self.fill_blocks(manifolds, team);
-        let restitution = self.blocks.iter().flat_map(|block| block.restitution.0);
-        self.has_restitution = restitution.fold(0.0, f32::max) > 0.0;
+        self.has_restitution = islands.list[range.clone()].iter().any(|i| i.bounces);
         self.mark_following();
         if demand.can_hit || self.settings.config.method == Method::Exact {
             self.blows.resize(self.points.len(), Blow::default());
@@ -318,15 +320,25 @@ impl Batch {
         });
     }
 
-    /// Finds the largest extent that a contact of an island is measured by.
-    fn measure(&mut self, member: usize) {
+    /// Finds the largest extent that a contact of an island is measured by, if there is a tolerance that depends on it.
+    fn measure(&mut self, member: usize, team: Option<&Team>) {
+        if self.settings.config.tolerance.is_none() {
+            return;
+        }
         let member = &self.layout.members[member];
-        let pairs = self.layout.pairs[member.places.clone()].iter();
-        let extents = pairs.map(|pair| {
-            let [a, b] = pair.map(|number| self.solids[number as usize].extent());
+        let pairs = &self.layout.pairs[member.places.clone()];
+        let solids = &self.solids;
+        let extent = |pair: &[u32; 2]| {
+            let [a, b] = pair.map(|number| solids[number as usize].extent());
             a.min(b)
+        };
+        let size = Team::part_size(team, pairs.len(), LEAST_PAIRS);
+        let mut parts: Parts<_> = pairs.chunks(size).map(|pairs| (pairs, 0.0)).collect();
+        Team::each(team, &mut parts, |(pairs, most)| {
+            *most = pairs.iter().map(extent).fold(0.0, f32::max);
         });
-        self.extents.push(extents.fold(0.0, f32::max));
+        let most = parts.iter().map(|(_, most)| *most);
+        self.extents.push(most.fold(0.0, f32::max));
     }
 
     /// Lists the manifolds of an island whose rows follow the motion.
@@ -349,10 +361,14 @@ impl Batch {
 
     /// Lists the bodies of an island that turn.
     fn load_turning(&mut self, member: usize, bodies: &Bodies) {
+        let step = self.settings.step();
         for number in self.layout.members[member].bodies.clone() {
+            // Most do not, which is seen without a look at far memory.
+            if !Spin::is_noticeable(self.bodies[number].angular, step) {
+                continue;
+            }
             let slot = self.layout.slots[number];
-            let spin = bodies.spin(slot, self.settings.step());
-            if let Some(spin) = spin {
+            if let Some(spin) = bodies.spin(slot, step) {
                 self.turning.push(TurningBody {
                     body: number as u32,
                     start: spin.rotation,

@@ -525,9 +525,7 @@ impl Bodies {
     pub(crate) fn refresh_world(&mut self, slot: u32) {
         let i = slot as usize;
         if self.velocity[i].inverse_mass > 0.0 {
-            let m = &self.mass[i];
-            let r = Mat3::from_quat(self.rotation[i] * m.principal_frame);
-            self.inverse_inertia[i] = r * Mat3::from_diagonal(m.principal.recip()) * r.transpose();
+            self.inverse_inertia[i] = inverse_inertia(&self.mass[i], self.rotation[i]);
         }
     }
 
@@ -549,4 +547,11 @@ impl Bodies {
         self.is_overloaded.push(false);
         slot
     }
+}
+
+/// Inverse inertia tensor about the centre of mass, world axes, 1/(kg m2).
+pub(super) fn inverse_inertia(mass: &MassProperties, rotation: Quat) -> Mat3 {
+    let r = Mat3::from_quat(rotation * mass.principal_frame);
+    let Vec3 { x, y, z } = mass.principal.recip();
+    Mat3::from_cols(r.x_axis * x, r.y_axis * y, r.z_axis * z) * r.transpose()
 }

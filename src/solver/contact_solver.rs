@@ -23,6 +23,9 @@ const BATCH: usize = 192;
 /// Manifolds from which it pays to ask other threads for help: about 100 us of work, ten times what they take to come.
 const WORTH_HELP: usize = 256;
 
+/// Manifolds from which it pays to have helpers look at them that are here anyway.
+const WORTH_THOSE_PRESENT: usize = 1024;
+
 /// Manifolds of a batch from which all threads solve it together: there are several domains then.
 const WORTH_A_TEAM: usize = 2 * LEAST_MANIFOLDS;
 
@@ -148,7 +151,10 @@ impl ContactSolver {
         self.progress.resize(bodies.slots(), Progress::Open);
         // A large scene is worth a team from the start.
         Team::lead_if(manifolds.len() >= WORTH_A_TEAM, |team| {
-            self.find_islands(manifolds, bodies, settings, team);
+            let is_many = team.is_none() && manifolds.len() >= WORTH_THOSE_PRESENT;
+            Team::lead_present_if(is_many, |present| {
+                self.find_islands(manifolds, bodies, settings, team.or(present));
+            });
             self.is_set_aside.clear();
             let is_set_aside = round.may_break && self.rehearse(manifolds, bodies, settings);
             self.make_batches();

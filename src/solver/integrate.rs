@@ -1,30 +1,108 @@
 //! Puts the bodies where the solver has moved them.
 
-use super::bodies::{Bodies, BodyError};
+use super::bodies::{Bodies, BodyError, Motion, SolverBody, Status, inverse_inertia};
+use super::body::{BodyInfo, RigidBody};
+use super::shares::Parts;
+use crate::mass::MassProperties;
+use crate::parts::{front, front_mut};
+use crate::team::Team;
+use glam::{Mat3, Quat, Vec3};
+
+/// Bodies from which it pays to have helpers move them that are here anyway: each takes some 15 ns.
+const WORTH_HELP: usize = 512;
+
+/// Least bodies of a part.
+const LEAST_BODIES: usize = 256;
 
 /// Moves all bodies and refreshes what follows from their poses.
 ///
 /// A body whose state would no longer be finite is stopped where it is instead; `problems` says so.
 pub fn integrate_positions(bodies: &mut Bodies, problems: &mut Vec<(u32, BodyError)>) {
-    for slot in 0..bodies.slots() as u32 {
-        let i = slot as usize;
-        if !bodies.is_moving(slot) {
-            continue;
+    let awake = bodies.dynamic().saturating_sub(bodies.asleep());
+    Team::lead_present_if(awake >= WORTH_HELP, |team| {
+        let mut parts = parts(bodies, team);
+        Team::each(team, &mut parts, Part::integrate);
+        let overflown = parts.iter().flat_map(|part| &part.overflown);
+        problems.extend(overflown.map(|&slot| (slot, BodyError::Overflow)));
+    });
+}
+
+/// Bodies in slots that follow each other.
+struct Part<'b> {
+    first: u32,
+    status: &'b [Status],
+    info: &'b [Option<BodyInfo>],
+    mass: &'b [MassProperties],
+    motion: &'b [Motion],
+    velocity: &'b mut [SolverBody],
+    centre: &'b mut [Vec3],
+    rotation: &'b mut [Quat],
+    inverse_inertia: &'b mut [Mat3],
+    /// Slots of bodies that were stopped.
+    overflown: Vec<u32>,
+}
+
+/// Parts of all bodies for a team.
+fn parts<'b>(bodies: &'b mut Bodies, team: Option<&Team>) -> Parts<Part<'b>> {
+    let count = bodies.slots();
+    let size = Team::part_size(team, count, LEAST_BODIES);
+    let (mut status, mut info) = (&bodies.status[..], &bodies.info[..]);
+    let (mut mass, mut motion) = (&bodies.mass[..], &bodies.motion[..]);
+    let (mut velocity, mut centre) = (&mut bodies.velocity[..], &mut bodies.centre[..]);
+    let mut rotation = &mut bodies.rotation[..];
+    let mut inverse_inertia = &mut bodies.inverse_inertia[..];
+    let part = |first: usize| {
+        let size = size.min(count - first);
+        Part {
+            first: first as u32,
+            status: front(&mut status, size),
+            info: front(&mut info, size),
+            mass: front(&mut mass, size),
+            motion: front(&mut motion, size),
+            velocity: front_mut(&mut velocity, size),
+            centre: front_mut(&mut centre, size),
+            rotation: front_mut(&mut rotation, size),
+            inverse_inertia: front_mut(&mut inverse_inertia, size),
+            overflown: Vec::new(),
         }
-        let motion = bodies.motion[i];
-        let centre = bodies.centre[i] + motion.shift;
-        let (linear, angular) = bodies.velocity(slot);
-        let is_finite = centre.is_finite()
-            && motion.rotation.is_finite()
-            && linear.is_finite()
-            && angular.is_finite();
-        if !is_finite {
-            bodies.halt(slot);
-            problems.push((slot, BodyError::Overflow));
-            continue;
+    };
+    (0..count).step_by(size).map(part).collect()
+}
+
+impl Part<'_> {
+    fn integrate(&mut self) {
+        for i in 0..self.status.len() {
+            if !self.is_moving(i) {
+                continue;
+            }
+            let motion = self.motion[i];
+            let centre = self.centre[i] + motion.shift;
+            let body = &mut self.velocity[i];
+            let is_finite = centre.is_finite()
+                && motion.rotation.is_finite()
+                && body.linear.is_finite()
+                && body.angular.is_finite();
+            if !is_finite {
+                (body.linear, body.angular) = (Vec3::ZERO, Vec3::ZERO);
+                self.overflown.push(self.first + i as u32);
+                continue;
+            }
+            self.centre[i] = centre;
+            self.rotation[i] = motion.rotation;
+            if body.inverse_mass > 0.0 {
+                self.inverse_inertia[i] = inverse_inertia(&self.mass[i], motion.rotation);
+            }
         }
-        bodies.centre[i] = centre;
-        bodies.rotation[i] = motion.rotation;
-        bodies.refresh_world(slot);
+    }
+
+    /// Whether the body takes part and is not static.
+    fn is_moving(&self, i: usize) -> bool {
+        // What contacts move is not static; that spares most bodies a look at far memory.
+        let may_move = || {
+            let info = self.info[i].as_ref();
+            self.velocity[i].inverse_mass > 0.0
+                || info.is_some_and(|info| info.kind != RigidBody::Static)
+        };
+        self.status[i] == Status::Active && may_move()
     }
 }

@@ -10,6 +10,7 @@ use crate::contact::manifolds::ManifoldHead;
 use crate::parts::run_parts;
 use crate::team::Team;
 use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Marks a body that has no number yet.
 const NONE: u32 = u32::MAX;
@@ -116,14 +117,20 @@ impl Islands {
         team: Option<&Team>,
     ) {
         self.new_links.resize(manifolds.len(), Link::default());
+        let old_links = &self.links;
+        let have_changed = AtomicBool::new(old_links.len() != manifolds.len());
         let size = Team::part_size(team, manifolds.len(), LEAST_LINKS);
         let parts = self.new_links.chunks_mut(size).zip(manifolds.chunks(size));
-        run_parts(team, parts, |(links, manifolds)| {
+        run_parts(team, parts.enumerate(), |(part, (links, manifolds))| {
             for (link, manifold) in links.iter_mut().zip(manifolds) {
                 *link = Link::new(manifold, bodies, is_open(manifold));
             }
+            let first = part * size;
+            if old_links.get(first..first + links.len()) != Some(links) {
+                have_changed.store(true, Ordering::Relaxed);
+            }
         });
-        if self.links == self.new_links {
+        if !have_changed.into_inner() {
             return;
         }
         self.revision += 1;

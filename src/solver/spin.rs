@@ -60,7 +60,7 @@ impl Spin {
     /// - `mass`: read only if the body turns; most of a large scene hardly do
     /// - `omega`: angular velocity, world axes, rad/s
     pub fn of(rotation: Quat, mass: &MassProperties, omega: Vec3, step: f32) -> Option<Self> {
-        if omega.length() * step < SLOW {
+        if !Self::is_noticeable(omega, step) {
             return None;
         }
         let principal = mass.principal;
@@ -70,6 +70,12 @@ impl Spin {
             frame: mass.principal_frame,
             moments: (principal / principal.max_element()).as_dvec3(),
         })
+    }
+
+    /// Whether a body turns by more than a hair.
+    #[inline]
+    pub fn is_noticeable(omega: Vec3, step: f32) -> bool {
+        omega.length() * step >= SLOW
     }
 
     /// Turns the body for `h` seconds; returns the free angular velocity after it, from `omega` before (world, rad/s).
