@@ -112,20 +112,3 @@ fn a_panic_on_another_thread_reaches_the_leader() {
     assert!(outcome.is_err());
     Team::lead(pool(), |team| team.run(4, &|_| ()));
 }
-
-#[test]
-fn helpers_stay_for_a_while_and_then_go() {
-    let is_helped = || Team::lead_present_if(true, |team| team.is_some());
-    // Another test may lead them just then.
-    let comes = (0..1000).any(|_| {
-        Team::lead(pool(), |_| ());
-        is_helped()
-    });
-    assert!(comes);
-    assert!(Team::lead_present_if(false, |team| team.is_none()));
-    let goes = (0..1000).any(|_| {
-        std::thread::sleep(std::time::Duration::from_millis(5));
-        !is_helped()
-    });
-    assert!(goes);
-}
