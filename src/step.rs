@@ -222,7 +222,12 @@ pub struct StepSettings {
 impl StepSettings {
     /// Whether a step can be made: its length must be finite and positive, gravity and configuration usable.
     pub fn is_usable(&self) -> bool {
-        self.h.is_finite() && self.h > 0.0 && self.are_numbers_usable()
+        self.has_length() && self.are_numbers_usable()
+    }
+
+    /// Whether the step is finite and longer than nothing, as it is unless the clock stands.
+    pub fn has_length(&self) -> bool {
+        self.h.is_finite() && self.h > 0.0
     }
 
     /// Whether gravity is finite and the configuration usable.
@@ -286,16 +291,7 @@ impl Simulation {
             ..
         } = self;
         mass_properties(bodies, report);
-        cut(bodies, cache, fractures, bonds, settings);
-        broadphase(bodies, contacts, settings, report);
-        generate_contacts(bodies, contacts, cache, settings, report);
-        attach_bonds(bodies, contacts, bonds);
-        solve(bodies, contacts, fractures, settings, report);
-        fracture(bodies, contacts, cache, fractures, bonds, settings, report);
-        break_bonds(bodies, contacts, bonds);
-        integrate(bodies, report);
-        age_cache(bodies, contacts, cache, settings);
-        sleep(bodies, contacts, cache, settings, report);
+        advance(bodies, contacts, cache, fractures, bonds, settings, report);
         bodies.forget_turned();
     }
 }
@@ -315,6 +311,28 @@ pub fn mass_properties(bodies: &mut Bodies, report: &mut StepReport) {
     }
     bodies.stale_mass = stale;
     report.bodies = bodies.len();
+}
+
+/// Phases 2 to 9, one after the other.
+pub fn advance(
+    bodies: &mut Bodies,
+    contacts: &mut Contacts,
+    cache: &mut ContactCache,
+    fractures: &mut Fractures,
+    bonds: &mut Bonds,
+    settings: &StepSettings,
+    report: &mut StepReport,
+) {
+    cut(bodies, cache, fractures, bonds, settings);
+    broadphase(bodies, contacts, settings, report);
+    generate_contacts(bodies, contacts, cache, settings, report);
+    attach_bonds(bodies, contacts, bonds);
+    solve(bodies, contacts, fractures, settings, report);
+    fracture(bodies, contacts, cache, fractures, bonds, settings, report);
+    break_bonds(bodies, contacts, bonds);
+    integrate(bodies, report);
+    age_cache(bodies, contacts, cache, settings);
+    sleep(bodies, contacts, cache, settings, report);
 }
 
 /// Phase 2: cuts that were asked for.

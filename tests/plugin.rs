@@ -3,8 +3,8 @@
 mod app;
 mod scenes;
 
-use app::{app, bits, step_length};
-use bevy_app::{App, Last};
+use app::{accompanied_app, app, app_of, bits, step_length};
+use bevy_app::{App, Last, Update};
 use bevy_cleave::prelude::*;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
@@ -42,9 +42,14 @@ fn bits_of_world(world: &mut World) -> Vec<(u32, Vec<u32>)> {
 
 #[test]
 fn plugin_and_plain_step_agree_bit_for_bit_over_a_scene_that_fractures() {
+    for app in [app(), accompanied_app(), app_of(CleavePlugin::new(Update))] {
+        agrees_with_the_plain_step(app);
+    }
+}
+
+fn agrees_with_the_plain_step(mut app: App) {
     let scene = falling_and_breaking();
     let mut simulation = Simulation::default();
-    let mut app = app();
     for desc in &scene {
         simulation.bodies.insert(desc.clone()).expect("usable");
         app.world_mut().spawn_body(desc.clone());

@@ -4,7 +4,7 @@ mod app;
 #[path = "scenes/structures.rs"]
 mod structures;
 
-use app::{app, bits_of_entity};
+use app::{accompanied_app, app, bits_of_entity};
 use bevy_app::App;
 use bevy_cleave::prelude::*;
 use bevy_ecs::prelude::*;
@@ -15,10 +15,15 @@ use structures::{block, cuboid, floor, tower};
 /// An app with sleep on and a scene in it; its entities in order.
 fn sleepy(scene: Vec<BodyDesc>) -> (App, Vec<Entity>) {
     let mut app = app();
+    let entities = put_to_rest(&mut app, scene);
+    (app, entities)
+}
+
+/// Turns sleep on and spawns a scene; its entities in order.
+fn put_to_rest(app: &mut App, scene: Vec<BodyDesc>) -> Vec<Entity> {
     app.world_mut().resource_mut::<SolverConfig>().sleep = SleepConfig::on();
     let spawn = |desc| app.world_mut().spawn_body(desc);
-    let entities = scene.into_iter().map(spawn).collect();
-    (app, entities)
+    scene.into_iter().map(spawn).collect()
 }
 
 /// A floor and a tower of three, asleep.
@@ -86,7 +91,13 @@ fn the_mark_tells_who_sleeps_and_nothing_of_them_is_written() {
 
 #[test]
 fn plugin_and_plain_step_sleep_and_wake_alike() {
-    let (mut app, entities) = sleepy(tower(5));
+    for app in [app(), accompanied_app()] {
+        sleep_and_wake_like_the_plain_step(app);
+    }
+}
+
+fn sleep_and_wake_like_the_plain_step(mut app: App) {
+    let entities = put_to_rest(&mut app, tower(5));
     let mut simulation = Simulation::default();
     simulation.config.sleep = SleepConfig::on();
     for desc in tower(5) {

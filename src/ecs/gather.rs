@@ -37,6 +37,13 @@ pub(crate) struct BodyQueue {
     refused: Vec<(Entity, BodyError)>,
 }
 
+impl BodyQueue {
+    /// Whether bodies come or go, or were refused and are to be tried again.
+    pub(crate) fn is_waiting(&self) -> bool {
+        !(self.arrived.is_empty() && self.left.is_empty() && self.refused.is_empty())
+    }
+}
+
 /// Everything a body is made from.
 #[derive(QueryData)]
 pub(crate) struct BodyParts {
@@ -126,31 +133,32 @@ pub(crate) fn on_sleeping_removed(
     }
 }
 
-/// What the user changed about entities that have bodies, and what is asked for with commands.
+/// What the user changed about entities that have bodies, and the entities that commands name.
 #[derive(SystemParam)]
 pub(crate) struct Readings<'w, 's> {
-    bonds: ResMut<'w, Bonds>,
-    warnings: ResMut<'w, Messages<BodyWarning>>,
     ticks: Query<'w, 's, ChangeTicks, With<BodyHandle>>,
     changed: Query<'w, 's, Entity, (Changes, With<BodyHandle>)>,
     described: Query<'w, 's, (&'static BodyHandle, Option<BodyParts>)>,
     motion: Query<'w, 's, Motion>,
     marked: Query<'w, 's, &'static BodyHandle, With<Sleeping>>,
-    handles: Query<'w, 's, &'static BodyHandle>,
+    pub(crate) handles: Query<'w, 's, &'static BodyHandle>,
 }
 
 /// Reads what the user changed about bodies, and makes the bonds that were asked for, now that the entities have bodies.
-pub(crate) fn read_entities(state: &mut PluginState, bodies: &mut Bodies, readings: &mut Readings) {
+pub(crate) fn read_entities(
+    state: &mut PluginState,
+    bodies: &mut Bodies,
+    bonds: &mut Bonds,
+    warnings: &mut Messages<BodyWarning>,
+    readings: &Readings,
+) {
     let PluginState {
         entities,
         queue,
         bond_requests,
         ..
     } = state;
-    gather_changes(queue, bodies, readings);
-    let Readings {
-        bonds, warnings, ..
-    } = readings;
+    gather_changes(queue, bodies, warnings, readings);
     gather_motion(bodies, entities, warnings, &readings.motion);
     settle_marked(queue, bodies, &readings.marked);
     make_bonds(bond_requests, bodies, bonds, warnings, &readings.handles);
@@ -175,13 +183,7 @@ type Arrival = (&'static mut BodyHandle, Option<BodyParts>, Has<Sleeping>);
 
 /// Run condition of [`register_bodies`]: most steps would fetch all that it takes only to find that nothing is queued.
 pub(crate) fn any_body_comes_or_goes(state: Res<PluginState>) -> bool {
-    let BodyQueue {
-        arrived,
-        left,
-        refused,
-        ..
-    } = &state.queue;
-    !(arrived.is_empty() && left.is_empty() && refused.is_empty())
+    state.queue.is_waiting()
 }
 
 /// System: frees the slots of bodies that left, gives slots to those that arrived.
@@ -410,8 +412,12 @@ fn has_any_changed(ticks: &Query<ChangeTicks, With<BodyHandle>>) -> bool {
 }
 
 /// Shapes, densities, materials and layers that the user changed. What is not usable is not taken over.
-fn gather_changes(queue: &mut BodyQueue, bodies: &mut Bodies, readings: &mut Readings) {
-    let warnings = &mut *readings.warnings;
+fn gather_changes(
+    queue: &mut BodyQueue,
+    bodies: &mut Bodies,
+    warnings: &mut Messages<BodyWarning>,
+    readings: &Readings,
+) {
     let has_changed = has_any_changed(&readings.ticks);
     let changed = has_changed.then(|| readings.changed.iter());
     let changed = changed.into_iter().flatten();

@@ -16,14 +16,15 @@ pub(crate) fn step_length() -> Duration {
 
 /// The app; systems without a defined order are errors in it.
 pub(crate) fn app() -> App {
+    app_of(CleavePlugin::default())
+}
+
+/// The same with another plugin.
+pub(crate) fn app_of(plugin: CleavePlugin) -> App {
     let mut app = App::new();
-    app.add_plugins((
-        TaskPoolPlugin::default(),
-        TimePlugin,
-        CleavePlugin::default(),
-    ))
-    .insert_resource(Time::<Fixed>::from_duration(step_length()))
-    .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+    app.add_plugins((TaskPoolPlugin::default(), TimePlugin, plugin))
+        .insert_resource(Time::<Fixed>::from_duration(step_length()))
+        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
     app.edit_schedule(PhysicsSchedule, |schedule| {
         schedule.set_build_settings(ScheduleBuildSettings {
             ambiguity_detection: LogLevel::Error,
@@ -33,6 +34,16 @@ pub(crate) fn app() -> App {
     app.finish();
     app.cleanup();
     app.update();
+    app
+}
+
+/// The same with a system of the user's among the phases, which are run one by one for that reason.
+pub(crate) fn accompanied_app() -> App {
+    let mut app = app();
+    let company = (|| ())
+        .after(PhysicsSystems::Solve)
+        .before(PhysicsSystems::Integrate);
+    app.add_systems(PhysicsSchedule, company);
     app
 }
 
