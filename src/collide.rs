@@ -41,6 +41,12 @@ const PAIRS_PER_PART: usize = 128;
 /// Most parts, so that few buffers serve any number of pairs.
 const MAX_PARTS: usize = 32;
 
+/// Bodies from which it pays to have helpers look at them: each takes some 20 ns.
+const WORTH_HELP_WITH_BODIES: usize = 1024;
+
+/// Least bodies of a part.
+const LEAST_BODIES: usize = 256;
+
 /// How many touching pairs ahead their states and bodies are asked for.
 const AHEAD: usize = 8;
 
@@ -179,6 +185,8 @@ pub struct NarrowPhase {
 
 #[derive(Debug, Default)]
 struct Part {
+    /// Slots of bodies that the broad phase is to be told of.
+    outdated: Vec<u32>,
     scratch: NarrowScratch,
     /// Indices of its pairs that touch, within the part.
     touching: Vec<u32>,
@@ -203,21 +211,12 @@ pub fn update_pairs(
         broadphase.set(slot, None, BOX_MARGIN);
     }
     narrow.told.resize(bodies.slots(), None);
-    for (slot, told) in (0..).zip(&mut narrow.told) {
-        if bodies.is_asleep(slot) {
-            continue;
-        }
-        if !bodies.is_active(slot) {
-            if told.take().is_some() {
-                broadphase.set(slot as usize, None, BOX_MARGIN);
-            }
-            continue;
-        }
-        if told.is_none_or(|told| !told.will_do(bodies, slot, ahead)) {
-            *told = Some(Told::now(broadphase, bodies, slot, ahead));
-        }
-    }
-    broadphase.find_pairs();
+    // Helpers that come now need not be waited for when the pairs are known.
+    Team::lead_if(bodies.slots() >= WORTH_HELP_WITH_BODIES, |team| {
+        narrow.find_outdated(bodies, ahead, team);
+        narrow.tell(broadphase, bodies, ahead);
+        broadphase.find_pairs();
+    });
 }
 
 fn proxy(bodies: &Bodies, slot: u32, ahead: Lookahead) -> Proxy {
@@ -253,6 +252,37 @@ fn half_space_plane(bodies: &Bodies, slot: u32) -> Plane {
 }
 
 impl NarrowPhase {
+    /// Finds the bodies that the broad phase is to be told of.
+    fn find_outdated(&mut self, bodies: &Bodies, ahead: Lookahead, team: Option<&Team>) {
+        let size = Team::part_size(team, self.told.len(), LEAST_BODIES);
+        let count = self.told.len().div_ceil(size);
+        self.parts
+            .resize_with(self.parts.len().max(count), Part::default);
+        let parts = self.told.chunks(size).zip(&mut self.parts);
+        run_parts(team, parts.enumerate(), |(index, (told, part))| {
+            let slots = (index * size) as u32..;
+            let outdated = slots.zip(told).filter(|&(slot, told)| match told {
+                _ if bodies.is_asleep(slot) => false,
+                Some(told) => !(bodies.is_active(slot) && told.will_do(bodies, slot, ahead)),
+                None => bodies.is_active(slot),
+            });
+            part.outdated.extend(outdated.map(|(slot, _)| slot));
+        });
+    }
+
+    /// Tells the broad phase of them.
+    fn tell(&mut self, broadphase: &mut Broadphase, bodies: &Bodies, ahead: Lookahead) {
+        for slot in self.parts.iter_mut().flat_map(|p| p.outdated.drain(..)) {
+            let told = &mut self.told[slot as usize];
+            if bodies.is_active(slot) {
+                *told = Some(Told::now(broadphase, bodies, slot, ahead));
+            } else {
+                *told = None;
+                broadphase.set(slot as usize, None, BOX_MARGIN);
+            }
+        }
+    }
+
     /// Fills `manifolds` with the contacts of all pairs, in their order. Impulses are zero.
     pub fn collide(
         &mut self,
@@ -263,7 +293,7 @@ impl NarrowPhase {
         team: Option<&Team>,
     ) {
         self.carry_states(bodies, broadphase);
-        self.load_bodies(bodies, ahead);
+        self.load_bodies(bodies, ahead, team);
         let pairs = broadphase.pairs();
         let part_count = pairs.len().div_ceil(PAIRS_PER_PART).clamp(1, MAX_PARTS);
         let part_size = pairs.len().div_ceil(part_count).max(1);
@@ -335,20 +365,25 @@ impl NarrowPhase {
     }
 
     /// Collects what pairs read of the bodies.
-    fn load_bodies(&mut self, bodies: &Bodies, ahead: Lookahead) {
+    fn load_bodies(&mut self, bodies: &Bodies, ahead: Lookahead, team: Option<&Team>) {
         self.bodies.resize(bodies.slots(), PairBody::default());
         self.paces.resize(bodies.slots(), Pace::default());
-        let slots = (0..).zip(self.bodies.iter_mut().zip(&mut self.paces));
-        // What sleeps has not moved.
-        for (slot, (body, pace)) in slots.filter(|&(slot, _)| !bodies.is_asleep(slot)) {
-            let now = pair_body(bodies, slot, ahead);
-            let motion = now.motion_since(body);
-            pace.walk(motion);
-            pace.ahead = now.travel.length() + now.turning;
-            pace.least_extent = bodies.least_extent[slot as usize];
-            pace.version = bodies.version[slot as usize];
-            *body = now;
-        }
+        let size = Team::part_size(team, bodies.slots(), LEAST_BODIES);
+        let parts = self.bodies.chunks_mut(size);
+        let parts = parts.zip(self.paces.chunks_mut(size)).enumerate();
+        run_parts(team, parts, |(index, (seen, paces))| {
+            let slots = ((index * size) as u32..).zip(seen.iter_mut().zip(paces));
+            // What sleeps has not moved.
+            for (slot, (body, pace)) in slots.filter(|&(slot, _)| !bodies.is_asleep(slot)) {
+                let now = pair_body(bodies, slot, ahead);
+                let motion = now.motion_since(body);
+                pace.walk(motion);
+                pace.ahead = now.travel.length() + now.turning;
+                pace.least_extent = bodies.least_extent[slot as usize];
+                pace.version = bodies.version[slot as usize];
+                *body = now;
+            }
+        });
     }
 }
 

@@ -107,7 +107,7 @@ fn story(mut app: App, mut step: impl FnMut(&mut App)) -> Vec<Vec<u32>> {
     // What somebody gives to pieces as they come to be is read in the next step.
     let lighten = |new: On<Add<BodyHandle>>, mut densities: Query<&mut Density>| {
         if let Ok(mut density) = densities.get_mut(new.entity) {
-            density.0 = 0.25 * density.0;
+            density.0 *= 0.25;
         }
     };
     app.add_observer(lighten);

@@ -4,20 +4,20 @@
 //! measures the new halves. Parts of the bodies are gone through side by side; counts and boxes come out the same however
 //! many parts there are.
 
-use super::shares::Parts;
 use crate::parts::front_mut;
-use crate::team::Team;
+use crate::team::{MOST_PARTS, Team};
 use glam::Vec3;
+use smallvec::SmallVec;
 
 /// Most leaves.
-pub(super) const MOST_LEAVES: usize = 8;
+pub(super) const MOST_LEAVES: usize = 16;
 
 /// Places for a cut along an axis. Odd, so that none is in the middle, where symmetric structures have bodies that rounding
 /// would move across.
 const SLABS: usize = 61;
 
-/// Least bodies of a part, some 10 us of a pass.
-const LEAST_PART: usize = 2048;
+/// Least bodies of a part, some 3 us of a pass.
+const LEAST_PART: usize = 512;
 
 /// The bodies of a half, and the cut through it.
 #[derive(Clone, Copy, Debug)]
@@ -177,7 +177,7 @@ impl Halves {
         self.bodies.iter().map(leaf)
     }
 
-    fn parts(&mut self, team: Option<&Team>) -> Parts<Part<'_>> {
+    fn parts(&mut self, team: Option<&Team>) -> SmallVec<[Part<'_>; MOST_PARTS]> {
         let count = self.bodies.len();
         let size = Team::part_size(team, count, LEAST_PART);
         let mut rest = &mut self.bodies[..];

@@ -3,12 +3,12 @@
 use super::blocks::{Block, Point};
 use super::domains::Domains;
 use crate::parts::front_mut;
-use crate::team::Team;
+use crate::team::{MOST_TASKS, Team};
 use smallvec::SmallVec;
 use std::ops::Range;
 
-/// Parts of a list, on the stack.
-pub(super) type Parts<P> = SmallVec<[P; 16]>;
+/// Parts of a list, on the stack: as many as a team may do at a time.
+pub(super) type Parts<P> = SmallVec<[P; MOST_TASKS]>;
 
 /// The ranges that a team works on at a time; all of `0..count` at once without one.
 pub(super) fn shares(

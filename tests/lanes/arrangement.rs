@@ -157,5 +157,6 @@ fn leaves_of_a_cloud_are_of_a_size_and_separators_small() {
         sizes[4..].iter().all(|&separator| separator < 400),
         "{sizes:?}"
     );
-    assert_eq!([1, 3999, 4000, 9000, 1 << 20].map(leaves), [1, 1, 2, 4, 8]);
+    let sizes = [1, 3999, 4000, 9000, 31_999, 32_000, 1 << 20];
+    assert_eq!(sizes.map(leaves), [1, 1, 2, 4, 8, 16, 16]);
 }
