@@ -261,12 +261,19 @@ impl NarrowPhase {
         let parts = self.told.chunks(size).zip(&mut self.parts);
         run_parts(team, parts.enumerate(), |(index, (told, part))| {
             let slots = (index * size) as u32..;
-            let outdated = slots.zip(told).filter(|&(slot, told)| match told {
-                _ if bodies.is_asleep(slot) => false,
-                Some(told) => !(bodies.is_active(slot) && told.will_do(bodies, slot, ahead)),
-                None => bodies.is_active(slot),
-            });
-            part.outdated.extend(outdated.map(|(slot, _)| slot));
+            for (slot, told) in slots.zip(told) {
+                if bodies.is_asleep(slot) {
+                    continue;
+                }
+                let is_active = bodies.is_active(slot);
+                let will_do = match told {
+                    Some(told) => is_active && told.will_do(bodies, slot, ahead),
+                    None => !is_active,
+                };
+                if !will_do {
+                    part.outdated.push(slot);
+                }
+            }
         });
     }
 

@@ -245,7 +245,7 @@ impl AtOnce {
     }
 }
 
-fn run(system: &mut BoxedSystem, world: &mut World, error_handler: fn(BevyError, ErrorContext)) {
+fn run(system: &mut BoxedSystem, world: &mut World, error_handler: ErrorHandler) {
     if let Err(RunSystemError::Failed(error)) = system.run((), world) {
         let context = ErrorContext::System {
             name: system.name(),
