@@ -3,6 +3,7 @@
 use bevy_cleave::team::{Shared, Team};
 use bevy_tasks::{ComputeTaskPool, TaskPoolBuilder};
 use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::Duration;
 
 fn pool() -> &'static ComputeTaskPool {
     ComputeTaskPool::get_or_init(|| TaskPoolBuilder::new().num_threads(3).build())
@@ -100,11 +101,13 @@ fn two_leaders_at_a_time_both_get_their_work_done() {
 fn a_panic_on_another_thread_reaches_the_leader() {
     let leader = std::thread::current().id();
     let outcome = std::panic::catch_unwind(|| {
-        // Helpers may come late, but not for ever.
-        for _ in 0..1_000_000 {
+        // Helpers may come late, and another test may lead them for a while, but not for ever.
+        for _ in 0..10_000 {
             Team::lead(pool(), |team| {
                 team.run(4, &|_| {
                     assert_eq!(std::thread::current().id(), leader, "asked for");
+                    // Time for the others to take one.
+                    std::thread::sleep(Duration::from_millis(1));
                 });
             });
         }
