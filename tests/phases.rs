@@ -102,7 +102,7 @@ fn a_paused_clock_and_unusable_numbers_make_no_step() {
     assert_eq!(steps_by_systems(&mut app), (false, false));
 }
 
-/// Heights of all bodies of a tower of which the top is cut, with what users do meanwhile, as bits.
+/// Mass and motion of all bodies of a tower whose top is cut, with what users do meanwhile, as bits.
 fn story(mut app: App, mut step: impl FnMut(&mut App)) -> Vec<Vec<u32>> {
     // What somebody gives to pieces as they come to be is read in the next step.
     let lighten = |new: On<Add<BodyHandle>>, mut densities: Query<&mut Density>| {
