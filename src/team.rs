@@ -14,6 +14,7 @@
 )]
 
 use bevy_tasks::ComputeTaskPool;
+use smallvec::SmallVec;
 use std::any::Any;
 use std::cell::{Cell, UnsafeCell};
 use std::hint::spin_loop;
@@ -140,15 +141,30 @@ impl Team {
         count.div_ceil(Self::parts(team, count, least)).max(1)
     }
 
-    /// Does `work` on each of some parts, in any order and on any thread. Without a team, one after the other.
-    pub fn each<P: Send>(team: Option<&Self>, parts: &mut [P], work: impl Fn(&mut P) + Sync) {
-        let Some(team) = team.filter(|_| parts.len() > 1) else {
-            return parts.iter_mut().for_each(work);
+    /// Does `work` on each of some parts, of which there may be 32, in any order and on any thread. Without a team, one after
+    /// the other as they come.
+    ///
+    /// # Panics
+    /// If a team is given more.
+    pub fn each<P: Send>(
+        team: Option<&Self>,
+        parts: impl Iterator<Item = P>,
+        work: impl Fn(P) + Sync,
+    ) {
+        let Some(team) = team else {
+            return parts.for_each(work);
         };
-        let shared = Shared::new(parts);
+        // Filled where it is: to move it would take longer than a small part.
+        let mut list = SmallVec::<[Option<P>; MOST_TASKS]>::new();
+        list.extend(parts.map(Some));
+        if let [only] = &mut list[..] {
+            return only.take().into_iter().for_each(work);
+        }
+        let shared = Shared::new(&mut list);
         // SAFETY: each task is done once, and touches its own part only.
         team.run(shared.0.len(), &|task| unsafe {
-            shared.part(task..task + 1).iter_mut().for_each(&work);
+            let part = shared.part(task..task + 1).iter_mut();
+            part.filter_map(Option::take).for_each(&work);
         });
     }
 

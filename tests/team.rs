@@ -69,9 +69,9 @@ fn each_part_is_worked_on_once_with_and_without_a_team() {
         Team::lead(pool(), |team| {
             assert!(Team::parts(Some(team), 100, 10) == 4 && Team::parts(Some(team), 25, 10) == 2);
             assert_eq!(Team::parts(Some(team), 5, 10), 1);
-            Team::each(Some(team), &mut parts, |part| *part += 1);
+            Team::each(Some(team), parts.iter_mut(), |part| *part += 1);
         });
-        Team::each(None, &mut parts, |part| *part += 1);
+        Team::each(None, parts.iter_mut(), |part| *part += 1);
         assert!(parts.iter().all(|&part| part == 2));
     }
 }

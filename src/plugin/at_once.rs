@@ -77,9 +77,9 @@ impl Runner {
         if !self.are_alone.load(Ordering::Relaxed) {
             return false;
         }
-        let at_once = self.at_once.take().filter(|known| known.is_for(world));
-        let at_once = at_once.unwrap_or_else(|| AtOnce::new(world));
-        let outcome = self.at_once.insert(at_once).run(world, error_handler);
+        self.at_once.take_if(|known| !known.is_for(world));
+        let at_once = self.at_once.get_or_insert_with(|| AtOnce::new(world));
+        let outcome = at_once.run(world, error_handler);
         // Where something is missing, the phases say what.
         outcome.is_ok()
     }

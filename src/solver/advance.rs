@@ -4,7 +4,7 @@ use super::batch::{Batch, TurningBody};
 use super::bodies::SolverBody;
 use super::demand::SubstepSettings;
 use super::lanes::LaneWidth;
-use super::shares::{Parts, each_part};
+use super::shares::each_part;
 use super::spin::{SPINS, Spins};
 use crate::contact::manifold::ContactPoint;
 use crate::contact::manifolds::Manifolds;
@@ -119,14 +119,13 @@ impl Batch {
                 front_mut(&mut rest.2, spinning),
             )
         });
-        let mut parts: Parts<_> = parts.collect();
-        Team::each(team, &mut parts, |(first, bodies, solids, turning)| {
+        Team::each(team, parts, |(first, bodies, solids, turning)| {
             for turning in turning.chunks_mut(SPINS) {
-                turn_together(turning, *first, bodies, h, width);
+                turn_together(turning, first, bodies, h, width);
                 for turning in turning {
                     let r = Mat3::from_quat(turning.spin.rotation);
                     let inertia = r * turning.inverse_inertia * r.transpose();
-                    solids[turning.body as usize - *first].set_inverse_inertia(&inertia);
+                    solids[turning.body as usize - first].set_inverse_inertia(&inertia);
                 }
             }
         });

@@ -7,7 +7,6 @@ use super::blocks::Place;
 use super::colouring::Colouring;
 use super::lanes::WIDTH;
 use super::schedule::{ContactOrder, Filling, Schedule};
-use super::shares::Parts;
 use crate::parts::front;
 use crate::team::Team;
 use std::ops::Range;
@@ -153,8 +152,7 @@ impl Arrangement {
                 let of_domain = front(&mut order, end - std::mem::replace(&mut first, *end));
                 (domain, of_domain)
             });
-        let mut parts: Parts<_> = parts.collect();
-        Team::each(team, &mut parts, |(domain, order)| {
+        Team::each(team, parts, |(domain, order)| {
             domain.load(order.iter().map(|&at| joints[at as usize]));
         });
     }
@@ -162,7 +160,9 @@ impl Arrangement {
     /// Places the manifolds of all domains in one way; returns the number of blocks.
     fn place(&mut self, is_coloured: bool, bodies: usize, team: Option<&Team>) -> usize {
         let domains = &mut self.domains[..self.ends.len()];
-        Team::each(team, domains, |domain| domain.place(is_coloured, bodies));
+        Team::each(team, domains.iter_mut(), |domain| {
+            domain.place(is_coloured, bodies);
+        });
         let blocks = domains.iter().map(|domain| domain.placed(is_coloured).1);
         blocks.map(<[u16]>::len).sum()
     }

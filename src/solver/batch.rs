@@ -16,12 +16,12 @@ use super::layout::Layout;
 use super::limit::{BodyBlow, Limit};
 use super::momentum::Pace;
 use super::rows::{PointRows, Side};
-use super::shares::{Parts, parts_by_body, parts_of_blocks};
+use super::shares::{parts_by_body, parts_of_blocks};
 use super::spin::Spin;
 use super::ties::Tie;
 use crate::contact::manifolds::{Manifolds, Run};
 use crate::parts::{front, front_mut};
-use crate::team::Team;
+use crate::team::{MOST_PARTS, Team};
 use glam::{Mat3, Quat};
 use std::ops::Range;
 
@@ -225,12 +225,11 @@ impl Batch {
         let mut starts = &mut self.starts[..];
         let (blocks, points) = (&mut self.blocks, &mut self.points);
         let parts = parts_of_blocks(blocks, points, &self.layout.domains, team);
-        let parts = parts.into_iter().map(|(blocks, points)| {
+        let parts = parts.map(|(blocks, points)| {
             let count = points.len() * usize::from(follows);
             (blocks, points, front_mut(&mut starts, count))
         });
-        let mut parts: Parts<_> = parts.collect();
-        Team::each(team, &mut parts, |(blocks, points, starts)| {
+        Team::each(team, parts, |(blocks, points, starts)| {
             fill(blocks, points, source, width);
             for (start, point) in starts.iter_mut().zip(points.iter()) {
                 *start = Start::of(point);
@@ -244,12 +243,11 @@ impl Batch {
         let (blocks, points) = (&mut self.blocks, &mut self.points);
         let mut following = &self.following[..];
         let parts = parts_of_blocks(blocks, points, &self.layout.domains, team);
-        let parts = parts.into_iter().map(|(blocks, points)| {
+        let parts = parts.map(|(blocks, points)| {
             let following = front(&mut following, blocks.len());
             (blocks, points, following)
         });
-        let mut parts: Parts<_> = parts.collect();
-        Team::each(team, &mut parts, |(blocks, points, following)| {
+        Team::each(team, parts, |(blocks, points, following)| {
             let is_stale = following.iter().map(|following| following.any);
             derive_stale(blocks, points, solids, is_stale, width);
         });
@@ -306,7 +304,7 @@ impl Batch {
             let count = part.0.len().min(slots.len());
             (front(&mut slots, count), part)
         });
-        Team::each(team, &mut parts.collect::<Parts<_>>(), |(slots, part)| {
+        Team::each(team, parts, |(slots, part)| {
             let copies = part.0.iter_mut().zip(part.1.iter_mut());
             for (&slot, (body, solid)) in slots.iter().zip(copies) {
                 let i = slot as usize;
@@ -333,12 +331,12 @@ impl Batch {
             a.min(b)
         };
         let size = Team::part_size(team, pairs.len(), LEAST_PAIRS);
-        let mut parts: Parts<_> = pairs.chunks(size).map(|pairs| (pairs, 0.0)).collect();
-        Team::each(team, &mut parts, |(pairs, most)| {
+        let mut most = [0.0; MOST_PARTS];
+        let parts = pairs.chunks(size).zip(&mut most);
+        Team::each(team, parts, |(pairs, most)| {
             *most = pairs.iter().map(extent).fold(0.0, f32::max);
         });
-        let most = parts.iter().map(|(_, most)| *most);
-        self.extents.push(most.fold(0.0, f32::max));
+        self.extents.push(most.into_iter().fold(0.0, f32::max));
     }
 
     /// Lists the manifolds of an island whose rows follow the motion.

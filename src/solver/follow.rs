@@ -14,7 +14,7 @@ use super::blocks::{Block, FAR, Point, load_anchors};
 use super::bodies::SolverBody;
 use super::lane_pair::{Frame, Pair};
 use super::lanes::{F8, Kernel, LaneWidth, Lanes, Numbers, run};
-use super::shares::{Parts, points_of, shares};
+use super::shares::{points_of, shares};
 use super::ties::Tie;
 use super::triple::V3;
 use crate::math::rotate_by;
@@ -93,25 +93,23 @@ impl Batch {
             &self.scratch.is_followed[..],
         );
         let parts = self.layout.cuts.shares_of_bodies(self.bodies.len());
-        let mut parts: Parts<_> = parts
-            .map(|range| {
-                let spinning = rest.3.partition_point(|t| (t.body as usize) < range.end);
-                (
-                    range.start as u32,
-                    front_mut(&mut rest.0, range.len()),
-                    front(&mut rest.1, range.len()),
-                    front(&mut rest.2, range.len()),
-                    front(&mut rest.3, spinning),
-                    front(&mut rest.4, range.len()),
-                )
-            })
-            .collect();
-        Team::each(team, &mut parts, |part| {
+        let parts = parts.map(|range| {
+            let spinning = rest.3.partition_point(|t| (t.body as usize) < range.end);
+            (
+                range.start as u32,
+                front_mut(&mut rest.0, range.len()),
+                front(&mut rest.1, range.len()),
+                front(&mut rest.2, range.len()),
+                front(&mut rest.3, spinning),
+                front(&mut rest.4, range.len()),
+            )
+        });
+        Team::each(team, parts, |part| {
             let (first, turns, bodies, displacements, turning, is_followed) = part;
             let mut turning = turning.iter().peekable();
             let bodies = bodies.iter().zip(displacements.iter());
             let bodies = bodies.zip(is_followed.iter());
-            let turns = (*first..).zip(turns.iter_mut().zip(bodies));
+            let turns = (first..).zip(turns.iter_mut().zip(bodies));
             for (number, (turn, ((body, moved), is_followed))) in turns {
                 let spins = turning.next_if(|t| t.body == number);
                 if !is_followed {
@@ -129,7 +127,7 @@ impl Batch {
         let (mut points, mut ties) = (&mut self.points[..], &mut self.ties[..]);
         let (turns, displacements) = (&self.turns, &self.displacements);
         let shares = shares(&self.layout.domains, blocks.len(), team);
-        let parts = shares.iter().map(|share| {
+        let parts = shares.map(|share| {
             let of_points = points_of(&blocks[share.clone()]);
             let ties_there = if ties.is_empty() { 0 } else { of_points.len() };
             Follow {
@@ -142,8 +140,7 @@ impl Batch {
                 displacements,
             }
         });
-        let mut parts: Parts<_> = parts.collect();
-        Team::each(team, &mut parts, |part| part.run(width));
+        Team::each(team, parts, |mut part| part.run(width));
     }
 }
 

@@ -151,7 +151,7 @@ impl Halves {
     ) -> impl Iterator<Item = u8> {
         self.bodies.resize(count, Sorted::default());
         let mut parts = self.parts(team);
-        Team::each(team, &mut parts, |part| part.load(&centre));
+        Team::each(team, parts.iter_mut(), |part| part.load(&centre));
         for depth in 0..leaves.ilog2() {
             let mut level = Level::default();
             let halves = &mut level[..1 << depth];
@@ -162,7 +162,7 @@ impl Halves {
                 }
                 half.choose_axis(gravity);
             }
-            Team::each(team, &mut parts, |part| part.count(&level));
+            Team::each(team, parts.iter_mut(), |part| part.count(&level));
             for (i, half) in level[..1 << depth].iter_mut().enumerate() {
                 for part in &parts {
                     let counts = half.counts.iter_mut().zip(part.level[i].counts);
@@ -170,7 +170,7 @@ impl Halves {
                 }
                 half.choose_slab();
             }
-            Team::each(team, &mut parts, |part| part.halve(&level));
+            Team::each(team, parts.iter_mut(), |part| part.halve(&level));
         }
         drop(parts);
         let leaf = move |body: &Sorted| body.centre.map_or(leaves as u8, |_| body.half);

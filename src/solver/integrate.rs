@@ -2,10 +2,9 @@
 
 use super::bodies::{Bodies, BodyError, Motion, SolverBody, Status, inverse_inertia};
 use super::body::{BodyInfo, RigidBody};
-use super::shares::Parts;
 use crate::mass::MassProperties;
 use crate::parts::{front, front_mut};
-use crate::team::Team;
+use crate::team::{MOST_PARTS, Team};
 use glam::{Mat3, Quat, Vec3};
 
 /// Bodies from which it pays to have helpers move them that are here anyway: each takes some 15 ns.
@@ -20,9 +19,12 @@ const LEAST_BODIES: usize = 256;
 pub fn integrate_positions(bodies: &mut Bodies, problems: &mut Vec<(u32, BodyError)>) {
     let awake = bodies.dynamic().saturating_sub(bodies.asleep());
     Team::lead_present_if(awake >= WORTH_HELP, |team| {
-        let mut parts = parts(bodies, team);
-        Team::each(team, &mut parts, Part::integrate);
-        let overflown = parts.iter().flat_map(|part| &part.overflown);
+        let mut overflown = [const { Vec::new() }; MOST_PARTS];
+        let parts = parts(bodies, team).zip(&mut overflown);
+        Team::each(team, parts, |(mut part, overflown)| {
+            part.integrate(overflown)
+        });
+        let overflown = overflown.iter().flatten();
         problems.extend(overflown.map(|&slot| (slot, BodyError::Overflow)));
     });
 }
@@ -38,12 +40,10 @@ struct Part<'b> {
     centre: &'b mut [Vec3],
     rotation: &'b mut [Quat],
     inverse_inertia: &'b mut [Mat3],
-    /// Slots of bodies that were stopped.
-    overflown: Vec<u32>,
 }
 
 /// Parts of all bodies for a team.
-fn parts<'b>(bodies: &'b mut Bodies, team: Option<&Team>) -> Parts<Part<'b>> {
+fn parts<'b>(bodies: &'b mut Bodies, team: Option<&Team>) -> impl Iterator<Item = Part<'b>> {
     let count = bodies.slots();
     let size = Team::part_size(team, count, LEAST_BODIES);
     let (mut status, mut info) = (&bodies.status[..], &bodies.info[..]);
@@ -51,7 +51,7 @@ fn parts<'b>(bodies: &'b mut Bodies, team: Option<&Team>) -> Parts<Part<'b>> {
     let (mut velocity, mut centre) = (&mut bodies.velocity[..], &mut bodies.centre[..]);
     let mut rotation = &mut bodies.rotation[..];
     let mut inverse_inertia = &mut bodies.inverse_inertia[..];
-    let part = |first: usize| {
+    let part = move |first: usize| {
         let size = size.min(count - first);
         Part {
             first: first as u32,
@@ -63,14 +63,14 @@ fn parts<'b>(bodies: &'b mut Bodies, team: Option<&Team>) -> Parts<Part<'b>> {
             centre: front_mut(&mut centre, size),
             rotation: front_mut(&mut rotation, size),
             inverse_inertia: front_mut(&mut inverse_inertia, size),
-            overflown: Vec::new(),
         }
     };
-    (0..count).step_by(size).map(part).collect()
+    (0..count).step_by(size).map(part)
 }
 
 impl Part<'_> {
-    fn integrate(&mut self) {
+    /// `overflown`: slots of bodies that were stopped.
+    fn integrate(&mut self, overflown: &mut Vec<u32>) {
         for i in 0..self.status.len() {
             if !self.is_moving(i) {
                 continue;
@@ -84,7 +84,7 @@ impl Part<'_> {
                 && body.angular.is_finite();
             if !is_finite {
                 (body.linear, body.angular) = (Vec3::ZERO, Vec3::ZERO);
-                self.overflown.push(self.first + i as u32);
+                overflown.push(self.first + i as u32);
                 continue;
             }
             self.centre[i] = centre;

@@ -3,24 +3,18 @@
 use super::blocks::{Block, Point};
 use super::domains::Domains;
 use crate::parts::front_mut;
-use crate::team::{MOST_TASKS, Team};
-use smallvec::SmallVec;
+use crate::team::Team;
 use std::ops::Range;
-
-/// Parts of a list, on the stack: as many as a team may do at a time.
-pub(super) type Parts<P> = SmallVec<[P; MOST_TASKS]>;
 
 /// The ranges that a team works on at a time; all of `0..count` at once without one.
 pub(super) fn shares(
     ranges: &[Range<usize>],
     count: usize,
     team: Option<&Team>,
-) -> Parts<Range<usize>> {
-    if team.is_some() {
-        ranges.iter().cloned().collect()
-    } else {
-        std::iter::once(0..count).collect()
-    }
+) -> impl Iterator<Item = Range<usize>> {
+    let whole = team.is_none().then_some(0..count);
+    let cut = if team.is_some() { ranges } else { &[] };
+    whole.into_iter().chain(cut.iter().cloned())
 }
 
 /// Parts of a list by body: the leaves and the rest.
@@ -44,7 +38,7 @@ pub(super) fn each_part<A: Send, B: Send>(
         return work(a, b);
     }
     let parts = parts_by_body(a, cuts).zip(parts_by_body(b, cuts));
-    Team::each(team, &mut parts.collect::<Parts<_>>(), |(a, b)| work(a, b));
+    Team::each(team, parts, |(a, b)| work(a, b));
 }
 
 /// Where the points of some blocks lie.
@@ -59,14 +53,12 @@ pub(super) fn points_of(blocks: &[Block]) -> Range<usize> {
 pub(super) fn parts_of_blocks<'a>(
     mut blocks: &'a mut [Block],
     mut points: &'a mut [Point],
-    domains: &[Range<usize>],
+    domains: &'a [Range<usize>],
     team: Option<&Team>,
-) -> Parts<(&'a mut [Block], &'a mut [Point])> {
-    let shares = shares(domains, blocks.len(), team);
-    let parts = shares.iter().map(|share| {
+) -> impl Iterator<Item = (&'a mut [Block], &'a mut [Point])> {
+    shares(domains, blocks.len(), team).map(move |share| {
         let blocks = front_mut(&mut blocks, share.len());
         let points = front_mut(&mut points, points_of(blocks).len());
         (blocks, points)
-    });
-    parts.collect()
+    })
 }

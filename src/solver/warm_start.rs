@@ -12,10 +12,11 @@
 
 use super::batch::Batch;
 use super::bodies::SolverBody;
+use super::halves::MOST_LEAVES;
 use super::lanes::run;
 use super::passive::{LinearSums, Sums};
 use super::prepare::Warm;
-use super::shares::{Parts, each_part, parts_by_body};
+use super::shares::{each_part, parts_by_body};
 use super::sweep::{Pass, cells};
 use crate::team::Team;
 
@@ -72,11 +73,13 @@ impl Batch {
         let cuts = &self.layout.cuts;
         let parts =
             parts_by_body(&mut self.scratch.gains, cuts).zip(parts_by_body(&mut self.bodies, cuts));
-        let mut parts: Parts<_> = parts.map(|part| (part, LinearSums::default())).collect();
-        Team::each(team, &mut parts, |((gains, bodies), sums)| {
+        // The leaves and the rest.
+        let mut sums = [LinearSums::default(); MOST_LEAVES + 1];
+        let sums = &mut sums[..cuts.leaves().len() + 1];
+        Team::each(team, parts.zip(&mut *sums), |((gains, bodies), sums)| {
             *sums = note_gains(gains, bodies);
         });
-        let sums = parts.iter().map(|(_, sums)| sums.total());
+        let sums = sums.iter().map(LinearSums::total);
         sums.reduce(|a, b| a + b).unwrap_or_default()
     }
 
