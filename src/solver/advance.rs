@@ -3,25 +3,41 @@
 use super::batch::{Batch, TurningBody};
 use super::bodies::SolverBody;
 use super::demand::SubstepSettings;
+use super::halves::MOST_LEAVES;
 use super::lanes::LaneWidth;
-use super::shares::each_part;
+use super::layout::{Layout, Member};
+use super::shares::{each_part, parts_by_body};
 use super::spin::{SPINS, Spins};
 use crate::contact::manifold::ContactPoint;
 use crate::contact::manifolds::Manifolds;
 use crate::parts::front_mut;
 use crate::team::Team;
-use glam::Mat3;
+use glam::{Mat3, Vec3};
 
 impl Batch {
-    /// The velocities that gravity gives.
+    /// The velocities that gravity gives, and if a tolerance depends on it, how fast the bodies of each island are then.
     pub(super) fn apply_gravity(&mut self, settings: &SubstepSettings, team: Option<&Team>) {
         let change = settings.gravity * settings.h;
-        let lists = (&mut self.bodies[..], &mut self.displacements[..]);
-        each_part(&self.layout.cuts, team, lists, |bodies, _| {
-            for body in bodies.iter_mut().filter(|b| b.inverse_mass > 0.0) {
-                body.linear += change;
+        let is_asked = settings.config.tolerance.is_some();
+        let Layout { cuts, members, .. } = &self.layout;
+        let fastest = &mut self.scratch.fastest;
+        fastest.clear();
+        if cuts.leaves().is_empty() {
+            fall(&mut self.bodies, change);
+            let asked = if is_asked { &members[..] } else { &[] };
+            let bodies = |member: &Member| &self.bodies[member.bodies.clone()];
+            fastest.extend(asked.iter().map(|member| fastest_of(bodies(member))));
+            return;
+        }
+        let mut of_parts = [0.0; MOST_LEAVES + 1];
+        let parts = parts_by_body(&mut self.bodies, cuts).zip(&mut of_parts);
+        Team::each(team, parts, |(bodies, fastest)| {
+            fall(bodies, change);
+            if is_asked {
+                *fastest = fastest_of(bodies);
             }
         });
+        fastest.push(of_parts.into_iter().fold(0.0, f32::max));
     }
 
     /// Moves the bodies by their velocities.
@@ -130,6 +146,18 @@ impl Batch {
             }
         });
     }
+}
+
+fn fall(bodies: &mut [SolverBody], change: Vec3) {
+    for body in bodies.iter_mut().filter(|b| b.inverse_mass > 0.0) {
+        body.linear += change;
+    }
+}
+
+/// Square of the largest speed, m2/s2.
+fn fastest_of(bodies: &[SolverBody]) -> f32 {
+    let squares = bodies.iter().map(|body| body.linear.length_squared());
+    squares.fold(0.0, f32::max)
 }
 
 /// Turns up to eight bodies; `first`: number of the first one of `bodies`.

@@ -151,6 +151,8 @@ pub(super) struct BatchScratch {
     pub(super) gains: Vec<SolverBody>,
     /// Velocities without contact impulses.
     pub(super) free: Vec<SolverBody>,
+    /// By island, if a tolerance depends on it: square of the largest speed before contacts act in the sub-step, m2/s2.
+    pub(super) fastest: Vec<f32>,
     /// Velocities at the start of the step, if a body may break.
     pub(super) start: Vec<SolverBody>,
     /// By body: what it was hit with.

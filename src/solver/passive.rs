@@ -17,8 +17,11 @@
 use super::Method;
 use super::batch::Batch;
 use super::bodies::SolverBody;
+use super::halves::MOST_LEAVES;
 use super::layout::Member;
+use crate::team::Team;
 use glam::Vec3;
+use std::ops::{Add, Range};
 
 /// A closer look is taken where linear motion alone has more than this share of the energy that is allowed.
 const SUSPICIOUS: f64 = 0.5;
@@ -69,7 +72,7 @@ impl LinearSums {
     }
 }
 
-impl std::ops::Add for Sums {
+impl Add for Sums {
     type Output = Self;
 
     fn add(self, other: Self) -> Self {
@@ -123,13 +126,13 @@ impl Batch {
 
     /// Takes the impulses of an island, whose gains are known, times the share that adds no energy. `linear`: sums of linear
     /// motion alone.
-    pub(super) fn keep_passive(&mut self, member: &Member, linear: Sums) {
+    pub(super) fn keep_passive(&mut self, member: &Member, linear: Sums, team: Option<&Team>) {
         let speed = self.settings.gravity.length() * self.settings.step();
         let is_fine = linear.after <= SUSPICIOUS * linear.allowed(speed);
         if is_fine || !self.is_passive() || self.is_driven(member) {
             return;
         }
-        let share = self.sums(member).share(speed);
+        let share = self.sums(member, team).share(speed);
         if share < 1.0 {
             self.scale_impulses(member, share as f32);
         }
@@ -138,13 +141,27 @@ impl Batch {
     /// Whether bodies that contacts do not move, but that move, may give energy.
     fn is_driven(&self, member: &Member) -> bool {
         let moves = |body: &SolverBody| body.linear != Vec3::ZERO || body.angular != Vec3::ZERO;
-        let mut bodies = self.bodies[member.bodies.clone()].iter();
+        // Contacts move those in leaves.
+        let leaves = self.layout.cuts.leaves();
+        let first = leaves.last().map_or(member.bodies.start, |leaf| leaf.end);
+        let mut bodies = self.bodies[first..member.bodies.end].iter();
         bodies.any(|body| body.inverse_mass == 0.0 && moves(body))
     }
 
-    fn sums(&self, member: &Member) -> Sums {
+    fn sums(&self, member: &Member, team: Option<&Team>) -> Sums {
+        let cuts = &self.layout.cuts;
+        if cuts.leaves().is_empty() {
+            return self.sums_of(member.bodies.clone());
+        }
+        let mut sums = [Sums::default(); MOST_LEAVES + 1];
+        let parts = cuts.shares_of_bodies(member.bodies.len()).zip(&mut sums);
+        Team::each(team, parts, |(bodies, sums)| *sums = self.sums_of(bodies));
+        sums.into_iter().fold(Sums::default(), Sums::add)
+    }
+
+    fn sums_of(&self, bodies: Range<usize>) -> Sums {
         let mut sums = Sums::default();
-        for i in member.bodies.clone() {
+        for i in bodies {
             let (gain, now, solid) = (&self.scratch.gains[i], &self.bodies[i], &self.solids[i]);
             let mass = mass_of(now);
             sums.mass += f64::from(mass);

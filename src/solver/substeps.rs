@@ -19,11 +19,14 @@ use super::blocks::{Place, Point, vector};
 use super::bodies::SolverBody;
 use super::demand::{Effort, SubstepSettings};
 use super::domains;
+use super::layout::Layout;
+use super::shares::{each_part, parts_of_blocks};
 use super::shift::Shift;
 use super::soft_step::Softness;
 use super::sweep::{Contacts, Feedback, Pass, cells};
 use super::{Method, SolverConfig};
 use crate::contact::manifolds::Manifolds;
+use crate::parts::front_mut;
 use crate::team::{Shared, Team};
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -363,19 +366,30 @@ impl Batch {
             last_bodies,
             ..
         } = &mut self.scratch;
+        let Layout { cuts, domains, .. } = &self.layout;
+        last_bodies.resize(self.bodies.len(), SolverBody::default());
+        let bodies = (&mut self.bodies[..], &mut last_bodies[..]);
         let Some(weight) = pace.weight() else {
-            last_impulses.clear();
-            last_impulses.extend(self.points.iter().map(|point| point.impulse));
-            last_bodies.clear();
-            last_bodies.extend_from_slice(&self.bodies);
+            each_part(cuts, team, bodies, |now, last| last.copy_from_slice(now));
+            last_impulses.resize(self.points.len(), Default::default());
+            let mut last = &mut last_impulses[..];
+            let parts = parts_of_blocks(&mut self.blocks, &mut self.points, domains, team);
+            let parts = parts.map(|(_, points)| (front_mut(&mut last, points.len()), points));
+            Team::each(team, parts, |(last, now)| {
+                for (last, now) in last.iter_mut().zip(now) {
+                    *last = now.impulse;
+                }
+            });
             return;
         };
-        for (body, last) in self.bodies.iter_mut().zip(last_bodies) {
-            let now = *body;
-            body.linear = now.linear + weight * (now.linear - last.linear);
-            body.angular = now.angular + weight * (now.angular - last.angular);
-            *last = now;
-        }
+        each_part(cuts, team, bodies, |now, last| {
+            for (body, last) in now.iter_mut().zip(last) {
+                let now = *body;
+                body.linear = now.linear + weight * (now.linear - last.linear);
+                body.angular = now.angular + weight * (now.angular - last.angular);
+                *last = now;
+            }
+        });
         self.pass(Pass::Extrapolate { weight }, team);
     }
 
@@ -383,14 +397,10 @@ impl Batch {
     /// island is the strictest; or that of rebounds, the fastest of which has the speed `rebound`.
     fn tolerance(&self, config: &SolverConfig, share: f32, rebound: f32) -> Option<f32> {
         let asked = config.tolerance.map(|tolerance| {
-            let members = self.layout.members.iter().zip(&self.extents);
-            let of_members = members.map(|(member, extent)| {
-                let bodies = &self.bodies[member.bodies.clone()];
-                let squares = bodies.iter().map(|body| body.linear.length_squared());
-                let fastest = (squares.fold(0.0, f32::max) / extent).sqrt();
-                tolerance.max(share * fastest)
-            });
-            of_members.fold(f32::INFINITY, f32::min)
+            let islands = self.scratch.fastest.iter().zip(&self.extents);
+            let of_islands =
+                islands.map(|(square, extent)| tolerance.max(share * (square / extent).sqrt()));
+            of_islands.fold(f32::INFINITY, f32::min)
         });
         let of_rebounds = (rebound > 0.0).then_some(REBOUND_TOLERANCE * rebound);
         match (asked, of_rebounds) {

@@ -54,7 +54,7 @@ impl Batch {
         let members = std::mem::take(&mut self.layout.members);
         if let ([member], [_, ..]) = (&members[..], self.layout.cuts.leaves()) {
             let linear = self.note_gains_of_leaves(team);
-            self.keep_passive(member, linear);
+            self.keep_passive(member, linear, team);
         } else {
             // Behind their bodies there is only the idle one, which gains nothing.
             for member in &members {
@@ -63,7 +63,7 @@ impl Batch {
                     &mut self.scratch.gains[bodies.clone()],
                     &self.bodies[bodies],
                 );
-                self.keep_passive(member, linear.total());
+                self.keep_passive(member, linear.total(), team);
             }
         }
         self.layout.members = members;
