@@ -74,6 +74,12 @@ impl Link {
             bounces: manifold.restitution > 0.0,
         }
     }
+
+    /// Whether it makes the same islands as another one.
+    fn joins_as(&self, other: &Self) -> bool {
+        let points = self.points;
+        *self == Self { points, ..*other }
+    }
 }
 
 /// The islands of a step, kept while the same bodies touch at as many points; buffers are reused.
@@ -118,7 +124,9 @@ impl Islands {
     ) {
         self.new_links.resize(manifolds.len(), Link::default());
         let old_links = &self.links;
-        let have_changed = AtomicBool::new(old_links.len() != manifolds.len());
+        let is_as_many = old_links.len() == manifolds.len();
+        // Other points, and other islands.
+        let [have_changed, are_new] = [0; 2].map(|_| AtomicBool::new(!is_as_many));
         let size = Team::part_size(team, manifolds.len(), LEAST_LINKS);
         let parts = self.new_links.chunks_mut(size).zip(manifolds.chunks(size));
         run_parts(team, parts.enumerate(), |(part, (links, manifolds))| {
@@ -126,8 +134,12 @@ impl Islands {
                 *link = Link::new(manifold, bodies, is_open(manifold));
             }
             let first = part * size;
-            if old_links.get(first..first + links.len()) != Some(links) {
+            let old = old_links.get(first..first + links.len());
+            if let Some(old) = old.filter(|old| *old != links) {
                 have_changed.store(true, Ordering::Relaxed);
+                if !old.iter().zip(&*links).all(|(old, new)| old.joins_as(new)) {
+                    are_new.store(true, Ordering::Relaxed);
+                }
             }
         });
         if !have_changed.into_inner() {
@@ -135,6 +147,9 @@ impl Islands {
         }
         self.revision += 1;
         std::mem::swap(&mut self.links, &mut self.new_links);
+        if !are_new.into_inner() {
+            return self.count_points();
+        }
         self.parent.clear();
         self.parent.extend(0..bodies.slots() as u32);
         for &Link { bodies: [a, b], .. } in self.links.iter().filter(|link| link.joins) {
@@ -143,6 +158,23 @@ impl Islands {
         self.count();
         self.sort();
         self.number_bodies(bodies.slots());
+    }
+
+    /// Counts points anew where the islands are as they were.
+    fn count_points(&mut self) {
+        let links = self
+            .manifolds
+            .iter()
+            .map(|&index| &self.links[index as usize]);
+        for (count, link) in self.counts.iter_mut().zip(links) {
+            *count = u32::from(link.points);
+        }
+        let mut end = 0;
+        for island in &mut self.list {
+            let first = end;
+            end += self.counts[island.manifolds.clone()].iter().sum::<u32>() as usize;
+            island.points = first..end;
+        }
     }
 
     /// Number of manifolds of the islands in `range`.

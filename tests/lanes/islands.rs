@@ -56,7 +56,7 @@ fn outcome(islands: &Islands) -> Outcome {
 proptest! {
     #![proptest_config(cases(100))]
 
-    /// Steps in which nothing changes, a manifold changes, comes or goes, or bodies are left out.
+    /// Steps in which nothing changes, a manifold changes, comes, goes or has other points, or bodies are left out.
     #[test]
     fn islands_that_are_used_again_are_those_found_anew(seed: u64) {
         let (mut dice, bodies) = (Dice::new(seed), bodies());
@@ -70,7 +70,7 @@ proptest! {
             let mut fresh = Islands::default();
             fresh.find(&manifolds, &bodies, is_open, None);
             prop_assert_eq!(outcome(&kept), outcome(&fresh));
-            match dice.below(6) {
+            match dice.below(7) {
                 0 => manifolds.push(manifold(&mut dice)),
                 1 => drop(manifolds.pop()),
                 2 if !manifolds.is_empty() => {
@@ -78,6 +78,10 @@ proptest! {
                     manifolds[at] = manifold(&mut dice);
                 }
                 3 => left_out = dice.below(BODIES as usize + 1) as u32,
+                4 if !manifolds.is_empty() => {
+                    let at = dice.below(manifolds.len());
+                    manifolds[at].count = 1 + dice.below(MAX_POINTS) as u32;
+                }
                 _ => {}
             }
         }
