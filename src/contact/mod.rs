@@ -7,6 +7,7 @@ pub mod cache;
 mod clipping;
 mod edge_search;
 pub(crate) mod half_space;
+pub(crate) mod known;
 pub mod manifold;
 pub mod manifolds;
 pub mod material;

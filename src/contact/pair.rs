@@ -4,11 +4,11 @@
 //! little against each other since: a bound of how far any point of the smaller body has moved as seen from the larger
 //! one tells. The state belongs to the pair and depends on nothing but how its two bodies moved.
 
+use super::known::Touches;
 use super::manifold::{BodyPlace, BoundPatch};
 use super::sat::Hint;
 use crate::math::Pose;
 use glam::{Quat, Vec3};
-use std::mem::offset_of;
 
 /// How far a pair may move until its contact is found anew, as a share of the least extent of the smaller body, where
 /// the points stay what they are (corners on faces, crossings of edges): their gaps and places are then followed.
@@ -67,11 +67,12 @@ impl Pace {
             self.lap = self.lap.wrapping_add(1);
         }
     }
+}
 
-    /// What a pair's state is tied to: changes when either number grows.
-    fn epoch(&self) -> u32 {
-        self.version.wrapping_add(self.lap)
-    }
+/// What a pair's state is tied to: changes with either body, because all of these numbers only grow.
+fn epoch_of([a, b]: [&Pace; 2]) -> u32 {
+    let epoch = |pace: &Pace| pace.version.wrapping_add(pace.lap);
+    epoch(a).wrapping_add(epoch(b))
 }
 
 impl PairBody {
@@ -159,52 +160,69 @@ pub(crate) struct PairTerm {
     /// How far they may move, together with the margin of the contacts that matter, m: their distance if they were apart;
     /// else the gap up to which the patch has all points.
     limit: f32,
-    epochs: [u32; 2],
+    /// See [`epoch_of`].
+    epoch: u32,
     /// Number of contact points.
     pub(crate) points: u32,
+    /// Where the pair's state is in its list.
+    pub(crate) state: u32,
+    /// Where its touch is, or [`NO_TOUCH`].
+    pub(crate) touch: u32,
 }
+
+/// Of a pair that does not touch.
+pub(crate) const NO_TOUCH: u32 = u32::MAX;
 
 const _: () = assert!(size_of::<PairTerm>() == 32);
 
-impl Default for PairTerm {
-    /// A pair that was never tested.
-    fn default() -> Self {
+impl PairTerm {
+    /// Of a pair that was never tested, whose state is at this place.
+    pub(crate) fn new(state: u32) -> Self {
         Self {
             path: 0.0,
             tolerance: f32::NEG_INFINITY,
             limit: f32::NEG_INFINITY,
-            epochs: [0; 2],
+            epoch: 0,
             points: 0,
+            state,
+            touch: NO_TOUCH,
         }
     }
-}
 
-impl PairTerm {
     /// Whether what the last test found holds for bodies of the given paces, if contacts up to `margin` (m) matter: a quick
     /// look, which may say no for want of detail.
-    pub(crate) fn surely_holds(&self, [a, b]: [&Pace; 2], margin: f32) -> bool {
-        let moved = (a.path + b.path - self.path) as f32;
-        moved <= self.tolerance
-            && moved + margin < self.limit
-            && self.epochs == [a.epoch(), b.epoch()]
+    pub(crate) fn surely_holds(&self, paces: [&Pace; 2], margin: f32) -> bool {
+        let moved = (paces[0].path + paces[1].path - self.path) as f32;
+        moved <= self.tolerance && moved + margin < self.limit && self.epoch == epoch_of(paces)
     }
 }
 
-/// What the last test of a pair found: in four cache lines what manifolds are written from, in a fifth what only a test needs.
-#[derive(Clone, Debug, Default)]
-#[repr(C, align(64))]
+/// What a closer look at a pair needs of its last test: a cache line.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(align(64))]
 pub(crate) struct PairState {
-    pub(crate) patch: BoundPatch,
-    pub(crate) friction: f32,
-    pub(crate) restitution: f32,
     /// Unit vector from A to B, A's frame, along which the bodies were apart.
     axis: Option<Vec3>,
     sight: Sight,
+    /// How far the bodies may slide along the face at which they touch, m; see [`Patch::slide`](super::manifold::Patch::slide).
+    slide: f32,
     /// The faces of A and B that separated best.
     pub(crate) faces: [u32; 2],
 }
 
-const _: () = assert!(offset_of!(PairState, axis) <= 4 * 64);
+const _: () = assert!(size_of::<PairState>() == 64);
+
+/// Where the last test of a pair found that it touches, and what manifolds are written from: four cache lines. Most pairs of a
+/// heap do not touch, and have none.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(align(64))]
+pub(crate) struct Touch {
+    pub(crate) patch: BoundPatch,
+    pub(crate) friction: f32,
+    pub(crate) restitution: f32,
+}
+
+const _: () = assert!(size_of::<Touch>() == 4 * 64);
 
 /// A pair as a test sees it.
 #[derive(Debug)]
@@ -213,6 +231,7 @@ pub(crate) struct PairView<'v> {
     pub(crate) paces: [&'v Pace; 2],
     pub(crate) term: &'v mut PairTerm,
     pub(crate) state: &'v mut PairState,
+    pub(crate) touches: &'v mut Touches,
 }
 
 /// Up to which gap a test looks for points so that the patch holds for `margin` (m) until it is found anew: the pair may
@@ -229,18 +248,26 @@ pub(crate) fn smaller_extent([a, b]: [&Pace; 2]) -> f32 {
 impl PairView<'_> {
     /// What the last test says about the pair now, where bodies farther apart than `margin` (m) do not matter.
     pub(crate) fn verdict(&mut self, margin: f32) -> Verdict {
-        let Self { term, state, .. } = self;
+        let Self {
+            term,
+            state,
+            touches,
+            ..
+        } = self;
         let [a, b] = self.bodies;
-        if term.epochs != [self.paces[0].epoch(), self.paces[1].epoch()] {
+        if term.epoch != epoch_of(self.paces) {
             return Verdict::Unknown(None);
         }
         let sight = Sight::of(a, b);
         let motion = sight.motion_since(&state.sight, a.radius.min(b.radius));
         let mut moved = motion.length();
-        let slide = state.patch.slide.min(SLIDE * smaller_extent(self.paces));
-        if moved > term.tolerance && moved + term.tolerance <= slide {
+        let slide = state.slide.min(SLIDE * smaller_extent(self.paces));
+        if moved > term.tolerance
+            && moved + term.tolerance <= slide
+            && let Some(Touch { patch, .. }) = touches.of(term)
+        {
             // What a slide changes, with all that the quick look lets pass after this, is nothing.
-            let normal = state.patch.normal_for(a.radius < b.radius, sight.rotation);
+            let normal = patch.normal_for(a.radius < b.radius, sight.rotation);
             moved = motion.along(normal);
         }
         if moved <= term.tolerance && moved + margin < term.limit {
@@ -254,13 +281,13 @@ impl PairView<'_> {
 
     /// What the last test says about the next one, if it found these shapes touching. `centres`: of mass, own frames, m.
     pub(crate) fn hint(&self, b_in_a: &Pose, centres: [Vec3; 2]) -> Hint {
-        let epochs = [self.paces[0].epoch(), self.paces[1].epoch()];
-        if self.term.points == 0 || self.term.epochs != epochs {
-            return Hint::NONE;
-        }
-        Hint {
-            faces: Some(self.state.faces),
-            ..self.state.patch.hint(b_in_a, centres)
+        let is_current = self.term.epoch == epoch_of(self.paces);
+        match self.touches.of(self.term) {
+            Some(Touch { patch, .. }) if patch.count > 0 && is_current => Hint {
+                faces: Some(self.state.faces),
+                ..patch.hint(b_in_a, centres)
+            },
+            _ => Hint::NONE,
         }
     }
 
@@ -268,14 +295,17 @@ impl PairView<'_> {
     pub(crate) fn set_apart(&mut self, axis: Vec3, distance: f32) {
         self.note(0, f32::INFINITY, distance);
         self.state.axis = Some(axis);
+        self.touches.end(self.term);
     }
 
-    /// Notes the patch that a test now found, which holds all points up to `reach` (m).
-    pub(crate) fn set_near(&mut self, patch: BoundPatch, reach: f32) {
+    /// Notes that a test now found that the bodies touch, with all points up to `reach` (m).
+    pub(crate) fn set_near(&mut self, touch: Touch, reach: f32) {
         let [least, most] = [RECYCLE_UNSTEADY, RECYCLE].map(|s| s * smaller_extent(self.paces));
+        let patch = &touch.patch;
         self.note(patch.count, patch.steady.clamp(least, most), reach);
         self.state.axis = None;
-        self.state.patch = patch;
+        self.state.slide = patch.slide;
+        self.touches.set(self.term, touch);
     }
 
     fn note(&mut self, points: u32, tolerance: f32, limit: f32) {
@@ -284,8 +314,9 @@ impl PairView<'_> {
             path: a.path + b.path,
             tolerance,
             limit,
-            epochs: [a.epoch(), b.epoch()],
+            epoch: epoch_of([a, b]),
             points,
+            ..*self.term
         };
         self.state.sight = Sight::of(self.bodies[0], self.bodies[1]);
     }

@@ -1,0 +1,206 @@
+//! What is known of a run of pairs, from step to step: flat lists that pairs point into.
+//!
+//! What the quick look at a pair reads lies in the order of the pairs. What only a closer look reads, and what manifolds are
+//! written from, stays where it is when pairs come and go. Touches are put into the order of the pairs now and then, because
+//! all of them are read in each step, and a heap that has fallen together has them in the order in which it touched.
+
+use super::BodyId;
+use super::broadphase::Pair;
+use super::pair::{NO_TOUCH, Pace, PairBody, PairState, PairTerm, PairView, Touch};
+
+/// Two bodies by id, in the order of the pairs.
+pub(crate) type PairName = (BodyId, BodyId);
+
+/// What the pair is called.
+pub(crate) fn name_of(pair: Pair, ids: &[BodyId]) -> PairName {
+    (ids[pair.a as usize], ids[pair.b as usize])
+}
+
+/// Share of the touches that may have come anywhere since they were sorted.
+const DISORDER: usize = 8;
+
+/// A list whose elements stay where they are.
+#[derive(Debug, Default)]
+struct Slab<T> {
+    list: Vec<T>,
+    free: Vec<u32>,
+}
+
+impl<T> Slab<T> {
+    fn add(&mut self, value: T) -> u32 {
+        if let Some(at) = self.free.pop() {
+            self.list[at as usize] = value;
+            return at;
+        }
+        self.list.push(value);
+        self.list.len() as u32 - 1
+    }
+
+    fn len(&self) -> usize {
+        self.list.len() - self.free.len()
+    }
+}
+
+/// The touches of a run of pairs.
+#[derive(Debug, Default)]
+pub(crate) struct Touches {
+    slab: Slab<Touch>,
+    /// How many have come since they were sorted.
+    unsorted: usize,
+}
+
+impl Touches {
+    /// Where the pair touches, if it does.
+    pub(crate) fn of(&self, term: &PairTerm) -> Option<&Touch> {
+        self.slab.list.get(term.touch as usize)
+    }
+
+    /// The touch at a place that a term tells.
+    pub(crate) fn at(&self, touch: u32) -> &Touch {
+        &self.slab.list[touch as usize]
+    }
+
+    /// Notes where the pair touches.
+    pub(crate) fn set(&mut self, term: &mut PairTerm, touch: Touch) {
+        if let Some(old) = self.slab.list.get_mut(term.touch as usize) {
+            *old = touch;
+        } else {
+            term.touch = self.slab.add(touch);
+            self.unsorted += 1;
+        }
+    }
+
+    /// Notes that the pair does not touch.
+    pub(crate) fn end(&mut self, term: &mut PairTerm) {
+        if term.touch != NO_TOUCH {
+            self.slab.free.push(term.touch);
+            term.touch = NO_TOUCH;
+        }
+    }
+
+    /// How many there are.
+    pub(crate) fn len(&self) -> usize {
+        self.slab.len()
+    }
+}
+
+/// What is known of a run of pairs.
+#[derive(Debug, Default)]
+pub(crate) struct Known {
+    names: Vec<PairName>,
+    pub(crate) terms: Vec<PairTerm>,
+    states: Slab<PairState>,
+    pub(crate) touches: Touches,
+    new_names: Vec<PairName>,
+    new_terms: Vec<PairTerm>,
+}
+
+impl Known {
+    /// A pair as a test sees it.
+    pub(crate) fn view<'v>(
+        &'v mut self,
+        pair: usize,
+        bodies: [&'v PairBody; 2],
+        paces: [&'v Pace; 2],
+    ) -> PairView<'v> {
+        let term = &mut self.terms[pair];
+        PairView {
+            bodies,
+            paces,
+            state: &mut self.states.list[term.state as usize],
+            touches: &mut self.touches,
+            term,
+        }
+    }
+
+    /// Brings it into the order of these pairs. Of new ones nothing is known, and what was known of those that are gone is
+    /// forgotten.
+    pub(crate) fn follow(&mut self, pairs: &[Pair], ids: &[BodyId]) {
+        let names = pairs.iter().map(|&pair| name_of(pair, ids));
+        if names.clone().eq(self.names.iter().copied()) {
+            return;
+        }
+        self.new_names.clear();
+        self.new_names.extend(names);
+        self.new_terms.clear();
+        let mut old = self.names.iter().zip(&mut self.terms).peekable();
+        for name in &self.new_names {
+            while let Some((_, term)) = old.next_if(|(old, _)| *old < name) {
+                self.states.free.push(term.state);
+                self.touches.end(term);
+            }
+            let term = match old.next_if(|(old, _)| *old == name) {
+                Some((_, term)) => *term,
+                None => PairTerm::new(self.states.add(PairState::default())),
+            };
+            self.new_terms.push(term);
+        }
+        for (_, term) in old {
+            self.states.free.push(term.state);
+            self.touches.end(term);
+        }
+        std::mem::swap(&mut self.names, &mut self.new_names);
+        std::mem::swap(&mut self.terms, &mut self.new_terms);
+    }
+
+    /// Puts the touches into the order of the pairs, if many of them have come since they were. `spare`: a list of any content.
+    pub(crate) fn sort_touches(&mut self, spare: &mut Vec<Touch>) {
+        if self.touches.unsorted * DISORDER <= self.touches.len() {
+            return;
+        }
+        spare.clear();
+        for term in self.terms.iter_mut().filter(|t| t.touch != NO_TOUCH) {
+            spare.push(*self.touches.at(term.touch));
+            term.touch = spare.len() as u32 - 1;
+        }
+        std::mem::swap(&mut self.touches.slab.list, spare);
+        self.touches.slab.free.clear();
+        self.touches.unsorted = 0;
+    }
+
+    /// The pairs that it knows, in order.
+    pub(crate) fn names(&self) -> &[PairName] {
+        &self.names
+    }
+
+    /// Takes what `from` knows of one of its pairs, which comes behind all that are known here.
+    pub(crate) fn take(&mut self, from: &Self, pair: usize) {
+        let mut term = from.terms[pair];
+        // In the order of the pairs.
+        if let Some(touch) = from.touches.of(&term) {
+            term.touch = self.touches.slab.add(*touch);
+        }
+        term.state = self.states.add(from.states.list[term.state as usize]);
+        self.names.push(from.names[pair]);
+        self.terms.push(term);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_of_pairs_that_are_gone_are_used_again() {
+        let ids: Vec<BodyId> = (0..40).map(BodyId).collect();
+        let mut known = Known::default();
+        for round in 0..100_u32 {
+            let pairs = (0..40).flat_map(|a| (a + 1..40).map(move |b| Pair { a, b }));
+            // A third of all pairs, others in each round.
+            let pairs: Vec<Pair> = pairs.filter(|p| (p.a * p.b + round) % 3 == 0).collect();
+            known.follow(&pairs, &ids);
+            for pair in (0..pairs.len()).filter(|pair| pair % 4 == 0) {
+                let Known { terms, touches, .. } = &mut known;
+                match round % 2 {
+                    0 => touches.set(&mut terms[pair], Touch::default()),
+                    _ => touches.end(&mut terms[pair]),
+                }
+            }
+            let touching = known.terms.iter().filter(|term| term.touch != NO_TOUCH);
+            assert_eq!(known.touches.len(), touching.count());
+            assert_eq!(known.states.len(), pairs.len());
+        }
+        assert!(known.states.list.len() <= 40 * 40 / 2);
+        assert!(known.touches.slab.list.len() <= 40 * 40 / 2);
+    }
+}
