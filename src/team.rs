@@ -175,16 +175,26 @@ impl Team {
     /// If there are more.
     pub fn run(&self, count: usize, tasks: Tasks<'_>) {
         assert!(count <= MOST_TASKS, "a list has 32 tasks at most");
+        if count == 1 {
+            return tasks(0);
+        }
         let list = (self.left.load(Ordering::Relaxed) >> 32).wrapping_add(1);
         self.done.store(0, Ordering::Relaxed);
         // SAFETY: the list before is done, so nobody reads `tasks` (see `Sync`). That this one is borrowed for longer than it
         // lives does not matter: it is called by those who took one of its tasks only, and this function does not return, nor
         // unwind, before all of them are done.
         unsafe { *self.tasks.get() = std::mem::transmute::<Tasks<'_>, Tasks<'static>>(tasks) };
-        let all = (1_u64 << count) - 1;
-        let count = count as u32;
-        self.left.store(list << 32 | all, Ordering::Release);
-        let wait = WaitForAll { team: self, count };
+        // The first one is the leader's from the start.
+        let others = ((1_u64 << count) - 1) & !1;
+        self.left.store(list << 32 | others, Ordering::Release);
+        let wait = WaitForAll {
+            team: self,
+            count: count as u32,
+        };
+        if count > 0 {
+            let _done = CountDone(&self.done);
+            tasks(0);
+        }
         while self.take_one(0) {}
         drop(wait);
         let panic = self.panicked().take();

@@ -118,11 +118,13 @@ impl Domains {
         &self.leaves
     }
 
-    /// Parts of `count` bodies that a team works on at a time: the leaves and the rest.
+    /// Parts of `count` bodies that a team works on at a time: the leaves, of which the last has the rest with it.
     pub(super) fn shares_of_bodies(&self, count: usize) -> impl Iterator<Item = Range<usize>> {
-        let end = self.leaves.last().map_or(0, |leaf| leaf.end);
-        let rest = std::iter::once(end..count);
-        self.leaves.iter().cloned().chain(rest)
+        let (last, others) = match self.leaves.split_last() {
+            Some((last, others)) => (last.start..count, others),
+            None => (0..count, &[][..]),
+        };
+        others.iter().cloned().chain(std::iter::once(last))
     }
 
     /// The domain of a manifold that joins these bodies; of bodies that contacts do not move, `None`.

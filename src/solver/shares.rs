@@ -19,9 +19,9 @@ pub(super) fn shares(
 }
 
 /// Most parts of a list by body.
-pub(super) const MOST_SHARES: usize = MOST_LEAVES + 1;
+pub(super) const MOST_SHARES: usize = MOST_LEAVES;
 
-/// Parts of a list by body: the leaves and the rest.
+/// Parts of a list by body, one for each leaf.
 pub(super) fn parts_by_body<'a, T>(
     mut list: &'a mut [T],
     cuts: &Domains,

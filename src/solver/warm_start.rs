@@ -73,7 +73,7 @@ impl Batch {
         let parts =
             parts_by_body(&mut self.scratch.gains, cuts).zip(parts_by_body(&mut self.bodies, cuts));
         let mut sums = [LinearSums::default(); MOST_SHARES];
-        let sums = &mut sums[..cuts.leaves().len() + 1];
+        let sums = &mut sums[..cuts.leaves().len()];
         Team::each(team, parts.zip(&mut *sums), |((gains, bodies), sums)| {
             *sums = note_gains(gains, bodies);
         });
