@@ -42,9 +42,10 @@ pub struct NarrowPhase {
     /// Bodies by slot.
     bodies: Vec<PairBody>,
     paces: Vec<Pace>,
-    /// What is known of the pairs, which are those of this revision of the pair list.
+    /// What is known of the pairs.
     parts: Vec<Part>,
-    revision: Option<u64>,
+    /// Revision and length of the pair list that they follow.
+    of_pairs: Option<(u64, usize)>,
     /// The part whose touches are sorted next.
     next_sorted: usize,
     spare_touches: Vec<Touch>,
@@ -76,7 +77,8 @@ impl NarrowPhase {
         team: Option<&Team>,
     ) {
         let pairs = broadphase.pairs();
-        if self.revision.replace(broadphase.revision()) != Some(broadphase.revision()) {
+        let known = Some((broadphase.revision(), pairs.len()));
+        if std::mem::replace(&mut self.of_pairs, known) != known {
             self.share_out(pairs, &bodies.ids);
         }
         self.sort_touches();
@@ -110,7 +112,7 @@ impl NarrowPhase {
         self.find_ends(pairs, ids);
         let most = self.parts.iter().map(|part| part.pairs.len()).max();
         let count = pairs.len().div_ceil(PAIRS_PER_PART).clamp(1, MAX_PARTS);
-        let too_large = UNEQUAL * pairs.len().div_ceil(count).max(PAIRS_PER_PART / 2);
+        let too_large = UNEQUAL * pairs.len().div_ceil(count);
         if most.is_none_or(|most| most > too_large) || self.parts.len() > UNEQUAL * count {
             self.split(pairs, ids, count);
             self.find_ends(pairs, ids);

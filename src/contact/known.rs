@@ -16,7 +16,7 @@ pub(crate) fn name_of(pair: Pair, ids: &[BodyId]) -> PairName {
     (ids[pair.a as usize], ids[pair.b as usize])
 }
 
-/// Share of the touches that may have come anywhere since they were sorted.
+/// Of so many touches, one may have come since they were sorted, and lie anywhere.
 const DISORDER: usize = 8;
 
 /// A list whose elements stay where they are.
