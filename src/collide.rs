@@ -1,7 +1,7 @@
 //! From bodies to manifolds: feeds the contact layer with the bodies' boxes, shapes and materials.
 //!
 //! Pairs are independent, so they are split into parts for a team of threads, if there is one. What is known of a pair
-//! lives with its part ([`Known`](crate::contact::known::Known)), so the split stays what it is until parts have become too
+//! lives with its part (`contact/known.rs`), so the split stays what it is until parts have become too
 //! unequal. It depends on the scene only, and the parts are joined in order: any number of threads gives the same bits.
 
 mod boxes;
