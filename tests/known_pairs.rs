@@ -101,3 +101,17 @@ fn contacts_are_those_of_a_first_look_while_pairs_come_and_go() {
     }
     assert!(most > 4096, "{most} manifolds are too few to be sorted");
 }
+
+#[test]
+fn bodies_that_replace_all_others_are_seen_for_the_first_time() {
+    let mut observer = Observer::default();
+    // Fewer, more, and as many of the same ids and slots, in other places.
+    for (seed, count) in [(3, 300), (4, 40), (5, 300), (6, 300)] {
+        let mut block = Block::new();
+        block.dice = Dice::new(seed);
+        block.set_count(count);
+        let seen = observer.look(&block.bodies);
+        let mut newcomer = Observer::default();
+        assert!(seen == newcomer.look(&block.bodies), "{count} cubes");
+    }
+}
