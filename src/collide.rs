@@ -1,8 +1,8 @@
 //! From bodies to manifolds: feeds the contact layer with the bodies' boxes, shapes and materials.
 //!
 //! Pairs are independent, so they are split into parts for a team of threads, if there is one. What is known of a pair
-//! lives with its part (`contact/known.rs`), so the split stays what it is until parts have become too
-//! unequal. It depends on the scene only, and the parts are joined in order: any number of threads gives the same bits.
+//! lives with its part (`contact/known.rs`), so the split stays what it is until parts have become too unequal.
+//! It depends on the scene only, and the parts are joined in order: any number of threads gives the same bits.
 
 mod boxes;
 mod part;
@@ -140,7 +140,9 @@ impl NarrowPhase {
         };
         let before = std::mem::replace(
             &mut self.parts,
-            (0..count).map(|part| Part::from(least(part))).collect(),
+            (0..count)
+                .map(|part| Part::starting_at(least(part)))
+                .collect(),
         );
         let mut at = 0;
         for known in before.iter().map(|part| &part.known) {

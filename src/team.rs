@@ -157,9 +157,6 @@ impl Team {
         // Filled where it is: to move it would take longer than a small part.
         let mut list = SmallVec::<[Option<P>; MOST_TASKS]>::new();
         list.extend(parts.map(Some));
-        if let [only] = &mut list[..] {
-            return only.take().into_iter().for_each(work);
-        }
         let shared = Shared::new(&mut list);
         // SAFETY: each task is done once, and touches its own part only.
         team.run(shared.0.len(), &|task| unsafe {
@@ -175,8 +172,8 @@ impl Team {
     /// If there are more.
     pub fn run(&self, count: usize, tasks: Tasks<'_>) {
         assert!(count <= MOST_TASKS, "a list has 32 tasks at most");
-        if count == 1 {
-            return tasks(0);
+        if count <= 1 {
+            return (0..count).for_each(tasks);
         }
         let list = (self.left.load(Ordering::Relaxed) >> 32).wrapping_add(1);
         self.done.store(0, Ordering::Relaxed);
@@ -191,7 +188,7 @@ impl Team {
             team: self,
             count: count as u32,
         };
-        if count > 0 {
+        {
             let _done = CountDone(&self.done);
             tasks(0);
         }

@@ -60,7 +60,7 @@ pub(super) struct Part {
 
 impl Part {
     /// A part without pairs, to which those from this name on will belong.
-    pub(super) fn from(least: PairName) -> Self {
+    pub(super) fn starting_at(least: PairName) -> Self {
         Self {
             least,
             ..Self::default()

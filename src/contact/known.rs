@@ -116,29 +116,30 @@ impl Known {
     /// Brings it into the order of these pairs. Of new ones nothing is known, and what was known of those that are gone is
     /// forgotten.
     pub(crate) fn follow(&mut self, pairs: &[Pair], ids: &[BodyId]) {
-        let names = pairs.iter().map(|&pair| name_of(pair, ids));
-        if names.clone().eq(self.names.iter().copied()) {
+        self.new_names.clear();
+        self.new_names
+            .extend(pairs.iter().map(|&pair| name_of(pair, ids)));
+        if self.new_names == self.names {
             return;
         }
-        self.new_names.clear();
-        self.new_names.extend(names);
         self.new_terms.clear();
+        let (states, touches) = (&mut self.states, &mut self.touches);
+        let mut forget = |states: &mut Slab<PairState>, term: &mut PairTerm| {
+            states.free.push(term.state);
+            touches.end(term);
+        };
         let mut old = self.names.iter().zip(&mut self.terms).peekable();
         for name in &self.new_names {
             while let Some((_, term)) = old.next_if(|(old, _)| *old < name) {
-                self.states.free.push(term.state);
-                self.touches.end(term);
+                forget(states, term);
             }
             let term = match old.next_if(|(old, _)| *old == name) {
                 Some((_, term)) => *term,
-                None => PairTerm::new(self.states.add(PairState::default())),
+                None => PairTerm::new(states.add(PairState::default())),
             };
             self.new_terms.push(term);
         }
-        for (_, term) in old {
-            self.states.free.push(term.state);
-            self.touches.end(term);
-        }
+        old.for_each(|(_, term)| forget(states, term));
         std::mem::swap(&mut self.names, &mut self.new_names);
         std::mem::swap(&mut self.terms, &mut self.new_terms);
     }

@@ -204,8 +204,6 @@ pub(crate) struct PairState {
     /// Unit vector from A to B, A's frame, along which the bodies were apart.
     axis: Option<Vec3>,
     sight: Sight,
-    /// How far the bodies may slide along the face at which they touch, m; see [`Patch::slide`](super::manifold::Patch::slide).
-    slide: f32,
     /// The faces of A and B that separated best.
     pub(crate) faces: [u32; 2],
 }
@@ -261,10 +259,10 @@ impl PairView<'_> {
         let sight = Sight::of(a, b);
         let motion = sight.motion_since(&state.sight, a.radius.min(b.radius));
         let mut moved = motion.length();
-        let slide = state.slide.min(SLIDE * smaller_extent(self.paces));
+        let most = SLIDE * smaller_extent(self.paces);
         if moved > term.tolerance
-            && moved + term.tolerance <= slide
             && let Some(Touch { patch, .. }) = touches.of(term)
+            && moved + term.tolerance <= patch.slide.min(most)
         {
             // What a slide changes, with all that the quick look lets pass after this, is nothing.
             let normal = patch.normal_for(a.radius < b.radius, sight.rotation);
@@ -304,7 +302,6 @@ impl PairView<'_> {
         let patch = &touch.patch;
         self.note(patch.count, patch.steady.clamp(least, most), reach);
         self.state.axis = None;
-        self.state.slide = patch.slide;
         self.touches.set(self.term, touch);
     }
 

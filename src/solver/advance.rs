@@ -3,9 +3,10 @@
 use super::batch::{Batch, TurningBody};
 use super::bodies::SolverBody;
 use super::demand::SubstepSettings;
+use super::halves::MOST_LEAVES;
 use super::lanes::LaneWidth;
 use super::layout::{Layout, Member};
-use super::shares::{MOST_SHARES, each_part, parts_by_body};
+use super::shares::{each_part, parts_by_body};
 use super::spin::{SPINS, Spins};
 use crate::contact::manifold::ContactPoint;
 use crate::contact::manifolds::Manifolds;
@@ -28,7 +29,7 @@ impl Batch {
             fastest.extend(asked.iter().map(|member| fastest_of(bodies(member))));
             return;
         }
-        let mut of_parts = [0.0; MOST_SHARES];
+        let mut of_parts = [0.0; MOST_LEAVES];
         let parts = parts_by_body(&mut self.bodies, cuts).zip(&mut of_parts);
         Team::each(team, parts, |(bodies, fastest)| {
             fall(bodies, change);

@@ -17,8 +17,8 @@
 use super::Method;
 use super::batch::Batch;
 use super::bodies::SolverBody;
+use super::halves::MOST_LEAVES;
 use super::layout::Member;
-use super::shares::MOST_SHARES;
 use crate::team::Team;
 use glam::Vec3;
 use std::ops::{Add, Range};
@@ -153,7 +153,7 @@ impl Batch {
         if cuts.leaves().is_empty() {
             return self.sums_of(member.bodies.clone());
         }
-        let mut sums = [Sums::default(); MOST_SHARES];
+        let mut sums = [Sums::default(); MOST_LEAVES];
         let parts = cuts.shares_of_bodies(member.bodies.len()).zip(&mut sums);
         Team::each(team, parts, |(bodies, sums)| *sums = self.sums_of(bodies));
         sums.into_iter().fold(Sums::default(), Sums::add)

@@ -2,7 +2,6 @@
 
 use super::blocks::{Block, Point};
 use super::domains::Domains;
-use super::halves::MOST_LEAVES;
 use crate::parts::front_mut;
 use crate::team::Team;
 use std::ops::Range;
@@ -17,9 +16,6 @@ pub(super) fn shares(
     let cut = if team.is_some() { ranges } else { &[] };
     whole.into_iter().chain(cut.iter().cloned())
 }
-
-/// Most parts of a list by body.
-pub(super) const MOST_SHARES: usize = MOST_LEAVES;
 
 /// Parts of a list by body, one for each leaf.
 pub(super) fn parts_by_body<'a, T>(

@@ -12,10 +12,11 @@
 
 use super::batch::Batch;
 use super::bodies::SolverBody;
+use super::halves::MOST_LEAVES;
 use super::lanes::run;
 use super::passive::{LinearSums, Sums};
 use super::prepare::Warm;
-use super::shares::{MOST_SHARES, each_part, parts_by_body};
+use super::shares::{each_part, parts_by_body};
 use super::sweep::{Pass, cells};
 use crate::team::Team;
 
@@ -72,7 +73,7 @@ impl Batch {
         let cuts = &self.layout.cuts;
         let parts =
             parts_by_body(&mut self.scratch.gains, cuts).zip(parts_by_body(&mut self.bodies, cuts));
-        let mut sums = [LinearSums::default(); MOST_SHARES];
+        let mut sums = [LinearSums::default(); MOST_LEAVES];
         let sums = &mut sums[..cuts.leaves().len()];
         Team::each(team, parts.zip(&mut *sums), |((gains, bodies), sums)| {
             *sums = note_gains(gains, bodies);
