@@ -11,7 +11,8 @@ use std::io::Write;
 use std::path::PathBuf;
 
 /// Steps before the timing window and in all. Piles of all sizes have about ten layers, but not the same number: in `LANDING`
-/// some have settled farther than others, `AT_REST` all have. A pyramid is at rest from the start.
+/// some have settled farther than others, in `AT_REST` all have landed, though large ones still shift a little. A pyramid is at
+/// rest from the start.
 const LANDING: [usize; 2] = [150, 180];
 const AT_REST: [usize; 2] = [330, 360];
 const PYRAMIDS: [usize; 2] = [30, 60];
