@@ -13,6 +13,7 @@
 //! otherwise, the parts are rebuilt as the convex hulls of their points.
 
 mod classes;
+mod cut_points;
 mod emit;
 mod moments;
 mod numbers;
@@ -190,7 +191,7 @@ impl HullSlicer {
         let wide = registers.find();
         classes.find_edges(hull, wide);
         classes.find_faces(hull, plane);
-        rim.cut_edges(hull, plane, classes);
+        rim.cut_edges(hull, plane, classes, wide);
         rim.divide_faces(hull, classes)?;
         rim.find_cap(hull, classes)?;
         numbers.count(hull, classes, rim, wide)?;

@@ -122,7 +122,7 @@ impl<'a> TrianglesOf<'a> {
 /// Coordinates of four points, one axis after the other.
 #[cfg(target_arch = "x86_64")]
 #[inline(always)]
-fn columns(points: [&Vec3; 4]) -> [[f32; 4]; 3] {
+pub(crate) fn columns(points: [&Vec3; 4]) -> [[f32; 4]; 3] {
     use std::arch::x86_64::*;
     let [a, b, c, d] = points;
     // SAFETY: all processors of this kind have SSE2.
@@ -149,7 +149,7 @@ fn x_and_y(point: &Vec3) -> i64 {
 /// Coordinates of four points, one axis after the other.
 #[cfg(not(target_arch = "x86_64"))]
 #[inline(always)]
-fn columns(points: [&Vec3; 4]) -> [[f32; 4]; 3] {
+pub(crate) fn columns(points: [&Vec3; 4]) -> [[f32; 4]; 3] {
     [
         points.map(|point| point.x),
         points.map(|point| point.y),
@@ -188,11 +188,17 @@ pub(crate) struct EdgeTable<'t> {
     pub(crate) first_face: usize,
 }
 
-impl EdgeTable<'_> {
+impl<'t> EdgeTable<'t> {
+    /// New numbers of the vertices, and those of the faces.
+    #[inline]
+    pub(crate) fn split(&self) -> (&'t [u32], &'t [u32]) {
+        self.numbers.split_at(self.first_face)
+    }
+
     /// An edge under its new numbers.
     #[inline]
     pub(crate) fn look_up(&self, edge: &Edge) -> Edge {
-        let (vertices, faces) = self.numbers.split_at(self.first_face);
+        let (vertices, faces) = self.split();
         Edge {
             vertices: edge.vertices.map(|vertex| vertices[vertex as usize]),
             faces: edge.faces.map(|face| faces[face as usize]),

@@ -106,15 +106,15 @@ impl Writer<'_> {
         select_edges(self.wide, &self.hull.edges, whole, table, edges);
         edges.reserve_exact(self.numbers.edges - whole.len());
         let is_below = self.mask() == BELOW;
-        let first_cut = self.hull.vertices.len() as u32;
-        let halves = self.rim.cut_edges.iter().zip(first_cut..);
+        let (vertices, faces) = table.split();
+        let halves = self.rim.cut_edges.iter().zip(self.numbers.first_cut()..);
         edges.extend(halves.map(|(edge, cut)| {
-            let end = edge.ends[self.part];
+            let end = vertices[edge.ends[self.part] as usize];
             let ends_at_cut = edge.goes_up == is_below;
-            table.look_up(&Edge {
+            Edge {
                 vertices: if ends_at_cut { [end, cut] } else { [cut, end] },
-                faces: edge.faces,
-            })
+                faces: edge.faces.map(|face| faces[face as usize]),
+            }
         }));
         for on_edge in &self.classes.on_edges {
             let is_inside = on_edge.parts.map(|part| part == self.mask());
@@ -125,12 +125,15 @@ impl Writer<'_> {
                 edges.push(table.look_up(&Edge { vertices, faces }));
             }
         }
-        let chords = (self.classes.cut_faces.indices().iter()).zip(&self.rim.chords);
-        edges.extend(chords.map(|(&face, &[up, down])| {
-            table.look_up(&Edge {
-                vertices: if is_below { [up, down] } else { [down, up] },
-                faces: [face, self.cap()],
-            })
+        let pieces = self.numbers.pieces();
+        let cap = pieces.end as u32;
+        let chords = self.rim.chords.iter().zip(pieces.start as u32..);
+        edges.extend(chords.map(|(&[up, down], piece)| {
+            let ends = if is_below { [up, down] } else { [down, up] };
+            Edge {
+                vertices: ends.map(|end| vertices[end as usize]),
+                faces: [piece, cap],
+            }
         }));
     }
 }

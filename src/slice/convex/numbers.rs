@@ -46,7 +46,12 @@ impl PartNumbers {
         }
     }
 
-    /// Which of the part's faces are pieces of cut ones.
+    /// New number of the first cut point. The others follow.
+    pub(super) fn first_cut(&self) -> u32 {
+        self.vertices.len() as u32
+    }
+
+    /// Which of the part's faces are pieces of cut ones; the cap follows them.
     pub(super) fn pieces(&self) -> Range<usize> {
         self.whole_faces.len()..self.faces - 1
     }

@@ -4,9 +4,10 @@
 
 use super::Irregular;
 use super::classes::{ABOVE, BELOW, Classes, ON};
+use super::cut_points::find_cut_points;
+use crate::geometry::lanes::wide::Avx2;
 use crate::geometry::{ConvexHull, Edge};
 use crate::math::Plane;
-use crate::slice::clip::crossing;
 use glam::Vec3;
 use std::ops::Range;
 
@@ -44,47 +45,74 @@ pub(super) struct CutEdge {
 /// Face loops, one after the other.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Loops {
-    corners: Vec<u32>,
+    corners: Corners,
+    /// Where each loop ends.
     ends: Vec<u32>,
 }
 
 impl Loops {
-    fn clear(&mut self) {
-        self.corners.clear();
-        self.ends.clear();
-    }
-
-    /// Adds so many of four corners to the last loop.
-    #[inline]
-    fn push_short(&mut self, corners: [u32; 4], count: usize) {
-        let first = self.corners.len();
-        self.corners.extend_from_slice(&corners);
-        self.corners.truncate(first + count);
-    }
-
-    /// Adds corners to the last loop.
-    #[inline]
-    fn push(&mut self, runs: &[&[u32]]) {
-        for run in runs {
-            for &corner in *run {
-                self.corners.push(corner);
-            }
-        }
-    }
-
     /// The loops, in order: lists of corners that begin with one, and how many it has.
     pub(super) fn iter(&self) -> impl Iterator<Item = (&[u32], usize)> {
         let mut first = 0;
         self.ends.iter().map(move |&end| {
             let from = std::mem::replace(&mut first, end as usize);
-            (&self.corners[from..], end as usize - from)
+            (&self.corners.list[from..], end as usize - from)
         })
     }
 }
 
+/// Corners of loops, one after the other.
+#[derive(Clone, Debug, Default)]
+struct Corners {
+    /// The corners, and behind them room.
+    list: Vec<u32>,
+    filled: usize,
+}
+
+impl Corners {
+    /// Adds so many of four corners.
+    #[inline(always)]
+    fn push_short(&mut self, corners: [u32; 4], count: usize) {
+        if self.list.len() < self.filled + corners.len() {
+            self.grow();
+        }
+        let room = &mut self.list[self.filled..];
+        if let Some(room) = room.first_chunk_mut() {
+            *room = corners;
+        }
+        self.filled += count;
+    }
+
+    /// Adds a corner.
+    fn push(&mut self, corner: u32) {
+        self.push_short([corner; 4], 1);
+    }
+
+    /// Adds corners.
+    fn push_all(&mut self, runs: &[&[u32]]) {
+        for run in runs {
+            run.iter().for_each(|&corner| self.push(corner));
+        }
+    }
+
+    #[cold]
+    fn grow(&mut self) {
+        self.list.resize(2 * self.filled + LEAST_ROOM, NONE);
+    }
+}
+
+/// Corners that there is room for at the least.
+const LEAST_ROOM: usize = 64;
+
 impl Rim {
-    /// One cut point for each cut edge, from the end with the smaller number.
-    pub(super) fn cut_edges(&mut self, hull: &ConvexHull, plane: &Plane, classes: &Classes) {
+    /// One cut point for each cut edge.
+    pub(super) fn cut_edges(
+        &mut self,
+        hull: &ConvexHull,
+        plane: &Plane,
+        classes: &Classes,
+        wide: Option<Avx2>,
+    ) {
         if self.crossings.len() < hull.faces.len() {
             self.crossings.resize(hull.faces.len(), [NONE; 2]);
         }
@@ -99,12 +127,13 @@ impl Rim {
                 goes_up,
             }
         }));
-        self.points.clear();
-        self.points.extend(self.cut_edges.iter().map(|edge| {
-            let [a, b] = edge.ends;
-            let [low, high] = [a.min(b), a.max(b)].map(|v| hull.vertices[v as usize]);
-            crossing(plane, low, high).0
-        }));
+        find_cut_points(
+            wide,
+            plane,
+            &hull.vertices,
+            &self.cut_edges,
+            &mut self.points,
+        );
         let first = hull.vertices.len() as u32;
         for (edge, cut) in self.cut_edges.iter().zip(first..) {
             let [forward, backward] = edge.faces.map(|face| face as usize);
@@ -125,27 +154,29 @@ impl Rim {
             crossings,
             ..
         } = self;
-        chords.clear();
-        pieces.iter_mut().for_each(Loops::clear);
+        let cut = classes.cut_faces.indices();
+        let (sides, [below, above]) = (classes.sides.as_slice(), pieces);
+        chords.resize(cut.len(), [NONE; 2]);
+        for loops in [&mut *below, &mut *above] {
+            loops.corners.filled = 0;
+            loops.ends.resize(cut.len(), 0);
+        }
+        let ends = below.ends.iter_mut().zip(&mut above.ends);
+        let mut corners = [&mut below.corners, &mut above.corners];
         let mut result = Ok(());
-        for &face in classes.cut_faces.indices() {
+        for ((&face, chord), (end_below, end_above)) in cut.iter().zip(chords).zip(ends) {
             let crossings = std::mem::replace(&mut crossings[face as usize], [NONE; 2]);
-            let corners = hull.face_loop(&hull.faces[face as usize]);
-            let divided = match *corners {
-                [a, b, c] => divide_triangle([a, b, c], &classes.sides, crossings, pieces),
-                _ => divide_off_plane(corners, &classes.sides, crossings, pieces),
-            };
-            let divided = divided.map_or_else(
-                || divide_face(corners, &classes.sides, crossings, pieces),
-                Ok,
-            );
-            match divided {
-                Ok(chord) => chords.push(chord),
+            match divide(
+                hull.face_loop(&hull.faces[face as usize]),
+                sides,
+                crossings,
+                &mut corners,
+            ) {
+                Ok(divided) => *chord = divided,
                 Err(irregular) => result = Err(irregular),
             }
-            for loops in pieces.iter_mut() {
-                loops.ends.push(loops.corners.len() as u32);
-            }
+            *end_below = corners[0].filled as u32;
+            *end_above = corners[1].filled as u32;
         }
         result
     }
@@ -205,6 +236,24 @@ impl Rim {
     }
 }
 
+/// The corners of the pieces below and above.
+type Pieces<'a> = [&'a mut Corners; 2];
+
+/// Divides one face between the parts, and gives the ends of its chord: where it goes up, and where it comes down.
+#[inline(always)]
+fn divide(
+    corners: &[u32],
+    sides: &[u8],
+    crossings: [u32; 2],
+    pieces: &mut Pieces<'_>,
+) -> Result<[u32; 2], Irregular> {
+    let divided = match *corners {
+        [a, b, c] => divide_triangle([a, b, c], sides, crossings, pieces),
+        _ => divide_off_plane(corners, sides, crossings, pieces),
+    };
+    divided.map_or_else(|| divide_face(corners, sides, crossings, pieces), Ok)
+}
+
 /// Corners of a piece of a triangle: 0 to 2 are those of the triangle, [`UP`] and [`DOWN`] those of the chord.
 type Piece = [u8; 4];
 
@@ -235,11 +284,12 @@ const UNDIVIDED: [Piece; 2] = [[0; 4]; 2];
 /// Divides a triangle without a corner on the plane, as [`divide_face`] does. Nothing, and nothing done, for any other.
 ///
 /// There is no guessing which corners are below, so that they name a row of a table.
+#[inline(always)]
 fn divide_triangle(
     [a, b, c]: [u32; 3],
     sides: &[u8],
     [up, down]: [u32; 2],
-    pieces: &mut [Loops; 2],
+    pieces: &mut Pieces<'_>,
 ) -> Option<[u32; 2]> {
     let [of_a, of_b, of_c] = [sides[a as usize], sides[b as usize], sides[c as usize]];
     if of_a.min(of_b).min(of_c) == ON || up == NONE || down == NONE {
@@ -264,11 +314,12 @@ fn divide_triangle(
 
 /// Divides a face without a corner on the plane, as [`divide_face`] does. Nothing, and nothing done, for any other and for
 /// one whose loop does not go up once and come down once.
+#[inline(never)]
 fn divide_off_plane(
     corners: &[u32],
     sides: &[u8],
     [up, down]: [u32; 2],
-    [below, above]: &mut [Loops; 2],
+    [below, above]: &mut Pieces<'_>,
 ) -> Option<[u32; 2]> {
     let side = |place: usize| sides[corners[place] as usize];
     let count = corners.len();
@@ -285,25 +336,26 @@ fn divide_off_plane(
     }
     let (before, inner, behind) = (&corners[..first], &corners[first..last], &corners[last..]);
     if inner_side == ABOVE {
-        below.push(&[before, &[up, down], behind]);
-        above.push(&[&[up], inner, &[down]]);
+        below.push_all(&[before, &[up, down], behind]);
+        above.push_all(&[&[up], inner, &[down]]);
     } else {
         // From the first corner below, as `divide_face` does: it decides along which diagonal the piece is read as triangles.
-        below.push(&[inner, &[up, down]]);
-        above.push(&[&[up], behind, before, &[down]]);
+        below.push_all(&[inner, &[up, down]]);
+        above.push_all(&[&[up], behind, before, &[down]]);
     }
     Some([up, down])
 }
 
-/// Divides one face between the parts, and gives the ends of its chord: where it goes up, and where it comes down.
+/// Divides any face, as [`divide`] says.
 ///
 /// Walks around the loop from a vertex below. A vertex on the plane is a crossing if the next vertex off the plane is on
 /// the other side; otherwise it stays with its neighbours.
+#[inline(never)]
 fn divide_face(
     corners: &[u32],
     sides: &[u8],
     [up, down]: [u32; 2],
-    [below, above]: &mut [Loops; 2],
+    [below, above]: &mut Pieces<'_>,
 ) -> Result<[u32; 2], Irregular> {
     let side_of = |vertex: u32| sides[vertex as usize];
     let start = corners.iter().position(|&v| side_of(v) == BELOW);
@@ -327,17 +379,17 @@ fn divide_face(
             if cut == NONE || crossings == 2 {
                 return Err(Irregular);
             }
-            below.corners.push(cut);
-            above.corners.push(cut);
+            below.push(cut);
+            above.push(cut);
             chord[crossings] = cut;
             is_above = !is_above;
             crossings += 1;
         }
         if !crosses_here && step < corners.len() {
             if is_above {
-                above.corners.push(vertex);
+                above.push(vertex);
             } else {
-                below.corners.push(vertex);
+                below.push(vertex);
             }
         }
     }
