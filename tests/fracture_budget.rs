@@ -13,6 +13,11 @@ fn cube() -> ConvexMesh {
 
 /// Cubes in a row that fall flat on a floor from 2 m, all in the same step, each breaking into eight.
 fn row(count: u8, budget: FractureBudget) -> Simulation {
+    row_of(count, FracturePattern::Star { planes: 4 }, budget)
+}
+
+/// The same with another pattern.
+fn row_of(count: u8, pattern: FracturePattern, budget: FractureBudget) -> Simulation {
     let mut simulation = Simulation {
         budget,
         ..Default::default()
@@ -22,7 +27,7 @@ fn row(count: u8, budget: FractureBudget) -> Simulation {
     for i in 0..count {
         let mut desc = BodyDesc::dynamic(cube(), Vec3::new(2.0 * f32::from(i), 2.25, 0.0));
         desc.fracturable = Some(Fracturable {
-            pattern: FracturePattern::Star { planes: 4 },
+            pattern: pattern.clone(),
             generations: 0,
             ..Fracturable::with_strength(100.0)
         });
@@ -69,6 +74,43 @@ fn what_a_step_cannot_afford_is_coarser_or_waits_for_its_turn() {
     assert_eq!(simulation.fractures.waiting(), 0, "all had their turn");
     assert_eq!(parents.len(), 6, "{parents:?}");
     assert!(parents.is_sorted(), "{parents:?}");
+}
+
+/// Two of these do not fit into a step: some break into fewer pieces at once, some after they have waited. Nothing of them is
+/// lost.
+#[test]
+fn what_breaks_into_fewer_pieces_is_filled_by_them() {
+    let budget = FractureBudget {
+        pieces_per_step: 20,
+        ..Default::default()
+    };
+    let patterns = [
+        FracturePattern::Radial { rays: 5, rings: 2 },
+        FracturePattern::Slabs { count: 15 },
+        FracturePattern::Brick {
+            size: Vec3::new(0.2, 0.25, 0.3),
+        },
+        FracturePattern::Voronoi {
+            cells: 15,
+            focus: 0.3,
+        },
+    ];
+    for pattern in patterns {
+        let mut simulation = row_of(6, pattern.clone(), budget);
+        let (mut numbers, mut waited) = (Vec::new(), 0);
+        for _ in 0..60 {
+            simulation.step(H);
+            waited = waited.max(simulation.fractures.waiting());
+            for fracture in &simulation.fractures.done {
+                numbers.push(fracture.pieces.len());
+                assert!(fracture.ledger.mass_error() < 1e-6, "{fracture:?}");
+            }
+        }
+        assert!(waited > 0, "{pattern:?}: none had to wait");
+        assert_eq!(numbers.len(), 6, "{pattern:?}: {numbers:?}");
+        let fewest = numbers.iter().min();
+        assert!(fewest < numbers.iter().max(), "{pattern:?}: {numbers:?}");
+    }
 }
 
 #[test]

@@ -9,7 +9,7 @@ use crate::contact::BodyId;
 use crate::contact::cache::ContactCache;
 use crate::contact::manifolds::Manifolds;
 use crate::geometry::predicates::check_plane;
-use crate::slice::{Cutting, PieceCutter, SliceError};
+use crate::slice::{Impact, PieceCutter, SliceError};
 use crate::solver::bodies::{Bodies, RigidBody};
 use crate::solver::contact_solver::ContactSolver;
 use smallvec::SmallVec;
@@ -22,7 +22,8 @@ type Lines = Vec<(Line, SmallVec<[u32; 8]>)>;
 struct Waiting {
     body: BodyId,
     slot: u32,
-    cutting: Cutting,
+    /// What it was hit with, in its own frame.
+    impact: Impact,
 }
 
 /// A piece, and for how long it has slept.
@@ -132,13 +133,17 @@ fn break_waiting(
             return true;
         }
         bodies.wake(slot);
+        let most = bodies.most_pieces(slot).min(left);
+        // One that makes no pieces bears it.
+        let Some(blow) = impact::cutting(bodies, slot, &entry.impact, most) else {
+            return false;
+        };
         let plan = Plan {
             slot,
-            blow: Some(entry.cutting.clone()),
+            blow: Some(blow),
             cuts: SmallVec::new(),
-            most: bodies.most_pieces(slot).min(left),
+            most,
         };
-        // One that makes no pieces bears it.
         if let Ok(division) = Division::new(bodies, &plan, &mut fractures.workshop.cutter) {
             let _ = fractures.replace(bodies, bonds, slot, division, budget, lines);
         }
@@ -181,7 +186,7 @@ pub fn break_overloaded(
             continue;
         }
         let most = bodies.most_pieces(slot).min(left);
-        let Some(blow) = sum.cutting(bodies, slot, most) else {
+        let Some(blow) = impact::cutting(bodies, slot, &sum.impact(bodies, slot), most) else {
             continue;
         };
         let plan = Plan {
@@ -237,13 +242,14 @@ pub fn note_loads(
     }
 }
 
-/// A body that waits for its turn to break.
+/// A body that waits for its turn to break, unless it bears the blow.
 fn wait(bodies: &Bodies, slot: u32, sum: &ImpulseSum) -> Option<Waiting> {
-    let cutting = sum.cutting(bodies, slot, bodies.most_pieces(slot))?;
+    let impact = sum.impact(bodies, slot);
+    impact::cutting(bodies, slot, &impact, bodies.most_pieces(slot))?;
     Some(Waiting {
         body: bodies.id(slot),
         slot,
-        cutting,
+        impact,
     })
 }
 

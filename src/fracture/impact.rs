@@ -71,21 +71,27 @@ impl ImpulseSum {
         (fracturable.strength / impulse).max(by_energy).min(1.0)
     }
 
-    /// How the blow divides the body in `slot`, into at most `most` pieces; nothing if it does not pay for a crack.
-    pub(super) fn cutting(&self, bodies: &Bodies, slot: u32, most: usize) -> Option<Cutting> {
-        let (fracturable, mesh) = (bodies.fracturable(slot)?, bodies.convex(slot)?);
+    /// The blow as the body in `slot` feels it, body's frame.
+    pub(super) fn impact(&self, bodies: &Bodies, slot: u32) -> Impact {
         let to_body = bodies.pose(slot).rotation.inverse();
         // Squeezed from opposite sides, the impulses cancel; any direction across the body is as good as another then.
         let direction = rotate(to_body, self.direction).normalize_or(Vec3::Y);
-        let impact = Impact {
+        Impact {
             point: rotate(to_body, self.moment / self.impulse()) + bodies.mass(slot).centre,
             normal: direction,
             impulse: self.impulse(),
             energy: self.blow.energy,
-        };
-        let most = u32::try_from(most).unwrap_or(u32::MAX);
-        fracturable.cutting(&impact, mesh.hull(), most)
+        }
     }
+}
+
+/// How a blow divides the body in `slot`, into at most `most` pieces; nothing if it does not pay for a crack.
+///
+/// Who has fewer pieces to give asks again: a pattern of cells that is cut short does not fill the body.
+pub(super) fn cutting(bodies: &Bodies, slot: u32, impact: &Impact, most: usize) -> Option<Cutting> {
+    let (fracturable, mesh) = (bodies.fracturable(slot)?, bodies.convex(slot)?);
+    let most = u32::try_from(most).unwrap_or(u32::MAX);
+    fracturable.cutting(impact, mesh.hull(), most)
 }
 
 /// Fills `sums`, by slot. The velocities of `bodies` are those before the blow.

@@ -101,7 +101,7 @@ pub enum FracturePattern {
     /// Bricks in courses along the body's y axis, every second course shifted by half a brick: how masonry breaks.
     Brick {
         /// Length (x), height (y) and depth (z) of a brick in the body's frame, m. Doubled as often as there would be too
-        /// many bricks.
+        /// many bricks; where that leaves one, a single plane.
         size: Vec3,
     },
     /// Planes of one's own, in the body's frame.
@@ -152,7 +152,15 @@ impl FracturePattern {
                 Cutting::Sites(blow.sites(count, focus.clamp(0.0, 1.0), &mut random))
             }
             Self::Slabs { count } => Cutting::Cells(blow.slabs(count.min(most_u8), &mut random)),
-            Self::Brick { size } => Cutting::Cells(bricks(&hull.aabb(), size, most)?),
+            Self::Brick { size } => {
+                let bricks = bricks(&hull.aabb(), size, most)?;
+                // Doubled until nothing but one was left.
+                if bricks.len() < 2 && size.cmplt(hull.aabb().extents()).any() {
+                    Cutting::Planes(blow.single_plane())
+                } else {
+                    Cutting::Cells(bricks)
+                }
+            }
             Self::Planes(ref planes) => Cutting::Planes(planes.iter().copied().collect()),
         };
         Some(cutting)
