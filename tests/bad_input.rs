@@ -348,6 +348,24 @@ fn pose_that_becomes_nan_takes_the_body_out() {
     check_warned(&outcome, is_not_finite);
 }
 
+/// Finite, but no rotation can tell a turn by so many radians in a step.
+#[test]
+fn what_turns_too_fast_is_stopped_and_named() {
+    let mut app = app();
+    let entity = bystander(app.world_mut()).expect("spawned");
+    let too_fast = AngularVelocity(Vec3::new(1e12, 0.0, 0.0));
+    app.world_mut().entity_mut(entity).insert(too_fast);
+    app.update();
+    let warnings = app.world().resource::<Messages<BodyWarning>>();
+    let problem = BodyProblem::Body(BodyError::Overflow);
+    let expected = BodyWarning { entity, problem };
+    assert!(warnings.iter_current_update_messages().eq([&expected]));
+    let body = app.world().entity(entity);
+    let rotation = body.get::<Transform>().map(|t| t.rotation);
+    assert_eq!(rotation, Some(Quat::IDENTITY));
+    assert_eq!(body.get(), Some(&AngularVelocity(Vec3::ZERO)));
+}
+
 #[test]
 fn body_comes_back_when_its_pose_is_mended() {
     let mut app = app();

@@ -3,6 +3,7 @@
 
 mod app;
 mod dice;
+mod mesh_parts;
 mod properties;
 
 use app::{accompanied_app, app, bits_of_entity};
@@ -12,6 +13,7 @@ use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
 use dice::Dice;
 use glam::{Quat, Vec3};
+use mesh_parts::{cuboid, joined};
 use properties::cases;
 use proptest::prelude::*;
 use std::collections::HashSet;
@@ -21,8 +23,9 @@ const STEPS: usize = 240;
 /// Entities that are spawned at most; pieces come on top.
 const MOST_SPAWNED: usize = 40;
 
-/// Relative mass and momentum that a fracture may lose: splinters have thicknesses of some hundred roundings of their places.
-const LEDGER_TOLERANCE: f64 = 1e-5;
+/// Relative mass and momentum that a fracture may lose or gain. Bodies of usual shapes keep them to 1e-6; a splinter, whose
+/// thickness is a thousand times that of a plane, loses more where a corner of a cell lies all but in the wall of the next.
+const LEDGER_TOLERANCE: f64 = 1e-4;
 
 /// An app, what is done to it, and who is in it.
 struct Chaos {
@@ -68,12 +71,25 @@ fn plane(dice: &mut Dice) -> Plane {
     }
 }
 
+/// A box with a cavity, and one or two others that may reach into it and into each other.
+fn boxes(dice: &mut Dice) -> TriMesh {
+    let half = Vec3::splat(0.5);
+    let hollow = [
+        (cuboid(Vec3::ONE, Vec3::ZERO), false),
+        (cuboid(half, dice.vector(-0.2, 0.2)), true),
+    ];
+    let others = [(); 2].map(|()| (cuboid(half, dice.vector(-1.0, 1.0)), false));
+    let count = 1 + dice.below(2);
+    joined(&[&hollow[..], &others[..count]].concat())
+}
+
 fn shape(dice: &mut Dice) -> ConvexMesh {
     let size = dice.vector(0.1, 1.0);
-    let mesh = match dice.below(4) {
+    let mesh = match dice.below(5) {
         0 => ConvexMesh::cuboid(size.x, size.y, size.z),
         1 => ConvexMesh::cuboid(1.0, 0.002, 1.0),
         2 => ConvexMesh::cuboid(0.01, 0.01, 0.01),
+        3 => ConvexMesh::from_mesh(boxes(dice)),
         _ => {
             let points: Vec<Vec3> = (0..12).map(|_| 0.5 * dice.direction()).collect();
             ConvexMesh::from_points(&points)
@@ -103,9 +119,14 @@ fn pattern(dice: &mut Dice) -> FracturePattern {
 fn fracturable(dice: &mut Dice) -> Fracturable {
     let strength = [0.0, 1.0, 30.0, number(dice)][dice.below(4)];
     let toughness = [0.0, 0.0, number(dice)][dice.below(3)];
-    Fracturable::with_strength(strength)
-        .with_pattern(pattern(dice))
-        .with_toughness(toughness, 8)
+    Fracturable {
+        separate_parts: dice.below(3) == 0,
+        cut_material: [None, Some(3)][dice.below(2)],
+        generations: [0, 1, 3][dice.below(3)],
+        ..Fracturable::with_strength(strength)
+            .with_pattern(pattern(dice))
+            .with_toughness(toughness, 8)
+    }
 }
 
 fn budget(dice: &mut Dice) -> FractureBudget {
@@ -214,7 +235,7 @@ impl Chaos {
         self.check_bodies();
     }
 
-    /// Each body has one entity that knows it, and a pose.
+    /// Each body has one entity that knows it, and a pose; what is drawn of it is closed.
     fn check_bodies(&mut self) {
         let world = self.app.world_mut();
         let mut query = world.query::<(Entity, &BodyHandle, &RigidBody, Has<Sleeping>)>();
@@ -237,6 +258,9 @@ impl Chaos {
             if bodies.is_active(slot) {
                 assert_eq!(*kind, bodies.kind(slot), "{entity}");
             }
+            let visual = bodies.convex(slot).and_then(ConvexMesh::visual);
+            let visual = visual.filter(|mesh| !mesh.triangles().is_empty());
+            assert!(visual.is_none_or(TriMesh::is_closed), "{entity}");
         }
         assert_eq!(known.len(), bodies.len(), "bodies without entities");
     }
@@ -306,9 +330,9 @@ proptest! {
             for run in &mut runs {
                 (0..run.dice.below(4)).for_each(|_| run.act());
                 run.update();
-                // What shares a batch is solved as precisely as its neediest member.
+                // What shares a batch is solved as precisely as its neediest member, so that it may land otherwise.
                 let [place, alone] = [&*run, &calm].map(Chaos::place_of_bystander);
-                prop_assert!(place.distance(alone) < 1e-4, "step {}: {} {}", step, place, alone);
+                prop_assert!(place.distance(alone) < 0.01, "step {}: {} {}", step, place, alone);
             }
             let [at_once, one_by_one] = runs.each_ref().map(Chaos::bits);
             prop_assert!(at_once == one_by_one, "step {}", step);

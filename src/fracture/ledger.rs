@@ -101,7 +101,8 @@ impl Ledger {
         sum
     }
 
-    /// `|after + dropped - before| / before` of the mass.
+    /// `|after + dropped - before| / before` of the mass: at most 1e-6, but for thin splinters some 1e-5, because corners nearer
+    /// to a plane than its [thickness](crate::geometry::predicates::ON_PLANE_RELATIVE) count as on it.
     pub fn mass_error(&self) -> f64 {
         relative(
             (self.accounted().mass - self.before.mass).abs(),

@@ -15,7 +15,8 @@ const LEAST_BODIES: usize = 256;
 
 /// Moves all bodies and refreshes what follows from their poses.
 ///
-/// A body whose state would no longer be finite is stopped where it is instead; `problems` says so.
+/// A body whose state would no longer be finite, or that would turn too fast for any rotation to tell, is stopped where it is
+/// instead; `problems` says so.
 pub fn integrate_positions(bodies: &mut Bodies, problems: &mut Vec<(u32, BodyError)>) {
     let awake = bodies.dynamic().saturating_sub(bodies.asleep());
     Team::lead_present_if(awake >= WORTH_HELP, |team| {
@@ -78,11 +79,12 @@ impl Part<'_> {
             let motion = self.motion[i];
             let centre = self.centre[i] + motion.shift;
             let body = &mut self.velocity[i];
-            let is_finite = centre.is_finite()
-                && motion.rotation.is_finite()
+            // A turn whose square overflows leaves a quaternion of zeros.
+            let is_usable = centre.is_finite()
+                && motion.rotation.length_squared() > 0.5
                 && body.linear.is_finite()
                 && body.angular.is_finite();
-            if !is_finite {
+            if !is_usable {
                 (body.linear, body.angular) = (Vec3::ZERO, Vec3::ZERO);
                 overflown.push(self.first + i as u32);
                 continue;
