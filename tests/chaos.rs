@@ -23,9 +23,8 @@ const STEPS: usize = 240;
 /// Entities that are spawned at most; pieces come on top.
 const MOST_SPAWNED: usize = 40;
 
-/// Relative mass and momentum that a fracture may lose or gain. Bodies of usual shapes keep them to 1e-6; a splinter, whose
-/// thickness is a thousand times that of a plane, loses more where a corner of a cell lies all but in the wall of the next.
-const LEDGER_TOLERANCE: f64 = 1e-4;
+/// Relative mass and momentum that a fracture may lose or gain: corners of needles are rounded, which matters to pieces of pieces.
+const LEDGER_TOLERANCE: f64 = 1e-3;
 
 /// An app, what is done to it, and who is in it.
 struct Chaos {

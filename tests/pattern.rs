@@ -9,6 +9,7 @@ mod slice_common;
 
 use bevy_cleave::geometry::predicates::length_scale;
 use bevy_cleave::geometry::{ConvexHull, PlaneError, TriMesh, primitives};
+use bevy_cleave::mass::VolumeIntegrals;
 use bevy_cleave::math::{Plane, Pose};
 use bevy_cleave::prelude::{BodyDesc, ConvexMesh, HalfSpace, Simulation};
 use bevy_cleave::slice::cells::CellPlanes;
@@ -113,6 +114,49 @@ fn all_patterns_fill_all_models() {
             check_filled(&name, &hull, &pieces, tolerance, &mut dice);
             assert_eq!(pattern.cutting(&impact, &hull, 5, MOST), Some(cutting));
         }
+    }
+}
+
+/// Pieces of pieces of pieces, each about its own centroid as bodies are. Corners are rounded to `f32`, which needles feel.
+#[test]
+fn pieces_of_pieces_fill_them() {
+    let centred = |hull: &ConvexHull| {
+        let centroid = VolumeIntegrals::of_hull(hull).centroid;
+        hull.clone().translated(-centroid.as_vec3())
+    };
+    let mut dice = Dice::new(5);
+    let mut hulls: Vec<ConvexHull> = MODELS.iter().map(|m| centred(&model_hull(m))).collect();
+    hulls.extend((0..40).map(|_| {
+        let size = dice.vector(0.02, 1.0);
+        primitives::cuboid(size.x, size.y, size.z).unwrap()
+    }));
+    for generation in 0..3 {
+        let (mut errors, mut next) = (Vec::new(), Vec::new());
+        for hull in &hulls {
+            for pattern in patterns(hull) {
+                let impact = impact_on(hull, &mut dice);
+                let seed = dice.below(1000) as u64;
+                let cutting = pattern.cutting(&impact, hull, seed, 60).unwrap();
+                let pieces = divide(hull, None, &cutting);
+                let sum: f64 = pieces.iter().map(|piece| piece.volume).sum();
+                errors.push((sum / hull.volume() - 1.0).abs());
+                next.push(centred(&pieces[dice.below(pieces.len())].hull));
+            }
+        }
+        let many = errors
+            .iter()
+            .filter(|&&error| error > VOLUME_TOLERANCE)
+            .count();
+        let worst = errors.iter().copied().fold(0.0, f64::max);
+        let allowed = [0, 0, errors.len() / 100][generation];
+        assert!(
+            many <= allowed,
+            "generation {generation}: {many} of {}",
+            errors.len()
+        );
+        assert!(worst < 1e-4, "generation {generation}: {worst:e}");
+        next.truncate(400);
+        hulls = next;
     }
 }
 

@@ -101,8 +101,10 @@ impl Ledger {
         sum
     }
 
-    /// `|after + dropped - before| / before` of the mass: at most 1e-6, but for thin splinters some 1e-5, because corners nearer
-    /// to a plane than its [thickness](crate::geometry::predicates::ON_PLANE_RELATIVE) count as on it.
+    /// `|after + dropped - before| / before` of the mass.
+    ///
+    /// Corners of pieces are rounded to `f32`. Bodies of usual shapes and their pieces keep their mass to 1e-6; of pieces of these, among
+    /// which are needles, one in two hundred does not, and the worst of thousands lost 5e-4.
     pub fn mass_error(&self) -> f64 {
         relative(
             (self.accounted().mass - self.before.mass).abs(),
