@@ -117,7 +117,9 @@ fn all_patterns_fill_all_models() {
     }
 }
 
-/// Pieces of pieces of pieces, each about its own centroid as bodies are. Corners are rounded to `f32`, which needles feel.
+/// Pieces of pieces of pieces, each about its own centroid as bodies are: of the first 400 bodies of each generation.
+///
+/// Corners are rounded to `f32`, so that thinner needles than there are among these lose more.
 #[test]
 fn pieces_of_pieces_fill_them() {
     let centred = |hull: &ConvexHull| {
@@ -143,18 +145,11 @@ fn pieces_of_pieces_fill_them() {
                 next.push(centred(&pieces[dice.below(pieces.len())].hull));
             }
         }
-        let many = errors
-            .iter()
-            .filter(|&&error| error > VOLUME_TOLERANCE)
-            .count();
-        let worst = errors.iter().copied().fold(0.0, f64::max);
-        let allowed = [0, 0, errors.len() / 100][generation];
+        let worst = errors.into_iter().fold(0.0, f64::max);
         assert!(
-            many <= allowed,
-            "generation {generation}: {many} of {}",
-            errors.len()
+            worst <= VOLUME_TOLERANCE,
+            "generation {generation}: {worst:e}"
         );
-        assert!(worst < 1e-4, "generation {generation}: {worst:e}");
         next.truncate(400);
         hulls = next;
     }

@@ -133,18 +133,9 @@ fn break_waiting(
             return true;
         }
         bodies.wake(slot);
-        let most = bodies.most_pieces(slot).min(left);
         // One that makes no pieces bears it.
-        let Some(blow) = impact::cutting(bodies, slot, &entry.impact, most) else {
-            return false;
-        };
-        let plan = Plan {
-            slot,
-            blow: Some(blow),
-            cuts: SmallVec::new(),
-            most,
-        };
-        if let Ok(division) = Division::new(bodies, &plan, &mut fractures.workshop.cutter) {
+        let cutter = &mut fractures.workshop.cutter;
+        if let Some(division) = divide(bodies, slot, &entry.impact, left, cutter) {
             let _ = fractures.replace(bodies, bonds, slot, division, budget, lines);
         }
         false
@@ -185,17 +176,8 @@ pub fn break_overloaded(
             workshop.waiting.extend(wait(bodies, slot, &sum));
             continue;
         }
-        let most = bodies.most_pieces(slot).min(left);
-        let Some(blow) = impact::cutting(bodies, slot, &sum.impact(bodies, slot), most) else {
-            continue;
-        };
-        let plan = Plan {
-            slot,
-            blow: Some(blow),
-            cuts: SmallVec::new(),
-            most,
-        };
-        if let Ok(division) = Division::new(bodies, &plan, &mut workshop.cutter) {
+        let impact = sum.impact(bodies, slot);
+        if let Some(division) = divide(bodies, slot, &impact, left, &mut workshop.cutter) {
             left = left.saturating_sub(division.len());
             let borne = sum.borne(bodies, slot, &division);
             workshop.shares[slot as usize] = borne;
@@ -242,10 +224,30 @@ pub fn note_loads(
     }
 }
 
+/// What a blow makes of the body in `slot` where `left` pieces may be made; nothing if it bears it.
+fn divide(
+    bodies: &Bodies,
+    slot: u32,
+    impact: &Impact,
+    left: usize,
+    cutter: &mut PieceCutter,
+) -> Option<Division> {
+    let most = bodies.most_pieces(slot).min(left);
+    let plan = Plan {
+        slot,
+        blow: Some(impact::cutting(bodies, slot, impact, most)?),
+        cuts: SmallVec::new(),
+        most,
+    };
+    Division::new(bodies, &plan, cutter).ok()
+}
+
 /// A body that waits for its turn to break, unless it bears the blow.
 fn wait(bodies: &Bodies, slot: u32, sum: &ImpulseSum) -> Option<Waiting> {
     let impact = sum.impact(bodies, slot);
-    impact::cutting(bodies, slot, &impact, bodies.most_pieces(slot))?;
+    // Whether it breaks does not depend on the number of pieces, and how it does is found when its turn comes.
+    let most = bodies.most_pieces(slot).min(LEAST_PIECES);
+    impact::cutting(bodies, slot, &impact, most)?;
     Some(Waiting {
         body: bodies.id(slot),
         slot,

@@ -103,8 +103,8 @@ impl Ledger {
 
     /// `|after + dropped - before| / before` of the mass.
     ///
-    /// Corners of pieces are rounded to `f32`. Bodies of usual shapes and their pieces keep their mass to 1e-6; of pieces of these, among
-    /// which are needles, one in two hundred does not, and the worst of thousands lost 5e-4.
+    /// Corners of pieces are rounded to `f32`. Bodies of usual shapes and two generations of their pieces keep their mass to 1e-6; thin
+    /// needles among the pieces do not, of which the worst of some thousands lost 5e-4.
     pub fn mass_error(&self) -> f64 {
         relative(
             (self.accounted().mass - self.before.mass).abs(),
