@@ -119,7 +119,8 @@ fn all_patterns_fill_all_models() {
 
 /// Pieces of pieces of pieces, each about its own centroid as bodies are: of the first 400 bodies of each generation.
 ///
-/// Corners are rounded to `f32`, so that thinner needles than there are among these lose more.
+/// Corners are rounded to `f32`, so that thinner needles than there are among these lose more; as bodies they get it back by their
+/// density (`tests/fracture_ledger.rs`).
 #[test]
 fn pieces_of_pieces_fill_them() {
     let centred = |hull: &ConvexHull| {

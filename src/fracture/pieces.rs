@@ -1,15 +1,15 @@
 //! What becomes of a body that breaks: its pieces, first as shapes, then as bodies.
 
 use super::budget::FractureBudget;
-use super::ledger::{Ledger, Totals};
+use super::ledger::{Ledger, Reference, Totals};
 use super::{CutError, Fracture};
-use crate::geometry::{ConvexHull, ConvexMesh};
+use crate::geometry::{ConvexHull, ConvexMesh, TriMesh};
 use crate::mass::VolumeIntegrals;
 use crate::math::{Plane, Pose, rotate};
 use crate::slice::fracturable::Fracturable;
 use crate::slice::{Cutting, Piece, PieceCutter, SliceError, SliceOptions};
 use crate::solver::bodies::{Bodies, BodyDesc, RigidBody, Shape};
-use glam::{DVec3, Quat, Vec3};
+use glam::{Quat, Vec3};
 use smallvec::SmallVec;
 
 /// How one body is to be divided.
@@ -113,42 +113,24 @@ pub(super) fn replace(
     division: Division,
     budget: &FractureBudget,
 ) -> Result<Fracture, CutError> {
-    let fracturable = bodies.fracturable(slot).cloned();
-    let least_volume = fracturable.as_ref().map_or(0.0, |f| f.least_volume);
-    let least_volume = f64::from(least_volume.max(budget.least_volume));
-    let world_from_body = bodies.pose(slot);
-    let about = bodies.centre_of_mass(slot).as_dvec3();
+    let reference = Reference::of(bodies, slot);
+    let mut pieces: Vec<BodyDesc> = (division.pieces.into_iter())
+        .map(|piece| piece_desc(bodies, slot, piece.hull, piece.visual))
+        .collect();
+    let mut halves: Vec<BodyDesc> = (division.halves.into_iter())
+        .map(|half| piece_desc(bodies, slot, half, None))
+        .collect();
+    keep_mass(bodies, slot, &mut pieces, &mut halves);
     let mut ledger = Ledger::default();
-    ledger.before.add_body(bodies, slot, about);
-    ledger.dropped = lost_between_parts(bodies, slot, &division, about);
-    let mut kept: SmallVec<[u32; 8]> = SmallVec::new();
-    for piece in division.pieces {
-        let integrals = VolumeIntegrals::of_hull(&piece.hull);
-        let is_large_enough = piece.volume > least_volume;
-        let inherited = fracturable.as_ref().and_then(|f| f.for_piece(kept.len()));
-        let inherited = inherited.map(|f| Fracturable {
-            generations: f.generations.min(budget.generations.saturating_sub(1)),
-            ..f
-        });
-        let desc = piece_desc(bodies, slot, piece, &integrals, inherited);
-        let dropped = Totals::of_piece(&desc, &integrals, about);
-        // A piece whose mass or inertia no f32 can hold is as good as too small.
-        match is_large_enough.then(|| bodies.insert_with_mass(desc)) {
-            Some(Ok(piece_slot)) => {
-                ledger.after.add_body(bodies, piece_slot, about);
-                kept.push(piece_slot);
-            }
-            Some(Err(_)) | None => {
-                ledger.dropped.add(&dropped);
-                ledger.dropped_pieces += 1;
-            }
-        }
-    }
+    ledger.before.add_body(bodies, slot, &reference);
+    ledger.dropped = lost_between_parts(&pieces, &halves, &reference);
+    let kept = insert(bodies, slot, pieces, budget, &mut ledger, &reference);
     if kept.len() < 2 {
         kept.iter().for_each(|&s| bodies.remove(s));
         return Err(CutError::TooSmall);
     }
-    let to_world = world_from_body.inverse();
+    keep_momentum(bodies, &kept, &mut ledger, &reference);
+    let to_world = bodies.pose(slot).inverse();
     let planes = division.planes.iter();
     let fracture = Fracture {
         parent: bodies.id(slot),
@@ -163,53 +145,122 @@ pub(super) fn replace(
     Ok(fracture)
 }
 
+/// Adds the pieces of `parent` that are large enough to the bodies, and all to the ledger.
+fn insert(
+    bodies: &mut Bodies,
+    parent: u32,
+    pieces: Vec<BodyDesc>,
+    budget: &FractureBudget,
+    ledger: &mut Ledger,
+    reference: &Reference,
+) -> SmallVec<[u32; 8]> {
+    let fracturable = bodies.fracturable(parent).cloned();
+    let least_volume = fracturable.as_ref().map_or(0.0, |f| f.least_volume);
+    let least_volume = f64::from(least_volume.max(budget.least_volume));
+    let mut kept = SmallVec::new();
+    for mut desc in pieces {
+        let inherited = fracturable.as_ref().and_then(|f| f.for_piece(kept.len()));
+        desc.fracturable = inherited.map(|f| Fracturable {
+            generations: f.generations.min(budget.generations.saturating_sub(1)),
+            ..f
+        });
+        let dropped = Totals::of_piece(&desc, reference);
+        // A piece whose mass or inertia no f32 can hold is as good as too small.
+        let is_large_enough = volume(&desc) > least_volume;
+        match is_large_enough.then(|| bodies.insert_with_mass(desc)) {
+            Some(Ok(slot)) => {
+                ledger.after.add_body(bodies, slot, reference);
+                kept.push(slot);
+            }
+            Some(Err(_)) | None => {
+                ledger.dropped.add(&dropped);
+                ledger.dropped_pieces += 1;
+            }
+        }
+    }
+    kept
+}
+
+/// Volume of a piece, m3.
+fn volume(piece: &BodyDesc) -> f64 {
+    match &piece.shape {
+        Shape::Convex(mesh) => mesh.hull().volume(),
+        Shape::HalfSpace(_) => 0.0,
+    }
+}
+
+/// Share of a body's mass that its pieces may lose or gain before their density makes up for it. Usual pieces stay far below it and
+/// have the density of the body, bit for bit.
+const MASS_TOLERANCE: f64 = 5e-7;
+
+/// Share of the momentum that pieces may lose or gain before a velocity makes up for it.
+const MOMENTUM_TOLERANCE: f64 = 5e-6;
+
+/// Gives the pieces of a body, or its `halves` if parts of them came apart, a density with which they have its mass.
+///
+/// Corners of pieces are rounded to `f32`, in the frame of the body and then about their own centroids, and cells too flat for a hull
+/// are left out. Where a body is not much thicker than that, it takes or gives a share of the volume.
+fn keep_mass(bodies: &Bodies, slot: u32, pieces: &mut [BodyDesc], halves: &mut [BodyDesc]) {
+    let whole = if halves.is_empty() {
+        &*pieces
+    } else {
+        &*halves
+    };
+    let sum: f64 = whole.iter().map(volume).sum();
+    let density = f64::from(bodies.mass(slot).mass) / sum;
+    let change = density / f64::from(bodies.density(slot)) - 1.0;
+    if change.is_finite() && change.abs() > MASS_TOLERANCE {
+        let descs = pieces.iter_mut().chain(halves);
+        descs.for_each(|desc| desc.density = density as f32);
+    }
+}
+
+/// Gives the pieces the momentum that they lack, as one velocity for all of them.
+///
+/// Pieces move as the body did where their centroids are. Where those are rounded as much as [`keep_mass`] says, they are together no
+/// longer at the centre of mass of the body.
+fn keep_momentum(bodies: &mut Bodies, kept: &[u32], ledger: &mut Ledger, reference: &Reference) {
+    if ledger.momentum_error() <= MOMENTUM_TOLERANCE {
+        return;
+    }
+    let change = ledger.missing_momentum() / ledger.after.mass;
+    ledger.after = Totals::default();
+    for &slot in kept {
+        let (v, omega) = bodies.velocity(slot);
+        let v = (v.as_dvec3() + change).as_vec3();
+        // Of a velocity that no f32 can hold the piece keeps the old one.
+        let _ = bodies.set_velocity(slot, v, omega);
+        ledger.after.add_body(bodies, slot, reference);
+    }
+}
+
 /// What the hulls of pieces held between the parts that came apart: air that had counted as material.
-fn lost_between_parts(bodies: &Bodies, slot: u32, division: &Division, about: DVec3) -> Totals {
+fn lost_between_parts(pieces: &[BodyDesc], halves: &[BodyDesc], reference: &Reference) -> Totals {
     let mut lost = Totals::default();
-    if division.halves.is_empty() {
+    if halves.is_empty() {
         return lost;
     }
-    let totals = |hull: &ConvexHull| {
-        let integrals = VolumeIntegrals::of_hull(hull);
-        let piece = Piece {
-            hull: hull.clone(),
-            volume: integrals.volume,
-            visual: None,
-        };
-        let desc = piece_desc(bodies, slot, piece, &integrals, None);
-        Totals::of_piece(&desc, &integrals, about)
-    };
-    division
-        .halves
-        .iter()
-        .for_each(|half| lost.add(&totals(half)));
-    for piece in &division.pieces {
-        lost.take(&totals(&piece.hull));
+    for half in halves {
+        lost.add(&Totals::of_piece(half, reference));
+    }
+    for piece in pieces {
+        lost.take(&Totals::of_piece(piece, reference));
     }
     lost
 }
 
-/// The body that a piece becomes: in a frame about its own centroid, moving as that part of the parent did.
-///
-/// `integrals` are those of the piece's hull in the parent's frame.
-fn piece_desc(
-    bodies: &Bodies,
-    parent: u32,
-    piece: Piece,
-    integrals: &VolumeIntegrals,
-    fracturable: Option<Fracturable>,
-) -> BodyDesc {
+/// The body that a piece becomes: in a frame about its own centroid, moving as that part of the parent did. It does not break.
+fn piece_desc(bodies: &Bodies, parent: u32, hull: ConvexHull, visual: Option<TriMesh>) -> BodyDesc {
     let info = bodies.info(parent);
     let rotation = bodies.pose(parent).rotation;
-    let centroid = integrals.centroid.as_vec3();
+    let centroid = VolumeIntegrals::of_hull(&hull).centroid.as_vec3();
     let (v, omega) = bodies.velocity(parent);
     let lever: Vec3 = rotate(rotation, centroid - bodies.mass(parent).centre);
     let shift = Pose::new(-centroid, Quat::IDENTITY);
-    let visual = piece.visual.map(|mesh| mesh.transformed(&shift));
-    let shape = ConvexMesh::from_parts(piece.hull.translated(-centroid), visual);
+    let visual = visual.map(|mesh| mesh.transformed(&shift));
     BodyDesc {
         kind: RigidBody::Dynamic,
-        shape: Shape::Convex(shape),
+        shape: Shape::Convex(ConvexMesh::from_parts(hull.translated(-centroid), visual)),
         pose: Pose::new(bodies.centre_of_mass(parent) + lever, rotation),
         linear_velocity: v + omega.cross(lever),
         angular_velocity: omega,
@@ -218,6 +269,6 @@ fn piece_desc(
         friction: info.friction,
         restitution: info.restitution,
         layers: info.layers,
-        fracturable,
+        fracturable: None,
     }
 }
