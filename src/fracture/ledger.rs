@@ -170,6 +170,9 @@ impl Ledger {
     }
 
     /// `(after + dropped - before) / before` of the kinetic energy; positive if energy was gained.
+    ///
+    /// Pieces move as the parts of the body did, so that this is rounding, near the origin below 1e-5 as the error of the angular momentum
+    /// is. What it takes to break a body is taken by the solve, before ([`Blow::borne_energy`](super::Blow::borne_energy)).
     pub fn energy_gain(&self) -> f64 {
         let gained = self.accounted().kinetic_energy - self.before.kinetic_energy;
         relative(gained, self.before.kinetic_energy)

@@ -3,6 +3,7 @@
 use super::budget::FractureBudget;
 use super::ledger::{Ledger, Reference, Totals};
 use super::{CutError, Fracture};
+use crate::geometry::predicates::{length_scale, plane_tolerance};
 use crate::geometry::{ConvexHull, ConvexMesh, TriMesh};
 use crate::mass::VolumeIntegrals;
 use crate::math::{Plane, Pose, rotate};
@@ -166,7 +167,7 @@ fn insert(
         });
         let dropped = Totals::of_piece(&desc, reference);
         // A piece whose mass or inertia no f32 can hold is as good as too small.
-        let is_large_enough = volume(&desc) > least_volume;
+        let is_large_enough = hull(&desc).is_some_and(|hull| hull.volume() > least_volume);
         match is_large_enough.then(|| bodies.insert_with_mass(desc)) {
             Some(Ok(slot)) => {
                 ledger.after.add_body(bodies, slot, reference);
@@ -181,11 +182,11 @@ fn insert(
     kept
 }
 
-/// Volume of a piece, m3.
-fn volume(piece: &BodyDesc) -> f64 {
+/// Hull of a piece.
+fn hull(piece: &BodyDesc) -> Option<&ConvexHull> {
     match &piece.shape {
-        Shape::Convex(mesh) => mesh.hull().volume(),
-        Shape::HalfSpace(_) => 0.0,
+        Shape::Convex(mesh) => Some(mesh.hull()),
+        Shape::HalfSpace(_) => None,
     }
 }
 
@@ -199,20 +200,40 @@ const MOMENTUM_TOLERANCE: f64 = 5e-6;
 /// Gives the pieces of a body, or its `halves` if parts of them came apart, a density with which they have its mass.
 ///
 /// Corners of pieces are rounded to `f32`, in the frame of the body and then about their own centroids, and cells too flat for a hull
-/// are left out. Where a body is not much thicker than that, it takes or gives a share of the volume.
+/// are left out. Where a body is not much thicker than that, it takes or gives a share of the volume. What cannot be rounding stays
+/// for the ledger to tell.
 fn keep_mass(bodies: &Bodies, slot: u32, pieces: &mut [BodyDesc], halves: &mut [BodyDesc]) {
+    let Some(body) = bodies.convex(slot) else {
+        return;
+    };
     let whole = if halves.is_empty() {
         &*pieces
     } else {
         &*halves
     };
-    let sum: f64 = whole.iter().map(volume).sum();
-    let density = f64::from(bodies.mass(slot).mass) / sum;
-    let change = density / f64::from(bodies.density(slot)) - 1.0;
-    if change.is_finite() && change.abs() > MASS_TOLERANCE {
-        let descs = pieces.iter_mut().chain(halves);
-        descs.for_each(|desc| desc.density = density as f32);
+    let hulls = || whole.iter().filter_map(hull);
+    let volume: f64 = hulls().map(ConvexHull::volume).sum();
+    let (mass, density) = (bodies.mass(slot).mass, bodies.density(slot));
+    let missing = f64::from(mass) / f64::from(density) - volume;
+    if missing.abs() <= MASS_TOLERANCE * volume {
+        return;
     }
+    let area: f64 = hulls().map(surface).sum();
+    if missing.abs() <= 2.0 * f64::from(thickness_of_faces(body.hull())) * area {
+        let density = (f64::from(mass) / volume) as f32;
+        let descs = pieces.iter_mut().chain(halves);
+        descs.for_each(|desc| desc.density = density);
+    }
+}
+
+/// How far from where they should be corners of a hull and of its pieces may lie, m: as far as a plane reaches, or as its own lie from
+/// their faces, which were rounded when it was part of a larger body.
+fn thickness_of_faces(hull: &ConvexHull) -> f32 {
+    let distances = hull.faces.iter().flat_map(|face| {
+        let corners = hull.face_loop(face).iter();
+        corners.map(|&v| face.plane.distance(hull.vertices[v as usize]).abs())
+    });
+    distances.fold(plane_tolerance(length_scale(&hull.aabb())), f32::max)
 }
 
 /// Gives the pieces the momentum that they lack, as one velocity for all of them.
