@@ -13,6 +13,7 @@ mod bond_inheritance;
 pub mod bonds;
 mod breaking;
 mod budget;
+mod conservation;
 mod impact;
 mod inheritance;
 mod ledger;

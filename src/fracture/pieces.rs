@@ -1,9 +1,9 @@
 //! What becomes of a body that breaks: its pieces, first as shapes, then as bodies.
 
 use super::budget::FractureBudget;
+use super::conservation::{hull_of, keep_mass, keep_momentum, surface};
 use super::ledger::{Ledger, Reference, Totals};
 use super::{CutError, Fracture};
-use crate::geometry::predicates::{length_scale, plane_tolerance};
 use crate::geometry::{ConvexHull, ConvexMesh, TriMesh};
 use crate::mass::VolumeIntegrals;
 use crate::math::{Plane, Pose, rotate};
@@ -81,11 +81,6 @@ impl Division {
         };
         0.5 * (grown - surface(whole))
     }
-}
-
-/// Area of a hull's faces, m2.
-fn surface(hull: &ConvexHull) -> f64 {
-    hull.faces.iter().map(|face| hull.face_area(face)).sum()
 }
 
 /// The pieces of a mesh: what the blow makes of it, and then the cuts.
@@ -167,7 +162,7 @@ fn insert(
         });
         let dropped = Totals::of_piece(&desc, reference);
         // A piece whose mass or inertia no f32 can hold is as good as too small.
-        let is_large_enough = hull(&desc).is_some_and(|hull| hull.volume() > least_volume);
+        let is_large_enough = hull_of(&desc).is_some_and(|hull| hull.volume() > least_volume);
         match is_large_enough.then(|| bodies.insert_with_mass(desc)) {
             Some(Ok(slot)) => {
                 ledger.after.add_body(bodies, slot, reference);
@@ -180,79 +175,6 @@ fn insert(
         }
     }
     kept
-}
-
-/// Hull of a piece.
-fn hull(piece: &BodyDesc) -> Option<&ConvexHull> {
-    match &piece.shape {
-        Shape::Convex(mesh) => Some(mesh.hull()),
-        Shape::HalfSpace(_) => None,
-    }
-}
-
-/// Share of a body's mass that its pieces may lose or gain before their density makes up for it. Usual pieces stay far below it and
-/// have the density of the body, bit for bit.
-const MASS_TOLERANCE: f64 = 5e-7;
-
-/// Share of the momentum that pieces may lose or gain before a velocity makes up for it.
-const MOMENTUM_TOLERANCE: f64 = 5e-6;
-
-/// Gives the pieces of a body, or its `halves` if parts of them came apart, a density with which they have its mass.
-///
-/// Corners of pieces are rounded to `f32`, in the frame of the body and then about their own centroids, and cells too flat for a hull
-/// are left out. Where a body is not much thicker than that, it takes or gives a share of the volume. What cannot be rounding stays
-/// for the ledger to tell.
-fn keep_mass(bodies: &Bodies, slot: u32, pieces: &mut [BodyDesc], halves: &mut [BodyDesc]) {
-    let Some(body) = bodies.convex(slot) else {
-        return;
-    };
-    let whole = if halves.is_empty() {
-        &*pieces
-    } else {
-        &*halves
-    };
-    let hulls = || whole.iter().filter_map(hull);
-    let volume: f64 = hulls().map(ConvexHull::volume).sum();
-    let (mass, density) = (bodies.mass(slot).mass, bodies.density(slot));
-    let missing = f64::from(mass) / f64::from(density) - volume;
-    if missing.abs() <= MASS_TOLERANCE * volume {
-        return;
-    }
-    let area: f64 = hulls().map(surface).sum();
-    if missing.abs() <= 2.0 * f64::from(thickness_of_faces(body.hull())) * area {
-        let density = (f64::from(mass) / volume) as f32;
-        let descs = pieces.iter_mut().chain(halves);
-        descs.for_each(|desc| desc.density = density);
-    }
-}
-
-/// How far from where they should be corners of a hull and of its pieces may lie, m: as far as a plane reaches, or as its own lie from
-/// their faces, which were rounded when it was part of a larger body.
-fn thickness_of_faces(hull: &ConvexHull) -> f32 {
-    let distances = hull.faces.iter().flat_map(|face| {
-        let corners = hull.face_loop(face).iter();
-        corners.map(|&v| face.plane.distance(hull.vertices[v as usize]).abs())
-    });
-    distances.fold(plane_tolerance(length_scale(&hull.aabb())), f32::max)
-}
-
-/// Gives the pieces the momentum that they lack, as one velocity for all of them.
-///
-/// Pieces move as the body did where their centroids are. Where those are rounded as much as [`keep_mass`] says, they are together no
-/// longer at the centre of mass of the body.
-fn keep_momentum(bodies: &mut Bodies, kept: &[u32], ledger: &mut Ledger, reference: &Reference) {
-    if ledger.momentum_error() <= MOMENTUM_TOLERANCE {
-        return;
-    }
-    let change = ledger.missing_momentum() / ledger.after.mass;
-    ledger.after = Totals::default();
-    for &slot in kept {
-        let (v, omega) = bodies.velocity(slot);
-        let v = (v.as_dvec3() + change).as_vec3();
-        // Of a velocity that no f32 can hold the piece keeps the old one.
-        let _ = bodies.set_velocity(slot, v, omega);
-        ledger.after.add_body(bodies, slot, reference);
-    }
 }
 
 /// What the hulls of pieces held between the parts that came apart: air that had counted as material.
