@@ -3,9 +3,9 @@
 //! Only bodies that are hardly thicker than the rounding of their corners have need of it.
 
 use super::ledger::{Ledger, Reference, Totals};
-use crate::geometry::ConvexHull;
 use crate::geometry::predicates::{length_scale, plane_tolerance};
-use crate::solver::bodies::{Bodies, BodyDesc, Shape};
+use crate::geometry::{ConvexHull, ConvexMesh};
+use crate::solver::bodies::{Bodies, BodyDesc};
 
 /// Share of a body's mass that its pieces may lose or gain before their density makes up for it. Usual pieces stay far below it and
 /// have the density of the body, bit for bit.
@@ -33,14 +33,15 @@ pub(super) fn keep_mass(
     } else {
         &*halves
     };
-    let hulls = || whole.iter().filter_map(hull_of);
+    let meshes = || whole.iter().filter_map(|desc| desc.shape.convex());
+    let hulls = || meshes().map(ConvexMesh::hull);
     let volume: f64 = hulls().map(ConvexHull::volume).sum();
     let (mass, density) = (bodies.mass(slot).mass, bodies.density(slot));
     let missing = f64::from(mass) / f64::from(density) - volume;
     if missing.abs() <= MASS_TOLERANCE * volume {
         return;
     }
-    let area: f64 = hulls().map(surface).sum();
+    let area: f64 = hulls().map(ConvexHull::area).sum();
     if missing.abs() <= 2.0 * f64::from(thickness_of_faces(body.hull())) * area {
         let density = (f64::from(mass) / volume) as f32;
         let descs = pieces.iter_mut().chain(halves);
@@ -81,17 +82,4 @@ pub(super) fn keep_momentum(
         let _ = bodies.set_velocity(slot, v, omega);
         ledger.after.add_body(bodies, slot, reference);
     }
-}
-
-/// Hull of a piece.
-pub(super) fn hull_of(piece: &BodyDesc) -> Option<&ConvexHull> {
-    match &piece.shape {
-        Shape::Convex(mesh) => Some(mesh.hull()),
-        Shape::HalfSpace(_) => None,
-    }
-}
-
-/// Area of a hull's faces, m2.
-pub(super) fn surface(hull: &ConvexHull) -> f64 {
-    hull.faces.iter().map(|face| hull.face_area(face)).sum()
 }

@@ -1,7 +1,7 @@
 //! What a fracture did to mass, momentum, angular momentum and energy.
 
 use crate::mass::VolumeIntegrals;
-use crate::solver::bodies::{Bodies, BodyDesc, Shape};
+use crate::solver::bodies::{Bodies, BodyDesc};
 use glam::{DMat3, DVec3, Quat, Vec3};
 
 /// Sums over one or several bodies.
@@ -35,7 +35,7 @@ impl Totals {
 
     /// Sums of a piece that does not become a body, whose frame is about its centroid; nothing of what is no piece.
     pub(super) fn of_piece(desc: &BodyDesc, reference: &Reference) -> Self {
-        let Shape::Convex(mesh) = &desc.shape else {
+        let Some(mesh) = desc.shape.convex() else {
             return Self::default();
         };
         let integrals = VolumeIntegrals::of_hull(mesh.hull());

@@ -1,7 +1,7 @@
 //! What becomes of a body that breaks: its pieces, first as shapes, then as bodies.
 
 use super::budget::FractureBudget;
-use super::conservation::{hull_of, keep_mass, keep_momentum, surface};
+use super::conservation::{keep_mass, keep_momentum};
 use super::ledger::{Ledger, Reference, Totals};
 use super::{CutError, Fracture};
 use crate::geometry::{ConvexHull, ConvexMesh, TriMesh};
@@ -74,12 +74,12 @@ impl Division {
     /// Area of the cracks in a body with the hull `whole`, m2: half of what the surface has grown by.
     pub(super) fn crack_area(&self, whole: &ConvexHull) -> f64 {
         let grown = if self.halves.is_empty() {
-            let surfaces = self.pieces.iter().map(|piece| surface(&piece.hull));
+            let surfaces = self.pieces.iter().map(|piece| piece.hull.area());
             surfaces.sum::<f64>()
         } else {
-            self.halves.iter().map(surface).sum()
+            self.halves.iter().map(ConvexHull::area).sum()
         };
-        0.5 * (grown - surface(whole))
+        0.5 * (grown - whole.area())
     }
 }
 
@@ -162,7 +162,8 @@ fn insert(
         });
         let dropped = Totals::of_piece(&desc, reference);
         // A piece whose mass or inertia no f32 can hold is as good as too small.
-        let is_large_enough = hull_of(&desc).is_some_and(|hull| hull.volume() > least_volume);
+        let is_large_enough =
+            (desc.shape.convex()).is_some_and(|mesh| mesh.hull().volume() > least_volume);
         match is_large_enough.then(|| bodies.insert_with_mass(desc)) {
             Some(Ok(slot)) => {
                 ledger.after.add_body(bodies, slot, reference);

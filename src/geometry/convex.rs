@@ -453,6 +453,11 @@ impl ConvexHull {
         0.5 * fan.sum::<DVec3>().length()
     }
 
+    /// Surface area, m2, summed in `f64`.
+    pub(crate) fn area(&self) -> f64 {
+        self.faces.iter().map(|face| self.face_area(face)).sum()
+    }
+
     /// The faces as triangle fans.
     pub fn triangles(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
         self.faces.iter().flat_map(|face| {

@@ -234,10 +234,7 @@ impl Bodies {
 
     /// The convex shape of the body; `None` for a half-space or a free slot.
     pub fn convex(&self, slot: u32) -> Option<&ConvexMesh> {
-        match &self.info.get(slot as usize)?.as_ref()?.shape {
-            Shape::Convex(mesh) => Some(mesh),
-            Shape::HalfSpace(_) => None,
-        }
+        self.info.get(slot as usize)?.as_ref()?.shape.convex()
     }
 
     /// `world_from_body`: pose of the frame that the shape is given in.

@@ -33,6 +33,16 @@ pub enum Shape {
     HalfSpace(HalfSpace),
 }
 
+impl Shape {
+    /// The convex shape, if it is one.
+    pub(crate) fn convex(&self) -> Option<&ConvexMesh> {
+        match self {
+            Self::Convex(mesh) => Some(mesh),
+            Self::HalfSpace(_) => None,
+        }
+    }
+}
+
 /// What a body is made from.
 #[derive(Clone, Debug)]
 pub struct BodyDesc {
