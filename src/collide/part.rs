@@ -18,6 +18,9 @@ use std::ops::Range;
 /// How many touching pairs ahead their touches and bodies are asked for.
 const AHEAD: usize = 8;
 
+/// Pairs that are looked at before the first of them is looked at closer: a bit each.
+const RUN: usize = 64;
+
 /// What all parts read.
 pub(super) struct Scene<'s> {
     pub(super) bodies: &'s Bodies,
@@ -81,21 +84,39 @@ impl Part {
         // Whether a pair touches cannot be guessed, so each is listed, and those that do not are written over.
         self.touching.resize(pairs.len() + 1, [0; 2]);
         let mut count = 0;
-        for (index, &pair) in pairs.iter().enumerate() {
-            if !scene.bodies.needs_look(pair) {
-                continue;
+        for (first, pairs) in (0..).step_by(RUN).zip(pairs.chunks(RUN)) {
+            let unsure = self.find_unsure(scene, pairs, first);
+            for at in bits(unsure) {
+                self.renew(scene, pairs[at], first + at);
             }
-            let paces = scene.paces(pair);
-            let margin = scene.margin(paces, paces[0].ahead + paces[1].ahead);
-            if !self.known.terms[index].surely_holds(paces, margin) {
-                self.renew(scene, pair, index);
+            for (index, &pair) in (first..).zip(pairs) {
+                if !scene.bodies.needs_look(pair) {
+                    continue;
+                }
+                let term = &self.known.terms[index];
+                self.touching[count] = [index as u32, term.touch];
+                count += usize::from(term.points > 0);
+                self.points.end += term.points;
             }
-            let term = &self.known.terms[index];
-            self.touching[count] = [index as u32, term.touch];
-            count += usize::from(term.points > 0);
-            self.points.end += term.points;
         }
         self.touching.truncate(count);
+    }
+
+    /// Which of a run of pairs, of which `first` is the first, need a closer look: a bit each. What that reads lies anywhere, and
+    /// is asked for.
+    fn find_unsure(&self, scene: &Scene, pairs: &[Pair], first: usize) -> u64 {
+        let mut unsure = 0;
+        for (at, (&pair, term)) in pairs.iter().zip(&self.known.terms[first..]).enumerate() {
+            let paces = scene.paces(pair);
+            let margin = scene.margin(paces, paces[0].ahead + paces[1].ahead);
+            if term.surely_holds(paces, margin) || !scene.bodies.needs_look(pair) {
+                continue;
+            }
+            unsure |= 1 << at;
+            self.known.prefetch(term);
+            scene.pair(pair).into_iter().for_each(prefetch);
+        }
+        unsure
     }
 
     /// Looks closer at a pair, and tests it if that does not help.
@@ -161,6 +182,15 @@ impl Part {
             };
         }
     }
+}
+
+/// Numbers of the bits that are set.
+fn bits(mut set: u64) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lowest = (set != 0).then(|| set.trailing_zeros() as usize);
+        set &= set.wrapping_sub(1);
+        lowest
+    })
 }
 
 /// Distance of two hulls along a unit vector from A to B (A's frame), m; `None` if one is a half-space, which is tested

@@ -7,6 +7,7 @@
 use super::BodyId;
 use super::broadphase::Pair;
 use super::pair::{NO_TOUCH, Pace, PairBody, PairState, PairTerm, PairView, Touch};
+use crate::prefetch::prefetch;
 
 /// Two bodies by id, in the order of the pairs.
 pub(crate) type PairName = (BodyId, BodyId);
@@ -96,6 +97,14 @@ pub(crate) struct Known {
 }
 
 impl Known {
+    /// Asks for what a closer look at a pair reads.
+    pub(crate) fn prefetch(&self, term: &PairTerm) {
+        prefetch(&self.states.list[term.state as usize]);
+        if let Some(touch) = self.touches.of(term) {
+            prefetch(touch);
+        }
+    }
+
     /// A pair as a test sees it.
     pub(crate) fn view<'v>(
         &'v mut self,

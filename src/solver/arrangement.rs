@@ -7,7 +7,6 @@ use super::blocks::Place;
 use super::colouring::Colouring;
 use super::lanes::WIDTH;
 use super::schedule::{ContactOrder, Filling, Schedule};
-use crate::parts::front;
 use crate::team::Team;
 use std::ops::Range;
 
@@ -18,8 +17,6 @@ pub struct Joint {
     pub bodies: [Option<u32>; 2],
     /// Number of its points.
     pub points: u32,
-    /// Number of its [domain](super::domains).
-    pub domain: u32,
 }
 
 /// What an arrangement is made by.
@@ -36,8 +33,9 @@ pub struct Rule {
 /// Places of manifolds; buffers are reused.
 #[derive(Debug, Default)]
 pub struct Arrangement {
-    joints: Vec<Joint>,
-    /// Indices of joints, domain by domain, and where those of each domain end.
+    /// By manifold: its [domain](super::domains).
+    domain: Vec<u8>,
+    /// Manifolds, domain by domain, and where those of each domain end.
     order: Vec<u32>,
     ends: Vec<usize>,
     /// Those that there are, and perhaps more.
@@ -77,22 +75,22 @@ struct Outcome {
 }
 
 impl Arrangement {
-    /// Places manifolds, of which none is joined to the same body twice.
+    /// Places manifolds, of which none is joined to the same body twice: `domains` are theirs, and `joint` tells what a schedule
+    /// sees of each.
     pub fn arrange(
         &mut self,
-        joints: impl Iterator<Item = Joint>,
+        domains: impl Iterator<Item = u32>,
+        joint: impl Fn(usize) -> Joint + Sync,
         rule: Rule,
         team: Option<&Team>,
     ) {
-        self.joints.clear();
-        self.joints.extend(joints);
-        self.sort_by_domain(rule.domains);
-        self.load_domains(team);
+        self.sort_by_domain(domains, rule.domains);
+        self.load_domains(joint, team);
         let is_coloured = match rule.order {
             ContactOrder::Kept => false,
             ContactOrder::Coloured => true,
             ContactOrder::Automatic => {
-                let least = self.joints.len().div_ceil(WIDTH);
+                let least = self.order.len().div_ceil(WIDTH);
                 self.place(false, rule.bodies, team) > 2 * least
             }
         };
@@ -107,53 +105,48 @@ impl Arrangement {
 
     /// Blocks of the domains.
     pub fn domains(&self) -> impl Iterator<Item = Range<usize>> {
-        let ends = &self.outcome.ends;
-        let firsts = std::iter::once(&0).chain(ends);
-        firsts.zip(ends).map(|(first, end)| *first..*end)
+        ranges(&self.outcome.ends)
     }
 
-    /// Of each block, the points of its largest manifold.
-    pub fn points_of_blocks(&self) -> impl ExactSizeIterator<Item = usize> {
-        self.outcome
-            .points
-            .iter()
-            .map(|&points| usize::from(points))
+    /// Manifolds of the domains.
+    pub fn manifolds_of_domains(&self) -> impl Iterator<Item = &[u32]> {
+        ranges(&self.ends).map(|range| &self.order[range])
     }
 
-    /// Lists the joints of each domain in their order.
-    fn sort_by_domain(&mut self, domains: usize) {
-        self.order.resize(self.joints.len(), 0);
+    /// By block: points of its largest manifold.
+    pub fn points_of_blocks(&self) -> &[u16] {
+        &self.outcome.points
+    }
+
+    /// Lists the manifolds of each domain in their order.
+    fn sort_by_domain(&mut self, domains: impl Iterator<Item = u32>, count: usize) {
+        self.domain.clear();
+        self.domain.extend(domains.map(|domain| domain as u8));
+        self.order.resize(self.domain.len(), 0);
         self.ends.clear();
-        self.ends.resize(domains, 0);
-        for joint in &self.joints {
-            self.ends[joint.domain as usize] += 1;
+        self.ends.resize(count, 0);
+        for domain in &self.domain {
+            self.ends[*domain as usize] += 1;
         }
         let mut first = 0;
         for end in &mut self.ends {
             first += std::mem::replace(end, first);
         }
-        for (index, joint) in (0..).zip(&self.joints) {
-            let end = &mut self.ends[joint.domain as usize];
+        for (index, domain) in (0..).zip(&self.domain) {
+            let end = &mut self.ends[*domain as usize];
             self.order[*end] = index;
             *end += 1;
         }
     }
 
     /// Gives each domain its joints.
-    fn load_domains(&mut self, team: Option<&Team>) {
+    fn load_domains(&mut self, joint: impl Fn(usize) -> Joint + Sync, team: Option<&Team>) {
         let count = self.ends.len().max(self.domains.len());
         self.domains.resize_with(count, Domain::default);
-        let (joints, mut order, mut first) = (&self.joints, &self.order[..], 0);
-        let parts = self
-            .domains
-            .iter_mut()
-            .zip(&self.ends)
-            .map(|(domain, end)| {
-                let of_domain = front(&mut order, end - std::mem::replace(&mut first, *end));
-                (domain, of_domain)
-            });
+        let of_domains = ranges(&self.ends).map(|range| &self.order[range]);
+        let parts = self.domains.iter_mut().zip(of_domains);
         Team::each(team, parts, |(domain, order)| {
-            domain.load(order.iter().map(|&at| joints[at as usize]));
+            domain.load(order.iter().map(|&at| joint(at as usize)));
         });
     }
 
@@ -174,7 +167,7 @@ impl Arrangement {
             points,
             ends,
         } = &mut self.outcome;
-        places.resize(self.joints.len(), Place::default());
+        places.resize(self.order.len(), Place::default());
         points.clear();
         ends.clear();
         let mut order = self.order.iter();
@@ -189,6 +182,12 @@ impl Arrangement {
             ends.push(points.len());
         }
     }
+}
+
+/// Ranges that follow each other, by their ends.
+fn ranges(ends: &[usize]) -> impl Iterator<Item = Range<usize>> {
+    let firsts = std::iter::once(&0).chain(ends);
+    firsts.zip(ends).map(|(first, end)| *first..*end)
 }
 
 impl Domain {

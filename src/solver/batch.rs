@@ -180,7 +180,7 @@ impl Batch {
             let (blocks, points) = (&mut self.blocks, &mut self.points);
             let (layout, order) = (&mut self.layout, self.settings.config.order);
             layout.place(islands, range.clone(), &self.bodies, order, team);
-            layout.name(&self.bodies, blocks, points, team);
+            layout.name(blocks, points, team);
         }
         self.load_copies();
         for member in 0..self.layout.members.len() {

@@ -127,19 +127,26 @@ impl Domains {
         others.iter().cloned().chain(std::iter::once(last))
     }
 
-    /// The domain of a manifold that joins these bodies; of bodies that contacts do not move, `None`.
-    pub fn of(&self, bodies: [Option<u32>; 2]) -> u32 {
+    /// Number of the first body that contacts do not move, after the bodies have been sorted: all behind it are of that kind.
+    pub fn first_fixed(&self) -> usize {
+        self.leaves.last().map_or(0, |leaf| leaf.end)
+    }
+
+    /// The domain of a manifold of these bodies, of which contacts move one at least.
+    pub fn of(&self, bodies: [u32; 2]) -> u32 {
         if self.leaves.is_empty() {
             return 0;
         }
-        let [Some(a), Some(b)] = bodies else {
-            let body = bodies.into_iter().flatten().next();
-            return body.map_or(0, |body| u32::from(self.leaf[body as usize]));
+        let count = self.leaves.len() as u32;
+        let [a, b] = bodies.map(|body| u32::from(self.leaf[body as usize]));
+        // What contacts do not move is in no leaf.
+        let [a, b] = match [a == count, b == count] {
+            [true, _] => [b, b],
+            [_, true] => [a, a],
+            _ => [a, b],
         };
-        let [a, b] = [a, b].map(|body| u32::from(self.leaf[body as usize]));
         // The stage that brings both together; before it come `n + n / 2 + ...` domains.
         let stage = u32::BITS - (a ^ b).leading_zeros();
-        let count = self.leaves.len() as u32;
         2 * count - ((2 * count) >> stage) + (a >> stage)
     }
 

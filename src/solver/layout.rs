@@ -11,6 +11,7 @@ use super::demand::SubstepSettings;
 use super::domains::{self, Domains};
 use super::islands::{Island, Islands};
 use super::schedule::ContactOrder;
+use crate::parts::front_mut;
 use crate::team::Team;
 use std::ops::Range;
 
@@ -54,7 +55,7 @@ pub struct Layout {
     pub(super) cuts: Domains,
     arrangement: Arrangement,
     origin: Option<Origin>,
-    /// By body: the number of its copy.
+    /// By domain but the first one and fixed body: the number of its copy.
     copies: Vec<Option<u32>>,
 }
 
@@ -150,22 +151,20 @@ impl Layout {
             bodies: bodies.len(),
             domains: self.cuts.count(),
         };
-        let of_batch = islands.list[range]
-            .iter()
-            .flat_map(|island| island.manifolds.clone());
-        let cuts = &self.cuts;
-        let joints = self.pairs.iter().zip(of_batch.clone()).map(|(pair, at)| {
+        let of_batch = islands.list[range.start].manifolds.start..;
+        let counts = &islands.counts[of_batch.clone()];
+        let (cuts, pairs) = (&self.cuts, &self.pairs);
+        let domains = pairs.iter().map(|pair| cuts.of(*pair));
+        let joint = |at: usize| {
             let is_movable = |body: u32| bodies[body as usize].inverse_mass > 0.0;
-            let bodies = pair.map(|body| is_movable(body).then_some(body));
             Joint {
-                bodies,
-                points: islands.counts[at],
-                domain: cuts.of(bodies),
+                bodies: pairs[at].map(|body| is_movable(body).then_some(body)),
+                points: counts[at],
             }
-        });
-        self.arrangement.arrange(joints, rule, team);
-        let names = of_batch.map(|at| islands.manifolds[at]);
+        };
+        self.arrangement.arrange(domains, joint, rule, team);
         let places = self.arrangement.places().iter().copied();
+        let names = islands.manifolds[of_batch].iter().copied();
         self.places.clear();
         self.places.extend(names.zip(places));
         self.domains.clear();
@@ -176,7 +175,6 @@ impl Layout {
     /// when they are filled.
     pub(super) fn name(
         &mut self,
-        bodies: &[SolverBody],
         blocks: &mut Vec<Block>,
         points: &mut Vec<Point>,
         team: Option<&Team>,
@@ -184,40 +182,62 @@ impl Layout {
         let idle = self.slots.len() as u32;
         let counts = self.arrangement.points_of_blocks();
         blocks.resize_with(counts.len(), Block::default);
-        let mut end = 0;
-        for (block, count) in blocks.iter_mut().zip(counts) {
-            block.clear(idle, end..end + count);
-            end += count;
-        }
+        let has_copies = team.is_some();
+        let (mut rest, mut end, mut first) = (&mut blocks[..], 0, 0);
+        let domains = self.domains.iter().enumerate();
+        let parts = domains.zip(self.arrangement.manifolds_of_domains());
+        let parts = parts.map(|((domain, blocks), manifolds)| {
+            let counts = &counts[blocks.clone()];
+            first = end;
+            end += counts
+                .iter()
+                .map(|&count| usize::from(count))
+                .sum::<usize>();
+            Naming {
+                first_block: blocks.start,
+                blocks: front_mut(&mut rest, blocks.len()),
+                counts,
+                first_point: first,
+                manifolds,
+                // See `name_copies`.
+                idle: idle + if has_copies { domain as u32 } else { 0 },
+            }
+        });
+        Team::each(team, parts, |part| part.name(&self.pairs, &self.places));
         points.resize(end, Point::default());
-        for (pair, &(index, place)) in self.pairs.iter().zip(&self.places) {
-            let block = &mut blocks[place.block as usize];
-            block.put(place.lane as usize, index, *pair);
-        }
         self.originals.clear();
-        if team.is_some() {
-            self.name_copies(bodies, blocks);
+        if has_copies {
+            self.name_copies(blocks);
         }
     }
 
     /// Gives each domain its own copies of the fixed bodies and of the idle one, so that domains of a stage, which different
-    /// threads solve, write to different bodies.
-    fn name_copies(&mut self, bodies: &[SolverBody], blocks: &mut [Block]) {
-        for domain in &self.domains[1..] {
-            self.copies.clear();
-            self.copies.resize(bodies.len(), None);
-            for block in &mut blocks[domain.clone()] {
-                for number in block.bodies.as_flattened_mut() {
-                    if bodies[*number as usize].inverse_mass > 0.0 {
-                        continue;
-                    }
-                    let original = *number;
-                    *number = *self.copies[original as usize].get_or_insert_with(|| {
-                        self.originals.push(original);
-                        (bodies.len() + self.originals.len()) as u32 - 1
-                    });
-                }
-            }
+    /// threads solve, write to different bodies. Those of the idle one come first, in the order of the domains.
+    fn name_copies(&mut self, blocks: &mut [Block]) {
+        let (idle, first_fixed) = (self.slots.len() as u32, self.cuts.first_fixed());
+        let others = self.domains.len() - 1;
+        self.originals.extend(std::iter::repeat_n(idle, others));
+        if others == 0 {
+            return;
+        }
+        let fixed = self.slots.len() - first_fixed;
+        self.copies.clear();
+        self.copies.resize(others * fixed, None);
+        for (pair, (_, place)) in self.pairs.iter().zip(&self.places) {
+            let is_fixed = |&side: &usize| pair[side] as usize >= first_fixed;
+            let Some(side) = (0..2).find(is_fixed) else {
+                continue;
+            };
+            let Some(other) = (self.cuts.of(*pair) as usize).checked_sub(1) else {
+                continue;
+            };
+            let copy = &mut self.copies[other * fixed + pair[side] as usize - first_fixed];
+            let number = *copy.get_or_insert_with(|| {
+                self.originals.push(pair[side]);
+                idle + self.originals.len() as u32
+            });
+            let block = &mut blocks[place.block as usize];
+            block.bodies[side][place.lane as usize] = number;
         }
     }
 
@@ -227,5 +247,36 @@ impl Layout {
         let first_copy = self.slots.len() + 1;
         let copy = (body as usize).checked_sub(first_copy);
         copy.map_or(body, |copy| self.originals[copy])
+    }
+}
+
+/// The blocks of a domain that are to be named.
+struct Naming<'a> {
+    /// The first of them within the batch.
+    first_block: usize,
+    blocks: &'a mut [Block],
+    /// By block: points of its largest manifold.
+    counts: &'a [u16],
+    /// The first of its points within the batch.
+    first_point: usize,
+    /// Its manifolds.
+    manifolds: &'a [u32],
+    /// Number of the body of lanes that are not used.
+    idle: u32,
+}
+
+impl Naming<'_> {
+    fn name(self, pairs: &[[u32; 2]], places: &[(u32, Place)]) {
+        let mut end = self.first_point;
+        for (block, &count) in self.blocks.iter_mut().zip(self.counts) {
+            let first = end;
+            end += usize::from(count);
+            block.clear(self.idle, first..end);
+        }
+        for &at in self.manifolds {
+            let (index, place) = places[at as usize];
+            let block = &mut self.blocks[place.block as usize - self.first_block];
+            block.put(place.lane as usize, index, pairs[at as usize]);
+        }
     }
 }
