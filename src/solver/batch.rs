@@ -9,7 +9,7 @@ use super::bodies::{Bodies, SolverBody};
 use super::demand::{Demand, Effort, SubstepSettings};
 use super::exact::ExactScratch;
 use super::fill::{Source, derive_stale, fill};
-use super::follow::{Following, Start, Turn};
+use super::follow::{Followers, Following, Start, Turn};
 use super::islands::{Islands, MovingPair};
 use super::lanes::F8;
 use super::layout::Layout;
@@ -106,11 +106,11 @@ pub struct Batch {
     pub turning: Vec<TurningBody>,
     /// Those of its manifolds whose rows follow the motion.
     pub moving: Vec<MovingManifold>,
-    /// Where its points were at the start of the step, if any of its manifolds moves.
-    pub(super) starts: Vec<Start>,
-    /// By block: which of its lanes follow the motion, likewise.
+    /// Those of its blocks in which a manifold moves, ascending.
     pub(super) following: Vec<Following>,
-    /// By body: how it has turned since the start of the step, likewise.
+    /// Where the points of these were at the start of the step.
+    pub(super) starts: Vec<Start>,
+    /// By body: how it has turned since the start of the step, if any of its manifolds moves.
     pub(super) turns: Vec<Turn>,
     /// Those of its bodies that break under too large an impulse.
     pub limits: Vec<Limit>,
@@ -132,6 +132,8 @@ pub struct Batch {
 /// Buffers of the sub-steps.
 #[derive(Debug, Default)]
 pub(super) struct BatchScratch {
+    /// By block: its number among those that follow.
+    pub(super) follower: Vec<Option<u32>>,
     /// By body: whether its turn within the step matters to the rows.
     pub(super) is_followed: Vec<bool>,
     pub(super) exact: ExactScratch,
@@ -192,9 +194,9 @@ impl Batch {
             self.load_moving(&islands.moving[island.moving.clone()], first, bodies);
         }
         self.load_limits(bodies);
+        self.mark_following();
         self.fill_blocks(manifolds, team);
         self.has_restitution = islands.list[range.clone()].iter().any(|i| i.bounces);
-        self.mark_following();
         if demand.can_hit || self.settings.config.method == Method::Exact {
             self.blows.resize(self.points.len(), Blow::default());
         }
@@ -221,21 +223,17 @@ impl Batch {
             slop: config.slop,
         };
         let width = config.lane_width;
-        let follows = !self.moving.is_empty();
-        self.starts
-            .resize(self.points.len() * usize::from(follows), Start::default());
-        let mut starts = &mut self.starts[..];
+        let (mut followers, mut starts) = (Followers::new(&self.following), &mut self.starts[..]);
         let (blocks, points) = (&mut self.blocks, &mut self.points);
         let parts = parts_of_blocks(blocks, points, &self.layout.domains, team);
         let parts = parts.map(|(blocks, points)| {
-            let count = points.len() * usize::from(follows);
-            (blocks, points, front_mut(&mut starts, count))
+            let following = followers.take(blocks.len());
+            let starts = front_mut(&mut starts, following.points());
+            (blocks, points, following, starts)
         });
-        Team::each(team, parts, |(blocks, points, starts)| {
+        Team::each(team, parts, |(blocks, points, following, starts)| {
             fill(blocks, points, source, width);
-            for (start, point) in starts.iter_mut().zip(points.iter()) {
-                *start = Start::of(point);
-            }
+            following.start(blocks, points, starts);
         });
     }
 
@@ -243,30 +241,48 @@ impl Batch {
     pub(super) fn derive_masses(&mut self, team: Option<&Team>) {
         let (solids, width) = (&self.solids, self.settings.config.lane_width);
         let (blocks, points) = (&mut self.blocks, &mut self.points);
-        let mut following = &self.following[..];
+        let mut followers = Followers::new(&self.following);
         let parts = parts_of_blocks(blocks, points, &self.layout.domains, team);
         let parts = parts.map(|(blocks, points)| {
-            let following = front(&mut following, blocks.len());
+            let following = followers.take(blocks.len());
             (blocks, points, following)
         });
         Team::each(team, parts, |(blocks, points, following)| {
-            let is_stale = following.iter().map(|following| following.any);
-            derive_stale(blocks, points, solids, is_stale, width);
+            derive_stale(blocks, points, solids, following.blocks(), width);
         });
     }
 
-    /// Marks the lanes and the bodies of moving manifolds.
+    /// Lists the blocks, and marks the lanes and the bodies, of moving manifolds.
     fn mark_following(&mut self) {
+        self.following.clear();
         if self.moving.is_empty() {
             return;
         }
-        self.following.clear();
-        self.following
-            .resize(self.blocks.len(), Following::default());
+        let number = &mut self.scratch.follower;
+        number.clear();
+        number.resize(self.blocks.len(), None);
+        for moving in &self.moving {
+            number[moving.place.block as usize] = Some(0);
+        }
+        let mut points = 0;
+        let named = (0..).zip(number.iter_mut().zip(&self.blocks));
+        for (block, (number, named)) in named.filter(|(_, (number, _))| number.is_some()) {
+            *number = Some(self.following.len() as u32);
+            let first = points;
+            points += named.points.len() as u32;
+            self.following.push(Following {
+                block,
+                starts: [first, points],
+                ..Following::default()
+            });
+        }
+        self.starts.resize(points as usize, Start::default());
         for moving in &self.moving {
             let (place, lane) = (moving.place, moving.place.lane as usize);
-            let following = &mut self.following[place.block as usize];
-            following.any = true;
+            let Some(number) = number[place.block as usize] else {
+                continue;
+            };
+            let following = &mut self.following[number as usize];
             following.moves.0[lane] = 1.0;
             following.on_b.0[lane] = f32::from(moving.carrier == 1);
         }

@@ -3,6 +3,7 @@
 use super::blocks::{Block, FAR, Point, Solid, load_anchors};
 use super::lane_pair::Masses;
 use super::lanes::{F8, Kernel, LaneWidth, Lanes, WIDTH, run};
+use super::shares::points_of;
 use super::triple::V3;
 use crate::contact::manifold::{ContactPoint, MAX_POINTS};
 use crate::contact::manifolds::Manifolds;
@@ -38,19 +39,19 @@ pub fn fill(blocks: &mut [Block], points: &mut [Point], source: Source<'_>, widt
 }
 
 /// Computes masses and couplings of the points of blocks, which are all of `points`, anew from anchors and inertias: for
-/// those blocks of which `is_stale` says so, one after the other.
+/// the `stale` ones, by index.
 pub(super) fn derive_stale(
     blocks: &mut [Block],
     points: &mut [Point],
     solids: &[Solid],
-    is_stale: impl Iterator<Item = bool>,
+    stale: impl Iterator<Item = usize>,
     width: LaneWidth,
 ) {
     let kernel = Derive {
         blocks,
         points,
         solids,
-        is_stale,
+        stale,
     };
     run(width, kernel);
 }
@@ -171,22 +172,20 @@ struct Derive<'a, S> {
     blocks: &'a mut [Block],
     points: &'a mut [Point],
     solids: &'a [Solid],
-    is_stale: S,
+    stale: S,
 }
 
-impl<S: Iterator<Item = bool>> Kernel for Derive<'_, S> {
+impl<S: Iterator<Item = usize>> Kernel for Derive<'_, S> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let mut rest = self.points;
-        for (block, is_stale) in self.blocks.iter_mut().zip(self.is_stale) {
-            let (points, after) = rest.split_at_mut(block.points.len());
-            rest = after;
-            if is_stale {
-                load_masses::<L>(block, self.solids);
-                derive::<L>(block, points);
-            }
+        let first = points_of(self.blocks).start;
+        for at in self.stale {
+            let block = &mut self.blocks[at];
+            let points = &mut self.points[block.points.start - first..block.points.end - first];
+            load_masses::<L>(block, self.solids);
+            derive::<L>(block, points);
         }
     }
 }

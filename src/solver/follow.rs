@@ -22,15 +22,79 @@ use crate::parts::{front, front_mut};
 use crate::team::Team;
 use glam::Quat;
 
-/// Which lanes of a block follow.
+/// A block of which some lanes follow, so that its masses and couplings change within the step.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Following {
-    /// Whether any does, so that masses and couplings change within the step.
-    pub(super) any: bool,
+    /// Its index.
+    pub(super) block: u32,
+    /// Its points, within the starts of all that follow.
+    pub(super) starts: [u32; 2],
     /// 1 in lanes whose points follow, else 0.
     pub(super) moves: F8,
     /// 1 in lanes whose points stay on B, 0 where they stay on A.
     pub(super) on_b: F8,
+}
+
+/// Blocks that follow, ascending, which are taken off part by part with the blocks.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Followers<'a> {
+    rest: &'a [Following],
+    /// Index of the next block.
+    block: usize,
+}
+
+impl<'a> Followers<'a> {
+    pub(super) fn new(following: &'a [Following]) -> Self {
+        Self {
+            rest: following,
+            block: 0,
+        }
+    }
+
+    /// Those of the next `blocks` blocks.
+    pub(super) fn take(&mut self, blocks: usize) -> FollowingPart<'a> {
+        let first_block = self.block;
+        self.block += blocks;
+        let end = self.block;
+        let count = self.rest.partition_point(|f| (f.block as usize) < end);
+        FollowingPart {
+            first_block,
+            list: front(&mut self.rest, count),
+        }
+    }
+}
+
+/// Some of the blocks that follow.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FollowingPart<'a> {
+    /// The first block of the part that they are of.
+    first_block: usize,
+    list: &'a [Following],
+}
+
+impl<'a> FollowingPart<'a> {
+    /// Indices of the blocks within their part.
+    pub(super) fn blocks(self) -> impl Iterator<Item = usize> + 'a {
+        let first = self.first_block;
+        self.list.iter().map(move |f| f.block as usize - first)
+    }
+
+    /// Number of their points.
+    pub(super) fn points(self) -> usize {
+        match self.list {
+            [] => 0,
+            [first, ..] => (self.list[self.list.len() - 1].starts[1] - first.starts[0]) as usize,
+        }
+    }
+
+    /// Notes where the points of these blocks, which are among `blocks`, are at the start of the step.
+    pub(super) fn start(self, blocks: &[Block], points: &[Point], starts: &mut [Start]) {
+        let first = points_of(blocks).start;
+        let points_there = self.blocks().flat_map(|block| blocks[block].points.clone());
+        for (start, point) in starts.iter_mut().zip(points_there) {
+            *start = Start::of(&points[point - first]);
+        }
+    }
 }
 
 /// A point at the start of the step.
@@ -126,16 +190,18 @@ impl Batch {
         let blocks = &self.blocks;
         let (mut points, mut ties) = (&mut self.points[..], &mut self.ties[..]);
         let (turns, displacements) = (&self.turns, &self.displacements);
+        let (mut followers, mut starts) = (Followers::new(&self.following), &self.starts[..]);
         let shares = shares(&self.layout.domains, blocks.len(), team);
         let parts = shares.map(|share| {
             let of_points = points_of(&blocks[share.clone()]);
             let ties_there = if ties.is_empty() { 0 } else { of_points.len() };
+            let following = followers.take(share.len());
             Follow {
-                blocks: &blocks[share.clone()],
-                following: &self.following[share.clone()],
+                blocks: &blocks[share],
+                following,
                 points: front_mut(&mut points, of_points.len()),
                 ties: front_mut(&mut ties, ties_there),
-                starts: &self.starts[of_points],
+                starts: front(&mut starts, following.points()),
                 turns,
                 displacements,
             }
@@ -152,10 +218,11 @@ fn small_turn(moved: &SolverBody) -> Quat {
 /// Some blocks, and all that is about their points.
 struct Follow<'a> {
     blocks: &'a [Block],
-    following: &'a [Following],
+    following: FollowingPart<'a>,
     points: &'a mut [Point],
     /// Empty where nothing is bonded.
     ties: &'a mut [Tie],
+    /// Of the points of those blocks that follow.
     starts: &'a [Start],
     turns: &'a [Turn],
     displacements: &'a [SolverBody],
@@ -187,14 +254,14 @@ impl<const TIED: bool> Kernel for Tied<'_, '_, TIED> {
             turns,
             displacements,
         } = self.0;
-        let first = blocks.first().map_or(0, |block| block.points.start);
-        for (block, following) in blocks.iter().zip(following.iter()) {
-            if !following.any {
-                continue;
-            }
+        let first = points_of(blocks).start;
+        let mut starts = starts.iter();
+        for (at, following) in following.blocks().zip(following.list) {
+            let block = &blocks[at];
             let carried = Carried::<L>::load(block, following, turns, displacements);
-            for i in block.points.start - first..block.points.end - first {
-                let (follows, between) = carried.follow(&starts[i], &mut points[i]);
+            let of_block = block.points.start - first..block.points.end - first;
+            for (i, start) in of_block.zip(&mut starts) {
+                let (follows, between) = carried.follow(start, &mut points[i]);
                 if TIED {
                     carried.follow_tie(&mut ties[i], &points[i], follows, &between);
                 }
@@ -315,7 +382,7 @@ fn turned<L: Lanes>(columns: &[V3<L>; 3], v: V3<L>) -> V3<L> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Follow, Following, Start, Turn};
+    use super::{Follow, Followers, Following, Start, Turn};
     use crate::solver::blocks::{Block, FAR, Point, set_vector, vector};
     use crate::solver::bodies::SolverBody;
     use crate::solver::lanes::{LaneWidth, WIDTH};
@@ -356,7 +423,6 @@ mod tests {
             for k in 0..2 {
                 set_vector(&mut block.tangents[k], lane, direction(random));
             }
-            following.any = true;
             following.moves.0[lane] = f32::from(u8::from(lane + 1 < WIDTH));
             following.on_b.0[lane] = (lane % 2) as f32;
             for (k, (point, tie)) in points.iter_mut().zip(&mut ties).enumerate() {
@@ -401,9 +467,10 @@ mod tests {
             let starts: Vec<Start> = before.iter().map(Start::of).collect();
             let (mut points, mut new_ties) = (before.clone(), ties.clone());
             let width = [LaneWidth::Widest, LaneWidth::Four, LaneWidth::One][round % 3];
+            let following = [following];
             let mut follow = Follow {
                 blocks: std::slice::from_ref(&block),
-                following: &[following],
+                following: Followers::new(&following).take(1),
                 points: &mut points,
                 ties: &mut new_ties,
                 starts: &starts,

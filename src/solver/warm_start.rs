@@ -92,8 +92,7 @@ impl Batch {
         if self.moving.is_empty() {
             return;
         }
-        let follow = self.following.iter().filter(|following| following.any);
-        if BLOCKS_PER_FOLLOWING * follow.count() > self.blocks.len() {
+        if BLOCKS_PER_FOLLOWING * self.following.len() > self.blocks.len() {
             self.forget_gains();
         }
         self.add_to_gains(-1.0);
@@ -106,9 +105,9 @@ impl Batch {
         if self.scratch.gains.is_empty() {
             return;
         }
-        let blocks = self.blocks.iter().zip(&self.following);
+        let following = self.following.iter();
         let warm = Warm {
-            blocks: blocks.filter_map(|(block, following)| following.any.then_some(block)),
+            blocks: following.map(|following| &self.blocks[following.block as usize]),
             points: &self.points,
             first_point: 0,
             bodies: cells(&mut self.scratch.gains),
