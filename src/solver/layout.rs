@@ -242,7 +242,7 @@ impl Layout {
     }
 
     /// The body itself, or the one that it is a copy of.
-    pub(super) fn original(&self, body: u32) -> u32 {
+    pub fn original(&self, body: u32) -> u32 {
         // The idle body comes between bodies and copies.
         let first_copy = self.slots.len() + 1;
         let copy = (body as usize).checked_sub(first_copy);

@@ -9,12 +9,14 @@ use bevy_cleave::solver::batch::{Batch, Step};
 use bevy_cleave::solver::blocks::{Block, Place};
 use bevy_cleave::solver::bodies::SolverBody;
 use bevy_cleave::solver::demand::{Demand, SubstepSettings};
+use bevy_cleave::solver::domains::stages;
 use bevy_cleave::solver::islands::Islands;
 use bevy_cleave::step;
 use bevy_cleave::team::Team;
 use bevy_tasks::{ComputeTaskPool, TaskPoolBuilder};
 use glam::Vec3;
 use proptest::prelude::*;
+use std::collections::HashMap;
 use std::ops::Range;
 
 /// Cubes in a grid of this shape, from which follow manifolds enough for two domains; every 50th is fixed.
@@ -91,6 +93,40 @@ fn outcome(batch: &Batch) -> Outcome {
     }
 }
 
+/// Whether each lane in use names the bodies of its manifold, or copies of them, and each other one the idle body or a copy of it.
+fn names_are_right(batch: &Batch, manifolds: &Manifolds) -> bool {
+    let layout = &batch.layout;
+    // The idle body comes behind those that have slots.
+    let slot = |number: u32| layout.slots.get(layout.original(number) as usize).copied();
+    let mut lanes = batch
+        .blocks
+        .iter()
+        .flat_map(|block| (0..8).map(move |lane| (block, lane)));
+    lanes.all(|(block, lane)| {
+        let bodies = block.pair(lane).map(slot);
+        let head = manifolds.heads().get(block.manifolds[lane] as usize);
+        let is_used = lane < block.used;
+        head.is_some() == is_used && bodies == [head.map(|head| head.a), head.map(|head| head.b)]
+    })
+}
+
+/// What threads may solve side by side: no body, fixed and idle ones among them, is in two domains of a stage.
+fn stages_share_no_body(batch: &Batch) -> bool {
+    let domains = &batch.layout.domains;
+    let mut first = 0;
+    stages(domains.len()).all(|count| {
+        let stage = &domains[first..first + count];
+        first += count;
+        let mut domain_of = HashMap::new();
+        stage.iter().enumerate().all(|(domain, blocks)| {
+            let mut bodies = batch.blocks[blocks.clone()]
+                .iter()
+                .flat_map(|block| block.bodies.as_flattened());
+            bodies.all(|body| *domain_of.entry(*body).or_insert(domain) == domain)
+        })
+    })
+}
+
 proptest! {
     #![proptest_config(cases(12))]
 
@@ -124,6 +160,8 @@ proptest! {
                 }
                 prop_assert!(kept.layout.domains.len() > 1);
                 prop_assert_eq!(outcome(&kept), outcome(&fresh));
+                prop_assert!(names_are_right(&kept, &list));
+                prop_assert!(!has_team || stages_share_no_body(&kept));
                 Ok(())
             })?;
             let at = dice.below(manifolds.len());
