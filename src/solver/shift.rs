@@ -10,6 +10,7 @@ use super::bodies::SolverBody;
 use super::lanes::{F8, LaneWidth};
 use super::sweep::{Contacts, Pass};
 use super::ties::Tie;
+use crate::prefetch::prefetch;
 use crate::team::Shared;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -38,6 +39,16 @@ pub(super) struct Shift<'a> {
 }
 
 impl Shift<'_> {
+    /// Asks for the velocities of the bodies of some blocks.
+    pub(super) fn prefetch_bodies(&self, blocks: Range<usize>) {
+        // SAFETY: nothing is read or written.
+        let bodies = unsafe { self.bodies.cells() };
+        let blocks = &self.blocks[blocks];
+        for body in blocks.iter().flat_map(|block| block.bodies.as_flattened()) {
+            prefetch(&bodies[*body as usize]);
+        }
+    }
+
     /// Does the pass for the blocks of a domain. Different threads must be given different domains of the same stage.
     pub(super) fn run(&self, blocks: Range<usize>) {
         let blocks = &self.blocks[blocks];

@@ -153,7 +153,14 @@ impl Batch {
         let mut first = 0;
         for count in domains::stages(self.layout.domains.len()) {
             let stage = &self.layout.domains[first..first + count];
-            team.run(count, &|domain| work.run(stage[domain].clone()));
+            team.run(count, &|domain| {
+                let blocks = stage[domain].clone();
+                // Half of what a separator joins was written by another thread.
+                if first > 0 {
+                    work.prefetch_bodies(blocks.clone());
+                }
+                work.run(blocks);
+            });
             first += count;
         }
         f32::from_bits(work.change.load(Ordering::Relaxed))
