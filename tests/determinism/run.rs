@@ -1,6 +1,7 @@
 //! One run of a scene: in a process of its own, by the plain step or by the plugin.
 
-use crate::scene::{Events, Scene};
+use crate::course::{Hashes, View, Watch};
+use crate::scene::Scene;
 use bevy_app::{App, TaskPoolOptions, TaskPoolPlugin, TaskPoolThreadAssignmentPolicy};
 use bevy_cleave::prelude::*;
 use bevy_cleave::solver::lanes::LaneWidth;
@@ -14,8 +15,8 @@ use std::time::Duration;
 /// Names the run to a child process.
 const VARIABLE: &str = "CLEAVE_DETERMINISM_RUN";
 
-/// What a child prints before its hash.
-const MARK: &str = "state hash ";
+/// What a child prints before its hashes.
+const MARK: &str = "hashes ";
 
 /// Length of a step, s.
 fn step_length() -> Duration {
@@ -50,8 +51,8 @@ pub(crate) struct Run {
 }
 
 impl Run {
-    /// Makes the run in a child process; the hash of its last state.
-    pub(crate) fn hash_of_child(&self) -> u64 {
+    /// Makes the run in a child process; its hashes.
+    pub(crate) fn hashes_of_child(&self) -> Hashes {
         let program = std::env::current_exe().expect("a test program has a path");
         let output = Command::new(program)
             .args(["--ignored", "--exact", "one_run", "--nocapture"])
@@ -64,8 +65,15 @@ impl Run {
             "{self:?}: {text}{}",
             String::from_utf8_lossy(&output.stderr)
         );
-        let hash = text.split(MARK).nth(1).and_then(|rest| rest.get(..16));
-        u64::from_str_radix(hash.expect("the child prints its hash"), 16).expect("hexadecimal")
+        let hashes = text.split(MARK).nth(1).expect("the child prints hashes");
+        let mut hashes = hashes.split_whitespace().map(|hash| {
+            u64::from_str_radix(hash, 16).unwrap_or_else(|_| panic!("{hash} is not a hash"))
+        });
+        let mut next = || hashes.next().expect("the child prints two hashes");
+        Hashes {
+            state: next(),
+            course: next(),
+        }
     }
 
     /// All ways there are.
@@ -94,14 +102,15 @@ impl Run {
         })
     }
 
-    fn hash(&self) -> u64 {
-        let (bodies, events) = match self.driver {
+    fn hashes(&self) -> Hashes {
+        let (bodies, mut watch) = match self.driver {
             Driver::Plain | Driver::RecycledSlots => self.step_plainly(),
             _ => self.step_plugin(),
         };
-        let events = events.of(&bodies);
-        self.scene.check(&events);
-        hash(&bodies)
+        let hashes = watch.end(&bodies);
+        println!("{:?}", watch.events);
+        self.scene.check(&watch.events);
+        hashes
     }
 
     fn config(&self) -> SolverConfig {
@@ -111,7 +120,7 @@ impl Run {
         }
     }
 
-    fn step_plainly(&self) -> (Bodies, Events) {
+    fn step_plainly(&self) -> (Bodies, Watch) {
         if self.threads > 0 {
             let pool = TaskPoolBuilder::new().num_threads(self.threads);
             ComputeTaskPool::get_or_init(|| pool.build());
@@ -123,27 +132,30 @@ impl Run {
         if self.driver == Driver::RecycledSlots {
             use_and_leave_slots(&mut simulation);
         }
-        for desc in self.scene.bodies() {
-            simulation.bodies.insert(desc).expect("usable");
-        }
-        let mut events = Events::default();
-        for _ in 0..self.scene.steps() {
+        let descs = self.scene.bodies().into_iter();
+        let slots: Vec<u32> = descs
+            .map(|desc| simulation.bodies.insert(desc).expect("usable"))
+            .collect();
+        self.scene.prepare(&mut simulation, &slots);
+        let mut watch = Watch::default();
+        for step in 0..self.scene.steps() {
+            self.scene.act(step, &mut simulation, &slots);
             simulation.step(step_length().as_secs_f32());
-            events.add(&simulation.fractures, &simulation.report);
+            watch.add(&View::of(&simulation));
         }
-        (simulation.bodies, events)
+        (simulation.bodies, watch)
     }
 
-    fn step_plugin(&self) -> (Bodies, Events) {
+    fn step_plugin(&self) -> (Bodies, Watch) {
         let mut app = self.app();
         self.spawn(app.world_mut());
-        let mut events = Events::default();
+        let mut watch = Watch::default();
         for _ in 0..self.scene.steps() {
             step(app.world_mut());
-            events.add(app.world().resource(), app.world().resource());
+            watch.add(&view(app.world()));
         }
         let bodies = app.world_mut().remove_resource::<Bodies>();
-        (bodies.expect("the plugin has bodies"), events)
+        (bodies.expect("the plugin has bodies"), watch)
     }
 
     fn app(&self) -> App {
@@ -200,6 +212,17 @@ impl Run {
 fn step(world: &mut World) {
     world.resource_mut::<Time>().advance_by(step_length());
     world.run_schedule(PhysicsSchedule);
+}
+
+fn view(world: &World) -> View<'_> {
+    View {
+        bodies: world.resource(),
+        contacts: world.resource(),
+        cache: world.resource(),
+        fractures: world.resource(),
+        bonds: world.resource(),
+        report: world.resource(),
+    }
 }
 
 /// Numbers below `count` in another order: every seventh, round and round. `count` must not be a multiple of 7.
@@ -275,49 +298,11 @@ fn insert(entity: &mut EntityWorldMut<'_>, desc: &BodyDesc) {
     ));
 }
 
-impl Events {
-    fn add(&mut self, fractures: &Fractures, report: &StepReport) {
-        self.fractures += fractures.done.len();
-        self.manifolds = self.manifolds.max(report.manifolds);
-    }
-
-    fn of(mut self, bodies: &Bodies) -> Self {
-        self.lowest = f32::INFINITY;
-        let dynamic = |&slot: &u32| bodies.kind(slot) == RigidBody::Dynamic;
-        for slot in bodies.iter().filter(dynamic) {
-            self.speed = self.speed.max(bodies.velocity(slot).0.length());
-            self.lowest = self.lowest.min(bodies.centre_of_mass(slot).y);
-        }
-        self
-    }
-}
-
-/// FNV-1a over positions, rotations and velocities of all bodies in the order of their ids.
-///
-/// Fowler, Noll, Vo, "FNV Hash Algorithm", 1991; 64 bits.
-fn hash(bodies: &Bodies) -> u64 {
-    let mut slots: Vec<u32> = bodies.iter().collect();
-    slots.sort_unstable_by_key(|&slot| bodies.id(slot));
-    let numbers = slots.into_iter().flat_map(|slot| {
-        let (pose, (v, omega)) = (bodies.pose(slot), bodies.velocity(slot));
-        let parts = [
-            &pose.position.to_array()[..],
-            &pose.rotation.to_array(),
-            &v.to_array(),
-            &omega.to_array(),
-        ];
-        parts.concat()
-    });
-    let bytes = numbers.flat_map(|x| x.to_bits().to_le_bytes());
-    bytes.fold(0xcbf2_9ce4_8422_2325, |hash: u64, byte| {
-        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
-    })
-}
-
-/// Makes the run that the environment names and prints its hash.
-pub(crate) fn print_hash() {
+/// Makes the run that the environment names and prints its hashes.
+pub(crate) fn print_hashes() {
     let name = std::env::var(VARIABLE).unwrap_or_default();
     let run = Run::all().find(|run| format!("{run:?}") == name);
     let run = run.unwrap_or_else(|| panic!("{VARIABLE} names no run: {name:?}"));
-    println!("{MARK}{:016x}", run.hash());
+    let Hashes { state, course } = run.hashes();
+    println!("{MARK}{state:016x} {course:016x}");
 }
