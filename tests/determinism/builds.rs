@@ -310,11 +310,17 @@ pub(crate) fn spinning() -> Vec<BodyDesc> {
     let plate = cuboid(Vec3::new(0.1, 0.7, 1.3));
     let bodies = (0..24_usize).map(|i| {
         let shape = shapes.get(i % 5).unwrap_or(&plate);
-        let at = Vec3::new(4.0 * (i % 6) as f32, 60.0, 4.0 * (i / 6) as f32);
+        let at = Vec3::new(90.0 * (i % 6) as f32, 90.0, 90.0 * (i / 6) as f32);
         let mut body = block(shape, at, 0.5);
         body.pose.rotation = Quat::from_vec4(scatter(i).extend(0.7)).normalize();
         body.linear_velocity = scatter(i + 11);
-        body.angular_velocity = (2.0 + 3.0 * i as f32) * scatter(i + 5);
+        // Some faster than their rotation can be followed.
+        let rate = if i % 8 == 7 {
+            5000.0
+        } else {
+            2.0 + 3.0 * i as f32
+        };
+        body.angular_velocity = rate * scatter(i + 5);
         body
     });
     std::iter::once(floor(0.5)).chain(bodies).collect()

@@ -233,7 +233,7 @@ impl Scene {
             }
             Self::Spinning => {
                 is("nothing touches", events.manifolds == 0);
-                is("they tumble", events.tumble > 5.0);
+                is("they tumble", events.tumble > 50.0);
             }
             Self::Carried => is("they are carried", events.moving >= 12),
         }
