@@ -4,16 +4,19 @@
 mod scenes;
 
 use bevy_app::{App, TaskPoolPlugin};
-use bevy_cleave::contact::broadphase::{Broadphase, Proxy, ProxyKind, ProxyShape};
-use bevy_cleave::contact::sat::{NarrowScratch, collide_half_space, collide_hulls};
+use bevy_cleave::bodies::integrate;
+use bevy_cleave::contact::narrow::half_space::collide_half_space;
+use bevy_cleave::contact::narrow::sat::collide_hulls;
+use bevy_cleave::contact::narrow::scratch::NarrowScratch;
+use bevy_cleave::contact::pairs::broad_phase::{Broadphase, Proxy, ProxyKind, ProxyShape};
 use bevy_cleave::geometry::KdBox;
 use bevy_cleave::prelude::*;
 use bevy_cleave::slice::{
     HullHalves, HullSlicer, SliceOptions, cut_by_planes, slice_hull, slice_mesh,
 };
 use bevy_cleave::solver::contact_solver::ContactSolver;
-use bevy_cleave::solver::demand::SubstepSettings;
-use bevy_cleave::solver::{integrate, pgs};
+use bevy_cleave::solver::rows::pgs;
+use bevy_cleave::solver::settings::SubstepSettings;
 use bevy_time::Time;
 use criterion::{BatchSize, BenchmarkId, Criterion, criterion_group, criterion_main};
 use glam::{Quat, Vec3};

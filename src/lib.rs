@@ -21,6 +21,7 @@
 //! - Triangles and face loops run counter-clockwise seen from outside. A plane's positive side is where its normal points.
 //! - State and geometry are `f32`, volume integrals and exact predicates `f64`. The step uses `+ - * /` and square roots
 //!   only, in a fixed order: the same scene gives the same bits on any number of threads.
+pub mod bodies;
 pub mod collide;
 pub mod contact;
 pub mod ecs;
@@ -28,19 +29,21 @@ pub mod fracture;
 pub mod geometry;
 pub mod mass;
 pub mod math;
-mod parts;
 pub mod plugin;
-mod prefetch;
+pub mod simd;
 pub mod slice;
 pub mod solver;
 pub mod step;
-pub mod team;
+pub mod threads;
 
 /// What most users need.
 pub mod prelude {
-    pub use crate::contact::cache::ContactCache;
+    pub use crate::bodies::body::{BodyDesc, BodyError, RigidBody, Shape};
+    pub use crate::bodies::store::Bodies;
+    pub use crate::contact::body_id::BodyId;
+    pub use crate::contact::impulses::ContactCache;
+    pub use crate::contact::layers::CollisionLayers;
     pub use crate::contact::material::{CombineRule, Density, Friction, Restitution};
-    pub use crate::contact::{BodyId, CollisionLayers};
     pub use crate::ecs::bond::BondCommands;
     pub use crate::ecs::components::{
         AngularVelocity, BodyHandle, BodyProblem, BodyWarning, BondBroken, Fractured,
@@ -56,11 +59,11 @@ pub mod prelude {
     pub use crate::mass::MassProperties;
     pub use crate::math::{Aabb, Plane, Pose};
     pub use crate::plugin::{CleavePlugin, PhysicsSchedule, PhysicsSystems};
+    pub use crate::simd::lanes::LaneWidth;
     pub use crate::slice::fracturable::Fracturable;
     pub use crate::slice::pattern::FracturePattern;
-    pub use crate::solver::bodies::{Bodies, BodyDesc, BodyError, RigidBody, Shape};
-    pub use crate::solver::{
-        ContactOrder, FrictionModel, Gravity, LaneWidth, Method, SleepConfig, SolverConfig,
+    pub use crate::solver::config::{
+        ContactOrder, FrictionModel, Gravity, Method, SleepConfig, SolverConfig,
     };
     pub use crate::step::{
         Contacts, IslandReport, Simulation, StepError, StepReport, StepSettings,

@@ -2,17 +2,19 @@
 
 mod at_once;
 
-use crate::contact::CollisionLayers;
-use crate::contact::cache::ContactCache;
+use crate::bodies::body::RigidBody;
+use crate::bodies::store::Bodies;
+use crate::contact::impulses::ContactCache;
+use crate::contact::layers::CollisionLayers;
 use crate::contact::material::{Density, Friction, Restitution};
 use crate::ecs::components::*;
 use crate::ecs::state::PluginState;
 use crate::ecs::{bond, cut, gather, scatter};
 use crate::fracture::{Bonds, FractureBudget, Fractures};
 use crate::mass::MassProperties;
-use crate::solver::bodies::{Bodies, RigidBody};
-use crate::solver::{Gravity, SolverConfig};
-use crate::step::{self, Contacts, StepReport, StepSettings};
+use crate::solver::config::{Gravity, SolverConfig};
+use crate::step;
+use crate::step::{Contacts, StepReport, StepSettings};
 use at_once::Runner;
 use bevy_app::{App, FixedMainScheduleOrder, FixedPostUpdate, Plugin};
 use bevy_ecs::intern::Interned;
@@ -49,7 +51,7 @@ pub enum PhysicsSystems {
     Integrate,
     /// The contact cache takes the new multipliers and ages the rest.
     CacheAging,
-    /// Islands at rest fall asleep, if [`SleepConfig`](crate::solver::SleepConfig) says so.
+    /// Islands at rest fall asleep, if [`SleepConfig`](crate::solver::config::SleepConfig) says so.
     Sleep,
     /// Pieces become entities, and poses and velocities are written to all.
     Writeback,

@@ -16,30 +16,33 @@
 //!
 //! Sleeping bodies are woken in phase 4, where it is known who touches them; see [`sleep`](crate::solver::sleep).
 
-use crate::collide::{self, Lookahead};
-use crate::contact::broadphase::Broadphase;
-use crate::contact::cache::{CacheStats, ContactCache};
-use crate::contact::{ManifoldRef, Manifolds};
+use crate::bodies::body::BodyError;
+use crate::bodies::integrate;
+use crate::bodies::store::Bodies;
+use crate::collide::narrow_phase::{self, NarrowPhase};
+use crate::collide::proxies::Lookahead;
+use crate::contact::impulses::{CacheStats, ContactCache};
+use crate::contact::manifolds::{ManifoldRef, Manifolds};
+use crate::contact::pairs::broad_phase::Broadphase;
 use crate::fracture::{
     Bond, BondError, Bonds, CutError, CutRequest, FractureBudget, Fractures, break_overloaded,
     make_cuts, note_loads,
 };
 use crate::math::Plane;
-use crate::solver::bodies::{Bodies, BodyError};
+use crate::solver::config::{Gravity, SolverConfig};
 use crate::solver::contact_solver::{ContactSolver, Round};
-use crate::solver::demand::SubstepSettings;
-use crate::solver::mlcp::Residual;
-use crate::solver::residual::ResidualSum;
-use crate::solver::rows::PointRows;
-use crate::solver::{Gravity, SolverConfig, integrate};
-use crate::team::Team;
+use crate::solver::rows::contact_rows::PointRows;
+use crate::solver::rows::mlcp::Residual;
+use crate::solver::rows::residual::ResidualSum;
+use crate::solver::settings::SubstepSettings;
+use crate::threads::team::Team;
 use bevy_ecs::resource::Resource;
 
 /// Everything between the bodies and the solver that lives from step to step.
 #[derive(Debug, Default, Resource)]
 pub struct Contacts {
     pub(crate) broadphase: Broadphase,
-    pub(crate) narrow: collide::NarrowPhase,
+    pub(crate) narrow: NarrowPhase,
     pub(crate) manifolds: Manifolds,
     pub(crate) solver: ContactSolver,
     /// Whether a body broke in the last round, and its island waits for the next one.
@@ -355,7 +358,7 @@ pub fn broadphase(
     report: &mut StepReport,
 ) {
     let ahead = Lookahead::new(settings.h, settings.gravity.0);
-    collide::update_pairs(
+    narrow_phase::update_pairs(
         &mut contacts.broadphase,
         &mut contacts.narrow,
         bodies,
@@ -380,7 +383,7 @@ pub fn generate_contacts(
     } = contacts;
     let ahead = Lookahead::new(settings.h, settings.gravity.0);
     bodies.rouse(&settings.config.sleep, settings.gravity.0);
-    let is_worth_help = collide::is_worth_help(broadphase.pairs().len());
+    let is_worth_help = narrow_phase::is_worth_help(broadphase.pairs().len());
     report.cache = Team::lead_if(is_worth_help, |team| {
         loop {
             narrow.collide(bodies, broadphase, ahead, manifolds, team);

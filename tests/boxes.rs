@@ -3,8 +3,9 @@
 
 mod dice;
 
-use bevy_cleave::collide::{Lookahead, NarrowPhase, update_pairs};
-use bevy_cleave::contact::broadphase::Broadphase;
+use bevy_cleave::collide::narrow_phase::{NarrowPhase, update_pairs};
+use bevy_cleave::collide::proxies::Lookahead;
+use bevy_cleave::contact::pairs::broad_phase::Broadphase;
 use bevy_cleave::math::Aabb;
 use bevy_cleave::prelude::*;
 use dice::Dice;

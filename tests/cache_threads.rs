@@ -2,9 +2,10 @@
 
 mod dice;
 
-use bevy_cleave::contact::{
-    BodyId, CacheEntry, CacheStats, ContactCache, ContactPoint, Manifold, ManifoldHead, Manifolds,
-};
+use bevy_cleave::contact::body_id::BodyId;
+use bevy_cleave::contact::impulses::{CacheEntry, CacheStats, ContactCache};
+use bevy_cleave::contact::manifolds::{Manifold, ManifoldHead, Manifolds};
+use bevy_cleave::contact::point::ContactPoint;
 use bevy_cleave::geometry::KdBox;
 use bevy_cleave::math::Aabb;
 use bevy_tasks::{ComputeTaskPool, TaskPoolBuilder};

@@ -2,11 +2,15 @@
 
 mod dice;
 
-use bevy_cleave::contact::cache::MAX_AGE;
-use bevy_cleave::contact::{
-    BodyId, CacheStats, ContactCache, ContactPoint, Manifold, ManifoldBody, ManifoldHead,
-    Manifolds, NarrowScratch, collide_half_space, collide_hulls,
-};
+use bevy_cleave::contact::body_id::BodyId;
+use bevy_cleave::contact::body_manifold::ManifoldBody;
+use bevy_cleave::contact::impulses::MAX_AGE;
+use bevy_cleave::contact::impulses::{CacheStats, ContactCache};
+use bevy_cleave::contact::manifolds::{Manifold, ManifoldHead, Manifolds};
+use bevy_cleave::contact::narrow::half_space::collide_half_space;
+use bevy_cleave::contact::narrow::sat::collide_hulls;
+use bevy_cleave::contact::narrow::scratch::NarrowScratch;
+use bevy_cleave::contact::point::ContactPoint;
 use bevy_cleave::geometry::{ConvexHull, KdBox, KdCode};
 use bevy_cleave::math::{Aabb, Plane, Pose};
 use dice::Dice;

@@ -8,7 +8,8 @@
 mod common;
 mod properties;
 
-use bevy_cleave::geometry::predicates::{self, PlaneError, Side, side};
+use bevy_cleave::geometry::predicates;
+use bevy_cleave::geometry::predicates::{PlaneError, Side, side};
 use bevy_cleave::geometry::{
     ConvexHull, ConvexMesh, HalfSpace, HullDefect, HullError, MeshError, TriMesh,
     convex_hull_triangles, primitives,

@@ -4,7 +4,8 @@
 mod dice;
 
 use bevy_cleave::collide::{Lookahead, NarrowPhase, update_pairs};
-use bevy_cleave::contact::{Broadphase, Manifolds};
+use bevy_cleave::contact::manifolds::Manifolds;
+use bevy_cleave::contact::pairs::broad_phase::Broadphase;
 use bevy_cleave::prelude::*;
 use bevy_cleave::step::mass_properties;
 use dice::Dice;

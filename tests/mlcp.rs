@@ -6,16 +6,17 @@
 
 mod mlcp_files;
 
-use bevy_cleave::contact::manifold::ContactPoint;
+use bevy_cleave::bodies::solver_body::SolverBody;
+use bevy_cleave::contact::point::ContactPoint;
 use bevy_cleave::prelude::*;
-use bevy_cleave::solver::FrictionModel;
-use bevy_cleave::solver::bodies::SolverBody;
+use bevy_cleave::solver::config::FrictionModel;
+use bevy_cleave::solver::exact;
 use bevy_cleave::solver::exact::problem::Bounds;
-use bevy_cleave::solver::exact::{self, CERTIFIED, Certificate, ExactScratch};
-use bevy_cleave::solver::momentum::{Contacts, Momentum, PointContacts};
-use bevy_cleave::solver::pgs;
-use bevy_cleave::solver::residual::ResidualSum;
-use bevy_cleave::solver::rows::{PointRows, Side};
+use bevy_cleave::solver::exact::{CERTIFIED, Certificate, ExactScratch};
+use bevy_cleave::solver::rows::acceleration::{Contacts, Momentum, PointContacts};
+use bevy_cleave::solver::rows::contact_rows::{PointRows, Side};
+use bevy_cleave::solver::rows::pgs;
+use bevy_cleave::solver::rows::residual::ResidualSum;
 use glam::{Mat3, Vec3};
 use mlcp_files::sweeps::{Method, Profile};
 use mlcp_files::{File, Problem, load_all};

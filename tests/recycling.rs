@@ -3,7 +3,10 @@
 
 mod dice;
 
-use bevy_cleave::contact::{ContactPoint, Manifold, ManifoldRef, NarrowScratch, collide_hulls};
+use bevy_cleave::contact::manifolds::{Manifold, ManifoldRef};
+use bevy_cleave::contact::narrow::sat::collide_hulls;
+use bevy_cleave::contact::narrow::scratch::NarrowScratch;
+use bevy_cleave::contact::point::ContactPoint;
 use bevy_cleave::prelude::*;
 use dice::Dice;
 use glam::{Quat, Vec3};

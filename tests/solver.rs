@@ -2,12 +2,13 @@
 
 mod dice;
 
-use bevy_cleave::contact::ContactPoint;
+use bevy_cleave::bodies::solver_body::SolverBody;
+use bevy_cleave::contact::point::ContactPoint;
 use bevy_cleave::prelude::*;
-use bevy_cleave::solver::mlcp::{DenseMlcp, Residual};
-use bevy_cleave::solver::residual::ResidualSum;
-use bevy_cleave::solver::rows::{PointRows, Row};
-use bevy_cleave::solver::{bodies::SolverBody, pgs};
+use bevy_cleave::solver::rows::contact_rows::{PointRows, Row};
+use bevy_cleave::solver::rows::mlcp::{DenseMlcp, Residual};
+use bevy_cleave::solver::rows::pgs;
+use bevy_cleave::solver::rows::residual::ResidualSum;
 use dice::Dice;
 use glam::{DVec3, Quat, Vec3};
 

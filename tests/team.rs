@@ -1,6 +1,6 @@
 //! Threads that share short lists of tasks: each task is done once, whatever the number of helpers.
 
-use bevy_cleave::team::{Shared, Team};
+use bevy_cleave::threads::team::{Shared, Team};
 use bevy_tasks::{ComputeTaskPool, TaskPoolBuilder};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;

@@ -4,9 +4,9 @@
 //! read only who touches whom: 32 bytes a manifold. A point takes a cache line, and a manifold has one to four of them, two in
 //! the mean of a heap.
 
-use super::manifold::{ContactPoint, MAX_POINTS};
-use crate::parts::{Pieces, front_mut};
-use crate::prefetch::prefetch;
+use crate::contact::point::{ContactPoint, MAX_POINTS};
+use crate::simd::prefetch::prefetch;
+use crate::threads::parts::{Pieces, front_mut};
 use glam::Vec3;
 use std::ops::{Deref, DerefMut, Range};
 

@@ -1,10 +1,12 @@
 //! Bonds between entities: requests from commands, and messages of what broke.
 
-use super::components::*;
-use super::state::PluginState;
-use crate::contact::BodyId;
+use crate::bodies::store::Bodies;
+use crate::contact::body_id::BodyId;
+use crate::ecs::components::*;
+use crate::ecs::state::BondRequest;
+use crate::ecs::state::BondRequests;
+use crate::ecs::state::PluginState;
 use crate::fracture::{Bond, BondError, Bonds};
-use crate::solver::bodies::Bodies;
 use bevy_ecs::prelude::*;
 
 /// Bonding on request.
@@ -38,14 +40,6 @@ impl BondCommands for Commands<'_, '_> {
     }
 }
 
-/// What a command asked for.
-#[derive(Debug)]
-enum BondRequest {
-    Pair(Entity, Entity, Bond),
-    Neighbours(Vec<Entity>, f32),
-    Release(Entity, Entity),
-}
-
 impl BondRequest {
     /// The command that puts it into the queue.
     fn enqueue(self) -> impl Command {
@@ -56,10 +50,6 @@ impl BondRequest {
         }
     }
 }
-
-/// What commands asked for since the last step, in order.
-#[derive(Debug, Default)]
-pub(crate) struct BondRequests(Vec<BondRequest>);
 
 /// Makes and takes away the bonds that were asked for, once the entities have bodies.
 pub(super) fn make_bonds(

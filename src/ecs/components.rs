@@ -1,10 +1,10 @@
 //! Components and messages that a user of the plugin meets.
 
-use crate::contact::BodyId;
+use crate::bodies::body::BodyError;
+use crate::contact::body_id::BodyId;
 use crate::fracture::{Bond, BondError, CutError, Ledger};
 use crate::mass::MassProperties;
 use crate::math::Plane;
-use crate::solver::bodies::BodyError;
 use bevy_ecs::change_detection::Tick;
 use bevy_ecs::prelude::*;
 use bevy_math::Vec3;
@@ -43,7 +43,7 @@ impl BodyHandle {
 /// queries.
 ///
 /// Remove it to wake the body and all that fell asleep with it. Insert or spawn it to let a body that rests fall asleep at
-/// the end of the next step, without waiting for [`SleepConfig::time`](crate::solver::SleepConfig::time); it is taken
+/// the end of the next step, without waiting for [`SleepConfig::time`](crate::solver::config::SleepConfig::time); it is taken
 /// off again if the body or its island does not rest by then.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Component)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]

@@ -1,15 +1,17 @@
 //! Cuts into entities: requests from commands, pieces spawned, parents despawned.
 
-use super::components::*;
-use super::state::PluginState;
-use crate::contact::BodyId;
+use crate::bodies::body::RigidBody;
+use crate::bodies::store::Bodies;
+use crate::contact::body_id::BodyId;
 use crate::contact::material::Density;
+use crate::ecs::components::*;
+use crate::ecs::state::PluginState;
+use crate::ecs::state::SliceRequests;
 use crate::fracture::{CutError, CutRequest, Fracture, Fractures};
 use crate::geometry::ConvexMesh;
 use crate::mass::MassProperties;
 use crate::math::Plane;
 use crate::slice::fracturable::Fracturable;
-use crate::solver::bodies::{Bodies, RigidBody};
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
 use smallvec::SmallVec;
@@ -33,10 +35,6 @@ impl SliceCommands for Commands<'_, '_> {
         });
     }
 }
-
-/// Cuts that commands asked for since the last step, in order.
-#[derive(Debug, Default)]
-pub(crate) struct SliceRequests(Vec<(Entity, Plane)>);
 
 /// Finds the bodies that are to be cut, before they move on from where the planes were chosen.
 pub(crate) fn gather_requests(

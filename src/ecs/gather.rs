@@ -1,18 +1,21 @@
 //! Components into flat arrays: new bodies, removed bodies, and what the user changed since the last step.
 
-use super::bond::make_bonds;
-use super::components::*;
-use super::scatter::transform_of;
-use super::state::PluginState;
-use crate::contact::cache::ContactCache;
+use crate::bodies::body::{BodyDesc, BodyError, RigidBody, Shape};
+use crate::bodies::store::Bodies;
+use crate::contact::body_id::BodyId;
+use crate::contact::impulses::ContactCache;
+use crate::contact::layers::CollisionLayers;
 use crate::contact::material::{Density, Friction, Restitution};
-use crate::contact::{BodyId, CollisionLayers};
+use crate::ecs::bond::make_bonds;
+use crate::ecs::components::*;
+use crate::ecs::scatter::transform_of;
+use crate::ecs::state::BodyQueue;
+use crate::ecs::state::PluginState;
 use crate::fracture::Bonds;
 use crate::geometry::{ConvexMesh, HalfSpace};
 use crate::mass::MassProperties;
 use crate::math::Pose;
 use crate::slice::fracturable::Fracturable;
-use crate::solver::bodies::{Bodies, BodyDesc, BodyError, RigidBody, Shape};
 use bevy_ecs::change_detection::{ContiguousRef, Tick};
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
@@ -20,22 +23,6 @@ use bevy_ecs::system::SystemParam;
 use bevy_math::Vec3;
 use bevy_transform::components::Transform;
 use std::ops::Range;
-
-/// What happened to bodies' entities since the last step, in the order in which it happened.
-///
-/// The order of commands decides body ids, not tables or entity numbers: results do not depend on how entities are
-/// stored. Observers fill the queue, because what systems are told of removals is forgotten when frames outrun steps.
-#[derive(Debug, Default)]
-pub(crate) struct BodyQueue {
-    arrived: Vec<Entity>,
-    left: Vec<(u32, BodyId)>,
-    /// Entities that lost a component of their body.
-    reduced: Vec<Entity>,
-    /// Entities that were marked as sleeping by somebody else.
-    marked: Vec<Entity>,
-    /// Entities that could not become bodies, with the reason; tried again each step, warned about once.
-    refused: Vec<(Entity, BodyError)>,
-}
 
 impl BodyQueue {
     /// Whether bodies come or go, or were refused and are to be tried again.

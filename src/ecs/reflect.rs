@@ -3,15 +3,15 @@
 //! The types themselves are plain data that only derive `Reflect`; that they are components and resources is said here,
 //! in the first layer that knows what these are.
 
-use super::components::{AngularVelocity, LinearVelocity, MassOverride, Sleeping};
-use crate::contact::CollisionLayers;
+use crate::bodies::body::RigidBody;
+use crate::contact::layers::CollisionLayers;
 use crate::contact::material::{Density, Friction, Restitution};
+use crate::ecs::components::{AngularVelocity, LinearVelocity, MassOverride, Sleeping};
 use crate::fracture::{FractureBudget, Ledger};
 use crate::geometry::HalfSpace;
 use crate::mass::MassProperties;
 use crate::slice::fracturable::Fracturable;
-use crate::solver::bodies::RigidBody;
-use crate::solver::{Gravity, SolverConfig};
+use crate::solver::config::{Gravity, SolverConfig};
 use crate::step::StepReport;
 use bevy_app::App;
 use bevy_ecs::prelude::{Component, Resource};

@@ -1,15 +1,15 @@
 //! Flat arrays into components: poses and velocities of bodies that moved, and problems of the step.
 
-use super::components::*;
-use super::cut;
-use super::state::PluginState;
-use crate::contact::BodyId;
+use crate::bodies::store::Bodies;
+use crate::contact::body_id::BodyId;
+use crate::ecs::components::*;
+use crate::ecs::cut;
+use crate::ecs::state::PluginState;
 use crate::fracture::Fractures;
 use crate::math::Pose;
-use crate::parts::run_parts;
-use crate::solver::bodies::Bodies;
 use crate::step::StepReport;
-use crate::team::Team;
+use crate::threads::parts::run_parts;
+use crate::threads::team::Team;
 use bevy_ecs::change_detection::{ContiguousComponentTicksMut, ContiguousMut, Tick};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::{SystemChangeTick, SystemParam, SystemState};

@@ -1,8 +1,8 @@
 //! Entities from descriptions of bodies, for scenes that are made as data.
 
-use super::components::*;
+use crate::bodies::body::{BodyDesc, Shape};
 use crate::contact::material::Density;
-use crate::solver::bodies::{BodyDesc, Shape};
+use crate::ecs::components::*;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
 

@@ -1,9 +1,10 @@
 //! What the plugin keeps for itself from system to system and from step to step.
 
-use super::bond::BondRequests;
-use super::components::BodyEntities;
-use super::cut::SliceRequests;
-use super::gather::BodyQueue;
+use crate::bodies::body::BodyError;
+use crate::contact::body_id::BodyId;
+use crate::ecs::components::BodyEntities;
+use crate::fracture::bonds::Bond;
+use crate::math::Plane;
 use crate::step::StepSettings;
 use bevy_ecs::prelude::*;
 
@@ -16,4 +17,36 @@ pub(crate) struct PluginState {
     pub(crate) queue: BodyQueue,
     pub(crate) slice_requests: SliceRequests,
     pub(crate) bond_requests: BondRequests,
+}
+
+/// What a command asked for.
+#[derive(Debug)]
+pub(crate) enum BondRequest {
+    Pair(Entity, Entity, Bond),
+    Neighbours(Vec<Entity>, f32),
+    Release(Entity, Entity),
+}
+
+/// What commands asked for since the last step, in order.
+#[derive(Debug, Default)]
+pub(crate) struct BondRequests(pub(crate) Vec<BondRequest>);
+
+/// Cuts that commands asked for since the last step, in order.
+#[derive(Debug, Default)]
+pub(crate) struct SliceRequests(pub(crate) Vec<(Entity, Plane)>);
+
+/// What happened to bodies' entities since the last step, in the order in which it happened.
+///
+/// The order of commands decides body ids, not tables or entity numbers: results do not depend on how entities are
+/// stored. Observers fill the queue, because what systems are told of removals is forgotten when frames outrun steps.
+#[derive(Debug, Default)]
+pub(crate) struct BodyQueue {
+    pub(crate) arrived: Vec<Entity>,
+    pub(crate) left: Vec<(u32, BodyId)>,
+    /// Entities that lost a component of their body.
+    pub(crate) reduced: Vec<Entity>,
+    /// Entities that were marked as sleeping by somebody else.
+    pub(crate) marked: Vec<Entity>,
+    /// Entities that could not become bodies, with the reason; tried again each step, warned about once.
+    pub(crate) refused: Vec<(Entity, BodyError)>,
 }

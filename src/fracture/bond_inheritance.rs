@@ -1,10 +1,10 @@
 //! Who holds on to the neighbours of a body that breaks: the pieces that lie on them.
 
-use super::bonds::{Bonds, Joint};
-use super::inheritance::Line;
-use super::neighbours::area_in_pose;
+use crate::bodies::store::Bodies;
+use crate::fracture::bonds::{Bonds, Joint};
+use crate::fracture::inheritance::Line;
+use crate::fracture::neighbours::area_in_pose;
 use crate::math::Pose;
-use crate::solver::bodies::Bodies;
 use smallvec::SmallVec;
 
 impl Bonds {

@@ -2,7 +2,7 @@
 //! cracks along its joints without being cut.
 //!
 //! A bond lets the contact of its pair pull: each point of the manifold bears up to its share of strength times area in
-//! tension and in shear, and returns to where it was when the bond was made; see [`ties`](crate::solver::ties). Where a
+//! tension and in shear, and returns to where it was when the bond was made; see [`ties`](crate::solver::wide::bond). Where a
 //! point that bears all it can has opened or slid by [`BREAKING_SHARE`] of the smaller body's least extent, where any has by
 //! [`TEARING_SHARE`], or where the bodies have come too far apart to touch, the bond is broken for good, and the pair is an
 //! ordinary contact.
@@ -16,14 +16,16 @@
 //! go with their bodies; those of a body that breaks or is cut go to the pieces that lie on the bonded neighbour. All methods
 //! of the solver bear them.
 
-use super::neighbours::{close_pairs, touching_area};
-use crate::collide::relative_pose;
-use crate::contact::BodyId;
-use crate::contact::manifold::{ContactPoint, MAX_POINTS};
+use crate::bodies::store::Bodies;
+use crate::collide::narrow_phase::relative_pose;
+use crate::contact::body_id::BodyId;
 use crate::contact::manifolds::{ManifoldHead, Manifolds};
+use crate::contact::point::{ContactPoint, MAX_POINTS};
+use crate::fracture::neighbours::can_move;
+use crate::fracture::neighbours::smaller_extent;
+use crate::fracture::neighbours::{close_pairs, touching_area};
 use crate::math::{Pose, rotate};
-use crate::solver::bodies::{Bodies, RigidBody};
-use crate::solver::ties::BondedManifold;
+use crate::solver::wide::bond::BondedManifold;
 use bevy_ecs::resource::Resource;
 use glam::Vec3;
 
@@ -410,16 +412,4 @@ fn forget_pull(head: &ManifoldHead, points: &mut [ContactPoint]) {
 fn names(bodies: &Bodies, a: u32, b: u32) -> (BodyId, BodyId) {
     let [a, b] = [a, b].map(|slot| bodies.id(slot));
     (a.min(b), a.max(b))
-}
-
-pub(super) fn can_move(bodies: &Bodies, a: u32, b: u32) -> bool {
-    [a, b]
-        .into_iter()
-        .any(|slot| bodies.kind(slot) == RigidBody::Dynamic)
-}
-
-/// Lesser of the least extents of two bodies, m.
-pub(super) fn smaller_extent(bodies: &Bodies, slots: [u32; 2]) -> f32 {
-    let [a, b] = slots.map(|slot| bodies.least_extent[slot as usize]);
-    a.min(b)
 }

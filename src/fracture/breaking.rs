@@ -1,16 +1,18 @@
 //! When bodies break: on request at the start of a step, and under a blow while it is solved.
 
-use super::budget::FractureBudget;
-use super::impact::{self, ImpulseSum};
-use super::inheritance::{Line, hand_down};
-use super::pieces::{Division, Plan, replace};
-use super::{Blow, Bonds, CutError, CutRequest, Fractures, LEAST_PIECES};
-use crate::contact::BodyId;
-use crate::contact::cache::ContactCache;
+use crate::bodies::body::RigidBody;
+use crate::bodies::store::Bodies;
+use crate::contact::body_id::BodyId;
+use crate::contact::impulses::ContactCache;
 use crate::contact::manifolds::Manifolds;
+use crate::fracture::budget::FractureBudget;
+use crate::fracture::impact;
+use crate::fracture::impact::ImpulseSum;
+use crate::fracture::inheritance::{Line, hand_down};
+use crate::fracture::pieces::{Division, Plan, replace};
+use crate::fracture::{Blow, Bonds, CutError, CutRequest, Fractures, LEAST_PIECES};
 use crate::geometry::predicates::check_plane;
 use crate::slice::{Impact, PieceCutter, SliceError};
-use crate::solver::bodies::{Bodies, RigidBody};
 use crate::solver::contact_solver::ContactSolver;
 use smallvec::SmallVec;
 
@@ -265,7 +267,7 @@ impl Fractures {
         division: Division,
         budget: &FractureBudget,
         lines: &mut Lines,
-    ) -> Result<&mut super::Fracture, CutError> {
+    ) -> Result<&mut crate::fracture::Fracture, CutError> {
         let line = Line::of(bodies, slot);
         let fracture = replace(bodies, slot, division, budget)?;
         bonds.inherit(bodies, &line, &fracture.pieces);

@@ -2,10 +2,11 @@
 //!
 //! Only bodies that are hardly thicker than the rounding of their corners have need of it.
 
-use super::ledger::{Ledger, Reference, Totals};
+use crate::bodies::body::BodyDesc;
+use crate::bodies::store::Bodies;
+use crate::fracture::ledger::{Ledger, Reference, Totals};
 use crate::geometry::predicates::{length_scale, plane_tolerance};
 use crate::geometry::{ConvexHull, ConvexMesh};
-use crate::solver::bodies::{Bodies, BodyDesc};
 
 /// Share of a body's mass that its pieces may lose or gain before their density makes up for it. Usual pieces stay far below it and
 /// have the density of the body, bit for bit.

@@ -1,12 +1,13 @@
 //! Contact impulses of one step, summed by body: what they break, and what of them acts before that.
 
-use super::Blow;
-use super::pieces::Division;
+use crate::bodies::body::RigidBody;
+use crate::bodies::breaking::BodyBlow;
+use crate::bodies::store::Bodies;
 use crate::contact::manifolds::Manifolds;
+use crate::fracture::Blow;
+use crate::fracture::pieces::Division;
 use crate::math::rotate;
 use crate::slice::{Cutting, Impact};
-use crate::solver::bodies::{Bodies, RigidBody};
-use crate::solver::limit::BodyBlow;
 use glam::Vec3;
 
 /// Contact impulses on one body in one step.

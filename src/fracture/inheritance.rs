@@ -1,10 +1,10 @@
 //! From a fracture to the contact cache: which body had which pieces.
 
-use crate::contact::BodyId;
-use crate::contact::cache::{ContactCache, Family, Heir};
+use crate::bodies::store::Bodies;
+use crate::contact::body_id::BodyId;
+use crate::contact::impulses::{ContactCache, Family, Heir};
 use crate::geometry::KdBox;
 use crate::math::rotate;
-use crate::solver::bodies::Bodies;
 use glam::{Quat, Vec3};
 use smallvec::SmallVec;
 

@@ -1,7 +1,8 @@
 //! What a fracture did to mass, momentum, angular momentum and energy.
 
+use crate::bodies::body::BodyDesc;
+use crate::bodies::store::Bodies;
 use crate::mass::VolumeIntegrals;
-use crate::solver::bodies::{Bodies, BodyDesc};
 use glam::{DMat3, DVec3, Quat, Vec3};
 
 /// Sums over one or several bodies.
@@ -172,7 +173,7 @@ impl Ledger {
     /// `(after + dropped - before) / before` of the kinetic energy; positive if energy was gained.
     ///
     /// Pieces move as the parts of the body did, so that this is rounding, near the origin below 1e-5 as the error of the angular momentum
-    /// is. What it takes to break a body is taken by the solve, before ([`Blow::borne_energy`](super::Blow::borne_energy)).
+    /// is. What it takes to break a body is taken by the solve, before ([`Blow::borne_energy`](crate::fracture::Blow::borne_energy)).
     pub fn energy_gain(&self) -> f64 {
         let gained = self.accounted().kinetic_energy - self.before.kinetic_energy;
         relative(gained, self.before.kinetic_energy)

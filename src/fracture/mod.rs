@@ -26,10 +26,11 @@ pub use breaking::{break_overloaded, make_cuts, note_loads};
 pub use budget::FractureBudget;
 pub use ledger::{Ledger, Totals};
 
-use crate::contact::BodyId;
+use crate::bodies::body::BodyError;
+use crate::bodies::store::Bodies;
+use crate::contact::body_id::BodyId;
 use crate::math::Plane;
 use crate::slice::SliceError;
-use crate::solver::bodies::{Bodies, BodyError};
 use bevy_ecs::resource::Resource;
 use breaking::Workshop;
 use smallvec::SmallVec;

@@ -1,10 +1,11 @@
 //! Which bodies touch face to face.
 
-use super::bonds::{can_move, smaller_extent};
-use super::shared_area;
-use crate::collide::relative_pose;
+use crate::bodies::body::RigidBody;
+use crate::bodies::body::Shape;
+use crate::bodies::store::Bodies;
+use crate::collide::narrow_phase::relative_pose;
+use crate::fracture::shared_area;
 use crate::math::{Plane, Pose, rotate};
-use crate::solver::bodies::{Bodies, Shape};
 use glam::Vec3;
 
 /// Largest gap between faces that count as touching, as a share of the smaller body's least extent.
@@ -71,4 +72,16 @@ pub(super) fn area_in_pose(bodies: &Bodies, a: u32, b: u32, b_in_a: &Pose) -> Op
         (Shape::HalfSpace(_), Shape::HalfSpace(_)) => 0.0,
     };
     (area > LEAST_AREA * extent * extent).then_some(area)
+}
+
+pub(super) fn can_move(bodies: &Bodies, a: u32, b: u32) -> bool {
+    [a, b]
+        .into_iter()
+        .any(|slot| bodies.kind(slot) == RigidBody::Dynamic)
+}
+
+/// Lesser of the least extents of two bodies, m.
+pub(super) fn smaller_extent(bodies: &Bodies, slots: [u32; 2]) -> f32 {
+    let [a, b] = slots.map(|slot| bodies.least_extent[slot as usize]);
+    a.min(b)
 }

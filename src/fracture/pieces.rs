@@ -1,15 +1,16 @@
 //! What becomes of a body that breaks: its pieces, first as shapes, then as bodies.
 
-use super::budget::FractureBudget;
-use super::conservation::{keep_mass, keep_momentum};
-use super::ledger::{Ledger, Reference, Totals};
-use super::{CutError, Fracture};
+use crate::bodies::body::{BodyDesc, RigidBody, Shape};
+use crate::bodies::store::Bodies;
+use crate::fracture::budget::FractureBudget;
+use crate::fracture::conservation::{keep_mass, keep_momentum};
+use crate::fracture::ledger::{Ledger, Reference, Totals};
+use crate::fracture::{CutError, Fracture};
 use crate::geometry::{ConvexHull, ConvexMesh, TriMesh};
 use crate::mass::VolumeIntegrals;
 use crate::math::{Plane, Pose, rotate};
 use crate::slice::fracturable::Fracturable;
 use crate::slice::{Cutting, Piece, PieceCutter, SliceError, SliceOptions};
-use crate::solver::bodies::{Bodies, BodyDesc, RigidBody, Shape};
 use glam::{Quat, Vec3};
 use smallvec::SmallVec;
 

@@ -1,7 +1,7 @@
 //! Area over which two bodies touch face to face.
 
 use crate::geometry::ConvexHull;
-use crate::geometry::convex::Face;
+use crate::geometry::face::Face;
 use crate::math::{Plane, Pose, rotate};
 use glam::Vec3;
 

@@ -1,7 +1,7 @@
 //! The faces that meet in a vertex of a hull.
 
-use super::ConvexHull;
-use super::convex::Face;
+use crate::geometry::ConvexHull;
+use crate::geometry::face::Face;
 use glam::Vec3;
 
 /// Corners whose places are found together.

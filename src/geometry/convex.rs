@@ -1,48 +1,16 @@
 //! `ConvexHull`: planes, face loops and edges of a convex polyhedron.
 
-use super::TriMesh;
-use super::lanes::HullLanes;
-use super::lanes::wide::Avx2;
-use super::moments::{Fans, SolidMoments};
-use super::predicates::{SIZE_RANGE, check_plane, convex_tolerance, length_scale, signed_distance};
+use crate::geometry::TriMesh;
+use crate::geometry::face::Edge;
+use crate::geometry::face::Face;
+use crate::geometry::hull_lanes::HullLanes;
+use crate::geometry::moments::{Fans, SolidMoments};
+use crate::geometry::predicates::{
+    SIZE_RANGE, check_plane, convex_tolerance, length_scale, signed_distance,
+};
+use crate::geometry::wide::Avx2;
 use crate::math::{Aabb, Plane, tangents};
 use glam::{DVec3, Vec2, Vec3};
-use std::ops::Range;
-
-/// A face of a convex hull: a planar convex polygon.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Face {
-    /// Plane of the face, its normal pointing outwards.
-    pub plane: Plane,
-    /// First entry of the face's loop in [`ConvexHull::loops`].
-    pub first: u32,
-    /// Number of vertices of the loop.
-    pub count: u32,
-}
-
-impl Face {
-    /// Where the face's loop stands in the loops of its hull.
-    #[inline]
-    pub(crate) fn range(&self) -> Range<usize> {
-        self.first as usize..(self.first + self.count) as usize
-    }
-
-    /// The loops of a hull from this face's on, and how many corners it has.
-    #[inline(always)]
-    pub(crate) fn polygon<'l>(&self, loops: &'l [u32]) -> (&'l [u32], usize) {
-        (&loops[self.first as usize..], self.count as usize)
-    }
-}
-
-/// An undirected edge of a convex hull.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C)]
-pub struct Edge {
-    /// End points, in the order in which `faces[0]` runs through them.
-    pub vertices: [u32; 2],
-    /// The two faces that share the edge.
-    pub faces: [u32; 2],
-}
 
 /// A convex polyhedron as polygon faces, in the body's frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -127,7 +95,7 @@ pub enum HullError {
     },
     /// The mesh that the hull was to be made from is not usable.
     #[error(transparent)]
-    Mesh(#[from] super::MeshError),
+    Mesh(#[from] crate::geometry::MeshError),
     /// The result does not pass [`ConvexHull::validate`].
     #[error("the hull is not valid: {0}")]
     Invalid(#[from] HullDefect),

@@ -1,7 +1,7 @@
 //! The shapes a body can have: `ConvexMesh`, shared and immutable, and the static `HalfSpace`.
 
-use super::predicates::{PlaneError, check_plane};
-use super::{ConvexHull, HullError, MeshError, TriMesh, primitives};
+use crate::geometry::predicates::{PlaneError, check_plane};
+use crate::geometry::{ConvexHull, HullError, MeshError, TriMesh, primitives};
 use crate::math::{Aabb, Plane};
 use bevy_ecs::component::Component;
 use glam::Vec3;
@@ -106,7 +106,7 @@ impl ConvexMesh {
     /// [`ConvexHull::from_points`] says of the result.
     pub fn scaled(&self, factor: Vec3) -> Result<Self, HullError> {
         if !(factor.is_finite() && factor.min_element() > 0.0) {
-            return Err(super::MeshError::BadScale { factor }.into());
+            return Err(crate::geometry::MeshError::BadScale { factor }.into());
         }
         let points: Vec<Vec3> = self.hull().vertices().iter().map(|v| *v * factor).collect();
         let visual = self

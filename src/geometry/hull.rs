@@ -10,8 +10,8 @@
 //! - C. B. Barber, D. P. Dobkin, H. Huhdanpaa, "The Quickhull Algorithm for Convex Hulls", ACM TOMS 22(4), 1996.
 //! - J. R. Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997.
 
-use super::convex::{ConvexHull, HullError};
-use super::predicates::{FLAT_RELATIVE, SIZE_RANGE, length_scale, merge_tolerance};
+use crate::geometry::convex::{ConvexHull, HullError};
+use crate::geometry::predicates::{FLAT_RELATIVE, SIZE_RANGE, length_scale, merge_tolerance};
 use crate::math::{Aabb, Plane};
 use glam::{DVec3, Vec3};
 use robust::{Coord3D, orient3d};

@@ -1,7 +1,7 @@
 //! `TriMesh`: triangles with per-vertex attributes, and what can be wrong with them.
 
-use super::weld::weld;
-use super::{EdgeCensus, KnownClosed};
+use crate::geometry::weld::weld;
+use crate::geometry::{EdgeCensus, KnownClosed};
 use crate::math::{Aabb, Pose, rotate};
 use glam::{DVec3, Vec2, Vec3, Vec4};
 

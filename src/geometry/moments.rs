@@ -9,8 +9,8 @@
 //!   Journal of Mathematics and Statistics 1(1), 2004.
 //! - B. Mirtich, "Fast and Accurate Computation of Polyhedral Mass Properties", Journal of Graphics Tools 1(2), 1996.
 
-use super::convex::Face;
-use super::lanes::wide::{Avx2, Loop, TrianglesOf, run};
+use crate::geometry::face::Face;
+use crate::geometry::wide::{Avx2, Loop, TrianglesOf, run};
 use glam::{DMat3, DVec3, Vec3};
 use std::ops::{Add, Neg, Sub};
 

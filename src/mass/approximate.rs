@@ -3,7 +3,7 @@
 //! A body uses the exact integrals of the parent module; these show what the exact ones gain. The example
 //! `mass_accuracy` prints both side by side.
 
-use super::particle_inertia;
+use crate::mass::particle_inertia;
 use glam::{DMat3, DVec3};
 
 /// Centre of mass taken as the mean of the vertices (m): exact only if the vertices are spread evenly about the centre.

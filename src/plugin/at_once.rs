@@ -2,18 +2,19 @@
 //!
 //! With a few bodies most of a step is what the phases cost as systems: each is handed out by the executor and fetches its
 //! resources and queries, which nobody can have touched since the phase before. Who has a system of their own in
-//! [`PhysicsSchedule`](super::PhysicsSchedule), or a run condition on a phase, gets the phases one by one; else they are run here,
+//! [`PhysicsSchedule`](crate::plugin::PhysicsSchedule), or a run condition on a phase, gets the phases one by one; else they are run here,
 //! with the same outcome.
 
-use super::{PhysicsSchedule, Settings, check};
-use crate::contact::cache::ContactCache;
+use crate::bodies::store::Bodies;
+use crate::contact::impulses::ContactCache;
 use crate::ecs::components::*;
 use crate::ecs::state::PluginState;
 use crate::ecs::{bond, cut, gather, scatter};
 use crate::fracture::{Bonds, Fractures};
 use crate::mass::MassProperties;
-use crate::solver::bodies::Bodies;
-use crate::step::{self, Contacts, StepReport, StepSettings};
+use crate::plugin::{PhysicsSchedule, Settings, check};
+use crate::step;
+use crate::step::{Contacts, StepReport, StepSettings};
 use bevy_ecs::error::{ErrorContext, ErrorHandler};
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::graph::DiGraph;

@@ -1,7 +1,7 @@
 //! Interpolation of vertex attributes on cut edges, and the attributes of the cap.
 
-use super::CapNormals;
 use crate::geometry::TriMesh;
+use crate::slice::CapNormals;
 use glam::{Vec2, Vec3, Vec4};
 
 /// Forgets vertices and triangles; keeps the memory.

@@ -1,7 +1,7 @@
 //! Directed edges without a partner, joined into closed loops.
 
-use super::clip::Clip;
 use crate::geometry::TriMesh;
+use crate::slice::clip::Clip;
 use std::ops::Range;
 
 const NONE: u32 = u32::MAX;

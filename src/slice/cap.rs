@@ -7,12 +7,14 @@
 //! # References
 //! - D. Eberly, *Triangulation by Ear Clipping*, 2002 (joining holes to the outer loop by bridges).
 
-use super::border::Border;
-use super::clip::Clip;
-use super::ears::Turn;
-use super::edge_table::EdgeTable;
+mod ears;
+
 use crate::geometry::TriMesh;
 use crate::math::{Plane, tangents};
+use crate::slice::border::Border;
+use crate::slice::cap::ears::Turn;
+use crate::slice::clip::Clip;
+use crate::slice::edge_table::EdgeTable;
 use glam::{DVec2, Vec3};
 use std::ops::Range;
 

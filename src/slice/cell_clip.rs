@@ -1,10 +1,10 @@
 //! A convex cell clipped plane by plane, keeping the inside only.
 
-use super::Verdict;
 use crate::geometry::hull::hull_unless_flat;
 use crate::geometry::predicates::{length_scale, plane_tolerance};
 use crate::geometry::{ConvexHull, HullError};
 use crate::math::Plane;
+use crate::slice::Verdict;
 use glam::{DVec3, Vec3};
 
 const NONE: u32 = u32::MAX;

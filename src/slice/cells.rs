@@ -10,17 +10,17 @@
 //! - B. Levy, N. Bonneel, "Variational Anisotropic Surface Meshing with Voronoi Parallel Linear Enumeration", Proceedings of
 //!   the 21st International Meshing Roundtable, 2013 (the radius of security).
 
-use super::cell_clip::{CellClipper, CutPlane};
-use super::convex::{HullSlice, HullSlicer};
-use super::mesh_slicer::MeshSlicer;
-use super::pattern::Planes;
-use super::separate::separate;
-use super::{Slice, SliceError, SliceOptions, Verdict};
 use crate::geometry::predicates::{check_plane, length_scale, plane_tolerance};
 use crate::geometry::{ConvexHull, TriMesh};
 use crate::math::Plane;
+use crate::slice::cell_clip::{CellClipper, CutPlane};
+use crate::slice::convex::{HullSlice, HullSlicer};
+use crate::slice::cutting::CellPlanes;
+use crate::slice::cutting::Cutting;
+use crate::slice::mesh_slicer::MeshSlicer;
+use crate::slice::separate::separate;
+use crate::slice::{Slice, SliceError, SliceOptions, Verdict};
 use glam::Vec3;
-use smallvec::SmallVec;
 
 /// How many of the nearest points are sorted at a time. A Voronoi cell has about 15 walls, and a few more points are
 /// looked at before it is known to be complete.
@@ -36,22 +36,6 @@ pub struct Piece {
     pub visual: Option<TriMesh>,
     /// Volume of the hull, m3.
     pub volume: f64,
-}
-
-/// The planes of one cell, their normals pointing out of it.
-pub type CellPlanes = SmallVec<[Plane; 6]>;
-
-/// How a body is divided, in its own frame.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum Cutting {
-    /// Every plane cuts every piece that it meets, one after the other.
-    Planes(Planes),
-    /// One piece for each list: what of the body lies below all its planes. The pieces fill the body if the cells fill
-    /// space; that is for who makes the lists to see to.
-    Cells(Vec<CellPlanes>),
-    /// One piece for each point: what of the body is nearer to it than to all others.
-    Sites(Vec<Vec3>),
 }
 
 /// Cuts a hull, and the closed mesh that rides in it, by one plane after the other; every plane cuts every piece.

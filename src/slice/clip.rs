@@ -7,11 +7,12 @@
 //! One pass over the triangles sorts them by the sides of their corners. Most are on one side and need nothing more; only
 //! those that the plane cuts or touches are looked at again.
 
-use super::attributes::{self, push_between};
-use super::edge_table::EdgeTable;
 use crate::geometry::TriMesh;
 use crate::geometry::predicates::{Side, side, signed_distance};
 use crate::math::Plane;
+use crate::slice::attributes;
+use crate::slice::attributes::push_between;
+use crate::slice::edge_table::EdgeTable;
 use glam::Vec3;
 
 /// Sides as bits, so that those of a triangle's corners can be joined.

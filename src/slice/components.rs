@@ -3,10 +3,10 @@
 //! Triangles hang together across edges; two surfaces that share no more than a point are two. The wall of a cavity is a
 //! surface of its own that encloses a negative volume; it belongs to the smallest surface around it.
 
-use super::attributes;
-use super::edge_table::EdgeTable;
-use super::mesh_slicer::Numbers;
 use crate::geometry::TriMesh;
+use crate::slice::attributes;
+use crate::slice::edge_table::EdgeTable;
+use crate::slice::mesh_slicer::Numbers;
 use glam::DVec3;
 
 /// The connected pieces of `mesh`, cavities with what they are in, attributes and material slots kept.

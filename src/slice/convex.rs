@@ -21,12 +21,12 @@ mod rebuild;
 mod rim;
 mod select;
 
-use super::SliceError;
 use crate::geometry::ConvexHull;
-use crate::geometry::lanes::wide::Avx2;
 use crate::geometry::moments::Fans;
 use crate::geometry::predicates::check_plane;
+use crate::geometry::wide::Avx2;
 use crate::math::Plane;
+use crate::slice::SliceError;
 use classes::Classes;
 use emit::Writer;
 use moments::Summing;
@@ -222,7 +222,7 @@ impl HullSlicer {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::lanes::HullLanes;
+    use crate::geometry::hull_lanes::HullLanes;
     use crate::geometry::primitives::{cuboid, icosphere, regular_prism};
     use glam::Vec3;
     use rand_core::Rng;

@@ -1,9 +1,9 @@
 //! What makes a body breakable: strength, pattern, and limits for the pieces.
 
-use super::cells::Cutting;
-use super::crack_area::cells_for_energy;
-use super::pattern::{FracturePattern, Impact};
 use crate::geometry::ConvexHull;
+use crate::slice::crack_area::cells_for_energy;
+use crate::slice::cutting::Cutting;
+use crate::slice::pattern::{FracturePattern, Impact};
 use bevy_ecs::component::Component;
 use glam::Vec4;
 
@@ -40,7 +40,7 @@ pub struct Fracturable {
     /// Whether pieces whose visual meshes are in several parts come apart, as [`PieceCutter::separate`] says. Off, because
     /// many models are built of parts that only touch, and would fall into them at the first cut.
     ///
-    /// [`PieceCutter::separate`]: super::PieceCutter::separate
+    /// [`PieceCutter::separate`]: crate::slice::PieceCutter::separate
     pub separate_parts: bool,
 }
 

@@ -1,13 +1,14 @@
 //! `MeshSlicer`: clip, border and cap put together into the two parts of a mesh, in memory that is kept.
 
-use super::attributes::{self, CapStyle};
-use super::border::Border;
-use super::cap::CapFill;
-use super::clip::{Clip, Verdict};
-use super::{Cap, Halves, Slice, SliceError, SliceOptions};
 use crate::geometry::predicates::{check_plane, length_scale, plane_tolerance};
 use crate::geometry::{EdgeCensus, MeshError, TriMesh};
 use crate::math::{Plane, tangents};
+use crate::slice::attributes;
+use crate::slice::attributes::CapStyle;
+use crate::slice::border::Border;
+use crate::slice::cap::CapFill;
+use crate::slice::clip::{Clip, Verdict};
+use crate::slice::{Cap, Halves, Slice, SliceError, SliceOptions};
 use glam::Vec4;
 
 /// Number of a position that was not asked for yet.
@@ -24,10 +25,10 @@ pub struct MeshSlicer {
 }
 
 impl MeshSlicer {
-    /// As [`slice_mesh`](super::slice_mesh).
+    /// As [`slice_mesh`](crate::slice::slice_mesh).
     ///
     /// # Errors
-    /// As [`slice_mesh`](super::slice_mesh).
+    /// As [`slice_mesh`](crate::slice::slice_mesh).
     pub fn slice(
         &mut self,
         mesh: &TriMesh,
@@ -42,7 +43,7 @@ impl MeshSlicer {
     /// nothing. Unless the verdict is [`Verdict::Cut`], `halves` stay as they are.
     ///
     /// # Errors
-    /// As [`slice_mesh`](super::slice_mesh).
+    /// As [`slice_mesh`](crate::slice::slice_mesh).
     pub fn slice_into(
         &mut self,
         mesh: &TriMesh,

@@ -24,7 +24,7 @@ mod clip;
 mod components;
 pub mod convex;
 pub mod crack_area;
-mod ears;
+pub mod cutting;
 mod edge_table;
 pub mod fracturable;
 mod mesh_slicer;
@@ -32,11 +32,12 @@ pub mod pattern;
 mod random;
 mod separate;
 
-pub use cells::{Cutting, Piece, PieceCutter, cut_by_planes};
+pub use cells::{Piece, PieceCutter, cut_by_planes};
 pub use clip::Verdict;
 pub use components::split_components;
 pub use convex::{HullHalves, HullSlice, HullSlicer, HullVerdict, slice_hull};
 pub use crack_area::cells_for_energy;
+pub use cutting::Cutting;
 pub use mesh_slicer::MeshSlicer;
 pub use pattern::{FracturePattern, Impact};
 

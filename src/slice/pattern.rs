@@ -3,15 +3,17 @@
 //! The same pattern, impact, hull and seed give the same pieces, bit for bit, on every platform: the generator's stream is
 //! fixed, random directions are found by rejection, and angles are made without trigonometry.
 
-use super::cells::{CellPlanes, Cutting};
-use super::random::{PointsInHull, centred, unit_interval, unit_vector};
 use crate::geometry::ConvexHull;
 use crate::geometry::predicates::length_scale;
 use crate::math::{Aabb, Plane, tangents};
+use crate::slice::cutting::CellPlanes;
+use crate::slice::cutting::Cutting;
+use crate::slice::cutting::Planes;
+use crate::slice::random::{PointsInHull, centred, unit_interval, unit_vector};
 use glam::{Vec2, Vec3};
 use rand_core::SeedableRng;
 use rand_pcg::Pcg32;
-use smallvec::{SmallVec, smallvec};
+use smallvec::smallvec;
 use std::sync::Arc;
 
 /// How far [`FracturePattern::RandomPlane`] goes from the impact towards the centre of the body's box, as a fraction.
@@ -52,9 +54,6 @@ pub struct Impact {
     /// Kinetic energy that the blow turned into something else, J.
     pub energy: f32,
 }
-
-/// The planes of an impact; up to eight without memory of its own.
-pub type Planes = SmallVec<[Plane; 8]>;
 
 /// How a body breaks.
 ///

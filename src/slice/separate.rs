@@ -4,14 +4,14 @@
 //! around itself, and falls on its own. Parts whose hulls reach into each other, such as the links of a chain or a ball in
 //! a bowl, would be pushed apart as soon as they were bodies; they stay one piece, with the hull around all of them.
 
-use super::cell_clip::{CellClipper, CutPlane};
-use super::components::{label_count, labels, meshes_of};
-use super::{Piece, SliceError, Verdict};
 use crate::geometry::hull::hull_unless_flat;
 use crate::geometry::{ConvexHull, TriMesh};
+use crate::slice::cell_clip::{CellClipper, CutPlane};
+use crate::slice::components::{label_count, labels, meshes_of};
+use crate::slice::{Piece, SliceError, Verdict};
 use glam::Vec3;
 
-/// As [`PieceCutter::separate`](super::PieceCutter::separate).
+/// As [`PieceCutter::separate`](crate::slice::PieceCutter::separate).
 pub(super) fn separate(
     pieces: &mut Vec<Piece>,
     clipper: &mut CellClipper,

@@ -1,20 +1,24 @@
 //! From manifolds and bodies to new velocities, motions and impulses, batch of islands by batch.
 
-use super::batch::{Batch, Step, side};
-use super::bodies::{Bodies, Motion, SolverBody};
-use super::demand::{Demand, Effort, SubstepSettings, Travel};
-use super::domains::LEAST_MANIFOLDS;
-use super::islands::Islands;
-use super::layout::Member;
-use super::limit::BodyBlow;
-use super::rehearsal::{Rehearsal, is_large};
-use super::rows::{PointRows, Row};
-use super::ties::{BondedManifold, is_new_bond};
-use crate::contact::manifold::ContactPoint;
+use crate::bodies::breaking::BodyBlow;
+use crate::bodies::solver_body::{Motion, SolverBody};
+use crate::bodies::store::Bodies;
 use crate::contact::manifolds::{ManifoldHead, ManifoldRef, Manifolds};
+use crate::contact::point::ContactPoint;
 use crate::math::rotate_by;
-use crate::parts::run_parts;
-use crate::team::Team;
+use crate::solver::adaptivity::{Demand, Effort};
+use crate::solver::batch::layout::Member;
+use crate::solver::batch::{Batch, Step, side};
+use crate::solver::breakage_probe;
+use crate::solver::breakage_probe::{Rehearsal, is_large};
+use crate::solver::graph::islands::Islands;
+use crate::solver::graph::partition::LEAST_MANIFOLDS;
+use crate::solver::graph::relative_motion::Travel;
+use crate::solver::rows::contact_rows::{PointRows, Row};
+use crate::solver::settings::SubstepSettings;
+use crate::solver::wide::bond::{BondedManifold, is_new_bond};
+use crate::threads::parts::run_parts;
+use crate::threads::team::Team;
 use std::ops::Range;
 
 /// Calm islands are solved together until they have this many manifolds: enough to fill the lanes of their blocks.
@@ -35,11 +39,11 @@ const LEAST_OF_PART: usize = 128;
 /// The rows of a step and the working copies of the bodies they join; buffers are reused.
 #[derive(Debug, Default)]
 pub struct ContactSolver {
-    pub(super) islands: Islands,
+    pub(crate) islands: Islands,
     /// By manifold.
     wishes: Vec<Wish>,
     /// By island.
-    pub(super) demands: Vec<Demand>,
+    pub(crate) demands: Vec<Demand>,
     /// Islands of each batch.
     ranges: Vec<Range<usize>>,
     /// Those of earlier rounds of the step, then as many as there are `ranges`, and perhaps some from other steps.
@@ -49,10 +53,10 @@ pub struct ContactSolver {
     /// Number of batches from earlier rounds.
     earlier: usize,
     /// By slot: how far the bodies are in this step.
-    pub(super) progress: Vec<Progress>,
+    pub(crate) progress: Vec<Progress>,
     /// By island: whether its rehearsal broke a body, so that it is not solved in this round.
-    pub(super) is_set_aside: Vec<bool>,
-    pub(super) rehearsal: Rehearsal,
+    pub(crate) is_set_aside: Vec<bool>,
+    pub(crate) rehearsal: Rehearsal,
 }
 
 /// What a manifold asks for.
@@ -65,7 +69,7 @@ struct Wish {
 
 /// How far a body is within a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) enum Progress {
+pub(crate) enum Progress {
     /// As it was before the step.
     #[default]
     Open,
@@ -265,7 +269,7 @@ impl ContactSolver {
     }
 
     /// How the bodies of a manifold move against each other.
-    pub(super) fn travel(&self, manifold: u32) -> Travel {
+    pub(crate) fn travel(&self, manifold: u32) -> Travel {
         self.wishes[manifold as usize].travel
     }
 
@@ -421,4 +425,76 @@ fn load_of(manifold: ManifoldRef, bodies: &Bodies, settings: &SubstepSettings) -
     let velocities = manifold.points().iter().map(velocity);
     let [a, b] = slots.map(|i| bodies.least_extent[i]);
     velocities.fold(weight, f32::max) / a.min(b)
+}
+
+impl ContactSolver {
+    /// Rehearses the large islands that have been found. Bodies of those in which a body breaks wait, and `manifolds` hold the
+    /// impulses of the rehearsal; whether there are any.
+    pub(crate) fn rehearse(
+        &mut self,
+        manifolds: &mut Manifolds,
+        bodies: &Bodies,
+        settings: &SubstepSettings,
+    ) -> bool {
+        self.is_set_aside.clear();
+        self.is_set_aside.resize(self.islands.list.len(), false);
+        if !bodies.any_fracturable() || !self.islands.list.iter().any(is_large) {
+            return false;
+        }
+        let mut rehearsal = std::mem::take(&mut self.rehearsal);
+        let anybody = rehearsal.choose(&self.islands, manifolds, bodies, settings);
+        if anybody {
+            let Rehearsal {
+                cast,
+                islands,
+                batch,
+                ..
+            } = &mut rehearsal;
+            let takes_part = |slot: u32| cast[slot as usize] != breakage_probe::NONE;
+            let moves = |slot: u32| bodies.velocity[slot as usize].inverse_mass > 0.0;
+            let is_open = |m: &ManifoldHead| {
+                let counts = |slot: u32| takes_part(slot) || !moves(slot);
+                counts(m.a) && counts(m.b) && (takes_part(m.a) || takes_part(m.b))
+            };
+            islands.find(manifolds.heads(), bodies, is_open, None);
+            islands.find_moving(|index| self.travel(index));
+            for part in 0..islands.list.len() {
+                let slots = &islands.slots[islands.list[part].bodies.clone()];
+                let Some(&slot) = slots.iter().find(|&&slot| takes_part(slot)) else {
+                    continue;
+                };
+                let whole = cast[slot as usize] as usize;
+                let step = Step {
+                    islands,
+                    manifolds,
+                    bodies,
+                    settings,
+                    team: None,
+                    may_break: true,
+                };
+                batch.load(&step, part..part + 1, &self.demands[whole]);
+                batch.tie(&self.bonded, manifolds);
+                batch.solve(manifolds, None);
+                if batch.is_broken {
+                    batch.store_impulses(&mut manifolds.whole(), 0);
+                    self.is_set_aside[whole] = true;
+                }
+            }
+        }
+        self.rehearsal = rehearsal;
+        self.wait_for_next_round(bodies);
+        self.is_set_aside.contains(&true)
+    }
+
+    /// Notes that the bodies of islands that are set aside wait.
+    fn wait_for_next_round(&mut self, bodies: &Bodies) {
+        let islands = self.islands.list.iter().zip(&self.is_set_aside);
+        for (island, _) in islands.filter(|(_, is_set_aside)| **is_set_aside) {
+            for &slot in &self.islands.slots[island.bodies.clone()] {
+                if bodies.velocity[slot as usize].inverse_mass > 0.0 {
+                    self.progress[slot as usize] = Progress::Waiting;
+                }
+            }
+        }
+    }
 }

@@ -1,15 +1,16 @@
 //! How bodies move that touch nothing.
 
-use super::bodies::{Bodies, Motion};
-use super::contact_solver::{ContactSolver, Progress};
-use super::demand::SubstepSettings;
-use super::spin::{SPINS, Spins};
+use crate::bodies::free_rotation::{SPINS, Spins};
+use crate::bodies::solver_body::Motion;
+use crate::bodies::store::Bodies;
 use crate::math::rotate_by;
+use crate::solver::contact_solver::{ContactSolver, Progress};
+use crate::solver::settings::SubstepSettings;
 use glam::Vec3;
 
 impl ContactSolver {
     /// Moves the bodies that touch nothing, exactly under constant acceleration: `x += h v + h^2 g / 2`.
-    pub(super) fn move_free_bodies(&mut self, bodies: &mut Bodies, settings: &SubstepSettings) {
+    pub(crate) fn move_free_bodies(&mut self, bodies: &mut Bodies, settings: &SubstepSettings) {
         let step = settings.step();
         let mut spinning = Spinning::default();
         for slot in 0..bodies.slots() as u32 {

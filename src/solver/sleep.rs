@@ -12,59 +12,17 @@
 //! Islands are gone through in the order of their first manifolds, which is that of body ids; which islands sleep does
 //! not depend on the order in which things are found.
 
-use super::bodies::{Bodies, Motion, Status};
-use super::contact_solver::ContactSolver;
-use crate::contact::BodyId;
-use crate::contact::broadphase::Pair;
-use crate::contact::cache::ContactCache;
-use crate::contact::{ManifoldHead, Manifolds};
-use glam::{Quat, Vec3};
-
-/// When islands fall asleep.
-///
-/// Speeds and distances are shares of what is natural for a body's size, so that a scene and its model in another scale
-/// fall asleep alike: without gravity only what does not move at all rests.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
-pub struct SleepConfig {
-    /// Whether islands fall asleep at all. Turning it off wakes all that sleep.
-    pub enabled: bool,
-    /// Fastest speed of a body at rest, its points' on account of rotation included, as a share of `sqrt(g L)` with its
-    /// least extent `L`: the speed after a fall by half of `L`.
-    pub speed: f32,
-    /// How far a body at rest may get from where it came to rest, as a share of its least extent. Tells rest from creep,
-    /// which is slow but goes on.
-    pub drift: f32,
-    /// How long all bodies of an island must have been at rest, s.
-    pub time: f32,
-}
-
-impl Default for SleepConfig {
-    fn default() -> Self {
-        Self {
-            enabled: false,
-            speed: 0.01,
-            drift: 5e-4,
-            time: 0.5,
-        }
-    }
-}
-
-impl SleepConfig {
-    /// The default limits, with sleeping on.
-    pub fn on() -> Self {
-        Self {
-            enabled: true,
-            ..Self::default()
-        }
-    }
-
-    /// Whether all numbers are finite and not negative.
-    pub fn is_usable(&self) -> bool {
-        let numbers = [self.speed, self.drift, self.time];
-        numbers.iter().all(|n| n.is_finite() && *n >= 0.0)
-    }
-}
+use crate::bodies::sleep_state::Rest;
+use crate::bodies::sleep_state::SleepCandidate;
+use crate::bodies::sleep_state::Status;
+use crate::bodies::solver_body::Motion;
+use crate::bodies::store::Bodies;
+use crate::contact::impulses::ContactCache;
+use crate::contact::manifolds::{ManifoldHead, Manifolds};
+use crate::contact::pairs::broad_phase::Pair;
+use crate::solver::config::SleepConfig;
+use crate::solver::contact_solver::ContactSolver;
+use glam::Vec3;
 
 /// Share of an island's weight that fixed bodies must bear: less than one, because impulses of a step are not exactly
 /// those of rest.
@@ -73,152 +31,7 @@ const BORNE: f32 = 0.5;
 /// Marks a slot that belongs to no island that may fall asleep.
 const NONE: u32 = u32::MAX;
 
-/// How long a body has been at rest, and where.
-#[derive(Clone, Copy, Debug, Default)]
-struct Rest {
-    /// s.
-    time: f32,
-    /// Centre of mass when the time began to count, m.
-    centre: Vec3,
-    rotation: Quat,
-}
-
-/// An island all of whose bodies rest.
-#[derive(Clone, Copy, Debug, Default)]
-struct Candidate {
-    /// Its number among the islands of the step.
-    island: usize,
-    /// Impulse of the step that keeps it at rest, N s.
-    weight: f32,
-    /// Impulse against gravity that it got from fixed bodies, N s.
-    borne: f32,
-    /// Whether a fixed body touches it.
-    is_held: bool,
-    /// Whether a fixed body touches it that moves.
-    is_carried: bool,
-}
-
-/// What [`Bodies`] knows of sleep; empty until the first step with sleeping on.
-#[derive(Debug, Default)]
-pub(crate) struct Sleep {
-    /// Whether changes of bodies are noted.
-    is_on: bool,
-    /// Number of bodies asleep.
-    pub(crate) asleep: usize,
-    /// Gravity under which the bodies fell asleep, m/s2.
-    gravity: Vec3,
-    /// By slot.
-    rest: Vec<Rest>,
-    /// By slot of a sleeping body: the next one of its island, in a ring.
-    next: Vec<u32>,
-    /// Slots of a fixed body and of a sleeping one that touches it.
-    supports: Vec<[u32; 2]>,
-    /// Slots of bodies that were added, removed or changed since the last step, as a list and as flags.
-    stirred: Vec<u32>,
-    is_stirred: Vec<bool>,
-    /// Bodies that fell asleep or woke, or were expected to, for those who mark entities.
-    turned: Vec<(u32, BodyId)>,
-    /// Ids of bodies that woke since their multipliers were last fetched.
-    pub(crate) woken: Vec<BodyId>,
-    /// Ids of bodies that fell asleep in this step, ascending.
-    pub(crate) slept: Vec<BodyId>,
-    candidates: Vec<Candidate>,
-    /// By slot: index of the candidate it belongs to.
-    candidate_of: Vec<u32>,
-}
-
-impl Sleep {
-    fn is_stirred(&self, slot: u32) -> bool {
-        self.is_stirred.get(slot as usize) == Some(&true)
-    }
-
-    /// Forgets how long the body in `slot` has been at rest.
-    fn reset(&mut self, slot: u32) {
-        if let Some(rest) = self.rest.get_mut(slot as usize) {
-            *rest = Rest::default();
-        }
-    }
-}
-
 impl Bodies {
-    /// Whether the body sleeps: it rests with its whole island, and no step touches it until something wakes it.
-    #[inline]
-    pub fn is_asleep(&self, slot: u32) -> bool {
-        self.status.get(slot as usize) == Some(&Status::Asleep)
-    }
-
-    /// Number of bodies that sleep.
-    pub fn asleep(&self) -> usize {
-        self.sleep.asleep
-    }
-
-    /// Wakes the body and all that fell asleep in one island with it; of a fixed body, all that rests on it. A body that
-    /// is awake stays so for at least [`SleepConfig::time`]. Changes by other methods of [`Bodies`] do this by themselves.
-    pub fn wake(&mut self, slot: u32) {
-        if !self.is_asleep(slot) {
-            self.sleep.reset(slot);
-            self.stir(slot);
-            return;
-        }
-        let mut member = slot;
-        loop {
-            let i = member as usize;
-            self.status[i] = Status::Active;
-            self.sleep.reset(member);
-            self.sleep.asleep -= 1;
-            self.sleep.woken.push(self.ids[i]);
-            self.sleep.turned.push((member, self.ids[i]));
-            member = self.sleep.next[i];
-            if member == slot {
-                return;
-            }
-        }
-    }
-
-    /// Lets the body fall asleep without waiting for [`SleepConfig::time`], at the end of the next step: if it is at rest by
-    /// the limits of [`SleepConfig`] then, and so are all bodies of its island. For scenes that start at rest.
-    pub fn settle(&mut self, slot: u32) {
-        if self.is_asleep(slot) {
-            return;
-        }
-        let i = slot as usize;
-        let needed = self.sleep.rest.len().max(i + 1);
-        self.sleep.rest.resize(needed, Rest::default());
-        self.sleep.rest[i] = Rest {
-            time: f32::INFINITY,
-            ..self.rest_here(slot)
-        };
-        self.sleep.turned.push((slot, self.ids[i]));
-    }
-
-    /// Slots and ids of bodies that fell asleep or woke since [`forget_turned`](Self::forget_turned), some perhaps both, or
-    /// were expected to.
-    pub(crate) fn turned(&self) -> &[(u32, BodyId)] {
-        &self.sleep.turned
-    }
-
-    /// Forgets who fell asleep and woke.
-    pub(crate) fn forget_turned(&mut self) {
-        self.sleep.turned.clear();
-    }
-
-    /// Notes that a body was added, removed or changed: what sleeps on it wakes in the next step.
-    pub(crate) fn stir(&mut self, slot: u32) {
-        if !self.sleep.is_on || self.sleep.is_stirred(slot) {
-            return;
-        }
-        let slots = self.slots();
-        self.sleep.is_stirred.resize(slots, false);
-        self.sleep.is_stirred[slot as usize] = true;
-        self.sleep.stirred.push(slot);
-    }
-
-    /// Wakes the body if it sleeps, and what sleeps on it.
-    pub(crate) fn disturb(&mut self, slot: u32) {
-        self.wake(slot);
-        self.stir(slot);
-    }
-
     /// Wakes what lost its support or its reason to rest since the last step. Before the contacts of a step are found.
     pub(crate) fn rouse(&mut self, config: &SleepConfig, gravity: Vec3) {
         if !config.enabled && !self.sleep.is_on {
@@ -306,15 +119,6 @@ impl Bodies {
         let sleep = &mut self.sleep;
         for slot in sleep.stirred.drain(..) {
             sleep.is_stirred[slot as usize] = false;
-        }
-    }
-
-    /// Rest that begins now.
-    fn rest_here(&self, slot: u32) -> Rest {
-        Rest {
-            time: 0.0,
-            centre: self.centre[slot as usize],
-            rotation: self.rotation[slot as usize],
         }
     }
 
@@ -411,10 +215,10 @@ impl Bodies {
             }
             let index = sleep.candidates.len() as u32;
             dynamic().for_each(|i| sleep.candidate_of[i] = index);
-            sleep.candidates.push(Candidate {
+            sleep.candidates.push(SleepCandidate {
                 island: number,
                 weight: pull * dynamic().map(|i| mass[i].mass).sum::<f32>(),
-                ..Candidate::default()
+                ..SleepCandidate::default()
             });
         }
     }

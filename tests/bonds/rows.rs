@@ -1,19 +1,21 @@
 //! Bonded blocks against the rows they stand for: one sweep does what Gauss-Seidel does row by row.
 
 use crate::dice::Dice;
-use bevy_cleave::contact::manifold::{ContactPoint, MAX_POINTS};
+use bevy_cleave::bodies::solver_body::Solid;
+use bevy_cleave::bodies::solver_body::SolverBody;
 use bevy_cleave::contact::manifolds::{Manifold, ManifoldHead};
+use bevy_cleave::contact::point::{ContactPoint, MAX_POINTS};
 use bevy_cleave::math::tangents;
-use bevy_cleave::solver::FrictionModel;
-use bevy_cleave::solver::blocks::{Block, Point, Solid};
-use bevy_cleave::solver::bodies::SolverBody;
-use bevy_cleave::solver::fill::{Source, fill};
-use bevy_cleave::solver::lanes::{F8, LaneWidth, WIDTH};
-use bevy_cleave::solver::pgs;
-use bevy_cleave::solver::rows::PointRows;
-use bevy_cleave::solver::soft_step::Softness;
-use bevy_cleave::solver::sweep::{Contacts, Pass};
-use bevy_cleave::solver::ties::Tie;
+use bevy_cleave::simd::lanes::{F8, LaneWidth, WIDTH};
+use bevy_cleave::solver::config::FrictionModel;
+use bevy_cleave::solver::rows::contact_rows::PointRows;
+use bevy_cleave::solver::rows::pgs;
+use bevy_cleave::solver::rows::soft_step::Softness;
+use bevy_cleave::solver::wide::block::{Block, Point};
+use bevy_cleave::solver::wide::bond::Tie;
+use bevy_cleave::solver::wide::contacts::Contacts;
+use bevy_cleave::solver::wide::pass::Pass;
+use bevy_cleave::solver::wide::prepare::{Source, fill};
 use glam::{Mat3, Vec3};
 use std::cell::Cell;
 

@@ -21,7 +21,7 @@ mod run;
 mod scene;
 mod sleepers;
 
-use bevy_cleave::solver::lanes::LaneWidth;
+use bevy_cleave::simd::lanes::LaneWidth;
 use course::Hashes;
 use golden::GOLDEN;
 use run::{Driver, Run};

@@ -4,7 +4,7 @@ use crate::course::{Hashes, View, Watch};
 use crate::scene::Scene;
 use bevy_app::{App, TaskPoolOptions, TaskPoolPlugin, TaskPoolThreadAssignmentPolicy};
 use bevy_cleave::prelude::*;
-use bevy_cleave::solver::lanes::LaneWidth;
+use bevy_cleave::simd::lanes::LaneWidth;
 use bevy_ecs::prelude::*;
 use bevy_tasks::{ComputeTaskPool, TaskPoolBuilder};
 use bevy_time::Time;

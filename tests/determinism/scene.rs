@@ -242,6 +242,6 @@ impl Scene {
 
 /// Leaves of an island.
 fn leaves(manifolds: usize) -> usize {
-    debug_assert!(bevy_cleave::solver::domains::leaves(LARGE_ISLAND) == 2);
-    bevy_cleave::solver::domains::leaves(manifolds)
+    debug_assert!(bevy_cleave::solver::graph::partition::leaves(LARGE_ISLAND) == 2);
+    bevy_cleave::solver::graph::partition::leaves(manifolds)
 }

@@ -3,9 +3,10 @@
 use crate::dice::Dice;
 use crate::structures::*;
 use crate::support::*;
-use bevy_cleave::contact::{
-    BodyId, CacheStats, ContactCache, ContactPoint, ManifoldHead, Manifolds,
-};
+use bevy_cleave::contact::body_id::BodyId;
+use bevy_cleave::contact::impulses::{CacheStats, ContactCache};
+use bevy_cleave::contact::manifolds::{ManifoldHead, Manifolds};
+use bevy_cleave::contact::point::ContactPoint;
 use bevy_cleave::geometry::ConvexHull;
 use bevy_cleave::math::rotate;
 use bevy_cleave::prelude::*;

@@ -2,10 +2,10 @@
 
 use crate::dice::Dice;
 use crate::properties::cases;
-use bevy_cleave::solver::arrangement::{Arrangement, Joint, Rule};
-use bevy_cleave::solver::blocks::Place;
-use bevy_cleave::solver::domains::{Domains, leaves, stages};
-use bevy_cleave::solver::schedule::ContactOrder;
+use bevy_cleave::solver::config::ContactOrder;
+use bevy_cleave::solver::graph::indices::Place;
+use bevy_cleave::solver::graph::lane_assignment::{Arrangement, Joint, Rule};
+use bevy_cleave::solver::graph::partition::{Domains, leaves, stages};
 use glam::Vec3;
 use proptest::prelude::*;
 use std::ops::Range;

@@ -2,17 +2,19 @@
 
 use crate::dice::Dice;
 use crate::properties::cases;
-use bevy_cleave::contact::manifold::MAX_POINTS;
-use bevy_cleave::contact::{Manifold, ManifoldHead, Manifolds};
+use bevy_cleave::bodies::solver_body::SolverBody;
+use bevy_cleave::contact::manifolds::{Manifold, ManifoldHead, Manifolds};
+use bevy_cleave::contact::point::MAX_POINTS;
 use bevy_cleave::prelude::*;
+use bevy_cleave::solver::adaptivity::Demand;
 use bevy_cleave::solver::batch::{Batch, Step};
-use bevy_cleave::solver::blocks::{Block, Place};
-use bevy_cleave::solver::bodies::SolverBody;
-use bevy_cleave::solver::demand::{Demand, SubstepSettings};
-use bevy_cleave::solver::domains::stages;
-use bevy_cleave::solver::islands::Islands;
+use bevy_cleave::solver::graph::indices::Place;
+use bevy_cleave::solver::graph::islands::Islands;
+use bevy_cleave::solver::graph::partition::stages;
+use bevy_cleave::solver::settings::SubstepSettings;
+use bevy_cleave::solver::wide::block::Block;
 use bevy_cleave::step;
-use bevy_cleave::team::Team;
+use bevy_cleave::threads::team::Team;
 use bevy_tasks::{ComputeTaskPool, TaskPoolBuilder};
 use glam::Vec3;
 use proptest::prelude::*;

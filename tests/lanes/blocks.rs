@@ -2,18 +2,23 @@
 
 use crate::WIDTHS;
 use crate::dice::Dice;
-use bevy_cleave::contact::manifold::{ContactPoint, MAX_POINTS};
+use bevy_cleave::bodies::solver_body::Solid;
+use bevy_cleave::bodies::solver_body::SolverBody;
 use bevy_cleave::contact::manifolds::{Manifold, ManifoldHead};
+use bevy_cleave::contact::point::{ContactPoint, MAX_POINTS};
 use bevy_cleave::math::tangents;
-use bevy_cleave::solver::blocks::{Block, Place, Point, Solid};
-use bevy_cleave::solver::bodies::SolverBody;
-use bevy_cleave::solver::fill::{Source, fill};
-use bevy_cleave::solver::lanes::{F8, LaneWidth};
-use bevy_cleave::solver::rows::{PointRows, Side};
-use bevy_cleave::solver::schedule::{Filling, Schedule};
-use bevy_cleave::solver::soft_step::Softness;
-use bevy_cleave::solver::sweep::{Contacts, Feedback, Pass};
-use bevy_cleave::solver::{FrictionModel, pgs};
+use bevy_cleave::simd::lanes::{F8, LaneWidth};
+use bevy_cleave::solver::config::FrictionModel;
+use bevy_cleave::solver::graph::indices::Place;
+use bevy_cleave::solver::graph::ordered_packing::{Filling, Schedule};
+use bevy_cleave::solver::rows::contact_rows::{PointRows, Side};
+use bevy_cleave::solver::rows::pgs;
+use bevy_cleave::solver::rows::soft_step::Feedback;
+use bevy_cleave::solver::rows::soft_step::Softness;
+use bevy_cleave::solver::wide::block::{Block, Point};
+use bevy_cleave::solver::wide::contacts::Contacts;
+use bevy_cleave::solver::wide::pass::Pass;
+use bevy_cleave::solver::wide::prepare::{Source, fill};
 use glam::Mat3;
 use std::cell::Cell;
 

@@ -2,10 +2,10 @@
 
 use crate::dice::Dice;
 use crate::properties::cases;
-use bevy_cleave::contact::manifold::MAX_POINTS;
 use bevy_cleave::contact::manifolds::ManifoldHead;
+use bevy_cleave::contact::point::MAX_POINTS;
 use bevy_cleave::prelude::*;
-use bevy_cleave::solver::islands::{Island, Islands};
+use bevy_cleave::solver::graph::islands::{Island, Islands};
 use bevy_cleave::step;
 use glam::Vec3;
 use proptest::prelude::*;

@@ -2,8 +2,8 @@
 
 use crate::WIDTHS;
 use crate::dice::Dice;
-use bevy_cleave::solver::bodies::SolverBody;
-use bevy_cleave::solver::lanes::{F8, Kernel, LaneWidth, Lanes, WIDTH, run};
+use bevy_cleave::bodies::solver_body::SolverBody;
+use bevy_cleave::simd::lanes::{F8, Kernel, LaneWidth, Lanes, WIDTH, run};
 use glam::Vec3;
 use std::cell::Cell;
 

@@ -2,10 +2,10 @@
 
 use crate::dice::Dice;
 use crate::properties::cases;
-use bevy_cleave::solver::blocks::Place;
-use bevy_cleave::solver::colouring::Colouring;
-use bevy_cleave::solver::lanes::WIDTH;
-use bevy_cleave::solver::schedule::{Filling, Schedule};
+use bevy_cleave::simd::lanes::WIDTH;
+use bevy_cleave::solver::graph::coloring::Colouring;
+use bevy_cleave::solver::graph::indices::Place;
+use bevy_cleave::solver::graph::ordered_packing::{Filling, Schedule};
 use proptest::prelude::*;
 
 /// Two bodies, of which either may be one that contacts do not move, and a number of points.

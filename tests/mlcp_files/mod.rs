@@ -6,8 +6,9 @@
 
 pub(crate) mod sweeps;
 
+use bevy_cleave::solver::exact;
 use bevy_cleave::solver::exact::problem::{Body, BodyProblem, Bounds, Contact, DenseProblem};
-use bevy_cleave::solver::exact::{self, Certificate, ExactScratch};
+use bevy_cleave::solver::exact::{Certificate, ExactScratch};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;

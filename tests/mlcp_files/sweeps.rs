@@ -5,8 +5,9 @@
 
 use super::{File, Reference};
 use bevy_cleave::solver::exact::problem::Bounds;
-use bevy_cleave::solver::momentum::{Contacts, Momentum};
-use bevy_cleave::solver::pgs::{self, ContactRows};
+use bevy_cleave::solver::rows::acceleration::{Contacts, Momentum};
+use bevy_cleave::solver::rows::pgs;
+use bevy_cleave::solver::rows::pgs::ContactRows;
 use std::time::Instant;
 
 /// A method of sweeps. One unit of work is one update of every row.

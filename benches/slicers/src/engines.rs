@@ -4,9 +4,7 @@ use crate::bodies::Body;
 use bevy_cleave::geometry::{ConvexHull, TriMesh};
 use bevy_cleave::mass::VolumeIntegrals;
 use bevy_cleave::math::{Plane, tangents};
-use bevy_cleave::slice::{
-    HullHalves, HullSlice, HullSlicer, HullVerdict, MeshSlicer, Slice, SliceOptions, Verdict, slice_hull, slice_mesh,
-};
+use bevy_cleave::slice::{HullHalves, HullSlice, HullSlicer, HullVerdict, MeshSlicer, Slice, SliceOptions, Verdict, slice_hull, slice_mesh};
 use boolmesh::prelude::{Manifold, OpType, compute_boolean};
 use glam::Vec3;
 use parry3d::math::Vector;

@@ -2,12 +2,13 @@
 //!
 //! Sides are bit masks: the mask of a set is the union of its members' masks, and a part has the bit of its number.
 
-use super::select::{self, Bits, GROUP, Selection, both, neither, select};
 use crate::geometry::ConvexHull;
-use crate::geometry::lanes::LANES;
-use crate::geometry::lanes::wide::{Avx2, find_ends};
+use crate::geometry::hull_lanes::LANES;
 use crate::geometry::predicates::{Side, length_scale, plane_tolerance, side};
+use crate::geometry::wide::{Avx2, find_ends};
 use crate::math::Plane;
+use crate::slice::convex::select;
+use crate::slice::convex::select::{Bits, GROUP, Selection, both, neither, select};
 
 /// Nearer to the plane than the tolerance: in neither part yet.
 pub(super) const ON: u8 = 0;

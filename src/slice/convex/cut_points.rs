@@ -1,7 +1,6 @@
 //! Where a plane cuts edges, four edges at a time.
 
-use super::rim::CutEdge;
-use crate::geometry::lanes::wide::{Avx2, Loop, columns, run};
+use crate::geometry::wide::{Avx2, Loop, columns, run};
 use crate::math::Plane;
 use glam::Vec3;
 
@@ -10,6 +9,17 @@ const LANES: usize = 4;
 
 /// One coordinate of a point on each edge.
 type Lanes<T> = [T; LANES];
+
+/// An edge of the hull with ends on both sides.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CutEdge {
+    /// Its end below, and that above.
+    pub(super) ends: [u32; 2],
+    /// Its faces, in the hull's order.
+    pub(super) faces: [u32; 2],
+    /// Whether the first face runs along it from below to above.
+    pub(super) goes_up: bool,
+}
 
 /// Fills `points` with one point on each edge: what [`crossing`](crate::slice::clip::crossing) says of it, from the end with
 /// the smaller number. No edge lies in the plane.

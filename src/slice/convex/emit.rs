@@ -2,14 +2,14 @@
 //!
 //! Until then, cut points are numbered after the hull's vertices, and the cap after its faces.
 
-use super::Irregular;
-use super::classes::{BELOW, Classes};
-use super::numbers::PartNumbers;
-use super::rim::Rim;
-use crate::geometry::lanes::box_of;
-use crate::geometry::lanes::wide::{Avx2, renumber, select_edges};
+use crate::geometry::hull_lanes::box_of;
+use crate::geometry::wide::{Avx2, renumber, select_edges};
 use crate::geometry::{ConvexHull, Edge, Face};
 use crate::math::Plane;
+use crate::slice::convex::Irregular;
+use crate::slice::convex::classes::{BELOW, Classes};
+use crate::slice::convex::numbers::PartNumbers;
+use crate::slice::convex::rim::Rim;
 
 /// All that the writing of one part needs.
 pub(super) struct Writer<'a> {

@@ -7,12 +7,12 @@
 //!
 //! Where the plane cuts most of the faces, as it does in a box, summing up both parts is less work.
 
-use super::classes::Classes;
-use super::numbers::Numbers;
-use super::{HullHalves, Irregular};
 use crate::geometry::ConvexHull;
-use crate::geometry::lanes::wide::Avx2;
 use crate::geometry::moments::{Fans, Moments};
+use crate::geometry::wide::Avx2;
+use crate::slice::convex::classes::Classes;
+use crate::slice::convex::numbers::Numbers;
+use crate::slice::convex::{HullHalves, Irregular};
 use glam::Vec3;
 use std::ops::Range;
 

@@ -1,11 +1,11 @@
 //! The numbers that a hull's vertices and faces have in the parts.
 
-use super::Irregular;
-use super::classes::{BELOW, Classes};
-use super::rim::Rim;
-use super::select::{Selection, select_and_number};
 use crate::geometry::ConvexHull;
-use crate::geometry::lanes::wide::{Avx2, EdgeTable};
+use crate::geometry::wide::{Avx2, EdgeTable};
+use crate::slice::convex::Irregular;
+use crate::slice::convex::classes::{BELOW, Classes};
+use crate::slice::convex::rim::Rim;
+use crate::slice::convex::select::{Selection, select_and_number};
 use std::ops::Range;
 
 /// What each part has of everything, and under which numbers.

@@ -1,10 +1,10 @@
 //! The way out where noise near the plane leaves no simple rim: the parts as convex hulls of their points.
 
-use super::classes::{ABOVE, BELOW};
-use super::{HullHalves, HullVerdict};
 use crate::geometry::hull::hull_unless_flat;
 use crate::geometry::{ConvexHull, HullError};
 use crate::slice::SliceError;
+use crate::slice::convex::classes::{ABOVE, BELOW};
+use crate::slice::convex::{HullHalves, HullVerdict};
 use glam::Vec3;
 
 /// Fills `halves` with the hulls of the points on each side, or with `hull` if a part is too thin for a hull, which is

@@ -2,12 +2,13 @@
 //!
 //! Vertices are named by their numbers in the hull, with the cut points numbered after them.
 
-use super::Irregular;
-use super::classes::{ABOVE, BELOW, Classes, ON};
-use super::cut_points::find_cut_points;
-use crate::geometry::lanes::wide::Avx2;
+use crate::geometry::wide::Avx2;
 use crate::geometry::{ConvexHull, Edge};
 use crate::math::Plane;
+use crate::slice::convex::Irregular;
+use crate::slice::convex::classes::{ABOVE, BELOW, Classes, ON};
+use crate::slice::convex::cut_points::CutEdge;
+use crate::slice::convex::cut_points::find_cut_points;
 use glam::Vec3;
 use std::ops::Range;
 
@@ -29,17 +30,6 @@ pub(super) struct Rim {
     crossings: Vec<[u32; 2]>,
     /// For each vertex and cut point, the one that follows it in the cap.
     next: Vec<u32>,
-}
-
-/// An edge of the hull with ends on both sides.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct CutEdge {
-    /// Its end below, and that above.
-    pub(super) ends: [u32; 2],
-    /// Its faces, in the hull's order.
-    pub(super) faces: [u32; 2],
-    /// Whether the first face runs along it from below to above.
-    pub(super) goes_up: bool,
 }
 
 /// Face loops, one after the other.

@@ -4,7 +4,7 @@
 //! elements of a group there is one bit each in two bytes, one byte for each part; what is wanted of them is a byte again,
 //! which names a row of a table.
 
-use crate::geometry::lanes::wide::{Avx2, Loop, run};
+use crate::geometry::wide::{Avx2, Loop, run};
 
 /// Elements of a group.
 pub(super) const GROUP: usize = 8;

@@ -4,13 +4,13 @@
 //! `A = K K^T`. Neither the mass matrix nor its inverse is needed, so bodies that only turn, or only move, are no special
 //! case.
 
-use super::cholesky::{BlockCholesky, WIDTH};
-use super::rows::Weight;
-use super::velocity::VelocitySpace;
+use crate::solver::exact::cholesky::{BlockCholesky, WIDTH};
+use crate::solver::exact::rows::Weight;
+use crate::solver::exact::velocity::VelocitySpace;
 
 /// `S` of one body: the root of the inverse mass, and the lower triangle of that of the inverse inertia.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct MassRoot {
+pub(crate) struct MassRoot {
     linear: f64,
     /// `[xx, yx, yy, zx, zy, zz]`.
     angular: [f64; 6],
@@ -18,7 +18,7 @@ pub(super) struct MassRoot {
 
 impl MassRoot {
     /// `inverse_inertia` need not be of full rank: what is smaller than rounding in its largest entry counts as zero.
-    pub(super) fn new(inverse_mass: f64, inverse_inertia: &[[f64; 3]; 3]) -> Self {
+    pub(crate) fn new(inverse_mass: f64, inverse_inertia: &[[f64; 3]; 3]) -> Self {
         let i = inverse_inertia;
         let least = 1e-12 * i[0][0].max(i[1][1]).max(i[2][2]);
         let root = |pivot: f64| if pivot > least { pivot.sqrt() } else { 0.0 };
@@ -35,7 +35,7 @@ impl MassRoot {
     }
 
     /// `S^T j`: one side of a row of `J` becomes that of `K`.
-    pub(super) fn scale(&self, j: &[f64; WIDTH]) -> [f64; WIDTH] {
+    pub(crate) fn scale(&self, j: &[f64; WIDTH]) -> [f64; WIDTH] {
         let [xx, yx, yy, zx, zy, zz] = self.angular;
         [
             self.linear * j[0],
@@ -48,7 +48,7 @@ impl MassRoot {
     }
 
     /// `S y`: change of linear and angular velocity.
-    pub(super) fn unscale(&self, y: &[f64]) -> [f64; WIDTH] {
+    pub(crate) fn unscale(&self, y: &[f64]) -> [f64; WIDTH] {
         let [xx, yx, yy, zx, zy, zz] = self.angular;
         [
             self.linear * y[0],
@@ -62,7 +62,7 @@ impl MassRoot {
 }
 
 /// Stands for a body that contacts do not move.
-pub(super) const FIXED: u32 = u32::MAX;
+pub(crate) const FIXED: u32 = u32::MAX;
 
 /// One contact: block rows of its bodies and its rows of `K`.
 #[derive(Clone, Copy, Debug)]
@@ -76,14 +76,14 @@ struct ScaledContact {
 
 /// The contacts and the factor of `I + K^T D K`.
 #[derive(Debug, Default)]
-pub(super) struct BodySpace {
+pub(crate) struct BodySpace {
     contacts: Vec<ScaledContact>,
     factor: BlockCholesky,
 }
 
 impl BodySpace {
     /// Takes over the pattern: `pairs` holds two of the `bodies` indices for each contact, or [`FIXED`].
-    pub(super) fn begin(&mut self, bodies: usize, pairs: impl Iterator<Item = [u32; 2]> + Clone) {
+    pub(crate) fn begin(&mut self, bodies: usize, pairs: impl Iterator<Item = [u32; 2]> + Clone) {
         self.contacts.clear();
         self.factor
             .analyse(bodies, pairs.filter(|pair| !pair.contains(&FIXED)));
@@ -91,7 +91,7 @@ impl BodySpace {
 
     /// Adds the next contact of the `pairs` given before, with its rows of `K`; sides of fixed bodies must be zero.
     /// Returns `A_ii` of the three rows.
-    pub(super) fn push(&mut self, pair: [u32; 2], jacobian: [[[f64; WIDTH]; 2]; 3]) -> [f64; 3] {
+    pub(crate) fn push(&mut self, pair: [u32; 2], jacobian: [[[f64; WIDTH]; 2]; 3]) -> [f64; 3] {
         let places = pair.map(|body| match body {
             FIXED => FIXED,
             body => self.factor.place(body),
@@ -111,7 +111,7 @@ impl BodySpace {
     }
 
     /// Where the unknowns of a body begin.
-    pub(super) fn offset(&self, body: u32) -> usize {
+    pub(crate) fn offset(&self, body: u32) -> usize {
         self.factor.place(body) as usize * WIDTH
     }
 }

@@ -13,16 +13,16 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 /// Unknowns per body.
-pub(super) const WIDTH: usize = 6;
+pub(crate) const WIDTH: usize = 6;
 
 /// 6 x 6 numbers, column after column.
-pub(super) type Block = [f64; WIDTH * WIDTH];
+pub(crate) type Block = [f64; WIDTH * WIDTH];
 
 const ZERO: Block = [0.0; WIDTH * WIDTH];
 
 /// Lower triangle of the matrix, overwritten by its factor `L` with `L L^T = H`.
 #[derive(Debug, Default)]
-pub(super) struct BlockCholesky {
+pub(crate) struct BlockCholesky {
     /// Diagonal blocks in the order of elimination; after [`factor`](Self::factor) with the reciprocals of the pivots.
     diagonal: Vec<Block>,
     /// Where each block column starts in `rows` and `blocks`; one more entry than columns.
@@ -110,7 +110,7 @@ fn merge_without(a: &[u32], b: &[u32], except: [u32; 2], out: &mut Vec<u32>) {
 
 impl BlockCholesky {
     /// Takes over a new pattern: `nodes` bodies, and an edge for each pair of bodies that share a contact.
-    pub(super) fn analyse(&mut self, nodes: usize, edges: impl Iterator<Item = [u32; 2]>) {
+    pub(crate) fn analyse(&mut self, nodes: usize, edges: impl Iterator<Item = [u32; 2]>) {
         self.graph.build(nodes, edges);
         self.place.clear();
         self.place.resize(nodes, 0);
@@ -133,17 +133,17 @@ impl BlockCholesky {
     }
 
     /// Place of a body in the order of elimination: the block row of its unknowns.
-    pub(super) fn place(&self, node: u32) -> u32 {
+    pub(crate) fn place(&self, node: u32) -> u32 {
         self.place[node as usize]
     }
 
     /// Number of block rows.
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.diagonal.len()
     }
 
     /// Index of the block that joins the block rows `low < high`, which must share a contact.
-    pub(super) fn block_index(&self, low: u32, high: u32) -> u32 {
+    pub(crate) fn block_index(&self, low: u32, high: u32) -> u32 {
         let column = self.column(low as usize);
         let within = self.rows[column.clone()].binary_search(&high);
         (column.start + within.expect("the two bodies share a contact")) as u32
@@ -154,7 +154,7 @@ impl BlockCholesky {
     }
 
     /// The matrix becomes the identity.
-    pub(super) fn reset(&mut self) {
+    pub(crate) fn reset(&mut self) {
         self.blocks.fill(ZERO);
         let mut identity = ZERO;
         (0..WIDTH).for_each(|i| identity[i * WIDTH + i] = 1.0);
@@ -162,17 +162,17 @@ impl BlockCholesky {
     }
 
     /// Adds `weight x y^T` to the block on the diagonal of block row `k`; `x y^T` must come to a symmetric sum.
-    pub(super) fn add_diagonal(&mut self, k: u32, x: &[f64; WIDTH], y: &[f64; WIDTH]) {
+    pub(crate) fn add_diagonal(&mut self, k: u32, x: &[f64; WIDTH], y: &[f64; WIDTH]) {
         add_product(&mut self.diagonal[k as usize], x, y);
     }
 
     /// Adds `x y^T` to a block below the diagonal: `x` on the side of the higher block row.
-    pub(super) fn add_block(&mut self, index: u32, x: &[f64; WIDTH], y: &[f64; WIDTH]) {
+    pub(crate) fn add_block(&mut self, index: u32, x: &[f64; WIDTH], y: &[f64; WIDTH]) {
         add_product(&mut self.blocks[index as usize], x, y);
     }
 
     /// Replaces the matrix, which must not be smaller than the identity, by its factor.
-    pub(super) fn factor(&mut self) {
+    pub(crate) fn factor(&mut self) {
         for k in 0..self.len() {
             factor_block(&mut self.diagonal[k]);
             let column = self.column(k);
@@ -202,7 +202,7 @@ impl BlockCholesky {
     }
 
     /// `x <- H^-1 x`, after [`factor`](Self::factor).
-    pub(super) fn solve(&self, x: &mut [f64]) {
+    pub(crate) fn solve(&self, x: &mut [f64]) {
         for k in 0..self.len() {
             let mut own = read(x, k);
             solve_lower(&self.diagonal[k], &mut own);

@@ -1,14 +1,14 @@
 //! Velocity space of a problem that is given as a matrix: `A = K K^T` by Cholesky with pivots.
 
-use super::rows::Weight;
-use super::velocity::VelocitySpace;
+use crate::solver::exact::rows::Weight;
+use crate::solver::exact::velocity::VelocitySpace;
 
 /// Share of the scaled diagonal below which what is left of `A` counts as rounding.
 const RANK_TOLERANCE: f64 = 1e-14;
 
 /// `A`, its factor `K` (as many columns as its rank) and the factor of `I + K^T D K`.
 #[derive(Debug)]
-pub(super) struct DenseSpace<'a> {
+pub(crate) struct DenseSpace<'a> {
     a: &'a [f64],
     rows_per_contact: usize,
     rank: usize,
@@ -19,7 +19,7 @@ pub(super) struct DenseSpace<'a> {
 }
 
 impl<'a> DenseSpace<'a> {
-    pub(super) fn new(a: &'a [f64], rows: usize, rows_per_contact: usize) -> Self {
+    pub(crate) fn new(a: &'a [f64], rows: usize, rows_per_contact: usize) -> Self {
         let columns = pivoted_cholesky(a, rows);
         let rank = columns.len();
         let mut k = vec![0.0; rows * rank];

@@ -1,10 +1,10 @@
 //! The order of methods: multipliers as they come, interior point, polish; friction bounds in an outer loop.
 
-use super::interior::Interior;
-use super::newton::Polish;
-use super::rows::{Law, Rows};
-use super::velocity::VelocitySpace;
-use super::{CERTIFIED, Certificate};
+use crate::solver::exact::interior::Interior;
+use crate::solver::exact::newton::Polish;
+use crate::solver::exact::rows::{Law, Rows};
+use crate::solver::exact::velocity::VelocitySpace;
+use crate::solver::exact::{CERTIFIED, Certificate};
 
 /// Residual at which nothing is left to gain.
 const GOAL: f64 = 1e-14;
@@ -33,7 +33,7 @@ const LOST: f64 = 1e-2;
 
 /// What the methods keep between calls.
 #[derive(Debug, Default)]
-pub(super) struct Driver {
+pub(crate) struct Driver {
     interior: Interior,
     polish: Polish,
     centre: Vec<f64>,
@@ -44,7 +44,7 @@ pub(super) struct Driver {
 
 impl Driver {
     /// Improves `lambda`, which is also the start, until it solves the problem.
-    pub(super) fn solve(
+    pub(crate) fn solve(
         &mut self,
         space: &mut impl VelocitySpace,
         rows: &mut Rows,

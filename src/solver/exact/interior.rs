@@ -26,8 +26,8 @@
 //! Mehrotra, "On the Implementation of a Primal-Dual Interior Point Method", SIAM J. Optim. 2(4), 1992; Nocedal and
 //! Wright, "Numerical Optimization", 2006, chapter 16.6.
 
-use super::rows::{Law, Rows, Weight};
-use super::velocity::{VelocitySpace, add, dot, zeros};
+use crate::solver::exact::rows::{Law, Rows, Weight};
+use crate::solver::exact::velocity::{VelocitySpace, add, dot, zeros};
 
 /// Largest `D` in units of effective masses, so that enough digits are left in the linear systems.
 const STIFFEST: f64 = 1e9;
@@ -40,7 +40,7 @@ const LEAST_CENTRING: f64 = 1e-6;
 
 /// Distances, multipliers and the direction of the step.
 #[derive(Debug, Default)]
-pub(super) struct Interior {
+pub(crate) struct Interior {
     /// Distance to the lower bound, 0 where the two bounds are one; `h` in the first row of a disc.
     p: Vec<f64>,
     /// Distance to the upper bound, 0 where there is none.
@@ -64,7 +64,7 @@ pub(super) struct Interior {
 
 impl Interior {
     /// Starts near `lambda`, which is moved inside its bounds. `dimension`: number of velocity coordinates.
-    pub(super) fn begin(&mut self, rows: &Rows, lambda: &mut [f64], dimension: usize) {
+    pub(crate) fn begin(&mut self, rows: &Rows, lambda: &mut [f64], dimension: usize) {
         for list in [
             &mut self.p,
             &mut self.q,
@@ -117,7 +117,7 @@ impl Interior {
     }
 
     /// One step of predictor and corrector. Returns the complementarity gap after it, relative to the energy.
-    pub(super) fn advance(
+    pub(crate) fn advance(
         &mut self,
         space: &mut impl VelocitySpace,
         rows: &Rows,
@@ -303,7 +303,7 @@ impl Interior {
 
     /// Takes the friction bounds from the normal multipliers, and scales the friction multipliers with them, so that they
     /// stay as far inside as they were. For coupled rows, after each step.
-    pub(super) fn follow(&mut self, rows: &mut Rows, lambda: &mut [f64]) {
+    pub(crate) fn follow(&mut self, rows: &mut Rows, lambda: &mut [f64]) {
         let d = rows.per_contact;
         for c in 0..rows.friction.len() {
             let (first, tangents) = (c * d, c * d + 1..(c + 1) * d);

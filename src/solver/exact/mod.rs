@@ -1,7 +1,7 @@
 //! The contact problem solved to rounding in double precision: the judge of the other methods, and at run time the
 //! choice for islands that must be right.
 //!
-//! Which problem: the one that [`mlcp`](super::mlcp) states, with friction either between frozen bounds (a convex
+//! Which problem: the one that [`mlcp`](crate::solver::rows::mlcp) states, with friction either between frozen bounds (a convex
 //! problem, whose velocities are unique) or bounded by the disc or the box of the current normal impulses. The coupled
 //! problem may have several solutions, and need not have one; it is solved as a sequence of problems with bounds from
 //! the normal impulses of the solution before, until they agree.
@@ -25,9 +25,9 @@ pub mod problem;
 mod rows;
 mod velocity;
 
-use crate::solver::bodies::SolverBody;
-use crate::solver::rows::{PointRows, Row};
-use crate::solver::{FrictionModel, SolverConfig};
+use crate::bodies::solver_body::SolverBody;
+use crate::solver::config::{FrictionModel, SolverConfig};
+use crate::solver::rows::contact_rows::{PointRows, Row};
 use blocks::{BodySpace, FIXED, MassRoot};
 use dense::DenseSpace;
 use driver::Driver;

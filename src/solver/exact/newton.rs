@@ -19,15 +19,15 @@
 //! do not suffer from a large `rho`.
 //!
 //! Near the solution one or two factorisations are enough; far from it the set of free rows changes too often, and the
-//! [interior point method](super::interior) is several times faster.
+//! [interior point method](crate::solver::exact::interior) is several times faster.
 //!
 //! # References
 //! Rockafellar, "Augmented Lagrangians and Applications of the Proximal Point Algorithm in Convex Programming", 1976;
 //! Qi and Sun, "A Nonsmooth Version of Newton's Method", 1993; Alart and Curnier, "A Mixed Formulation for Frictional
 //! Contact Problems Prone to Newton like Solution Methods", 1991.
 
-use super::rows::{Rows, Weight};
-use super::velocity::{VelocitySpace, add, dot, zeros};
+use crate::solver::exact::rows::{Rows, Weight};
+use crate::solver::exact::velocity::{VelocitySpace, add, dot, zeros};
 
 /// Ratio of penalty to effective mass that a polish starts with.
 const RHO_START: f64 = 1e4;
@@ -49,13 +49,13 @@ const HOPELESS: f64 = 10.0;
 
 /// State of the iteration: the best multipliers so far and buffers.
 #[derive(Debug, Default)]
-pub(super) struct Polish {
+pub(crate) struct Polish {
     /// The best multipliers so far.
-    pub(super) best: Vec<f64>,
+    pub(crate) best: Vec<f64>,
     /// Their residual.
-    pub(super) residual: f64,
+    pub(crate) residual: f64,
     /// Factorisations made.
-    pub(super) factors: u32,
+    pub(crate) factors: u32,
     /// `A lambda - b`.
     w: Vec<f64>,
     /// `K^T lambda`.
@@ -77,7 +77,7 @@ pub(super) struct Polish {
 
 impl Polish {
     /// Takes over another problem with `lambda` as its best multipliers.
-    pub(super) fn begin(&mut self, space: &impl VelocitySpace, rows: &Rows, lambda: &[f64]) {
+    pub(crate) fn begin(&mut self, space: &impl VelocitySpace, rows: &Rows, lambda: &[f64]) {
         let (n, dimension) = (lambda.len(), space.dimension());
         [&mut self.w, &mut self.moved, &mut self.ahead]
             .into_iter()
@@ -96,19 +96,19 @@ impl Polish {
     }
 
     /// Makes `lambda` the best multipliers, whatever was there before; the bounds may have changed.
-    pub(super) fn restart(&mut self, space: &impl VelocitySpace, rows: &Rows, lambda: &[f64]) {
+    pub(crate) fn restart(&mut self, space: &impl VelocitySpace, rows: &Rows, lambda: &[f64]) {
         self.best.clear();
         self.best.extend_from_slice(lambda);
         self.residual = self.evaluate(space, rows, lambda);
     }
 
     /// The factor in the space is no longer ours.
-    pub(super) fn forget_factor(&mut self) {
+    pub(crate) fn forget_factor(&mut self) {
         self.factored.clear();
     }
 
     /// Residual of `lambda` relative to the mass norm of what it does; refreshes `w`.
-    pub(super) fn evaluate(
+    pub(crate) fn evaluate(
         &mut self,
         space: &impl VelocitySpace,
         rows: &Rows,
@@ -120,7 +120,7 @@ impl Polish {
     }
 
     /// Updates the multipliers, starting from `lambda`, for as long as it pays and the residual is above `goal`.
-    pub(super) fn run(
+    pub(crate) fn run(
         &mut self,
         space: &mut impl VelocitySpace,
         rows: &Rows,
@@ -148,7 +148,7 @@ impl Polish {
     }
 
     /// What rows as stiff as `rho / A_ii` do from no impulse at all: bounded, even where no solution exists.
-    pub(super) fn stiff_springs(
+    pub(crate) fn stiff_springs(
         &mut self,
         space: &mut impl VelocitySpace,
         rows: &Rows,

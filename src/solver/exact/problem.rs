@@ -1,10 +1,10 @@
 //! The contact problem in double precision, as files and tests state it.
 //!
-//! `w = A lambda - b`, see [`mlcp`](crate::solver::mlcp), with three rows (normal, two tangents) or two (plane problems)
+//! `w = A lambda - b`, see [`mlcp`](crate::solver::rows::mlcp), with three rows (normal, two tangents) or two (plane problems)
 //! for each contact, one contact after the other. A problem comes with its bodies, so that `A = J M^-1 J^T` never needs
 //! to be formed, or as a matrix.
 
-use crate::solver::FrictionModel;
+use crate::solver::config::FrictionModel;
 
 /// Which bounds the multipliers are kept in.
 #[derive(Clone, Debug, PartialEq)]
@@ -93,7 +93,7 @@ impl BodyProblem {
     }
 
     /// Sum of the absolute terms that the free velocity of row `k` of contact `c` is added up from, m/s.
-    pub(super) fn magnitude(&self, c: usize, k: usize) -> f64 {
+    pub(crate) fn magnitude(&self, c: usize, k: usize) -> f64 {
         let contact = &self.contacts[c];
         let sides = contact.bodies.iter().zip(&contact.jacobian[k]);
         let terms =

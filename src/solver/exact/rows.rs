@@ -1,12 +1,12 @@
 //! Bounds of the rows, the projection on them, and the residual that certifies a solution.
 
-use super::CERTIFIED;
-use crate::solver::mlcp::{natural_map, natural_map_disc};
+use crate::solver::exact::CERTIFIED;
+use crate::solver::rows::mlcp::{natural_map, natural_map_disc};
 use glam::DVec2;
 
 /// How friction rows are bounded.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) enum Law {
+pub(crate) enum Law {
     /// By `lo` and `hi` as given.
     #[default]
     Frozen,
@@ -18,38 +18,38 @@ pub(super) enum Law {
 
 /// What the solver must know of the rows besides `A`.
 #[derive(Debug, Default)]
-pub(super) struct Rows {
+pub(crate) struct Rows {
     /// Rows per contact: 3 or 2.
-    pub(super) per_contact: usize,
-    pub(super) law: Law,
+    pub(crate) per_contact: usize,
+    pub(crate) law: Law,
     /// `-b`.
-    pub(super) free: Vec<f64>,
+    pub(crate) free: Vec<f64>,
     /// `A_ii`.
-    pub(super) diagonal: Vec<f64>,
+    pub(crate) diagonal: Vec<f64>,
     /// Coefficient of friction of each contact.
-    pub(super) friction: Vec<f64>,
+    pub(crate) friction: Vec<f64>,
     /// What the friction of each contact may be beyond that times the normal multiplier, N s.
-    pub(super) cohesion: Vec<f64>,
+    pub(crate) cohesion: Vec<f64>,
     /// Bounds; for a disc, `hi` of both tangents is the radius.
-    pub(super) lo: Vec<f64>,
-    pub(super) hi: Vec<f64>,
+    pub(crate) lo: Vec<f64>,
+    pub(crate) hi: Vec<f64>,
     /// Square of the natural map that rounding of `b` alone may cause.
-    pub(super) floor: f64,
+    pub(crate) floor: f64,
     /// `1 / A_ii`, or 0; the same for both rows of a disc, whose projection needs that.
-    pub(super) compliance: Vec<f64>,
+    pub(crate) compliance: Vec<f64>,
 }
 
 /// Second derivative of a contact's penalty: the entries of `D` in `I + K^T D K`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Weight {
-    pub(super) normal: f64,
+pub(crate) struct Weight {
+    pub(crate) normal: f64,
     /// `[t1 t1, t1 t2, t2 t2]`.
-    pub(super) tangents: [f64; 3],
+    pub(crate) tangents: [f64; 3],
 }
 
 impl Weight {
     /// Whether row `k` of the contact has no weight at all.
-    pub(super) fn is_zero(&self, k: usize) -> bool {
+    pub(crate) fn is_zero(&self, k: usize) -> bool {
         let [tt, ts, ss] = self.tangents;
         match k {
             0 => self.normal == 0.0,
@@ -59,7 +59,7 @@ impl Weight {
     }
 
     /// Entry of the symmetric 3 x 3 matrix.
-    pub(super) fn entry(&self, i: usize, j: usize) -> f64 {
+    pub(crate) fn entry(&self, i: usize, j: usize) -> f64 {
         match (i.min(j), i.max(j)) {
             (0, 0) => self.normal,
             (1, 1) => self.tangents[0],
@@ -72,7 +72,7 @@ impl Weight {
 
 impl Rows {
     /// Empties the rows for another problem.
-    pub(super) fn begin(&mut self, per_contact: usize, law: Law) {
+    pub(crate) fn begin(&mut self, per_contact: usize, law: Law) {
         (self.per_contact, self.law) = (per_contact, law);
         self.floor = 0.0;
         let lists = [
@@ -88,7 +88,7 @@ impl Rows {
     }
 
     /// Adds a row: `free` is its entry of `-b`, a sum of terms that come to `magnitude`.
-    pub(super) fn push(&mut self, free: f64, magnitude: f64, diagonal: f64) {
+    pub(crate) fn push(&mut self, free: f64, magnitude: f64, diagonal: f64) {
         self.free.push(free);
         self.diagonal.push(diagonal);
         if diagonal > 0.0 {
@@ -97,7 +97,7 @@ impl Rows {
     }
 
     /// Fills in what follows from the diagonal.
-    pub(super) fn finish(&mut self) {
+    pub(crate) fn finish(&mut self) {
         let inverse = |a: f64| if a > 0.0 { 1.0 / a } else { 0.0 };
         self.compliance
             .extend(self.diagonal.iter().map(|&a| inverse(a)));
@@ -115,12 +115,12 @@ impl Rows {
     }
 
     /// Bound of a contact's friction with a normal multiplier.
-    pub(super) fn friction_bound(&self, contact: usize, normal: f64) -> f64 {
+    pub(crate) fn friction_bound(&self, contact: usize, normal: f64) -> f64 {
         self.friction[contact] * normal.max(0.0) + self.cohesion[contact]
     }
 
     /// Rows that are bounded by themselves.
-    pub(super) fn singles(&self) -> impl Iterator<Item = usize> + use<> {
+    pub(crate) fn singles(&self) -> impl Iterator<Item = usize> + use<> {
         let step = if self.law == Law::Disc {
             self.per_contact
         } else {
@@ -130,7 +130,7 @@ impl Rows {
     }
 
     /// The first row of each pair that is bounded by a disc.
-    pub(super) fn discs(&self) -> impl Iterator<Item = usize> + use<> {
+    pub(crate) fn discs(&self) -> impl Iterator<Item = usize> + use<> {
         let end = if self.law == Law::Disc {
             self.free.len()
         } else {
@@ -140,7 +140,7 @@ impl Rows {
     }
 
     /// Mean over the rows of the energy that correcting each alone would take, J.
-    pub(super) fn row_energy(&self) -> f64 {
+    pub(crate) fn row_energy(&self) -> f64 {
         let rows = self.free.iter().zip(&self.compliance);
         let sum: f64 = rows
             .map(|(free, compliance)| free * free * compliance)
@@ -149,7 +149,7 @@ impl Rows {
     }
 
     /// The bounds of friction follow the normal multipliers.
-    pub(super) fn follow(&mut self, lambda: &[f64]) {
+    pub(crate) fn follow(&mut self, lambda: &[f64]) {
         if self.law == Law::Frozen {
             return;
         }
@@ -162,7 +162,7 @@ impl Rows {
     }
 
     /// Moves `wish` to the nearest point within the bounds.
-    pub(super) fn project(&self, wish: &mut [f64]) {
+    pub(crate) fn project(&self, wish: &mut [f64]) {
         for (c, wish) in wish.chunks_exact_mut(self.per_contact).enumerate() {
             let first = c * self.per_contact;
             wish[0] = wish[0].max(self.lo[first]).min(self.hi[first]);
@@ -178,7 +178,7 @@ impl Rows {
     }
 
     /// Generalised derivative of the projection at `wish`, times the penalty `rho / A_ii`.
-    pub(super) fn weight(&self, c: usize, wish: &[f64], rho: f64) -> Weight {
+    pub(crate) fn weight(&self, c: usize, wish: &[f64], rho: f64) -> Weight {
         let first = c * self.per_contact;
         let inside = |k: usize| {
             let i = first + k;
@@ -216,7 +216,7 @@ impl Rows {
     }
 
     /// Natural map relative to the energy norm of `lambda`, or to that norm at which rounding is 1e-10 of it.
-    pub(super) fn residual(&self, lambda: &[f64], w: &[f64], energy_norm: f64) -> f64 {
+    pub(crate) fn residual(&self, lambda: &[f64], w: &[f64], energy_norm: f64) -> f64 {
         let error = self.natural_map(lambda, w);
         if error == 0.0 {
             return 0.0;

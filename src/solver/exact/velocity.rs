@@ -1,9 +1,9 @@
 //! What the solver needs of the bodies: the map between multipliers and velocities, and one family of linear systems.
 
-use super::rows::Weight;
+use crate::solver::exact::rows::Weight;
 
 /// The velocities that rows act on, in coordinates `y` in which the mass matrix is the identity: `A = K K^T`.
-pub(super) trait VelocitySpace {
+pub(crate) trait VelocitySpace {
     /// Number of velocity coordinates.
     fn dimension(&self) -> usize;
     /// `out = K y`.
@@ -21,17 +21,17 @@ pub(super) trait VelocitySpace {
     fn solve(&self, x: &mut [f64]);
 }
 
-pub(super) fn dot(x: &[f64], y: &[f64]) -> f64 {
+pub(crate) fn dot(x: &[f64], y: &[f64]) -> f64 {
     x.iter().zip(y).map(|(a, b)| a * b).sum()
 }
 
 /// `x += factor y`.
-pub(super) fn add(x: &mut [f64], factor: f64, y: &[f64]) {
+pub(crate) fn add(x: &mut [f64], factor: f64, y: &[f64]) {
     x.iter_mut().zip(y).for_each(|(x, y)| *x += factor * y);
 }
 
 /// Makes `list` hold `n` zeros.
-pub(super) fn zeros(list: &mut Vec<f64>, n: usize) {
+pub(crate) fn zeros(list: &mut Vec<f64>, n: usize) {
     list.clear();
     list.resize(n, 0.0);
 }

@@ -1,0 +1,248 @@
+//! What a body is made from, and why one is refused.
+
+use crate::contact::layers::CollisionLayers;
+use crate::contact::material::{Friction, MaterialError, Restitution};
+use crate::geometry::predicates::check_plane;
+use crate::geometry::{ConvexMesh, HalfSpace, PlaneError};
+use crate::mass::{MassError, MassProperties};
+use crate::math::{Plane, Pose};
+use crate::slice::fracturable::{Fracturable, FracturableError};
+use bevy_ecs::component::Component;
+use glam::{Quat, Vec3};
+
+/// How a body moves. Immutable: insert another value to change it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Component)]
+#[component(immutable)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub enum RigidBody {
+    /// Moved by forces and contacts.
+    #[default]
+    Dynamic,
+    /// Moved by its velocity only, as if infinitely heavy.
+    Kinematic,
+    /// Never moves.
+    Static,
+}
+
+/// Shape of a body.
+#[derive(Clone, Debug)]
+pub enum Shape {
+    /// A convex hull, perhaps with a mesh riding in it.
+    Convex(ConvexMesh),
+    /// Everything behind a plane; only for bodies that are not dynamic.
+    HalfSpace(HalfSpace),
+}
+
+impl Shape {
+    /// The convex shape, if it is one.
+    pub(crate) fn convex(&self) -> Option<&ConvexMesh> {
+        match self {
+            Self::Convex(mesh) => Some(mesh),
+            Self::HalfSpace(_) => None,
+        }
+    }
+}
+
+/// What a body is made from.
+#[derive(Clone, Debug)]
+pub struct BodyDesc {
+    /// How it moves.
+    pub kind: RigidBody,
+    /// Its shape.
+    pub shape: Shape,
+    /// `world_from_body`: where the shape's frame is.
+    pub pose: Pose,
+    /// Velocity of the centre of mass, m/s.
+    pub linear_velocity: Vec3,
+    /// Angular velocity, world axes, rad/s.
+    pub angular_velocity: Vec3,
+    /// Density, kg/m3.
+    pub density: f32,
+    /// Mass properties to use instead of those that follow from shape and density.
+    pub mass: Option<MassProperties>,
+    /// Friction.
+    pub friction: Friction,
+    /// Restitution.
+    pub restitution: Restitution,
+    /// Which bodies it may touch.
+    pub layers: CollisionLayers,
+    /// How it breaks, if it does.
+    pub fracturable: Option<Fracturable>,
+}
+
+impl BodyDesc {
+    /// A body at the origin, at rest, of density 1000 kg/m3, with default materials, that does not break.
+    pub fn new(kind: RigidBody, shape: Shape) -> Self {
+        Self {
+            kind,
+            shape,
+            pose: Pose::IDENTITY,
+            linear_velocity: Vec3::ZERO,
+            angular_velocity: Vec3::ZERO,
+            density: 1000.0,
+            mass: None,
+            friction: Friction::default(),
+            restitution: Restitution::default(),
+            layers: CollisionLayers::default(),
+            fracturable: None,
+        }
+    }
+
+    /// A dynamic convex body at `position`.
+    pub fn dynamic(shape: ConvexMesh, position: Vec3) -> Self {
+        Self {
+            pose: Pose::new(position, Quat::IDENTITY),
+            ..Self::new(RigidBody::Dynamic, Shape::Convex(shape))
+        }
+    }
+
+    /// A static half-space through the origin with the given outward normal: a floor.
+    pub fn floor(half_space: HalfSpace) -> Self {
+        Self::new(RigidBody::Static, Shape::HalfSpace(half_space))
+    }
+}
+
+/// Why a body is left out of the simulation.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum BodyError {
+    /// Position, rotation or velocity is NaN or infinite.
+    #[error("{0} is not finite; the body is left out until it is")]
+    NotFinite(&'static str),
+    /// The motion overflowed: something pushed the body to an infinite speed.
+    #[error("the motion overflowed; the body was stopped where it was")]
+    Overflow,
+    /// The rotation is not a unit quaternion.
+    #[error(
+        "the rotation is not a unit quaternion (length {length}); the body is left out until it is"
+    )]
+    NotUnitRotation {
+        /// Length of the quaternion.
+        length: f32,
+    },
+    /// The entity's `Transform` is scaled.
+    #[error(
+        "the Transform has scale {0}; scale the shape instead (ConvexMesh::scaled), then spawn with scale 1"
+    )]
+    Scaled(Vec3),
+    /// The density or the shape gives no usable mass.
+    #[error(transparent)]
+    Mass(#[from] MassError),
+    /// Friction or restitution is out of range.
+    #[error(transparent)]
+    Material(#[from] MaterialError),
+    /// The normal of a half-space is zero or not finite.
+    #[error(transparent)]
+    HalfSpace(#[from] PlaneError),
+    /// A half-space cannot be dynamic.
+    #[error("a half-space has no mass and cannot be dynamic")]
+    DynamicHalfSpace,
+    /// Strength or least volume is out of range.
+    #[error(transparent)]
+    Fracturable(#[from] FracturableError),
+    /// Nobody knows which piece would get which share of a given mass.
+    #[error("a body with a MassOverride cannot be Fracturable: give it a Density instead")]
+    FracturableOverride,
+    /// A component that every body has was removed.
+    #[error("a component that RigidBody requires (Transform, velocities, materials) was removed")]
+    Incomplete,
+    /// Neither `ConvexMesh` nor `HalfSpace` is there.
+    #[error("a RigidBody needs a ConvexMesh or a HalfSpace")]
+    NoShape,
+}
+
+/// What the step needs of a body besides its motion.
+#[derive(Clone, Debug)]
+pub(crate) struct BodyInfo {
+    pub(crate) kind: RigidBody,
+    pub(crate) shape: Shape,
+    pub(crate) density: f32,
+    pub(crate) mass_override: Option<MassProperties>,
+    pub(crate) friction: Friction,
+    pub(crate) restitution: Restitution,
+    pub(crate) layers: CollisionLayers,
+    pub(crate) fracturable: Option<Fracturable>,
+}
+
+impl BodyInfo {
+    pub(crate) fn of(desc: BodyDesc) -> Self {
+        Self {
+            kind: desc.kind,
+            shape: desc.shape,
+            density: desc.density,
+            mass_override: desc.mass,
+            friction: desc.friction,
+            restitution: desc.restitution,
+            layers: desc.layers,
+            fracturable: desc.fracturable,
+        }
+    }
+
+    /// Whether friction, restitution and strength are usable.
+    pub(crate) fn check_material(&self) -> Result<(), BodyError> {
+        self.friction.validate()?;
+        self.restitution.validate()?;
+        match &self.fracturable {
+            Some(_) if self.mass_override.is_some() => Err(BodyError::FracturableOverride),
+            Some(fracturable) => Ok(fracturable.validate()?),
+            None => Ok(()),
+        }
+    }
+
+    /// Whether shape and density make a body.
+    pub(crate) fn check_mass(&self) -> Result<(), BodyError> {
+        match (&self.shape, self.mass_override) {
+            (Shape::HalfSpace(_), _) if self.kind == RigidBody::Dynamic => {
+                Err(BodyError::DynamicHalfSpace)
+            }
+            (Shape::HalfSpace(half_space), _) => {
+                let plane = Plane::through(Vec3::ZERO, half_space.normal);
+                Ok(check_plane(&plane)?)
+            }
+            (Shape::Convex(_), Some(given)) => Ok(given.validate()?),
+            (Shape::Convex(mesh), None) => {
+                Ok(MassProperties::of_hull(mesh.hull(), self.density).map(drop)?)
+            }
+        }
+    }
+
+    /// Whether mass properties follow from the same things in both.
+    pub(crate) fn has_mass_of(&self, other: &Self) -> bool {
+        let same_shape = match (&self.shape, &other.shape) {
+            (Shape::Convex(a), Shape::Convex(b)) => a.is_same(b),
+            (Shape::HalfSpace(a), Shape::HalfSpace(b)) => a == b,
+            _ => false,
+        };
+        same_shape && self.density == other.density && self.mass_override == other.mass_override
+    }
+
+    /// Whether contacts of both are found and solved in the same way, given the same shape and mass.
+    pub(crate) fn touches_like(&self, other: &Self) -> bool {
+        self.friction == other.friction
+            && self.restitution == other.restitution
+            && self.layers == other.layers
+    }
+}
+
+pub(crate) fn check_pose(pose: &Pose) -> Result<(), BodyError> {
+    if !pose.position.is_finite() {
+        return Err(BodyError::NotFinite("the position"));
+    }
+    if !pose.rotation.is_finite() {
+        return Err(BodyError::NotFinite("the rotation"));
+    }
+    if !pose.rotation.is_normalized() {
+        return Err(BodyError::NotUnitRotation {
+            length: pose.rotation.length(),
+        });
+    }
+    Ok(())
+}
+
+pub(crate) fn check_velocity(linear: Vec3, angular: Vec3) -> Result<(), BodyError> {
+    if linear.is_finite() && angular.is_finite() {
+        Ok(())
+    } else {
+        Err(BodyError::NotFinite("the velocity"))
+    }
+}

@@ -1,0 +1,113 @@
+//! Puts the bodies where the solver has moved them.
+
+use crate::bodies::body::BodyError;
+use crate::bodies::body::{BodyInfo, RigidBody};
+use crate::bodies::sleep_state::Status;
+use crate::bodies::solver_body::{Motion, SolverBody};
+use crate::bodies::store::{Bodies, inverse_inertia};
+use crate::mass::MassProperties;
+use crate::threads::parts::{front, front_mut};
+use crate::threads::team::{MOST_PARTS, Team};
+use glam::{Mat3, Quat, Vec3};
+
+/// Bodies from which it pays to have helpers move them that are here anyway: each takes some 15 ns.
+const WORTH_HELP: usize = 512;
+
+/// Least bodies of a part.
+const LEAST_BODIES: usize = 256;
+
+/// Moves all bodies and refreshes what follows from their poses.
+///
+/// A body whose state would no longer be finite, or that would turn too fast for any rotation to tell, is stopped where it is
+/// instead; `problems` says so.
+pub fn integrate_positions(bodies: &mut Bodies, problems: &mut Vec<(u32, BodyError)>) {
+    let awake = bodies.dynamic().saturating_sub(bodies.asleep());
+    Team::lead_present_if(awake >= WORTH_HELP, |team| {
+        let mut overflown = [const { Vec::new() }; MOST_PARTS];
+        let parts = parts(bodies, team).zip(&mut overflown);
+        Team::each(team, parts, |(mut part, overflown)| {
+            part.integrate(overflown)
+        });
+        let overflown = overflown.iter().flatten();
+        problems.extend(overflown.map(|&slot| (slot, BodyError::Overflow)));
+    });
+}
+
+/// Bodies in slots that follow each other.
+struct Part<'b> {
+    first: u32,
+    status: &'b [Status],
+    info: &'b [Option<BodyInfo>],
+    mass: &'b [MassProperties],
+    motion: &'b [Motion],
+    velocity: &'b mut [SolverBody],
+    centre: &'b mut [Vec3],
+    rotation: &'b mut [Quat],
+    inverse_inertia: &'b mut [Mat3],
+}
+
+/// Parts of all bodies for a team.
+fn parts<'b>(bodies: &'b mut Bodies, team: Option<&Team>) -> impl Iterator<Item = Part<'b>> {
+    let count = bodies.slots();
+    let size = Team::part_size(team, count, LEAST_BODIES);
+    let (mut status, mut info) = (&bodies.status[..], &bodies.info[..]);
+    let (mut mass, mut motion) = (&bodies.mass[..], &bodies.motion[..]);
+    let (mut velocity, mut centre) = (&mut bodies.velocity[..], &mut bodies.centre[..]);
+    let mut rotation = &mut bodies.rotation[..];
+    let mut inverse_inertia = &mut bodies.inverse_inertia[..];
+    let part = move |first: usize| {
+        let size = size.min(count - first);
+        Part {
+            first: first as u32,
+            status: front(&mut status, size),
+            info: front(&mut info, size),
+            mass: front(&mut mass, size),
+            motion: front(&mut motion, size),
+            velocity: front_mut(&mut velocity, size),
+            centre: front_mut(&mut centre, size),
+            rotation: front_mut(&mut rotation, size),
+            inverse_inertia: front_mut(&mut inverse_inertia, size),
+        }
+    };
+    (0..count).step_by(size).map(part)
+}
+
+impl Part<'_> {
+    /// `overflown`: slots of bodies that were stopped.
+    fn integrate(&mut self, overflown: &mut Vec<u32>) {
+        for i in 0..self.status.len() {
+            if !self.is_moving(i) {
+                continue;
+            }
+            let motion = self.motion[i];
+            let centre = self.centre[i] + motion.shift;
+            let body = &mut self.velocity[i];
+            // A turn whose square overflows leaves a quaternion of zeros.
+            let is_usable = centre.is_finite()
+                && motion.rotation.length_squared() > 0.5
+                && body.linear.is_finite()
+                && body.angular.is_finite();
+            if !is_usable {
+                (body.linear, body.angular) = (Vec3::ZERO, Vec3::ZERO);
+                overflown.push(self.first + i as u32);
+                continue;
+            }
+            self.centre[i] = centre;
+            self.rotation[i] = motion.rotation;
+            if body.inverse_mass > 0.0 {
+                self.inverse_inertia[i] = inverse_inertia(&self.mass[i], motion.rotation);
+            }
+        }
+    }
+
+    /// Whether the body takes part and is not static.
+    fn is_moving(&self, i: usize) -> bool {
+        // What contacts move is not static; that spares most bodies a look at far memory.
+        let may_move = || {
+            let info = self.info[i].as_ref();
+            self.velocity[i].inverse_mass > 0.0
+                || info.is_some_and(|info| info.kind != RigidBody::Static)
+        };
+        self.status[i] == Status::Active && may_move()
+    }
+}

@@ -1,0 +1,519 @@
+//! Flat arrays of what the step reads and writes, one entry per slot.
+//!
+//! A body keeps its slot for life; slots of removed bodies are reused. Everything that is ordered is ordered by
+//! [`BodyId`], never by slot, so results do not depend on which slots were free.
+
+pub use crate::bodies::body::{BodyDesc, BodyError, RigidBody, Shape};
+use crate::bodies::sleep_state::Status;
+use crate::bodies::solver_body::Motion;
+use crate::bodies::solver_body::SolverBody;
+
+use crate::bodies::body::{BodyInfo, check_pose, check_velocity};
+use crate::bodies::breaking::Limit;
+use crate::bodies::free_rotation::Spin;
+use crate::bodies::sleep_state::Sleep;
+use crate::contact::body_id::BodyId;
+use crate::geometry::{ConvexMesh, KdBox};
+use crate::mass::{MassError, MassProperties};
+use crate::math::{Pose, rotate};
+use crate::slice::fracturable::Fracturable;
+use bevy_ecs::resource::Resource;
+use glam::{Mat3, Quat, Vec3};
+
+/// All bodies of a simulation.
+///
+/// A slot is an index: methods that take one panic if it was never given out, and those that need a body panic if there
+/// is none in it any more; [`contains`](Self::contains) tells.
+#[derive(Debug, Default, Resource)]
+pub struct Bodies {
+    pub(crate) ids: Vec<BodyId>,
+    pub(crate) status: Vec<Status>,
+    pub(crate) info: Vec<Option<BodyInfo>>,
+    /// Position of the centre of mass, world, m.
+    pub(crate) centre: Vec<Vec3>,
+    /// `world_from_body` rotation.
+    pub(crate) rotation: Vec<Quat>,
+    pub(crate) velocity: Vec<SolverBody>,
+    /// Where the solver has moved the bodies that take part and are not static.
+    pub(crate) motion: Vec<Motion>,
+    pub(crate) mass: Vec<MassProperties>,
+    /// Inverse inertia tensor about the centre of mass, world axes, 1/(kg m2).
+    pub(crate) inverse_inertia: Vec<Mat3>,
+    pub(crate) kd_box: Vec<Option<KdBox>>,
+    /// Least extent of the hull's box, m: what slop and contact margin are relative to.
+    pub(crate) least_extent: Vec<f32>,
+    /// Largest distance of the hull from the centre of mass, m.
+    radius: Vec<f32>,
+    /// Changes with shape, mass or material: what is kept about the body elsewhere is out of date then.
+    pub(crate) version: Vec<u32>,
+    /// Whether the impulses of the last step were more than the body bears: what did not break it then is a load that it
+    /// stands, and breaks it when it comes anew.
+    pub(crate) is_overloaded: Vec<bool>,
+    /// Slots whose mass properties are out of date.
+    pub(crate) stale_mass: Vec<u32>,
+    /// Slots whose mass properties the last mass phase computed.
+    pub(crate) fresh_mass: Vec<u32>,
+    /// Number of bodies that can break.
+    fracturable: usize,
+    /// Number of dynamic bodies.
+    dynamic: usize,
+    /// Who rests, and what was changed since.
+    pub(crate) sleep: Sleep,
+    free: Vec<u32>,
+    next_id: u32,
+    alive: usize,
+}
+
+impl Bodies {
+    /// Number of bodies.
+    pub fn len(&self) -> usize {
+        self.alive
+    }
+
+    /// Whether there are no bodies.
+    pub fn is_empty(&self) -> bool {
+        self.alive == 0
+    }
+
+    /// Number of slots, used or free.
+    pub fn slots(&self) -> usize {
+        self.ids.len()
+    }
+
+    /// Adds a body and returns its slot. Its mass is computed by the next mass phase.
+    ///
+    /// # Errors
+    /// [`BodyError`] for a state, density or material that is not usable; nothing is added then.
+    pub fn insert(&mut self, desc: BodyDesc) -> Result<u32, BodyError> {
+        check_pose(&desc.pose)?;
+        check_velocity(desc.linear_velocity, desc.angular_velocity)?;
+        let (pose, linear, angular) = (desc.pose, desc.linear_velocity, desc.angular_velocity);
+        let info = BodyInfo::of(desc);
+        info.check_material()?;
+        info.check_mass()?;
+        let slot = self.free.pop().unwrap_or_else(|| self.grow());
+        let i = slot as usize;
+        self.ids[i] = BodyId(self.next_id);
+        self.next_id += 1;
+        self.alive += 1;
+        self.status[i] = Status::Active;
+        self.centre[i] = pose.position;
+        self.rotation[i] = pose.rotation;
+        self.velocity[i] = SolverBody {
+            linear,
+            angular,
+            ..Default::default()
+        };
+        self.mass[i] = MassProperties::default();
+        self.inverse_inertia[i] = Mat3::ZERO;
+        self.is_overloaded[i] = false;
+        self.info[i] = Some(info);
+        self.fracturable += usize::from(self.info(slot).fracturable.is_some());
+        self.dynamic += usize::from(self.kind(slot) == RigidBody::Dynamic);
+        self.mark_shape_changed(slot);
+        self.disturb(slot);
+        Ok(slot)
+    }
+
+    /// Adds a body whose mass properties are needed at once: a piece of another body.
+    pub(crate) fn insert_with_mass(&mut self, desc: BodyDesc) -> Result<u32, BodyError> {
+        let slot = self.insert(desc)?;
+        self.refresh_mass(slot).inspect_err(|_| self.remove(slot))?;
+        self.stale_mass.pop();
+        Ok(slot)
+    }
+
+    /// Removes the body in `slot`; does nothing if the slot is free.
+    pub fn remove(&mut self, slot: u32) {
+        let i = slot as usize;
+        if i >= self.slots() || self.status[i] == Status::Free {
+            return;
+        }
+        self.disturb(slot);
+        self.fracturable -= usize::from(self.info(slot).fracturable.is_some());
+        self.dynamic -= usize::from(self.kind(slot) == RigidBody::Dynamic);
+        self.status[i] = Status::Free;
+        self.info[i] = None;
+        self.velocity[i] = SolverBody::default();
+        self.kd_box[i] = None;
+        self.free.push(slot);
+        self.alive -= 1;
+    }
+
+    /// Slots that hold a body, ascending.
+    pub fn iter(&self) -> impl Iterator<Item = u32> + '_ {
+        (0..self.slots() as u32).filter(|&s| self.status[s as usize] != Status::Free)
+    }
+
+    /// Whether `slot` holds a body.
+    pub fn contains(&self, slot: u32) -> bool {
+        self.status
+            .get(slot as usize)
+            .is_some_and(|s| *s != Status::Free)
+    }
+
+    /// Whether the body takes part, that is, its state is finite.
+    pub fn is_active(&self, slot: u32) -> bool {
+        matches!(
+            self.status.get(slot as usize),
+            Some(Status::Active | Status::Asleep)
+        )
+    }
+
+    /// Whether the body takes part, is awake and not static.
+    pub(crate) fn is_moving(&self, slot: u32) -> bool {
+        self.status.get(slot as usize) == Some(&Status::Active) && !self.is_static(slot)
+    }
+
+    /// Whether the body is static.
+    pub(crate) fn is_static(&self, slot: u32) -> bool {
+        // What contacts move is not; that spares most bodies a look at far memory.
+        let is_moved = self.velocity[slot as usize].inverse_mass > 0.0;
+        !is_moved && self.kind(slot) == RigidBody::Static
+    }
+
+    /// Number of dynamic bodies.
+    pub(crate) fn dynamic(&self) -> usize {
+        self.dynamic
+    }
+
+    /// The rotation of a dynamic body that must be followed within a step of `step` seconds.
+    pub(crate) fn spin(&self, slot: u32, step: f32) -> Option<Spin> {
+        let i = slot as usize;
+        let body = &self.velocity[i];
+        if body.inverse_mass == 0.0 {
+            return None;
+        }
+        Spin::of(self.rotation[i], self.mass(slot), body.angular, step)
+    }
+
+    /// Id of the body in `slot`.
+    pub fn id(&self, slot: u32) -> BodyId {
+        self.ids[slot as usize]
+    }
+
+    /// How the body moves.
+    pub fn kind(&self, slot: u32) -> RigidBody {
+        self.info(slot).kind
+    }
+
+    /// The convex shape of the body; `None` for a half-space or a free slot.
+    pub fn convex(&self, slot: u32) -> Option<&ConvexMesh> {
+        self.info.get(slot as usize)?.as_ref()?.shape.convex()
+    }
+
+    /// `world_from_body`: pose of the frame that the shape is given in.
+    pub fn pose(&self, slot: u32) -> Pose {
+        let i = slot as usize;
+        Pose {
+            position: self.centre[i] - rotate(self.rotation[i], self.mass[i].centre),
+            rotation: self.rotation[i],
+        }
+    }
+
+    /// World position of the centre of mass, m.
+    pub fn centre_of_mass(&self, slot: u32) -> Vec3 {
+        self.centre[slot as usize]
+    }
+
+    /// Velocity of the centre of mass (m/s) and angular velocity (rad/s), world axes.
+    pub fn velocity(&self, slot: u32) -> (Vec3, Vec3) {
+        let v = &self.velocity[slot as usize];
+        (v.linear, v.angular)
+    }
+
+    /// Mass properties in the body's frame; zero mass before the first mass phase and for half-spaces.
+    pub fn mass(&self, slot: u32) -> &MassProperties {
+        &self.mass[slot as usize]
+    }
+
+    /// Density of the body, kg/m3.
+    pub fn density(&self, slot: u32) -> f32 {
+        self.info(slot).density
+    }
+
+    /// Velocities and inverse masses of all slots: what a solver works on.
+    pub fn solver_bodies(&self) -> &[SolverBody] {
+        &self.velocity
+    }
+
+    /// What the body bears in a step, with number 0; `None` if it does not break, or has borne more already.
+    pub(crate) fn limit(&self, slot: u32) -> Option<Limit> {
+        let fracturable = self.fracturable(slot)?;
+        let is_at_risk =
+            self.kind(slot) == RigidBody::Dynamic && !self.is_overloaded[slot as usize];
+        is_at_risk.then_some(Limit {
+            body: 0,
+            impulse: fracturable.strength,
+            energy: fracturable.least_energy,
+        })
+    }
+
+    /// Most pieces that a blow may make of the body.
+    pub(crate) fn most_pieces(&self, slot: u32) -> usize {
+        self.fracturable(slot).map_or(0, |f| f.most_pieces.into())
+    }
+
+    /// How the body breaks; `None` if it does not or the slot is free.
+    pub fn fracturable(&self, slot: u32) -> Option<&Fracturable> {
+        self.info.get(slot as usize)?.as_ref()?.fracturable.as_ref()
+    }
+
+    /// Whether `slot` holds the body with this id, and not a later one.
+    pub fn is(&self, slot: u32, id: BodyId) -> bool {
+        self.contains(slot) && self.id(slot) == id
+    }
+
+    /// Puts the body's frame somewhere else, and wakes it and what rests on it, unless it is there already.
+    ///
+    /// # Errors
+    /// [`BodyError`] if the pose is not finite or not a rotation; the body stays where it was then.
+    pub fn set_pose(&mut self, slot: u32, pose: Pose) -> Result<(), BodyError> {
+        check_pose(&pose)?;
+        if pose != self.pose(slot) {
+            self.disturb(slot);
+        } else if self.is_asleep(slot) {
+            return Ok(());
+        }
+        self.place(slot, pose);
+        self.refresh_world(slot);
+        Ok(())
+    }
+
+    /// Sets velocity of the centre of mass (m/s) and angular velocity (rad/s), world axes. Static bodies stay at rest.
+    /// A body that sleeps wakes, unless both are zero.
+    ///
+    /// # Errors
+    /// [`BodyError::NotFinite`]; the velocity stays as it was then.
+    pub fn set_velocity(
+        &mut self,
+        slot: u32,
+        linear: Vec3,
+        angular: Vec3,
+    ) -> Result<(), BodyError> {
+        check_velocity(linear, angular)?;
+        if self.kind(slot) != RigidBody::Static {
+            if self.is_asleep(slot) && (linear, angular) != (Vec3::ZERO, Vec3::ZERO) {
+                self.wake(slot);
+            }
+            let v = &mut self.velocity[slot as usize];
+            (v.linear, v.angular) = (linear, angular);
+        }
+        Ok(())
+    }
+
+    /// Sets centre of mass and rotation from the pose of the body's frame.
+    fn place(&mut self, slot: u32, pose: Pose) {
+        let i = slot as usize;
+        self.rotation[i] = pose.rotation;
+        self.centre[i] = pose.position + rotate(pose.rotation, self.mass[i].centre);
+    }
+
+    /// Stops the body.
+    pub(crate) fn halt(&mut self, slot: u32) {
+        let v = &mut self.velocity[slot as usize];
+        (v.linear, v.angular) = (Vec3::ZERO, Vec3::ZERO);
+    }
+
+    /// Kinetic energy of a dynamic body, J.
+    pub fn kinetic_energy(&self, slot: u32) -> f64 {
+        self.kinetic_energy_at(slot, self.rotation[slot as usize])
+    }
+
+    /// Kinetic energy of a dynamic body if its rotation were `rotation`, J.
+    fn kinetic_energy_at(&self, slot: u32, rotation: Quat) -> f64 {
+        let (v, omega) = self.velocity(slot);
+        let m = self.mass(slot);
+        let spin = rotate((rotation * m.principal_frame).inverse(), omega);
+        0.5 * (f64::from(m.mass) * f64::from(v.length_squared())
+            + f64::from((m.principal * spin).dot(spin)))
+    }
+
+    /// Kinetic and potential energy (zero at the origin) of all dynamic bodies under `gravity` (m/s2), J: where they are, or
+    /// where the solver has moved them.
+    pub(crate) fn energy(&self, gravity: Vec3, after_motion: bool) -> [f64; 2] {
+        let dynamic = |&slot: &u32| self.is_active(slot) && self.kind(slot) == RigidBody::Dynamic;
+        let mut energy = [0.0; 2];
+        for slot in self.iter().filter(dynamic) {
+            let i = slot as usize;
+            let (centre, rotation) = if after_motion {
+                (
+                    self.centre[i] + self.motion[i].shift,
+                    self.motion[i].rotation,
+                )
+            } else {
+                (self.centre[i], self.rotation[i])
+            };
+            let weight = f64::from(self.mass(slot).mass) * gravity.as_dvec3();
+            energy[0] += self.kinetic_energy_at(slot, rotation);
+            energy[1] -= weight.dot(centre.as_dvec3());
+        }
+        energy
+    }
+
+    /// Whether the body's mass was given instead of computed.
+    pub fn has_mass_override(&self, slot: u32) -> bool {
+        self.info(slot).mass_override.is_some()
+    }
+
+    /// Whether any body can break.
+    pub fn any_fracturable(&self) -> bool {
+        self.fracturable > 0
+    }
+
+    /// Takes over shape, density, material, layers and strength from `desc`, but neither pose nor velocity nor kind. Wakes
+    /// the body and what rests on it if that changes anything.
+    ///
+    /// # Errors
+    /// [`BodyError`]; the body stays as it was then.
+    pub fn redescribe(&mut self, slot: u32, desc: BodyDesc) -> Result<(), BodyError> {
+        let info = BodyInfo {
+            kind: self.kind(slot),
+            ..BodyInfo::of(desc)
+        };
+        info.check_material()?;
+        let same_mass = info.has_mass_of(self.info(slot));
+        if !same_mass {
+            info.check_mass()?;
+        }
+        self.set_fracturable(slot, info.fracturable.clone());
+        if same_mass && info.touches_like(self.info(slot)) {
+            // What is known of its contacts stays true.
+            return Ok(());
+        }
+        self.disturb(slot);
+        self.info[slot as usize] = Some(info);
+        self.renew_version(slot);
+        if !same_mass {
+            self.mark_shape_changed(slot);
+        }
+        Ok(())
+    }
+
+    /// Makes a body breakable or unbreakable, and wakes it if that changes anything: its own weight may break it.
+    pub fn set_fracturable(&mut self, slot: u32, fracturable: Option<Fracturable>) {
+        if self.is_asleep(slot) && self.info(slot).fracturable != fracturable {
+            self.wake(slot);
+        }
+        self.fracturable += usize::from(fracturable.is_some());
+        self.fracturable -= usize::from(self.info(slot).fracturable.is_some());
+        self.info[slot as usize]
+            .as_mut()
+            .expect("slot holds a body")
+            .fracturable = fracturable;
+    }
+
+    pub(crate) fn info(&self, slot: u32) -> &BodyInfo {
+        self.info[slot as usize]
+            .as_ref()
+            .expect("slot holds a body")
+    }
+
+    /// Call after changing shape, density or mass override: boxes now, mass in the next mass phase.
+    pub(crate) fn mark_shape_changed(&mut self, slot: u32) {
+        let i = slot as usize;
+        let aabb = self.convex(slot).map(|m| m.hull().aabb());
+        self.kd_box[i] = aabb.map(KdBox::around);
+        self.least_extent[i] = aabb.map_or(f32::INFINITY, |b| b.extents().min_element());
+        self.stale_mass.push(slot);
+        self.renew_version(slot);
+    }
+
+    /// Takes a body out of the simulation, or lets it in again.
+    pub(crate) fn set_frozen(&mut self, slot: u32, frozen: bool) {
+        debug_assert!(self.contains(slot), "no body to freeze");
+        let is_frozen = self.status[slot as usize] == Status::Frozen;
+        if frozen == is_frozen {
+            return;
+        }
+        self.disturb(slot);
+        self.status[slot as usize] = if frozen {
+            Status::Frozen
+        } else {
+            Status::Active
+        };
+    }
+
+    /// Recomputes the mass properties of one body, keeping its frame where it is.
+    pub(crate) fn refresh_mass(&mut self, slot: u32) -> Result<(), MassError> {
+        let i = slot as usize;
+        let pose = self.pose(slot);
+        let info = self.info(slot);
+        let kind = info.kind;
+        self.mass[i] = match (&info.shape, info.mass_override) {
+            (Shape::HalfSpace(_), _) => MassProperties::default(),
+            (Shape::Convex(_), Some(given)) => given,
+            (Shape::Convex(mesh), None) => MassProperties::of_hull(mesh.hull(), info.density)?,
+        };
+        let movable = kind == RigidBody::Dynamic;
+        self.velocity[i].inverse_mass = if movable {
+            1.0 / self.mass[i].mass
+        } else {
+            0.0
+        };
+        if kind == RigidBody::Static {
+            self.halt(slot);
+        }
+        self.radius[i] = self.radius_about(slot, self.mass[i].centre);
+        self.renew_version(slot);
+        self.place(slot, pose);
+        self.refresh_world(slot);
+        self.fresh_mass.push(slot);
+        Ok(())
+    }
+
+    fn renew_version(&mut self, slot: u32) {
+        let version = &mut self.version[slot as usize];
+        *version = version.wrapping_add(1);
+    }
+
+    /// Largest distance of the body's hull from its centre of mass, m; 0 for half-spaces.
+    pub(crate) fn radius(&self, slot: u32) -> f32 {
+        self.radius[slot as usize]
+    }
+
+    fn radius_about(&self, slot: u32, centre: Vec3) -> f32 {
+        let vertices = self
+            .convex(slot)
+            .map_or(&[][..], |mesh| mesh.hull().vertices());
+        vertices
+            .iter()
+            .map(|v| v.distance_squared(centre))
+            .fold(0.0, f32::max)
+            .sqrt()
+    }
+
+    /// Recomputes what follows from the pose: inverse inertia.
+    pub(crate) fn refresh_world(&mut self, slot: u32) {
+        let i = slot as usize;
+        if self.velocity[i].inverse_mass > 0.0 {
+            self.inverse_inertia[i] = inverse_inertia(&self.mass[i], self.rotation[i]);
+        }
+    }
+
+    fn grow(&mut self) -> u32 {
+        let slot = self.ids.len() as u32;
+        self.ids.push(BodyId::default());
+        self.status.push(Status::Free);
+        self.info.push(None);
+        self.centre.push(Vec3::ZERO);
+        self.rotation.push(Quat::IDENTITY);
+        self.velocity.push(SolverBody::default());
+        self.motion.push(Motion::default());
+        self.mass.push(MassProperties::default());
+        self.inverse_inertia.push(Mat3::ZERO);
+        self.kd_box.push(None);
+        self.least_extent.push(0.0);
+        self.radius.push(0.0);
+        self.version.push(0);
+        self.is_overloaded.push(false);
+        slot
+    }
+}
+
+/// Inverse inertia tensor about the centre of mass, world axes, 1/(kg m2).
+pub(crate) fn inverse_inertia(mass: &MassProperties, rotation: Quat) -> Mat3 {
+    let r = Mat3::from_quat(rotation * mass.principal_frame);
+    let Vec3 { x, y, z } = mass.principal.recip();
+    Mat3::from_cols(r.x_axis * x, r.y_axis * y, r.z_axis * z) * r.transpose()
+}

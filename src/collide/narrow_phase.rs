@@ -1,0 +1,220 @@
+//! From bodies to manifolds: feeds the contact layer with the bodies' boxes, shapes and materials.
+//!
+//! Pairs are independent, so they are split into parts for a team of threads, if there is one. What is known of a pair
+//! lives with its part (`contact/known.rs`), so the split stays what it is until parts have become too unequal.
+//! It depends on the scene only, and the parts are joined in order: any number of threads gives the same bits.
+
+mod part;
+
+use crate::bodies::store::Bodies;
+use crate::collide::narrow_phase::part::{Part, Scene};
+use crate::collide::proxies::{Boxes, LEAST_BODIES, Lookahead};
+use crate::contact::body_id::BodyId;
+use crate::contact::body_manifold::BodyPlace;
+use crate::contact::manifolds::Manifolds;
+use crate::contact::pairs::broad_phase::name_of;
+use crate::contact::pairs::broad_phase::{Broadphase, Pair};
+use crate::contact::pairs::recycle::{Pace, PairBody};
+use crate::contact::pairs::touches::Touch;
+use crate::math::{Pose, rotate};
+use crate::threads::parts::{WORTH_HELP, run_parts};
+use crate::threads::team::Team;
+use glam::Mat3;
+
+/// Pairs of a part, some 10 us of work while all are at rest, 50 us while they land.
+const PAIRS_PER_PART: usize = 128;
+
+/// Most parts, so that few buffers serve any number of pairs.
+const MAX_PARTS: usize = 32;
+
+/// How many times as large as it should be a part may become.
+const UNEQUAL: usize = 2;
+
+/// Touches from which it pays to have them in the order of the pairs, 1 MB: fewer are in the second-level cache.
+const WORTH_SORTING: usize = 4096;
+
+/// What is known of the pairs from step to step, and buffers.
+#[derive(Debug, Default)]
+pub struct NarrowPhase {
+    boxes: Boxes,
+    /// Bodies by slot.
+    bodies: Vec<PairBody>,
+    paces: Vec<Pace>,
+    /// What is known of the pairs.
+    parts: Vec<Part>,
+    /// Revision and length of the pair list that they follow.
+    of_pairs: Option<(u64, usize)>,
+    /// The part whose touches are sorted next.
+    next_sorted: usize,
+    spare_touches: Vec<Touch>,
+}
+
+/// Whether the contacts of `pairs` pairs are worth a team.
+pub(crate) fn is_worth_help(pairs: usize) -> bool {
+    pairs >= WORTH_HELP * PAIRS_PER_PART
+}
+
+/// Brings the pairs of `broadphase` up to date with the bodies.
+pub fn update_pairs(
+    broadphase: &mut Broadphase,
+    narrow: &mut NarrowPhase,
+    bodies: &Bodies,
+    ahead: Lookahead,
+) {
+    narrow.boxes.update(broadphase, bodies, ahead);
+}
+
+impl NarrowPhase {
+    /// Fills `manifolds` with the contacts of all pairs, in their order. Impulses are zero.
+    pub fn collide(
+        &mut self,
+        bodies: &Bodies,
+        broadphase: &Broadphase,
+        ahead: Lookahead,
+        manifolds: &mut Manifolds,
+        team: Option<&Team>,
+    ) {
+        let pairs = broadphase.pairs();
+        let known = Some((broadphase.revision(), pairs.len()));
+        if std::mem::replace(&mut self.of_pairs, known) != known {
+            self.share_out(pairs, &bodies.ids);
+        }
+        self.sort_touches();
+        self.load_bodies(bodies, ahead, team);
+        let scene = &Scene {
+            bodies,
+            seen: &self.bodies,
+            paces: &self.paces,
+            fall: ahead.fall,
+        };
+        run_parts(team, self.parts.iter_mut(), |part| {
+            part.test(scene, &pairs[part.pairs.clone()]);
+        });
+        let mut first = 0;
+        for part in &mut self.parts {
+            part.points = first..first + part.points.end;
+            first = part.points.end;
+        }
+        let parts = self.parts.iter();
+        let sizes = parts
+            .clone()
+            .map(|part| (part.touching(), part.points.clone()));
+        let writers = manifolds.writers(sizes);
+        run_parts(team, writers.zip(parts), |(writer, part)| {
+            part.write_manifolds(scene, &pairs[part.pairs.clone()], writer);
+        });
+    }
+
+    /// Tells each part its pairs, which are others than before.
+    fn share_out(&mut self, pairs: &[Pair], ids: &[BodyId]) {
+        self.find_ends(pairs, ids);
+        let most = self.parts.iter().map(|part| part.pairs.len()).max();
+        let count = pairs.len().div_ceil(PAIRS_PER_PART).clamp(1, MAX_PARTS);
+        let too_large = UNEQUAL * pairs.len().div_ceil(count);
+        if most.is_none_or(|most| most > too_large) || self.parts.len() > UNEQUAL * count {
+            self.split(pairs, ids, count);
+            self.find_ends(pairs, ids);
+        }
+        for part in &mut self.parts {
+            part.is_outdated = true;
+        }
+    }
+
+    /// Finds which pairs belong to which part, by their names.
+    fn find_ends(&mut self, pairs: &[Pair], ids: &[BodyId]) {
+        let mut end = pairs.len();
+        for part in self.parts.iter_mut().rev() {
+            let first = pairs.partition_point(|&pair| name_of(pair, ids) < part.least);
+            part.pairs = first..end;
+            end = first;
+        }
+    }
+
+    /// Splits the pairs into `count` equal parts.
+    fn split(&mut self, pairs: &[Pair], ids: &[BodyId], count: usize) {
+        let least = |part: usize| match part {
+            0 => Default::default(),
+            _ => name_of(pairs[part * pairs.len() / count], ids),
+        };
+        let before = std::mem::replace(
+            &mut self.parts,
+            (0..count)
+                .map(|part| Part::starting_at(least(part)))
+                .collect(),
+        );
+        let mut at = 0;
+        for known in before.iter().map(|part| &part.known) {
+            for (pair, &name) in known.names().iter().enumerate() {
+                while self.parts.get(at + 1).is_some_and(|p| p.least <= name) {
+                    at += 1;
+                }
+                self.parts[at].known.take(known, pair);
+            }
+        }
+    }
+
+    /// Sorts the touches of one part, if there are many and the part has need of it: the next part follows in the next step.
+    fn sort_touches(&mut self) {
+        let touches = self.parts.iter().map(|part| part.known.touches.len());
+        if touches.sum::<usize>() < WORTH_SORTING {
+            return;
+        }
+        self.next_sorted = (self.next_sorted + 1) % self.parts.len();
+        let part = &mut self.parts[self.next_sorted];
+        part.known.sort_touches(&mut self.spare_touches);
+    }
+
+    /// Collects what pairs read of the bodies.
+    fn load_bodies(&mut self, bodies: &Bodies, ahead: Lookahead, team: Option<&Team>) {
+        self.bodies.resize(bodies.slots(), PairBody::default());
+        self.paces.resize(bodies.slots(), Pace::default());
+        let size = Team::part_size(team, bodies.slots(), LEAST_BODIES);
+        let parts = self.bodies.chunks_mut(size);
+        let parts = parts.zip(self.paces.chunks_mut(size)).enumerate();
+        run_parts(team, parts, |(index, (seen, paces))| {
+            let slots = ((index * size) as u32..).zip(seen.iter_mut().zip(paces));
+            // What sleeps has not moved.
+            for (slot, (body, pace)) in slots.filter(|&(slot, _)| !bodies.is_asleep(slot)) {
+                let now = pair_body(bodies, slot, ahead);
+                let motion = now.motion_since(body);
+                pace.walk(motion);
+                pace.ahead = now.travel.length() + now.turning;
+                pace.least_extent = bodies.least_extent[slot as usize];
+                pace.version = bodies.version[slot as usize];
+                *body = now;
+            }
+        });
+    }
+}
+
+/// The body in `slot` as its pairs see it.
+fn pair_body(bodies: &Bodies, slot: u32, ahead: Lookahead) -> PairBody {
+    let i = slot as usize;
+    let is_half_space = bodies.least_extent[i] == f32::INFINITY;
+    PairBody {
+        place: BodyPlace {
+            centre: bodies.centre[i],
+            turn: Mat3::from_quat(bodies.rotation[i]),
+        },
+        rotation: bodies.rotation[i],
+        radius: if is_half_space {
+            f32::INFINITY
+        } else {
+            bodies.radius(slot)
+        },
+        travel: ahead.travel(bodies, slot),
+        turning: ahead.turn(bodies, slot),
+    }
+}
+
+/// `a_from_b`, from the difference of the centres of mass, which is exact far from the origin too.
+pub(crate) fn relative_pose(bodies: &Bodies, a: u32, b: u32) -> Pose {
+    let (i, j) = (a as usize, b as usize);
+    let a_from_world = bodies.rotation[i].inverse();
+    let rotation = a_from_world * bodies.rotation[j];
+    let centres = rotate(a_from_world, bodies.centre[j] - bodies.centre[i]);
+    Pose::new(
+        centres + bodies.mass[i].centre - rotate(rotation, bodies.mass[j].centre),
+        rotation,
+    )
+}

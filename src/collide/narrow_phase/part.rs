@@ -1,0 +1,238 @@
+//! A run of pairs: which of them are tested, and what manifolds they make.
+
+use crate::bodies::body::Shape;
+use crate::bodies::store::Bodies;
+use crate::collide::narrow_phase::relative_pose;
+use crate::collide::proxies::CONTACT_MARGIN;
+use crate::contact::body_manifold::BoundPatch;
+use crate::contact::local_manifold::Patch;
+use crate::contact::manifolds::{ManifoldHead, Writer};
+use crate::contact::narrow::half_space::examine_half_space;
+use crate::contact::narrow::sat::{distance_along, examine_hulls};
+use crate::contact::narrow::scratch::{Found, Hint, NarrowScratch};
+use crate::contact::pairs::broad_phase::Pair;
+use crate::contact::pairs::broad_phase::PairName;
+use crate::contact::pairs::recycle::{Pace, PairBody, Verdict, reach_of_test, smaller_extent};
+use crate::contact::pairs::store::Known;
+use crate::contact::pairs::touches::Touch;
+use crate::math::{Plane, Pose, rotate};
+use crate::simd::prefetch::prefetch;
+use glam::Vec3;
+use std::ops::Range;
+
+/// How many touching pairs ahead their touches and bodies are asked for.
+const AHEAD: usize = 8;
+
+/// Pairs that are looked at before the first of them is looked at closer: a bit each.
+const RUN: usize = 64;
+
+/// What all parts read.
+pub(crate) struct Scene<'s> {
+    pub(crate) bodies: &'s Bodies,
+    pub(crate) seen: &'s [PairBody],
+    pub(crate) paces: &'s [Pace],
+    pub(crate) fall: f32,
+}
+
+impl Scene<'_> {
+    pub(crate) fn pair(&self, pair: Pair) -> [&PairBody; 2] {
+        [&self.seen[pair.a as usize], &self.seen[pair.b as usize]]
+    }
+
+    fn paces(&self, pair: Pair) -> [&Pace; 2] {
+        [&self.paces[pair.a as usize], &self.paces[pair.b as usize]]
+    }
+
+    /// Bodies farther apart than this, m, cannot touch within the step, if they approach by no more than `approach`.
+    fn margin(&self, paces: [&Pace; 2], approach: f32) -> f32 {
+        CONTACT_MARGIN * smaller_extent(paces) + self.fall + approach
+    }
+}
+
+/// A run of pairs that follow each other.
+#[derive(Debug, Default)]
+pub(crate) struct Part {
+    /// The least name of a pair that belongs to it.
+    pub(crate) least: PairName,
+    /// Its pairs, within those of the broad phase.
+    pub(crate) pairs: Range<usize>,
+    /// Whether there may be other pairs than are known.
+    pub(crate) is_outdated: bool,
+    pub(crate) known: Known,
+    scratch: NarrowScratch,
+    /// Its pairs that touch: index within the part, and where.
+    touching: Vec<[u32; 2]>,
+    /// Where the points of these go: from 0 on until those of the parts before are counted.
+    pub(crate) points: Range<u32>,
+}
+
+impl Part {
+    /// A part without pairs, to which those from this name on will belong.
+    pub(crate) fn starting_at(least: PairName) -> Self {
+        Self {
+            least,
+            ..Self::default()
+        }
+    }
+
+    /// Number of its pairs that touch.
+    pub(crate) fn touching(&self) -> usize {
+        self.touching.len()
+    }
+
+    /// Tests the pairs that must be, and counts those that touch.
+    pub(crate) fn test(&mut self, scene: &Scene, pairs: &[Pair]) {
+        if std::mem::take(&mut self.is_outdated) {
+            self.known.follow(pairs, &scene.bodies.ids);
+        }
+        self.points = 0..0;
+        // Whether a pair touches cannot be guessed, so each is listed, and those that do not are written over.
+        self.touching.resize(pairs.len() + 1, [0; 2]);
+        let mut count = 0;
+        for (first, pairs) in (0..).step_by(RUN).zip(pairs.chunks(RUN)) {
+            let unsure = self.find_unsure(scene, pairs, first);
+            for at in bits(unsure) {
+                self.renew(scene, pairs[at], first + at);
+            }
+            for (index, &pair) in (first..).zip(pairs) {
+                if !scene.bodies.needs_look(pair) {
+                    continue;
+                }
+                let term = &self.known.terms[index];
+                self.touching[count] = [index as u32, term.touch];
+                count += usize::from(term.points > 0);
+                self.points.end += term.points;
+            }
+        }
+        self.touching.truncate(count);
+    }
+
+    /// Which of a run of pairs, of which `first` is the first, need a closer look: a bit each. What that reads lies anywhere, and
+    /// is asked for.
+    fn find_unsure(&self, scene: &Scene, pairs: &[Pair], first: usize) -> u64 {
+        let mut unsure = 0;
+        for (at, (&pair, term)) in pairs.iter().zip(&self.known.terms[first..]).enumerate() {
+            let paces = scene.paces(pair);
+            let margin = scene.margin(paces, paces[0].ahead + paces[1].ahead);
+            if term.surely_holds(paces, margin) || !scene.bodies.needs_look(pair) {
+                continue;
+            }
+            unsure |= 1 << at;
+            self.known.prefetch(term);
+            scene.pair(pair).into_iter().for_each(prefetch);
+        }
+        unsure
+    }
+
+    /// Looks closer at a pair, and tests it if that does not help.
+    fn renew(&mut self, scene: &Scene, pair: Pair, index: usize) {
+        let bodies = scene.bodies;
+        let mut view = self.known.view(index, scene.pair(pair), scene.paces(pair));
+        let [a, b] = view.bodies;
+        let approach = (b.travel - a.travel).length() + a.turning + b.turning;
+        let margin = scene.margin(view.paces, approach);
+        let Verdict::Unknown(axis) = view.verdict(margin) else {
+            return;
+        };
+        let reach = reach_of_test(view.paces, margin);
+        let b_in_a = relative_pose(bodies, pair.a, pair.b);
+        if let Some(axis) = axis
+            && let Some(distance) = distance_of(bodies, pair, &b_in_a, axis)
+            && distance > reach
+        {
+            view.set_apart(axis, distance);
+            return;
+        }
+        let slots = [pair.a as usize, pair.b as usize];
+        let centres = slots.map(|i| bodies.mass[i].centre);
+        let hint = view.hint(&b_in_a, centres);
+        match examine_pair(bodies, pair, b_in_a, reach, hint, &mut self.scratch) {
+            Found::Apart { axis, distance } => view.set_apart(axis, distance),
+            Found::Near(patch) => {
+                let boxes = slots.map(|i| bodies.kd_box[i]);
+                let [a, b] = [pair.a, pair.b].map(|slot| bodies.info(slot));
+                let touch = Touch {
+                    patch: BoundPatch::new(&patch, b_in_a.rotation, centres, boxes),
+                    friction: a.friction.combined(&b.friction),
+                    restitution: a.restitution.combined(&b.restitution),
+                };
+                view.set_near(touch, reach);
+                view.state.faces = self.scratch.best_faces;
+            }
+        }
+    }
+
+    /// Writes the manifolds of the pairs that touch.
+    pub(crate) fn write_manifolds(&self, scene: &Scene, pairs: &[Pair], mut writer: Writer<'_>) {
+        let touches = &self.known.touches;
+        for (k, &[at, touch]) in self.touching.iter().enumerate() {
+            if let Some(&[next, touch]) = self.touching.get(k + AHEAD) {
+                prefetch(touches.at(touch));
+                for body in scene.pair(pairs[next as usize]) {
+                    prefetch(&body.place);
+                }
+            }
+            let (pair, touch) = (pairs[at as usize], touches.at(touch));
+            let Some((head, points)) = writer.next(touch.patch.count) else {
+                return;
+            };
+            let [a, b] = scene.pair(pair);
+            *head = ManifoldHead {
+                a: pair.a,
+                b: pair.b,
+                normal: touch.patch.write(&a.place, &b.place, points),
+                friction: touch.friction,
+                restitution: touch.restitution,
+                count: touch.patch.count,
+            };
+        }
+    }
+}
+
+/// Numbers of the bits that are set.
+fn bits(mut set: u64) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lowest = (set != 0).then(|| set.trailing_zeros() as usize);
+        set &= set.wrapping_sub(1);
+        lowest
+    })
+}
+
+/// Distance of two hulls along a unit vector from A to B (A's frame), m; `None` if one is a half-space, which is tested
+/// as fast.
+fn distance_of(bodies: &Bodies, pair: Pair, b_in_a: &Pose, axis: Vec3) -> Option<f32> {
+    let [a, b] = [pair.a, pair.b].map(|slot| bodies.convex(slot));
+    Some(distance_along(a?.hull(), b?.hull(), b_in_a, axis))
+}
+
+/// Contact of one pair in A's frame, normal from A to B.
+fn examine_pair(
+    bodies: &Bodies,
+    pair: Pair,
+    b_in_a: Pose,
+    reach: f32,
+    hint: Hint,
+    scratch: &mut NarrowScratch,
+) -> Found {
+    match (&bodies.info(pair.a).shape, &bodies.info(pair.b).shape) {
+        (Shape::Convex(a), Shape::Convex(b)) => {
+            examine_hulls(a.hull(), b.hull(), b_in_a, reach, hint, scratch)
+        }
+        (Shape::Convex(a), Shape::HalfSpace(b)) => {
+            let plane = Plane::through(b_in_a.position, rotate(b_in_a.rotation, b.normal));
+            examine_half_space(a.hull(), plane, b_in_a, reach, scratch)
+        }
+        (Shape::HalfSpace(a), Shape::Convex(b)) => {
+            let a_in_b = relative_pose(bodies, pair.b, pair.a);
+            let plane = Plane::through(a_in_b.position, rotate(a_in_b.rotation, a.normal));
+            match examine_half_space(b.hull(), plane, a_in_b, reach, scratch) {
+                Found::Near(patch) => Found::Near(patch.swapped(&a_in_b)),
+                Found::Apart { distance, .. } => Found::Apart {
+                    axis: a.normal,
+                    distance,
+                },
+            }
+        }
+        (Shape::HalfSpace(_), Shape::HalfSpace(_)) => Found::Near(Patch::default()),
+    }
+}

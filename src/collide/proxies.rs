@@ -1,0 +1,239 @@
+//! What the broad phase is told of the bodies, and when.
+
+use crate::bodies::body::{RigidBody, Shape};
+use crate::bodies::store::Bodies;
+use crate::contact::body_id::BodyId;
+use crate::contact::pairs::broad_phase::{Broadphase, Proxy, ProxyKind, ProxyShape};
+use crate::geometry::ConvexHull;
+use crate::geometry::hull_lanes::bounds;
+use crate::math::{Aabb, Plane, rotate};
+use crate::threads::parts::run_parts;
+use crate::threads::team::Team;
+use glam::{Mat3, Quat, Vec3};
+
+/// How far ahead contacts are found besides the bodies' motion, as a share of the body's least extent: far enough that a
+/// body at rest keeps its contacts while it settles.
+pub(crate) const CONTACT_MARGIN: f32 = 0.02;
+
+/// How far the boxes kept by the broad phase reach beyond the bodies, m (it limits this for small bodies itself).
+const BOX_MARGIN: f32 = 0.1;
+
+/// For how many steps, this one included, the broad phase is told at once where a body goes that keeps its velocity.
+const STEPS_TOLD: f32 = 3.0;
+
+/// How much longer than it must be a box may be that is kept for what was fast, m.
+const SPARE: f32 = 0.2 * BOX_MARGIN;
+
+/// Bodies from which it pays to have helpers look at them: each takes some 20 ns.
+const WORTH_HELP_WITH_BODIES: usize = 1024;
+
+/// Least bodies of a part.
+pub(crate) const LEAST_BODIES: usize = 256;
+
+/// How far ahead in time the step looks, so that contacts exist before bodies overlap.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lookahead {
+    h: f32,
+    /// How far gravity moves a body in one step, m.
+    pub(crate) fall: f32,
+}
+
+impl Lookahead {
+    /// Looks ahead over a step of `h` seconds under `gravity` (m/s2).
+    pub fn new(h: f32, gravity: Vec3) -> Self {
+        Self {
+            h,
+            fall: h * h * gravity.length(),
+        }
+    }
+
+    /// How far a point of the body in `slot` may turn about the centre of mass within the step, m.
+    pub(crate) fn turn(&self, bodies: &Bodies, slot: u32) -> f32 {
+        self.h * bodies.velocity[slot as usize].angular.length() * bodies.radius(slot)
+    }
+
+    /// How far the body in `slot` goes within the step, m.
+    pub(crate) fn travel(&self, bodies: &Bodies, slot: u32) -> Vec3 {
+        self.h * bodies.velocity[slot as usize].linear
+    }
+
+    /// How far ahead of a body its contacts are looked for in all directions, m.
+    fn reach(&self, bodies: &Bodies, slot: u32) -> f32 {
+        margin_at_rest(bodies, slot) + self.fall + self.turn(bodies, slot)
+    }
+
+    /// The body's box with all places it may reach within the step, and in [`STEPS_TOLD`] of them if it goes on as it does.
+    fn swept_box(&self, bodies: &Bodies, slot: u32, hull: &ConvexHull) -> Aabb {
+        let i = slot as usize;
+        let turn = Mat3::from_quat(bodies.rotation[i]);
+        // From the centre of mass, so that little is lost far from the origin.
+        let shift = bodies.centre[i] - turn * bodies.mass[i].centre;
+        let tight = bounds(&hull.lanes.points, &turn, shift).fattened(self.reach(bodies, slot));
+        let travel = STEPS_TOLD * self.travel(bodies, slot);
+        Aabb {
+            min: tight.min + travel.min(Vec3::ZERO),
+            max: tight.max + travel.max(Vec3::ZERO),
+        }
+    }
+}
+
+/// When the broad phase was last told where a body is, and for how long that will do.
+#[derive(Clone, Copy, Debug)]
+struct Told {
+    id: BodyId,
+    version: u32,
+    centre: Vec3,
+    rotation: Quat,
+    /// [`Lookahead::reach`] and [`Lookahead::travel`] then, m.
+    reach: f32,
+    travel: Vec3,
+    /// How far the body may leave its way, or reach farther, until the broad phase must be told again, m.
+    room: f32,
+}
+
+impl Told {
+    /// Tells the broad phase where the body in `slot` is now.
+    fn now(broadphase: &mut Broadphase, bodies: &Bodies, slot: u32, ahead: Lookahead) -> Self {
+        let i = slot as usize;
+        Self {
+            id: bodies.ids[i],
+            version: bodies.version[i],
+            centre: bodies.centre[i],
+            rotation: bodies.rotation[i],
+            reach: ahead.reach(bodies, slot),
+            travel: ahead.travel(bodies, slot),
+            room: broadphase.set(i, Some(proxy(bodies, slot, ahead)), BOX_MARGIN),
+        }
+    }
+
+    /// Whether the broad phase need not be told where the body in `slot` is now.
+    fn will_do(&self, bodies: &Bodies, slot: u32, ahead: Lookahead) -> bool {
+        let i = slot as usize;
+        let turn = (bodies.rotation[i] - self.rotation).length();
+        let (reach, travel) = (ahead.reach(bodies, slot), ahead.travel(bodies, slot));
+        let room = self.room - 2.0 * turn * bodies.radius(slot) - (reach - self.reach).max(0.0);
+        self.id == bodies.ids[i]
+            && self.version == bodies.version[i]
+            && self.is_on_its_way(bodies.centre[i], travel, room)
+            // A body that was fast and has become slow gets a smaller box.
+            && span(self.reach, self.travel) <= span(reach, travel) + reach + SPARE
+    }
+
+    /// Whether a centre of mass that goes on by `travel` (m) in this step is nearer than `room` (m), at either end of it, to
+    /// where one is that kept its velocity.
+    fn is_on_its_way(&self, centre: Vec3, travel: Vec3, room: f32) -> bool {
+        let (moved, faster) = (centre - self.centre, travel - self.travel);
+        let is_near =
+            |off: Vec3| off.length_squared().max((off + faster).length_squared()) < room * room;
+        // Most bodies of a large scene are where they were. Of one that stood there is no way to be on: not a number.
+        let steps = || moved.dot(self.travel) / self.travel.length_squared();
+        let on_its_way = || steps().clamp(0.0, STEPS_TOLD - 1.0) * self.travel;
+        room > 0.0 && (is_near(moved) || is_near(moved - on_its_way()))
+    }
+}
+
+/// How far a body gets with the given [`Lookahead::reach`] and [`Lookahead::travel`] in all steps that are told, m.
+fn span(reach: f32, travel: Vec3) -> f32 {
+    reach + STEPS_TOLD * travel.length()
+}
+
+/// What the broad phase knows.
+#[derive(Debug, Default)]
+pub(crate) struct Boxes {
+    /// What it was told of each slot.
+    told: Vec<Option<Told>>,
+    /// By part of the bodies: slots that it is to be told of.
+    outdated: Vec<Vec<u32>>,
+}
+
+impl Boxes {
+    /// Brings the pairs of `broadphase` up to date with the bodies.
+    pub(crate) fn update(
+        &mut self,
+        broadphase: &mut Broadphase,
+        bodies: &Bodies,
+        ahead: Lookahead,
+    ) {
+        // If all bodies were replaced, there may be fewer slots than the broad phase knows.
+        for slot in bodies.slots()..self.told.len() {
+            broadphase.set(slot, None, BOX_MARGIN);
+        }
+        self.told.resize(bodies.slots(), None);
+        // Helpers that come now need not be waited for when the pairs are known.
+        Team::lead_if(bodies.slots() >= WORTH_HELP_WITH_BODIES, |team| {
+            self.find_outdated(bodies, ahead, team);
+            self.tell(broadphase, bodies, ahead);
+            broadphase.find_pairs();
+        });
+    }
+
+    /// Finds the bodies that the broad phase is to be told of.
+    fn find_outdated(&mut self, bodies: &Bodies, ahead: Lookahead, team: Option<&Team>) {
+        let size = Team::part_size(team, self.told.len(), LEAST_BODIES);
+        let count = self.told.len().div_ceil(size);
+        self.outdated
+            .resize(self.outdated.len().max(count), Vec::new());
+        let parts = self.told.chunks(size).zip(&mut self.outdated);
+        run_parts(team, parts.enumerate(), |(index, (told, outdated))| {
+            let slots = (index * size) as u32..;
+            for (slot, told) in slots.zip(told) {
+                if bodies.is_asleep(slot) {
+                    continue;
+                }
+                let is_active = bodies.is_active(slot);
+                let will_do = match told {
+                    Some(told) => is_active && told.will_do(bodies, slot, ahead),
+                    None => !is_active,
+                };
+                if !will_do {
+                    outdated.push(slot);
+                }
+            }
+        });
+    }
+
+    /// Tells the broad phase of them.
+    fn tell(&mut self, broadphase: &mut Broadphase, bodies: &Bodies, ahead: Lookahead) {
+        for slot in self.outdated.iter_mut().flat_map(|slots| slots.drain(..)) {
+            let told = &mut self.told[slot as usize];
+            if bodies.is_active(slot) {
+                *told = Some(Told::now(broadphase, bodies, slot, ahead));
+            } else {
+                *told = None;
+                broadphase.set(slot as usize, None, BOX_MARGIN);
+            }
+        }
+    }
+}
+
+fn proxy(bodies: &Bodies, slot: u32, ahead: Lookahead) -> Proxy {
+    let info = bodies.info(slot);
+    let kind = if info.kind == RigidBody::Dynamic {
+        ProxyKind::Moving
+    } else {
+        ProxyKind::Fixed
+    };
+    let shape = match &info.shape {
+        Shape::Convex(mesh) => ProxyShape::Box(ahead.swept_box(bodies, slot, mesh.hull())),
+        Shape::HalfSpace(_) => ProxyShape::HalfSpace(half_space_plane(bodies, slot)),
+    };
+    Proxy {
+        id: bodies.id(slot),
+        kind,
+        layers: info.layers,
+        shape,
+    }
+}
+
+fn margin_at_rest(bodies: &Bodies, slot: u32) -> f32 {
+    CONTACT_MARGIN * bodies.least_extent[slot as usize]
+}
+
+/// Surface of the half-space in `slot`, world frame.
+fn half_space_plane(bodies: &Bodies, slot: u32) -> Plane {
+    let Shape::HalfSpace(half_space) = &bodies.info(slot).shape else {
+        unreachable!("asked for half-spaces only")
+    };
+    let pose = bodies.pose(slot);
+    Plane::through(pose.position, rotate(pose.rotation, half_space.normal))
+}

@@ -1,0 +1,220 @@
+//! What becomes of a body's multipliers when it is cut: each goes to the piece that owns the contact point.
+//!
+//! A block that stands on its four corners leaves four corner pieces, of which each would start with a quarter of the whole
+//! weight on it, and jump. What a face bore is spread over the pieces of the face evenly, by area: a piece that owns points
+//! starts with its share of what they carried together. Points that are fewer than span a face stay as they are.
+
+use crate::contact::body_id::BodyId;
+use crate::contact::impulses::{CacheEntry, ContactCache, PairRecord, Table};
+use crate::geometry::predicates::{length_scale, merge_tolerance};
+use crate::geometry::{ConvexHull, KdBox, KdCode};
+use crate::math::{Plane, rotate};
+use glam::{Quat, Vec3};
+
+/// Cosine of the largest angle between faces that are taken for parts of one: half a degree.
+const SAME_FACE: f32 = 0.99996;
+
+/// Points that span a face.
+const SPANNING: usize = 3;
+
+/// Most that a multiplier is raised by.
+const MOST_RAISE: f32 = 4.0;
+
+/// A piece of a body that was cut.
+#[derive(Clone, Copy, Debug)]
+pub struct Heir<'a> {
+    /// The new body.
+    pub id: BodyId,
+    /// Origin of its frame in the parent's frame, m; the axes of both are the same.
+    pub origin: Vec3,
+    /// Its shape.
+    pub hull: &'a ConvexHull,
+    /// The box that its contact codes refer to.
+    pub code_box: KdBox,
+}
+
+/// A body that was cut, and its pieces.
+#[derive(Clone, Debug)]
+pub struct Family<'a> {
+    /// The body that is no more.
+    pub parent: BodyId,
+    /// `world_from_body` of the parent and of all pieces.
+    pub rotation: Quat,
+    /// The box that the parent's contact codes refer to.
+    pub code_box: KdBox,
+    /// The pieces.
+    pub heirs: Vec<Heir<'a>>,
+}
+
+impl Family<'_> {
+    /// The piece that owns a point of the parent (parent's frame, m): the one that it is deepest in, or nearest to.
+    fn owner(&self, point: Vec3) -> Option<usize> {
+        let distance = |&i: &usize| self.heirs[i].height(point);
+        let by_distance = |a: &usize, b: &usize| distance(a).total_cmp(&distance(b));
+        (0..self.heirs.len()).min_by(by_distance)
+    }
+
+    /// For the entries of one pair: which piece has each, and what its impulses are multiplied with.
+    fn shares(&self, entries: &[CacheEntry], codes: impl Fn(&CacheEntry) -> KdCode) -> Vec<Share> {
+        let point = |entry| self.code_box.decode_centre(codes(entry));
+        let owned = entries.iter().filter_map(|entry| {
+            let point = point(entry);
+            let is_in_use = entry.age == 0;
+            let impulse = if is_in_use { entry.normal_impulse } else { 0.0 };
+            Some((self.owner(point)?, point, impulse.max(0.0)))
+        });
+        let owned: Vec<_> = owned.collect();
+        let face = self.common_face(&owned);
+        let areas: Vec<f32> = (self.heirs.iter())
+            .map(|heir| face.map_or(0.0, |face| heir.area_in(&face)))
+            .collect();
+        let (area, total): (f32, f32) = (areas.iter().sum(), owned.iter().map(|o| o.2).sum());
+        let factor = |heir: usize| {
+            let own: f32 = (owned.iter().filter(|o| o.0 == heir).map(|o| o.2)).sum();
+            let fair = total * areas[heir] / area;
+            // Where there is nothing to go by, all stays as it was.
+            if own > 0.0 && fair.is_finite() {
+                fair / own
+            } else {
+                1.0
+            }
+        };
+        let shares = owned.iter().map(|&(heir, point, _)| Share {
+            heir,
+            point,
+            factor: factor(heir).min(MOST_RAISE),
+        });
+        shares.collect()
+    }
+
+    /// The face (parent's frame) of a piece that owns points in which all points lie best; none for points that span none.
+    fn common_face(&self, owned: &[(usize, Vec3, f32)]) -> Option<Plane> {
+        let off = |plane: &Plane| -> f32 {
+            let distances = owned.iter().map(|(_, point, _)| plane.distance(*point));
+            distances.map(f32::abs).sum()
+        };
+        let owners = (0..self.heirs.len()).filter(|heir| owned.iter().any(|o| o.0 == *heir));
+        let faces = owners.flat_map(|heir| self.heirs[heir].faces());
+        let best = faces.min_by(|a, b| off(a).total_cmp(&off(b)));
+        best.filter(|_| owned.len() >= SPANNING)
+    }
+}
+
+/// What one piece gets of an entry.
+#[derive(Clone, Copy, Debug)]
+struct Share {
+    heir: usize,
+    /// The contact point, parent's frame, m.
+    point: Vec3,
+    /// What its impulses are multiplied with.
+    factor: f32,
+}
+
+impl Heir<'_> {
+    /// Planes of its faces in the parent's frame.
+    fn faces(&self) -> impl Iterator<Item = Plane> {
+        self.hull.faces.iter().map(|face| Plane {
+            offset: face.plane.offset + face.plane.normal.dot(self.origin),
+            ..face.plane
+        })
+    }
+
+    /// How high a point (parent's frame) is above its surface, m: below zero inside.
+    fn height(&self, point: Vec3) -> f32 {
+        let heights = self.faces().map(|plane| plane.distance(point));
+        heights.fold(f32::NEG_INFINITY, f32::max)
+    }
+
+    /// Area of its part of a face of the parent (parent's frame), m2.
+    fn area_in(&self, parent: &Plane) -> f32 {
+        let size = length_scale(&self.hull.aabb) + self.origin.abs().max_element();
+        let is_part = |plane: &Plane| {
+            plane.normal.dot(parent.normal) > SAME_FACE
+                && (plane.offset - parent.offset).abs() < 10.0 * merge_tolerance(size)
+        };
+        let faces = self.hull.faces.iter().zip(self.faces());
+        let parts = faces.filter(|(_, plane)| is_part(plane));
+        parts
+            .map(|(face, _)| self.hull.face_area(face) as f32)
+            .sum()
+    }
+}
+
+/// An entry with the pair that it belongs to.
+type Named = ((BodyId, BodyId), CacheEntry);
+
+impl ContactCache {
+    /// Hands the entries of bodies that were cut to their pieces. `rotation_of` tells `world_from_body` of any body that
+    /// has entries; it is not asked for parents.
+    ///
+    /// A point is known by its cell, so that it may be off by half a cell when its piece is looked for. Pieces have higher
+    /// ids than all other bodies.
+    pub fn inherit(&mut self, families: &[Family], rotation_of: impl Fn(BodyId) -> Quat) {
+        let rotation = |id: BodyId| {
+            let family = families.iter().find(|family| family.parent == id);
+            family.map_or_else(|| rotation_of(id), |family| family.rotation)
+        };
+        for family in families {
+            let Self { current, next, .. } = self;
+            let is_of = |pair: &&PairRecord| {
+                pair.bodies.0 == family.parent || pair.bodies.1 == family.parent
+            };
+            let mut passed: Vec<Named> = Vec::new();
+            for pair in current.pairs.iter().filter(is_of) {
+                let entries = &current.entries[pair.range()];
+                let is_a = pair.bodies.0 == family.parent;
+                let code = |e: &CacheEntry| if is_a { e.code_a } else { e.code_b };
+                let shares = family.shares(entries, code);
+                let pass = |(entry, share)| pass_on(family, pair.bodies, entry, share, rotation);
+                passed.extend(entries.iter().zip(&shares).map(pass));
+            }
+            passed.sort_by_key(|&(bodies, _)| bodies);
+            next.clear();
+            let mut passed = passed.chunk_by(|a, b| a.0 == b.0).peekable();
+            for pair in current.pairs.iter().filter(|pair| !is_of(pair)) {
+                while let Some(new) = passed.next_if(|new| new[0].0 < pair.bodies) {
+                    next.push_pair(new);
+                }
+                next.copy_pair(current, pair, 1.0);
+            }
+            passed.for_each(|new| next.push_pair(new));
+            std::mem::swap(current, next);
+        }
+    }
+}
+
+impl Table {
+    fn push_pair(&mut self, named: &[Named]) {
+        let first = self.entries.len();
+        self.entries.extend(named.iter().map(|(_, entry)| *entry));
+        self.close_pair(named[0].0, first);
+    }
+}
+
+/// The entry of a pair of the parent as that of a pair of the piece that owns its point.
+fn pass_on(
+    family: &Family,
+    (a, b): (BodyId, BodyId),
+    entry: &CacheEntry,
+    share: &Share,
+    rotation_of: impl Fn(BodyId) -> Quat,
+) -> Named {
+    let (other, code_of_other) = if a == family.parent {
+        (b, entry.code_b)
+    } else {
+        (a, entry.code_a)
+    };
+    let heir = &family.heirs[share.heir];
+    let own_code = heir.code_box.encode(share.point - heir.origin);
+    // The friction impulse is that on B, in A's frame. The piece, whose id is higher, is B.
+    let on_b = rotate(rotation_of(a), share.factor * entry.friction_impulse);
+    let on_heir = if a == family.parent { -on_b } else { on_b };
+    let passed = CacheEntry {
+        code_a: code_of_other,
+        code_b: own_code,
+        normal_impulse: share.factor * entry.normal_impulse,
+        friction_impulse: rotate(rotation_of(other).inverse(), on_heir),
+        ..*entry
+    };
+    ((other, heir.id), passed)
+}

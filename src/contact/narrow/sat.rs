@@ -1,0 +1,334 @@
+//! Where two convex hulls touch: separating-axis test over faces and edges.
+//!
+//! Everything happens in A's frame with B's pose relative to A, so results do not depend on where in the world the
+//! pair is; all tolerances are relative to the size of the smaller hull.
+//!
+//! # References
+//! D. Gregorius, "The Separating Axis Test between Convex Polyhedra", GDC 2013: face queries, and edge queries pruned
+//! on the Gauss map. Verifying each edge axis by its supports, and leaving out the edges that the best faces rule out,
+//! are ours.
+
+pub use crate::contact::narrow::half_space::collide_half_space;
+use crate::contact::narrow::scratch::FaceAxis;
+use crate::contact::narrow::scratch::Found;
+use crate::contact::narrow::scratch::Hint;
+use crate::contact::narrow::scratch::MERGE;
+use crate::contact::narrow::scratch::NarrowScratch;
+
+use crate::contact::local_manifold::Patch;
+use crate::contact::narrow::clipping::{Clipping, edge_patch};
+use crate::contact::narrow::edge_search::best_edge_pair;
+use crate::geometry::ConvexHull;
+use crate::geometry::hull_lanes::{LANES, Points4, lowest, lowest_height, point};
+use crate::math::Pose;
+use glam::{Mat3, Vec3};
+
+/// A face is preferred over an edge pair, and the first face over the second, unless the other separates better by
+/// this share of the smaller hull's diagonal.
+///
+/// Larger values make the kind of contact steadier from step to step and the separation less exact (0.5 mm for 1 m).
+const PREFER_ABSOLUTE: f32 = 5e-4;
+
+/// The same as a share of the separation itself, for deep overlaps.
+const PREFER_RELATIVE: f32 = 0.02;
+
+/// Contact of hull `a` with hull `b`, whose pose in A's frame is `b_in_a`; in A's frame, normal from A to B.
+///
+/// `None` if the hulls are farther apart than `margin` (m), or if an argument is not finite. The separation is the
+/// largest over all axes of the separating-axis test, less at most a preference for faces of 0.05 % of the smaller
+/// hull's diagonal; for hulls that overlap, minus the least translation that parts them.
+pub fn collide_hulls(
+    a: &ConvexHull,
+    b: &ConvexHull,
+    b_in_a: Pose,
+    margin: f32,
+    scratch: &mut NarrowScratch,
+) -> Option<Patch> {
+    match examine_hulls(a, b, b_in_a, margin, Hint::NONE, scratch) {
+        Found::Near(patch) if patch.count > 0 => Some(patch),
+        _ => None,
+    }
+}
+
+/// As [`collide_hulls`], which it does the work of, and says by which axis hulls are apart.
+pub(crate) fn examine_hulls(
+    a: &ConvexHull,
+    b: &ConvexHull,
+    b_in_a: Pose,
+    margin: f32,
+    hint: Hint,
+    scratch: &mut NarrowScratch,
+) -> Found {
+    if !b_in_a.is_finite() || !margin.is_finite() {
+        return Found::Near(Patch::default());
+    }
+    // The line through the middles of the two boxes separates most pairs that do not touch.
+    let middles = b_in_a.transform_point(b.aabb().centre()) - a.aabb().centre();
+    if let Some(axis) = middles.try_normalize() {
+        let distance = distance_along(a, b, &b_in_a, axis);
+        if distance > margin {
+            return Found::Apart { axis, distance };
+        }
+    }
+    scratch.load(a, b, &b_in_a);
+    match Axes::find(a, b, middles, margin, hint, scratch) {
+        Err(apart) => apart,
+        Ok(None) => Found::Near(Patch::default()),
+        Ok(Some(axes)) => axes.choose(a, b, &b_in_a, margin, hint, scratch),
+    }
+}
+
+/// Distance of two hulls along a unit vector from A to B (A's frame), m.
+pub(crate) fn distance_along(a: &ConvexHull, b: &ConvexHull, b_in_a: &Pose, axis: Vec3) -> f32 {
+    let axis_in_b = Mat3::from_quat(b_in_a.rotation).transpose() * axis;
+    lowest_height(&b.lanes.points, axis_in_b)
+        + axis.dot(b_in_a.position)
+        + lowest_height(&a.lanes.points, -axis)
+}
+
+/// The best faces of a pair that no face separates by more than the margin.
+#[derive(Debug)]
+struct Axes {
+    face_a: FaceAxis,
+    face_b: FaceAxis,
+}
+
+impl Axes {
+    /// `Err` if a face separates the hulls, `None` if nothing is comparable. `middles` points from A's middle to B's.
+    #[allow(
+        clippy::result_large_err,
+        reason = "what it holds is the answer, and goes up one call"
+    )]
+    fn find(
+        a: &ConvexHull,
+        b: &ConvexHull,
+        middles: Vec3,
+        margin: f32,
+        hint: Hint,
+        scratch: &mut NarrowScratch,
+    ) -> Result<Option<Self>, Found> {
+        let [first_a, first_b] = hint.faces.map_or([None; 2], |faces| faces.map(Some));
+        let face_a = best_face(a, &scratch.b_in_a, middles, first_a);
+        let apart = |axis: Vec3, face: &FaceAxis| Found::Apart {
+            axis,
+            distance: face.separation,
+        };
+        if face_a.separation > margin {
+            return Err(apart(face_a.plane.normal, &face_a));
+        }
+        let back = -(scratch.turn.transpose() * middles);
+        let face_b = best_face(b, &scratch.a_in_b, back, first_b);
+        if face_b.separation > margin {
+            return Err(apart(-(scratch.turn * face_b.plane.normal), &face_b));
+        }
+        scratch.best_faces = [face_a.face as u32, face_b.face as u32];
+        let comparable = face_a.separation.is_finite() && face_b.separation.is_finite();
+        Ok(comparable.then_some(Self { face_a, face_b }))
+    }
+
+    /// Weighs the faces against each other and against the edges, and makes the contact.
+    fn choose(
+        &self,
+        a: &ConvexHull,
+        b: &ConvexHull,
+        b_in_a: &Pose,
+        margin: f32,
+        hint: Hint,
+        scratch: &mut NarrowScratch,
+    ) -> Found {
+        let Self { face_a, face_b } = self;
+        let (extent_a, extent_b) = (a.aabb().diagonal(), b.aabb().diagonal());
+        let size = extent_a.min(extent_b);
+        let slack = |separation: f32| PREFER_ABSOLUTE * size + PREFER_RELATIVE * separation.abs();
+        // On a tie the larger hull offers the reference face, so that the points sit on the smaller one's corners.
+        let b_is_larger = extent_b > extent_a * (1.0 + PREFER_RELATIVE);
+        let b_refers = if b_is_larger {
+            face_b.separation >= face_a.separation - slack(face_a.separation)
+        } else {
+            face_b.separation > face_a.separation + slack(face_a.separation)
+        };
+        let face = if b_refers { face_b } else { face_a };
+
+        // Edges matter if they separate by more than this. No axis separates by more than the distance of the hulls.
+        let bar = face.separation + slack(face.separation);
+        let best_of_faces = face_a.separation.max(face_b.separation);
+        let threshold = bar.min(margin.max(best_of_faces));
+        let gap = hint.gap.min(self.gap_at_most(a, b, scratch));
+        let search = |floor: f32, scratch: &mut NarrowScratch| {
+            // The hulls overlap by no more than along any axis.
+            let hinted = hint.axis.map(|axis| distance_along(a, b, b_in_a, axis));
+            let best = hinted.map_or(best_of_faces, |s| s.max(best_of_faces));
+            scratch.load_near_edges(a, b, [face_a, face_b], gap.max(-best));
+            // What is worth less than the hint is not the best; rounding of the hint is far below the slack.
+            best_edge_pair(
+                a,
+                scratch,
+                hinted.map_or(floor, |s| floor.max(s - slack(s))),
+            )
+        };
+        let edge = (gap > threshold)
+            .then(|| search(threshold, scratch))
+            .flatten();
+        if let Some(edge) = edge {
+            if edge.separation > margin {
+                return Found::Apart {
+                    axis: edge.normal,
+                    distance: edge.separation,
+                };
+            }
+            if edge.separation > bar {
+                return Found::Near(edge_patch(a, b, &edge, b_in_a, scratch));
+            }
+        }
+        let contact = Clipping {
+            a,
+            b,
+            b_in_a,
+            margin,
+            merge: MERGE * size,
+        };
+        let patch = contact.face_patch(face, b_refers, scratch);
+        if patch.count > 0 {
+            return Found::Near(patch);
+        }
+        Found::Near(match search(best_of_faces, scratch) {
+            Some(edge) if edge.separation <= margin => edge_patch(a, b, &edge, b_in_a, scratch),
+            _ => contact.support_patch(face, b_refers, scratch),
+        })
+    }
+
+    /// An upper bound of the distance of two hulls, m: from a support vertex to the face that it supports.
+    fn gap_at_most(&self, a: &ConvexHull, b: &ConvexHull, scratch: &NarrowScratch) -> f32 {
+        let Self { face_a, face_b } = self;
+        let from_a = distance_from_face(a, face_a, point(&scratch.b_in_a, face_a.support));
+        if from_a <= face_a.separation.max(0.0) {
+            return from_a;
+        }
+        let from_b = distance_from_face(b, face_b, point(&scratch.a_in_b, face_b.support));
+        from_a.min(from_b)
+    }
+}
+
+/// Distance of a point from a face, m; 0 for a point behind the face, which may be inside the hull.
+fn distance_from_face(hull: &ConvexHull, axis: &FaceAxis, place: Vec3) -> f32 {
+    let outline = hull.face_loop(&hull.faces()[axis.face]);
+    let mut is_beside = false;
+    let mut nearest = f32::INFINITY;
+    let mut from = hull.vertices()[outline[outline.len() - 1] as usize];
+    for &to in outline {
+        let to = hull.vertices()[to as usize];
+        let (along, offset) = (to - from, place - from);
+        is_beside |= along.cross(axis.plane.normal).dot(offset) > 0.0;
+        let share = (along.dot(offset) / along.length_squared()).clamp(0.0, 1.0);
+        nearest = nearest.min((offset - share * along).length_squared());
+        from = to;
+    }
+    if is_beside {
+        nearest.sqrt()
+    } else {
+        axis.separation.max(0.0)
+    }
+}
+
+/// The face of `hull` with the largest separation from `points`, the first one on a tie; same frame.
+///
+/// The search starts with the face `first`, or with the one that looks most towards the other hull (`towards`): that
+/// changes the effort, never the answer.
+fn best_face(hull: &ConvexHull, points: &[Points4], towards: Vec3, first: Option<u32>) -> FaceAxis {
+    let evaluate = |face: usize| {
+        let plane = hull.faces()[face].plane;
+        let (support, height) = lowest(points.iter(), plane.normal);
+        FaceAxis {
+            face,
+            plane,
+            support,
+            separation: height - plane.offset,
+        }
+    };
+    let start = first.map_or_else(
+        || lowest(hull.lanes.planes.iter().map(|p| &p.normals), -towards).0,
+        |face| face as usize,
+    );
+    let mut best = evaluate(start.min(hull.faces().len() - 1));
+    // A vertex of the other hull bounds the separation of every face from above: most are ruled out by the one that
+    // supports the best face so far.
+    let mut witness = point(points, best.support);
+    for (group, planes) in hull.lanes.planes.iter().enumerate() {
+        let heights = planes.heights(witness);
+        if heights.iter().all(|&h| h < best.separation) {
+            continue;
+        }
+        for (l, &height) in heights.iter().enumerate() {
+            let face = group * LANES + l;
+            if height < best.separation || face >= hull.faces().len() || face == best.face {
+                continue;
+            }
+            let axis = evaluate(face);
+            let is_first = axis.separation == best.separation && face < best.face;
+            if axis.separation > best.separation || is_first {
+                best = axis;
+                witness = point(points, axis.support);
+            }
+        }
+    }
+    best
+}
+
+#[cfg(test)]
+mod tests {
+    use super::examine_hulls;
+    use crate::contact::body_manifold::BoundPatch;
+    use crate::contact::narrow::scratch::{Found, Hint, NarrowScratch};
+    use crate::geometry::primitives::{cuboid, icosphere, regular_prism, wedge};
+    use crate::math::Pose;
+    use glam::{Quat, Vec3};
+    use rand_core::Rng;
+    use rand_pcg::Pcg32;
+
+    /// From [-1, 1].
+    fn signed(random: &mut Pcg32) -> f32 {
+        (random.next_u32() >> 8) as f32 / 8_388_608.0 - 1.0
+    }
+
+    fn vector(random: &mut Pcg32) -> Vec3 {
+        [(); 3].map(|()| signed(random)).into()
+    }
+
+    #[test]
+    fn hints_do_not_change_the_answer() {
+        let hulls = [
+            cuboid(1.0, 0.6, 0.4),
+            icosphere(0.5, 1),
+            regular_prism(5, 0.5, 0.7),
+            wedge(1.0, 0.7, 0.4),
+        ]
+        .map(|hull| hull.expect("valid sizes"));
+        let mut random = Pcg32::new(7, 1);
+        let (mut scratch, mut hinted) = (NarrowScratch::new(), [0; 2]);
+        for _ in 0..20_000 {
+            let [a, b] = [(); 2].map(|()| &hulls[random.next_u32() as usize % hulls.len()]);
+            let turn = Quat::from_vec4(vector(&mut random).extend(signed(&mut random)));
+            let pose = Pose::new(0.8 * vector(&mut random), turn.normalize());
+            let margin = 0.02;
+            let found = examine_hulls(a, b, pose, margin, Hint::NONE, &mut scratch);
+            let Found::Near(patch) = found else { continue };
+            let patch = BoundPatch::new(&patch, pose.rotation, [Vec3::ZERO; 2], [None; 2]);
+            let faces = Some(scratch.best_faces);
+            let way = [0.1, 0.01, 1e-3, 1e-4][random.next_u32() as usize % 4];
+            let spin = Quat::from_scaled_axis(way * vector(&mut random));
+            let moved = Pose::new(
+                pose.position + way * vector(&mut random),
+                (spin * pose.rotation).normalize(),
+            );
+            let hint = Hint {
+                faces,
+                ..patch.hint(&moved, [Vec3::ZERO; 2])
+            };
+            hinted[usize::from(hint.axis.is_some())] += usize::from(patch.count > 0);
+            let expected = examine_hulls(a, b, moved, margin, Hint::NONE, &mut scratch);
+            let found = examine_hulls(a, b, moved, margin, hint, &mut scratch);
+            assert_eq!(found, expected, "{a:?} {b:?} {moved:?} {hint:?}");
+        }
+        assert!(hinted.iter().all(|&count| count > 1000), "{hinted:?}");
+    }
+}

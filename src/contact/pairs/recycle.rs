@@ -1,0 +1,307 @@
+//! What is kept of a pair of bodies from step to step, so that most pairs need no collision test.
+//!
+//! A test finds that the bodies are some distance apart, or where they nearly touch. Either holds while they have moved
+//! little against each other since: a bound of how far any point of the smaller body has moved as seen from the larger
+//! one tells. The state belongs to the pair and depends on nothing but how its two bodies moved.
+
+use crate::contact::body_manifold::BodyPlace;
+use crate::contact::narrow::scratch::Hint;
+use crate::contact::pairs::touches::NO_TOUCH;
+use crate::contact::pairs::touches::Touch;
+use crate::contact::pairs::touches::Touches;
+use crate::math::Pose;
+use glam::{Quat, Vec3};
+
+/// How far a pair may move until its contact is found anew, as a share of the least extent of the smaller body, where
+/// the points stay what they are (corners on faces, crossings of edges): their gaps and places are then followed.
+const RECYCLE: f32 = 1e-3;
+
+/// The same where a corner is about to slide over an edge, as in a stack of equal boxes. A support that is off by this
+/// much matters: at ten times the share a pyramid of base 50 moves by 14 mm instead of 6.
+const RECYCLE_UNSTEADY: f32 = 1e-4;
+
+/// How far a pair may slide along a face on which the smaller body's corners stand, as a share of the least extent of
+/// the smaller body. The points are exact all that way; it is the contact code of the face that is left behind.
+const SLIDE: f32 = 0.1;
+
+/// How much the bound of the motion is raised for rounding, as a share of the lengths that go into it.
+const ROUNDING: f32 = 1e-6;
+
+/// A body as its pairs see it in one step.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct PairBody {
+    pub(crate) place: BodyPlace,
+    pub(crate) rotation: Quat,
+    /// Largest distance of the surface from the centre of mass, m; infinite for a half-space.
+    pub(crate) radius: f32,
+    /// How far the centre goes within the step, m.
+    pub(crate) travel: Vec3,
+    /// How far a point of the body may turn within the step, m.
+    pub(crate) turning: f32,
+}
+
+/// What the quickest look at a pair needs of a body.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Pace {
+    /// A bound of the way that any point of the body has gone since the first step, m.
+    pub(crate) path: f64,
+    /// How far a point of the body may go within the step, m.
+    pub(crate) ahead: f32,
+    /// Least extent of the hull's box, m; infinite for a half-space.
+    pub(crate) least_extent: f32,
+    /// Changes with the shape, mass or material of the body.
+    pub(crate) version: u32,
+    /// How often the path began anew.
+    lap: u32,
+}
+
+/// A path begins anew when it is longer than this, m: until then it is good to a nanometre.
+const LONGEST_PATH: f64 = 1e6;
+
+impl Pace {
+    /// Adds to the path.
+    pub(crate) fn walk(&mut self, way: f32) {
+        self.path += f64::from(way);
+        // So that a path that is not a number ends too.
+        let is_usable = self.path <= LONGEST_PATH;
+        if !is_usable {
+            self.path = 0.0;
+            self.lap = self.lap.wrapping_add(1);
+        }
+    }
+}
+
+/// What a pair's state is tied to: changes with either body, because all of these numbers only grow.
+fn epoch_of([a, b]: [&Pace; 2]) -> u32 {
+    let epoch = |pace: &Pace| pace.version.wrapping_add(pace.lap);
+    epoch(a).wrapping_add(epoch(b))
+}
+
+impl PairBody {
+    /// How far any point of the body can have moved since `before`, m.
+    pub(crate) fn motion_since(&self, before: &Self) -> f32 {
+        let turn = (self.rotation - before.rotation).length();
+        let shift = (self.place.centre - before.place.centre).length();
+        // A half-space has no bound unless it does not turn.
+        let turned = if turn > 0.0 {
+            2.0 * self.radius * turn
+        } else {
+            0.0
+        };
+        shift + turned
+    }
+}
+
+/// How the smaller body of a pair is seen from the larger one.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sight {
+    /// Centre of mass of the smaller body, m.
+    centre: Vec3,
+    rotation: Quat,
+}
+
+impl Sight {
+    fn of(a: &PairBody, b: &PairBody) -> Self {
+        let (large, small) = if a.radius < b.radius { (b, a) } else { (a, b) };
+        Self {
+            centre: large.place.turn.transpose() * (small.place.centre - large.place.centre),
+            rotation: large.rotation.inverse() * small.rotation,
+        }
+    }
+
+    /// How the smaller body, of the given radius (m), has moved since `before`.
+    ///
+    /// A turn by the angle t moves a point by at most `2 r sin(t / 2)`; the quaternions differ by `2 sin(t / 4)`.
+    fn motion_since(&self, before: &Self, radius: f32) -> Motion {
+        let turn = (self.rotation - before.rotation).length();
+        let rounding = ROUNDING * (radius + self.centre.abs().element_sum());
+        Motion {
+            shift: self.centre - before.centre,
+            rest: 2.0 * radius * turn + rounding,
+        }
+    }
+}
+
+/// How the smaller body of a pair has moved as seen from the larger one.
+#[derive(Clone, Copy, Debug)]
+struct Motion {
+    /// Of the centre of mass, m.
+    shift: Vec3,
+    /// How far a point can have moved besides, m.
+    rest: f32,
+}
+
+impl Motion {
+    /// How far a point can have moved, m.
+    fn length(&self) -> f32 {
+        self.shift.length() + self.rest
+    }
+
+    /// The same along a direction, m.
+    fn along(&self, direction: Vec3) -> f32 {
+        self.shift.dot(direction).abs() + self.rest
+    }
+}
+
+/// Whether the last test of a pair still tells what is now.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Verdict {
+    /// It does.
+    Holds,
+    /// The pair must be tested again; if it was apart at the last test, along this axis (A's frame).
+    Unknown(Option<Vec3>),
+}
+
+/// How long what is known of a pair holds: all that the quick look reads, one pair after the other.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PairTerm {
+    /// Sum of the bodies' paths at the last test, m.
+    path: f64,
+    /// How far the bodies may move against each other, m.
+    tolerance: f32,
+    /// How far they may move, together with the margin of the contacts that matter, m: their distance if they were apart;
+    /// else the gap up to which the patch has all points.
+    limit: f32,
+    /// See [`epoch_of`].
+    epoch: u32,
+    /// Number of contact points.
+    pub(crate) points: u32,
+    /// Where the pair's state is in its list.
+    pub(crate) state: u32,
+    /// Where its touch is, or [`NO_TOUCH`].
+    pub(crate) touch: u32,
+}
+
+const _: () = assert!(size_of::<PairTerm>() == 32);
+
+impl PairTerm {
+    /// Of a pair that was never tested, whose state is at this place.
+    pub(crate) fn new(state: u32) -> Self {
+        Self {
+            path: 0.0,
+            tolerance: f32::NEG_INFINITY,
+            limit: f32::NEG_INFINITY,
+            epoch: 0,
+            points: 0,
+            state,
+            touch: NO_TOUCH,
+        }
+    }
+
+    /// Whether what the last test found holds for bodies of the given paces, if contacts up to `margin` (m) matter: a quick
+    /// look, which may say no for want of detail.
+    pub(crate) fn surely_holds(&self, paces: [&Pace; 2], margin: f32) -> bool {
+        let moved = (paces[0].path + paces[1].path - self.path) as f32;
+        moved <= self.tolerance && moved + margin < self.limit && self.epoch == epoch_of(paces)
+    }
+}
+
+/// What a closer look at a pair needs of its last test: a cache line.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(align(64))]
+pub(crate) struct PairState {
+    /// Unit vector from A to B, A's frame, along which the bodies were apart.
+    axis: Option<Vec3>,
+    sight: Sight,
+    /// The faces of A and B that separated best.
+    pub(crate) faces: [u32; 2],
+}
+
+const _: () = assert!(size_of::<PairState>() == 64);
+
+/// A pair as a test sees it.
+#[derive(Debug)]
+pub(crate) struct PairView<'v> {
+    pub(crate) bodies: [&'v PairBody; 2],
+    pub(crate) paces: [&'v Pace; 2],
+    pub(crate) term: &'v mut PairTerm,
+    pub(crate) state: &'v mut PairState,
+    pub(crate) touches: &'v mut Touches,
+}
+
+/// Up to which gap a test looks for points so that the patch holds for `margin` (m) until it is found anew: the pair may
+/// move by the tolerance, and the margin may grow by three times that as the bodies get faster.
+pub(crate) fn reach_of_test(paces: [&Pace; 2], margin: f32) -> f32 {
+    margin + 4.0 * RECYCLE * smaller_extent(paces)
+}
+
+/// Least extent of the smaller body, m.
+pub(crate) fn smaller_extent([a, b]: [&Pace; 2]) -> f32 {
+    a.least_extent.min(b.least_extent)
+}
+
+impl PairView<'_> {
+    /// What the last test says about the pair now, where bodies farther apart than `margin` (m) do not matter.
+    pub(crate) fn verdict(&mut self, margin: f32) -> Verdict {
+        let Self {
+            term,
+            state,
+            touches,
+            ..
+        } = self;
+        let [a, b] = self.bodies;
+        if term.epoch != epoch_of(self.paces) {
+            return Verdict::Unknown(None);
+        }
+        let sight = Sight::of(a, b);
+        let motion = sight.motion_since(&state.sight, a.radius.min(b.radius));
+        let mut moved = motion.length();
+        let most = SLIDE * smaller_extent(self.paces);
+        if moved > term.tolerance
+            && let Some(Touch { patch, .. }) = touches.of(term.touch)
+            && moved + term.tolerance <= patch.slide.min(most)
+        {
+            // What a slide changes, with all that the quick look lets pass after this, is nothing.
+            let normal = patch.normal_for(a.radius < b.radius, sight.rotation);
+            moved = motion.along(normal);
+        }
+        if moved <= term.tolerance && moved + margin < term.limit {
+            // The way there and back does not count.
+            term.path = self.paces[0].path + self.paces[1].path - f64::from(moved);
+            Verdict::Holds
+        } else {
+            Verdict::Unknown(state.axis)
+        }
+    }
+
+    /// What the last test says about the next one, if it found these shapes touching. `centres`: of mass, own frames, m.
+    pub(crate) fn hint(&self, b_in_a: &Pose, centres: [Vec3; 2]) -> Hint {
+        let is_current = self.term.epoch == epoch_of(self.paces);
+        match self.touches.of(self.term.touch) {
+            Some(Touch { patch, .. }) if patch.count > 0 && is_current => Hint {
+                faces: Some(self.state.faces),
+                ..patch.hint(b_in_a, centres)
+            },
+            _ => Hint::NONE,
+        }
+    }
+
+    /// Notes that a test now found the bodies `distance` (m) apart along `axis`.
+    pub(crate) fn set_apart(&mut self, axis: Vec3, distance: f32) {
+        self.note(0, f32::INFINITY, distance);
+        self.state.axis = Some(axis);
+        self.touches.end(&mut self.term.touch);
+    }
+
+    /// Notes that a test now found that the bodies touch, with all points up to `reach` (m).
+    pub(crate) fn set_near(&mut self, touch: Touch, reach: f32) {
+        let [least, most] = [RECYCLE_UNSTEADY, RECYCLE].map(|s| s * smaller_extent(self.paces));
+        let patch = &touch.patch;
+        self.note(patch.count, patch.steady.clamp(least, most), reach);
+        self.state.axis = None;
+        self.touches.set(&mut self.term.touch, touch);
+    }
+
+    fn note(&mut self, points: u32, tolerance: f32, limit: f32) {
+        let [a, b] = self.paces;
+        *self.term = PairTerm {
+            path: a.path + b.path,
+            tolerance,
+            limit,
+            epoch: epoch_of([a, b]),
+            points,
+            ..*self.term
+        };
+        self.state.sight = Sight::of(self.bodies[0], self.bodies[1]);
+    }
+}

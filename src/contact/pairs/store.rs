@@ -1,0 +1,149 @@
+//! What is known of a run of pairs, from step to step: flat lists that pairs point into.
+//!
+//! What the quick look at a pair reads lies in the order of the pairs. What only a closer look reads, and what manifolds are
+//! written from, stays where it is when pairs come and go. Touches are put into the order of the pairs now and then, because
+//! all of them are read in each step, and a heap that has fallen together has them in the order in which it touched.
+
+use crate::contact::body_id::BodyId;
+use crate::contact::pairs::broad_phase::Pair;
+use crate::contact::pairs::broad_phase::PairName;
+use crate::contact::pairs::broad_phase::name_of;
+use crate::contact::pairs::recycle::{Pace, PairBody, PairState, PairTerm, PairView};
+use crate::contact::pairs::touches::NO_TOUCH;
+use crate::contact::pairs::touches::Slab;
+use crate::contact::pairs::touches::Touch;
+use crate::contact::pairs::touches::Touches;
+use crate::simd::prefetch::prefetch;
+
+/// Of so many touches, one may have come since they were sorted, and lie anywhere.
+const DISORDER: usize = 8;
+
+/// What is known of a run of pairs.
+#[derive(Debug, Default)]
+pub(crate) struct Known {
+    names: Vec<PairName>,
+    pub(crate) terms: Vec<PairTerm>,
+    states: Slab<PairState>,
+    pub(crate) touches: Touches,
+    new_names: Vec<PairName>,
+    new_terms: Vec<PairTerm>,
+}
+
+impl Known {
+    /// Asks for what a closer look at a pair reads.
+    pub(crate) fn prefetch(&self, term: &PairTerm) {
+        prefetch(&self.states.list[term.state as usize]);
+        if let Some(touch) = self.touches.of(term.touch) {
+            prefetch(touch);
+        }
+    }
+
+    /// A pair as a test sees it.
+    pub(crate) fn view<'v>(
+        &'v mut self,
+        pair: usize,
+        bodies: [&'v PairBody; 2],
+        paces: [&'v Pace; 2],
+    ) -> PairView<'v> {
+        let term = &mut self.terms[pair];
+        PairView {
+            bodies,
+            paces,
+            state: &mut self.states.list[term.state as usize],
+            touches: &mut self.touches,
+            term,
+        }
+    }
+
+    /// Brings it into the order of these pairs. Of new ones nothing is known, and what was known of those that are gone is
+    /// forgotten.
+    pub(crate) fn follow(&mut self, pairs: &[Pair], ids: &[BodyId]) {
+        self.new_names.clear();
+        self.new_names
+            .extend(pairs.iter().map(|&pair| name_of(pair, ids)));
+        if self.new_names == self.names {
+            return;
+        }
+        self.new_terms.clear();
+        let (states, touches) = (&mut self.states, &mut self.touches);
+        let mut forget = |states: &mut Slab<PairState>, term: &mut PairTerm| {
+            states.free.push(term.state);
+            touches.end(&mut term.touch);
+        };
+        let mut old = self.names.iter().zip(&mut self.terms).peekable();
+        for name in &self.new_names {
+            while let Some((_, term)) = old.next_if(|(old, _)| *old < name) {
+                forget(states, term);
+            }
+            let term = match old.next_if(|(old, _)| *old == name) {
+                Some((_, term)) => *term,
+                None => PairTerm::new(states.add(PairState::default())),
+            };
+            self.new_terms.push(term);
+        }
+        old.for_each(|(_, term)| forget(states, term));
+        std::mem::swap(&mut self.names, &mut self.new_names);
+        std::mem::swap(&mut self.terms, &mut self.new_terms);
+    }
+
+    /// Puts the touches into the order of the pairs, if many of them have come since they were. `spare`: a list of any content.
+    pub(crate) fn sort_touches(&mut self, spare: &mut Vec<Touch>) {
+        if self.touches.unsorted * DISORDER <= self.touches.len() {
+            return;
+        }
+        spare.clear();
+        for term in self.terms.iter_mut().filter(|t| t.touch != NO_TOUCH) {
+            spare.push(*self.touches.at(term.touch));
+            term.touch = spare.len() as u32 - 1;
+        }
+        std::mem::swap(&mut self.touches.slab.list, spare);
+        self.touches.slab.free.clear();
+        self.touches.unsorted = 0;
+    }
+
+    /// The pairs that it knows, in order.
+    pub(crate) fn names(&self) -> &[PairName] {
+        &self.names
+    }
+
+    /// Takes what `from` knows of one of its pairs, which comes behind all that are known here.
+    pub(crate) fn take(&mut self, from: &Self, pair: usize) {
+        let mut term = from.terms[pair];
+        // In the order of the pairs.
+        if let Some(touch) = from.touches.of(term.touch) {
+            term.touch = self.touches.slab.add(*touch);
+        }
+        term.state = self.states.add(from.states.list[term.state as usize]);
+        self.names.push(from.names[pair]);
+        self.terms.push(term);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_of_pairs_that_are_gone_are_used_again() {
+        let ids: Vec<BodyId> = (0..40).map(BodyId).collect();
+        let mut known = Known::default();
+        for round in 0..100_u32 {
+            let pairs = (0..40).flat_map(|a| (a + 1..40).map(move |b| Pair { a, b }));
+            // A third of all pairs, others in each round.
+            let pairs: Vec<Pair> = pairs.filter(|p| (p.a * p.b + round) % 3 == 0).collect();
+            known.follow(&pairs, &ids);
+            for pair in (0..pairs.len()).filter(|pair| pair % 4 == 0) {
+                let Known { terms, touches, .. } = &mut known;
+                match round % 2 {
+                    0 => touches.set(&mut terms[pair].touch, Touch::default()),
+                    _ => touches.end(&mut terms[pair].touch),
+                }
+            }
+            let touching = known.terms.iter().filter(|term| term.touch != NO_TOUCH);
+            assert_eq!(known.touches.len(), touching.count());
+            assert_eq!(known.states.len(), pairs.len());
+        }
+        assert!(known.states.list.len() <= 40 * 40 / 2);
+        assert!(known.touches.slab.list.len() <= 40 * 40 / 2);
+    }
+}

@@ -1,0 +1,63 @@
+//! What islands ask of the sub-steps: how many, how many sweeps, and whether they must look out for blows.
+
+use crate::solver::config::SolverConfig;
+
+/// What an island asks of its sub-steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Demand {
+    /// Largest velocity that a contact gave its effective mass in the last step, over the smaller body's least extent, 1/s.
+    /// Infinite where a bond is new: what it will bear must be found before it gives way.
+    pub load: f32,
+    /// Whether bodies may hit each other: some move, or rebound.
+    pub can_hit: bool,
+    /// Sub-steps that follow from all that.
+    pub substeps: u32,
+}
+
+impl Demand {
+    /// Whether islands with the two demands can be solved together.
+    pub fn is_solved_like(&self, other: &Self) -> bool {
+        self.substeps == other.substeps && self.can_hit == other.can_hit
+    }
+}
+
+/// What a batch took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Effort {
+    /// Sweeps of all sub-steps together.
+    pub sweeps: u32,
+    /// Whether a sub-step ended above the tolerance.
+    pub hit_cap: bool,
+    /// Sweeps beyond the least numbers that are left for this step, and for this sub-step: evenly, for sub-steps that are
+    /// more precise than the next ones shake a stack.
+    spare: u32,
+    share: u32,
+}
+
+impl Effort {
+    /// For a batch whose largest island has the given number of points.
+    pub fn new(config: &SolverConfig, points: usize) -> Self {
+        Self {
+            spare: config.spare_updates / (points as u32).max(1),
+            ..Self::default()
+        }
+    }
+
+    /// Begins a sub-step, with `to_go` of them left.
+    pub fn begin(&mut self, to_go: u32) {
+        self.share = self.spare / to_go;
+    }
+
+    /// Most sweeps beyond the least number that this sub-step may still have.
+    pub fn share(&self) -> u32 {
+        self.share
+    }
+
+    /// Takes note of sweeps, `extra` of them beyond the least number, and whether they ended above the tolerance.
+    pub fn note(&mut self, sweeps: u32, extra: u32, hit_cap: bool) {
+        self.sweeps += sweeps;
+        self.share -= extra;
+        self.spare -= extra;
+        self.hit_cap |= hit_cap;
+    }
+}

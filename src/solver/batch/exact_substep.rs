@@ -1,0 +1,95 @@
+//! A sub-step by the exact method.
+
+use crate::bodies::solver_body::Solid;
+use crate::solver::adaptivity::Effort;
+use crate::solver::batch::Batch;
+use crate::solver::config::SolverConfig;
+use crate::solver::exact;
+use crate::solver::rows::soft_step;
+use crate::solver::rows::soft_step::Softness;
+use crate::solver::settings::SubstepSettings;
+use crate::solver::wide::pass::Pass;
+
+/// Sweeps where the exact method has no answer.
+const UNCERTIFIED_SWEEPS: u32 = 200;
+
+/// Velocity of position feedback, m/s, that is not worth taking out again.
+const NEGLIGIBLE_SPEED: f32 = 1e-4;
+
+impl Batch {
+    /// Notes the velocities that the bodies have without contacts.
+    pub(crate) fn keep_free_velocities(&mut self) {
+        self.scratch.free.clear();
+        self.scratch.free.extend_from_slice(&self.bodies);
+    }
+
+    /// Solves to rounding from the free velocities. What cannot be certified (there may be no solution with friction) is not
+    /// used: sweeps, which never gain energy, have the word then.
+    pub(crate) fn solve_exactly(&mut self, config: &SolverConfig, effort: &mut Effort) {
+        let mut rows = std::mem::take(&mut self.scratch.rows);
+        rows.clear();
+        self.collect_rows(0..self.layout.places.len(), 0, &mut rows);
+        let scratch = &mut self.scratch;
+        scratch.rows = rows;
+        scratch.inertia.clear();
+        let inertia = self.solids.iter().map(Solid::inverse_inertia);
+        scratch.inertia.extend(inertia);
+        let certificate = exact::solve(
+            &mut scratch.rows,
+            &mut self.bodies,
+            &scratch.inertia,
+            config,
+            &mut scratch.exact,
+        );
+        effort.sweeps += certificate.iterations;
+        if certificate.converged {
+            return self.take_impulses_of_rows();
+        }
+        self.bodies.copy_from_slice(&self.scratch.free);
+        self.pass(Pass::Warm, None);
+        let softness = Softness::HARD;
+        for _ in 0..UNCERTIFIED_SWEEPS {
+            let measure = false;
+            self.pass(Pass::Solve { softness, measure }, None);
+        }
+        effort.sweeps += UNCERTIFIED_SWEEPS;
+        effort.hit_cap = true;
+    }
+
+    fn take_impulses_of_rows(&mut self) {
+        let mut rows = self.scratch.rows.iter();
+        for &(_, place) in &self.layout.places {
+            let (block, lane) = (&self.blocks[place.block as usize], place.lane as usize);
+            let count = place.count as usize;
+            let points = &mut self.points[block.points.clone()][..count];
+            for (point, rows) in points.iter_mut().zip(&mut rows) {
+                for (lanes, impulse) in point.impulse.iter_mut().zip(rows.impulses()) {
+                    lanes.0[lane] = impulse;
+                }
+            }
+        }
+    }
+
+    /// Solves the rows once more from the free velocities, with what they should have after the motion.
+    pub(crate) fn relax_exactly(&mut self, settings: &SubstepSettings, effort: &mut Effort) {
+        let mut difference = 0.0_f32;
+        for (i, point) in self.points.iter_mut().enumerate() {
+            for (lane, wanted) in point.wanted.0.iter_mut().enumerate() {
+                let tie = self.ties.get_mut(i);
+                if let Some(tie) = tie.filter(|tie| tie.adhesion.0[lane] > 0.0) {
+                    difference = difference.max(tie.relax(lane, wanted));
+                    continue;
+                }
+                let rebound = self.blows.get(i).map_or(0.0, |blow| blow.rebound.0[lane]);
+                let relaxed =
+                    soft_step::relaxed_velocity(rebound, point.impulse[0].0[lane], *wanted);
+                difference = difference.max((*wanted - relaxed).abs());
+                *wanted = relaxed;
+            }
+        }
+        if difference > NEGLIGIBLE_SPEED {
+            self.bodies.copy_from_slice(&self.scratch.free);
+            self.solve_exactly(&settings.config, effort);
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! Bodies that hit each other within a sub-step, and what becomes of the impulses of their contacts.
+//!
+//! The impulse that stops a body says nothing about the next sub-step; what its contacts bore before the blow does, and is
+//! what they are warm started from, as are contacts that the blow has gone through. All others keep what they have found. In
+//! a large pile something hits something in nearly every sub-step: if every contact of the island went back each time, none
+//! would ever get to bear its load; and if only those of the bodies that were hit did, what they stand on would push back
+//! with the blow in the next sub-step.
+
+use crate::solver::batch::{Batch, MovingManifold};
+use crate::solver::graph::indices::Place;
+use crate::solver::wide::block::{Point, vector};
+
+/// Whether bodies hit each other in a sub-step.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Hits {
+    /// Any.
+    pub(crate) any: bool,
+    /// Any that may pass through each other in the step.
+    pub(crate) any_fast: bool,
+}
+
+impl Batch {
+    /// Finds the bodies that hit something faster than `threshold` (m/s) in this sub-step, whose wanted velocities are known,
+    /// and remembers the impulses of their contacts.
+    pub(crate) fn note_blows(&mut self, threshold: f32) -> Hits {
+        let mut is_hit = std::mem::take(&mut self.scratch.is_hit);
+        is_hit.clear();
+        is_hit.resize(self.bodies.len(), false);
+        let mut hits = Hits::default();
+        let mut note = |pair: [u32; 2], is_fast: bool| {
+            hits.any = true;
+            hits.any_fast |= is_fast;
+            for body in pair {
+                is_hit[body as usize] = self.bodies[body as usize].inverse_mass > 0.0;
+            }
+        };
+        for moving in self.moving.iter().filter(|m| self.hits(m, threshold)) {
+            note(moving.bodies, moving.clearance.is_some());
+        }
+        if self.has_restitution {
+            let places = self.layout.places.iter().zip(&self.layout.pairs);
+            let bouncing = places.filter(|((_, place), _)| self.bounces(*place));
+            bouncing.for_each(|(_, pair)| note(*pair, false));
+        }
+        if hits.any {
+            for (point, blow) in self.points.iter().zip(&mut self.blows) {
+                blow.before = point.impulse;
+            }
+        }
+        self.scratch.is_hit = is_hit;
+        hits
+    }
+
+    /// Whether two bodies approach each other faster than `threshold`, m/s.
+    pub(crate) fn any_closes(&self, threshold: f32) -> bool {
+        let closes = |moving: &MovingManifold| self.closes(moving, |_| threshold);
+        self.moving.iter().any(closes)
+    }
+
+    /// Whether the two bodies close their gap so fast that the impulses between them are those of a blow.
+    fn hits(&self, moving: &MovingManifold, threshold: f32) -> bool {
+        let lane = moving.place.lane as usize;
+        self.closes(moving, |point| threshold.max(-point.wanted.0[lane]))
+    }
+
+    /// Whether a point of a manifold closes faster than `bound`, m/s.
+    fn closes(&self, moving: &MovingManifold, bound: impl Fn(&Point) -> f32) -> bool {
+        let Place { block, lane, count } = moving.place;
+        let (block, lane) = (&self.blocks[block as usize], lane as usize);
+        let normal = vector(&block.normal, lane);
+        let pair = moving.bodies.map(|b| &self.bodies[b as usize]);
+        let mut points = self.points[block.points.clone()][..count as usize].iter();
+        points.any(|point| -point.normal_velocity(lane, normal, pair) > bound(point))
+    }
+
+    /// Whether a point of a manifold rebounds in this sub-step.
+    fn bounces(&self, place: Place) -> bool {
+        let (block, lane) = (&self.blocks[place.block as usize], place.lane as usize);
+        let mut blows = self.blows[block.points.clone()][..place.count as usize].iter();
+        blows.any(|blow| blow.rebound.0[lane] > 0.0)
+    }
+
+    /// Takes the impulses of a blow back to the remembered ones, without losing what they add to the total: those of the bodies
+    /// that were hit, and those that changed as if theirs had been, by `threshold` (m/s) at the point, because a blow goes on
+    /// through what stands behind.
+    pub(crate) fn forget_blows(&mut self, threshold: f32) {
+        let is_hit = &self.scratch.is_hit;
+        for block in &self.blocks {
+            for lane in 0..block.used {
+                let is_of_hit = block.pair(lane).iter().any(|&body| is_hit[body as usize]);
+                for i in block.points.clone() {
+                    let (point, blow) = (&mut self.points[i], &self.blows[i]);
+                    let change = point.impulse[0].0[lane] - blow.before[0].0[lane];
+                    let is_struck = change.abs() > threshold * point.normal_mass.0[lane];
+                    if is_of_hit || is_struck {
+                        point.total.0[lane] += change;
+                        for (now, before) in point.impulse.iter_mut().zip(&blow.before) {
+                            now.0[lane] = before.0[lane];
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

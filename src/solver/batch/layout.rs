@@ -1,0 +1,285 @@
+//! Who is where in a batch: numbers of bodies, places of manifolds, cuts into domains.
+//!
+//! All of it follows from the islands and the cuts alone, so it is kept as long as these are the same; what bodies and
+//! manifolds hold is loaded into it in every step.
+
+use crate::bodies::solver_body::SolverBody;
+use crate::bodies::store::Bodies;
+use crate::solver::config::ContactOrder;
+use crate::solver::config::Method;
+use crate::solver::graph::indices::Place;
+use crate::solver::graph::islands::{Island, Islands};
+use crate::solver::graph::lane_assignment::{Arrangement, Joint, Rule};
+use crate::solver::graph::partition;
+use crate::solver::graph::partition::Domains;
+use crate::solver::settings::SubstepSettings;
+use crate::solver::wide::block::{Block, Point};
+use crate::threads::parts::front_mut;
+use crate::threads::team::Team;
+use std::ops::Range;
+
+/// An island of a batch.
+#[derive(Clone, Debug, Default)]
+pub struct Member {
+    /// Its bodies within the batch.
+    pub bodies: Range<usize>,
+    /// Its manifolds within [`Layout::places`].
+    pub places: Range<usize>,
+    /// Number of its points.
+    pub contacts: usize,
+}
+
+/// What a layout follows from, besides the cuts.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Origin {
+    /// See [`Islands::revision`].
+    islands: u64,
+    range: Range<usize>,
+    order: ContactOrder,
+    method: Method,
+    has_team: bool,
+}
+
+/// Who is where in a batch.
+#[derive(Debug, Default)]
+pub struct Layout {
+    /// Its islands.
+    pub members: Vec<Member>,
+    /// Slots of its bodies, by number.
+    pub slots: Vec<u32>,
+    /// Numbers of the two bodies of each of its manifolds.
+    pub(crate) pairs: Vec<[u32; 2]>,
+    /// Its manifolds in the order of the islands: index and place.
+    pub places: Vec<(u32, Place)>,
+    /// Blocks of its [`domains`], in their order.
+    pub domains: Vec<Range<usize>>,
+    /// Of bodies that are copies, behind all others: which ones they copy.
+    pub(crate) originals: Vec<u32>,
+    pub(crate) cuts: Domains,
+    arrangement: Arrangement,
+    origin: Option<Origin>,
+    /// By domain but the first one and fixed body: the number of its copy.
+    copies: Vec<Option<u32>>,
+}
+
+impl Layout {
+    /// Numbers the bodies of the islands in `range`, unless the layout is theirs already; tells whether it is. If not, the
+    /// manifolds are still to be [placed](Self::place) and [named](Self::name). With a `team`, domains have their own copies of
+    /// fixed bodies.
+    pub(crate) fn number(
+        &mut self,
+        islands: &Islands,
+        range: Range<usize>,
+        bodies: &Bodies,
+        settings: &SubstepSettings,
+        team: Option<&Team>,
+    ) -> bool {
+        let config = &settings.config;
+        let origin = Some(Origin {
+            islands: islands.revision,
+            range: range.clone(),
+            order: config.order,
+            method: config.method,
+            has_team: team.is_some(),
+        });
+        let is_cut_as_before = match &islands.list[range.clone()] {
+            [island] => self.cut(island, islands, bodies, settings, team),
+            _ => self.cuts.keep_whole(),
+        };
+        let is_kept = is_cut_as_before && self.origin == origin;
+        if !is_kept {
+            self.number_islands(islands, range);
+            self.origin = origin;
+        }
+        is_kept
+    }
+
+    /// Cuts a large island into domains; whether that gave the same ones as before.
+    fn cut(
+        &mut self,
+        island: &Island,
+        islands: &Islands,
+        bodies: &Bodies,
+        settings: &SubstepSettings,
+        team: Option<&Team>,
+    ) -> bool {
+        let leaves = partition::leaves(island.manifolds.len());
+        if leaves == 1 || settings.config.method == Method::Exact {
+            return self.cuts.keep_whole();
+        }
+        let slots = &islands.slots[island.bodies.clone()];
+        let centre = |number: usize| {
+            let slot = slots[number] as usize;
+            let is_movable = bodies.velocity[slot].inverse_mass > 0.0;
+            is_movable.then(|| bodies.centre[slot])
+        };
+        self.cuts
+            .cut(slots.len(), centre, settings.gravity, leaves, team)
+    }
+
+    fn number_islands(&mut self, islands: &Islands, range: Range<usize>) {
+        self.members.clear();
+        self.slots.clear();
+        self.pairs.clear();
+        let first = islands.list[range.start].manifolds.start;
+        for island in &islands.list[range] {
+            let offset = self.slots.len() as u32;
+            self.slots
+                .extend_from_slice(&islands.slots[island.bodies.clone()]);
+            let pairs = islands.pairs[island.manifolds.clone()].iter();
+            self.pairs
+                .extend(pairs.map(|pair| pair.map(|number| number + offset)));
+            let Range { start, end } = island.manifolds;
+            self.members.push(Member {
+                bodies: offset as usize..self.slots.len(),
+                places: start - first..end - first,
+                contacts: island.points.len(),
+            });
+        }
+        self.cuts.sort(&mut self.slots, &mut self.pairs);
+    }
+
+    /// Gives each manifold of the islands in `range` a lane. `bodies`: by number, of which the last is idle, for the lanes that
+    /// are not used.
+    pub(crate) fn place(
+        &mut self,
+        islands: &Islands,
+        range: Range<usize>,
+        bodies: &[SolverBody],
+        order: ContactOrder,
+        team: Option<&Team>,
+    ) {
+        let rule = Rule {
+            order,
+            bodies: bodies.len(),
+            domains: self.cuts.count(),
+        };
+        let of_batch = islands.list[range.start].manifolds.start..;
+        let counts = &islands.counts[of_batch.clone()];
+        let (cuts, pairs) = (&self.cuts, &self.pairs);
+        let domains = pairs.iter().map(|pair| cuts.of(*pair));
+        let joint = |at: usize| {
+            let is_movable = |body: u32| bodies[body as usize].inverse_mass > 0.0;
+            Joint {
+                bodies: pairs[at].map(|body| is_movable(body).then_some(body)),
+                points: counts[at],
+            }
+        };
+        self.arrangement.arrange(domains, joint, rule, team);
+        let places = self.arrangement.places().iter().copied();
+        let names = islands.manifolds[of_batch].iter().copied();
+        self.places.clear();
+        self.places.extend(names.zip(places));
+        self.domains.clear();
+        self.domains.extend(self.arrangement.domains());
+    }
+
+    /// Makes the blocks: names the bodies and manifolds of their lanes. What else they hold from another step is overwritten
+    /// when they are filled.
+    pub(crate) fn name(
+        &mut self,
+        blocks: &mut Vec<Block>,
+        points: &mut Vec<Point>,
+        team: Option<&Team>,
+    ) {
+        let idle = self.slots.len() as u32;
+        let counts = self.arrangement.points_of_blocks();
+        blocks.resize_with(counts.len(), Block::default);
+        let has_copies = team.is_some();
+        let (mut rest, mut end, mut first) = (&mut blocks[..], 0, 0);
+        let domains = self.domains.iter().enumerate();
+        let parts = domains.zip(self.arrangement.manifolds_of_domains());
+        let parts = parts.map(|((domain, blocks), manifolds)| {
+            let counts = &counts[blocks.clone()];
+            first = end;
+            end += counts
+                .iter()
+                .map(|&count| usize::from(count))
+                .sum::<usize>();
+            Naming {
+                first_block: blocks.start,
+                blocks: front_mut(&mut rest, blocks.len()),
+                counts,
+                first_point: first,
+                manifolds,
+                // See `name_copies`.
+                idle: idle + if has_copies { domain as u32 } else { 0 },
+            }
+        });
+        Team::each(team, parts, |part| part.name(&self.pairs, &self.places));
+        points.resize(end, Point::default());
+        self.originals.clear();
+        if has_copies {
+            self.name_copies(blocks);
+        }
+    }
+
+    /// Gives each domain its own copies of the fixed bodies and of the idle one, so that domains of a stage, which different
+    /// threads solve, write to different bodies. Those of the idle one come first, in the order of the domains.
+    fn name_copies(&mut self, blocks: &mut [Block]) {
+        let (idle, first_fixed) = (self.slots.len() as u32, self.cuts.first_fixed());
+        let others = self.domains.len() - 1;
+        self.originals.extend(std::iter::repeat_n(idle, others));
+        if others == 0 {
+            return;
+        }
+        let fixed = self.slots.len() - first_fixed;
+        self.copies.clear();
+        self.copies.resize(others * fixed, None);
+        for (pair, (_, place)) in self.pairs.iter().zip(&self.places) {
+            let is_fixed = |&side: &usize| pair[side] as usize >= first_fixed;
+            let Some(side) = (0..2).find(is_fixed) else {
+                continue;
+            };
+            let Some(other) = (self.cuts.of(*pair) as usize).checked_sub(1) else {
+                continue;
+            };
+            let copy = &mut self.copies[other * fixed + pair[side] as usize - first_fixed];
+            let number = *copy.get_or_insert_with(|| {
+                self.originals.push(pair[side]);
+                idle + self.originals.len() as u32
+            });
+            let block = &mut blocks[place.block as usize];
+            block.bodies[side][place.lane as usize] = number;
+        }
+    }
+
+    /// The body itself, or the one that it is a copy of.
+    pub fn original(&self, body: u32) -> u32 {
+        // The idle body comes between bodies and copies.
+        let first_copy = self.slots.len() + 1;
+        let copy = (body as usize).checked_sub(first_copy);
+        copy.map_or(body, |copy| self.originals[copy])
+    }
+}
+
+/// The blocks of a domain that are to be named.
+struct Naming<'a> {
+    /// The first of them within the batch.
+    first_block: usize,
+    blocks: &'a mut [Block],
+    /// By block: points of its largest manifold.
+    counts: &'a [u16],
+    /// The first of its points within the batch.
+    first_point: usize,
+    /// Its manifolds.
+    manifolds: &'a [u32],
+    /// Number of the body of lanes that are not used.
+    idle: u32,
+}
+
+impl Naming<'_> {
+    fn name(self, pairs: &[[u32; 2]], places: &[(u32, Place)]) {
+        let mut end = self.first_point;
+        for (block, &count) in self.blocks.iter_mut().zip(self.counts) {
+            let first = end;
+            end += usize::from(count);
+            block.clear(self.idle, first..end);
+        }
+        for &at in self.manifolds {
+            let (index, place) = places[at as usize];
+            let block = &mut self.blocks[place.block as usize - self.first_block];
+            block.put(place.lane as usize, index, pairs[at as usize]);
+        }
+    }
+}

@@ -1,0 +1,180 @@
+//! How the bodies of a batch move within a sub-step.
+
+use crate::bodies::free_rotation::{SPINS, Spins};
+use crate::bodies::solver_body::SolverBody;
+use crate::contact::manifolds::Manifolds;
+use crate::contact::point::ContactPoint;
+use crate::simd::lanes::LaneWidth;
+use crate::solver::batch::layout::{Layout, Member};
+use crate::solver::batch::subdomain_slices::{each_part, parts_by_body};
+use crate::solver::batch::{Batch, TurningBody};
+use crate::solver::graph::bisection::MOST_LEAVES;
+use crate::solver::settings::SubstepSettings;
+use crate::threads::parts::front_mut;
+use crate::threads::team::Team;
+use glam::{Mat3, Vec3};
+
+impl Batch {
+    /// The velocities that gravity gives, and if a tolerance depends on it, how fast the bodies of each island are then.
+    pub(crate) fn apply_gravity(&mut self, settings: &SubstepSettings, team: Option<&Team>) {
+        let change = settings.gravity * settings.h;
+        let is_asked = settings.config.tolerance.is_some();
+        let Layout { cuts, members, .. } = &self.layout;
+        let fastest = &mut self.scratch.fastest;
+        fastest.clear();
+        if cuts.leaves().is_empty() {
+            fall(&mut self.bodies, change);
+            let asked = if is_asked { &members[..] } else { &[] };
+            let bodies = |member: &Member| &self.bodies[member.bodies.clone()];
+            fastest.extend(asked.iter().map(|member| fastest_of(bodies(member))));
+            return;
+        }
+        let mut of_parts = [0.0; MOST_LEAVES];
+        let parts = parts_by_body(&mut self.bodies, cuts).zip(&mut of_parts);
+        Team::each(team, parts, |(bodies, fastest)| {
+            fall(bodies, change);
+            if is_asked {
+                *fastest = fastest_of(bodies);
+            }
+        });
+        fastest.push(of_parts.into_iter().fold(0.0, f32::max));
+    }
+
+    /// Moves the bodies by their velocities.
+    pub(crate) fn move_bodies(
+        &mut self,
+        settings: &SubstepSettings,
+        manifolds: &Manifolds,
+        team: Option<&Team>,
+    ) {
+        let h = settings.h;
+        let lists = (&mut self.displacements[..], &mut self.bodies[..]);
+        each_part(&self.layout.cuts, team, lists, |qs, vs| {
+            for (q, v) in qs.iter_mut().zip(vs.iter()) {
+                q.linear += h * v.linear;
+                q.angular += h * v.angular;
+            }
+        });
+        if self.has_restitution {
+            self.correct_flight(settings);
+        }
+        self.keep_in_front(manifolds);
+    }
+
+    /// Stops the centre of a fast body in front of the face that it was in front of.
+    ///
+    /// The rows hold the points that were nearest at the start of the step. A thin body that hits with one corner turns at
+    /// thousands of radians per second, and no frozen row sees the rest of it come round.
+    fn keep_in_front(&mut self, manifolds: &Manifolds) {
+        for moving in &self.moving {
+            let Some(clearance) = moving.clearance else {
+                continue;
+            };
+            let manifold = manifolds.at(moving.manifold as usize);
+            let pair = moving.bodies;
+            let [a, b] = pair.map(|body| self.displacements[body as usize].linear);
+            let away = [-manifold.normal, manifold.normal][moving.carrier];
+            let height = |point: &ContactPoint| {
+                let anchor = [point.anchor_a, point.anchor_b][moving.carrier];
+                0.5 * point.separation - away.dot(anchor)
+            };
+            let before = manifold.points().iter().map(height);
+            let before = before.fold(f32::INFINITY, f32::min);
+            let after = before + manifold.normal.dot(b - a);
+            let least = before.min(clearance);
+            if before > 0.0 && after < least {
+                let body = pair[moving.carrier] as usize;
+                self.displacements[body].linear += (least - after) * away;
+            }
+        }
+    }
+
+    /// Bodies that nothing pushes fly: `x += h v - h^2 g / 2` with the velocity after the sub-step is the parabola. A body that
+    /// rebounds low would lose height otherwise while it is near the ground.
+    fn correct_flight(&mut self, settings: &SubstepSettings) {
+        let is_pushed = &mut self.scratch.is_pushed;
+        is_pushed.clear();
+        is_pushed.resize(self.bodies.len(), false);
+        for block in &self.blocks {
+            for point in &self.points[block.points.clone()] {
+                let is_held = |&lane: &usize| point.impulse[0].0[lane].abs() > 0.0;
+                for lane in (0..block.used).filter(is_held) {
+                    for body in block.pair(lane) {
+                        is_pushed[body as usize] = true;
+                    }
+                }
+            }
+        }
+        let fall = 0.5 * settings.h * settings.h * settings.gravity;
+        let bodies = self.bodies.iter().zip(is_pushed.iter());
+        for (q, (body, is_pushed)) in self.displacements.iter_mut().zip(bodies) {
+            if body.inverse_mass > 0.0 && !is_pushed {
+                q.linear -= fall;
+            }
+        }
+    }
+
+    /// Turns the bodies that spin, and their inertia with them.
+    pub(crate) fn turn_bodies(&mut self, h: f32, team: Option<&Team>) {
+        if self.turning.is_empty() {
+            return;
+        }
+        let count = self.bodies.len();
+        let width = self.settings.config.lane_width;
+        let mut rest = (
+            &mut self.bodies[..],
+            &mut self.solids[..],
+            &mut self.turning[..],
+        );
+        let parts = self.layout.cuts.shares_of_bodies(count).map(|range| {
+            let spinning = rest.2.partition_point(|t| (t.body as usize) < range.end);
+            (
+                range.start,
+                front_mut(&mut rest.0, range.len()),
+                front_mut(&mut rest.1, range.len()),
+                front_mut(&mut rest.2, spinning),
+            )
+        });
+        Team::each(team, parts, |(first, bodies, solids, turning)| {
+            for turning in turning.chunks_mut(SPINS) {
+                turn_together(turning, first, bodies, h, width);
+                for turning in turning {
+                    let r = Mat3::from_quat(turning.spin.rotation);
+                    let inertia = r * turning.inverse_inertia * r.transpose();
+                    solids[turning.body as usize - first].set_inverse_inertia(&inertia);
+                }
+            }
+        });
+    }
+}
+
+fn fall(bodies: &mut [SolverBody], change: Vec3) {
+    for body in bodies.iter_mut().filter(|b| b.inverse_mass > 0.0) {
+        body.linear += change;
+    }
+}
+
+/// Square of the largest speed, m2/s2.
+fn fastest_of(bodies: &[SolverBody]) -> f32 {
+    let squares = bodies.iter().map(|body| body.linear.length_squared());
+    squares.fold(0.0, f32::max)
+}
+
+/// Turns up to eight bodies; `first`: number of the first one of `bodies`.
+fn turn_together(
+    turning: &mut [TurningBody],
+    first: usize,
+    bodies: &mut [SolverBody],
+    h: f32,
+    width: LaneWidth,
+) {
+    let mut spins = Spins::default();
+    for turning in turning.iter() {
+        spins.push(turning.spin, bodies[turning.body as usize - first].angular);
+    }
+    spins.advance(h, width);
+    for (turning, (spin, omega)) in turning.iter_mut().zip(spins.iter()) {
+        turning.spin = *spin;
+        bodies[turning.body as usize - first].angular = omega;
+    }
+}

@@ -1,0 +1,57 @@
+//! Bodies that break while a batch is being solved.
+
+use crate::bodies::breaking::{BodyBlow, Limit};
+use crate::bodies::store::Bodies;
+use crate::solver::batch::Batch;
+use crate::solver::wide::block::vector;
+
+impl Batch {
+    /// Lists those of its bodies that may break.
+    pub(crate) fn load_limits(&mut self, bodies: &Bodies) {
+        if !bodies.any_fracturable() {
+            return;
+        }
+        for (body, &slot) in (0..).zip(&self.layout.slots) {
+            if let Some(limit) = bodies.limit(slot) {
+                self.limits.push(Limit { body, ..limit });
+            }
+        }
+        if !self.limits.is_empty() {
+            self.scratch.start.clear();
+            self.scratch.start.extend_from_slice(&self.bodies);
+        }
+    }
+
+    /// Notes the bodies that are overloaded by the impulses of the step until now; whether there are any.
+    pub(crate) fn find_overloaded(&mut self) -> bool {
+        self.overloaded.clear();
+        if self.limits.is_empty() {
+            return false;
+        }
+        let mut blows = std::mem::take(&mut self.scratch.blows);
+        blows.clear();
+        blows.resize(self.bodies.len(), BodyBlow::default());
+        for block in &self.blocks {
+            for lane in 0..block.used {
+                let (pair, normal) = (block.pair(lane), vector(&block.normal, lane));
+                let start = pair.map(|body| &self.scratch.start[body as usize]);
+                for point in &self.points[block.points.clone()] {
+                    let impulse = point.total.0[lane] + point.impulse[0].0[lane];
+                    if impulse > 0.0 {
+                        let speed = -point.normal_velocity(lane, normal, start);
+                        pair.iter()
+                            .for_each(|&body| blows[body as usize].add(impulse, speed));
+                    }
+                }
+            }
+        }
+        let overloaded = self.limits.iter().filter_map(|limit| {
+            let blow = blows[limit.body as usize];
+            let is_over = limit.is_exceeded_by(&blow);
+            is_over.then_some((self.layout.slots[limit.body as usize], blow))
+        });
+        self.overloaded.extend(overloaded);
+        self.scratch.blows = blows;
+        !self.overloaded.is_empty()
+    }
+}

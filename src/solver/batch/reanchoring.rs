@@ -1,0 +1,94 @@
+//! The rows of what moves within a step, pointed at where its contact points are by then.
+
+use crate::bodies::solver_body::SolverBody;
+use crate::math::rotate_by;
+use crate::solver::batch::subdomain_slices::shares;
+use crate::solver::batch::{Batch, TurningBody};
+use crate::solver::wide::block::points_of;
+use crate::solver::wide::reanchor::{Follow, Followers, Turn};
+use crate::threads::parts::{front, front_mut};
+use crate::threads::team::Team;
+use glam::Quat;
+
+impl Batch {
+    /// Points the rows of moving manifolds at where their contact points are now.
+    ///
+    /// Manifolds of bodies that turn faster than `most` (rad/s) are left as they are: impulses that have acted along the old
+    /// rows could not be taken back along the new ones.
+    pub(crate) fn follow_motion(&mut self, most: f32, team: Option<&Team>) {
+        if self.moving.is_empty() {
+            return;
+        }
+        self.find_turns(most, team);
+        self.follow_blocks(team);
+        self.derive_masses(team);
+    }
+
+    /// How each body of a moving manifold has turned since the start of the step, and each that is fixed.
+    fn find_turns(&mut self, most: f32, team: Option<&Team>) {
+        self.turns.resize(self.bodies.len(), Turn::default());
+        let mut rest = (
+            &mut self.turns[..],
+            &self.bodies[..],
+            &self.displacements[..],
+            &self.turning[..],
+            &self.scratch.is_followed[..],
+        );
+        let parts = self.layout.cuts.shares_of_bodies(self.bodies.len());
+        let parts = parts.map(|range| {
+            let spinning = rest.3.partition_point(|t| (t.body as usize) < range.end);
+            (
+                range.start as u32,
+                front_mut(&mut rest.0, range.len()),
+                front(&mut rest.1, range.len()),
+                front(&mut rest.2, range.len()),
+                front(&mut rest.3, spinning),
+                front(&mut rest.4, range.len()),
+            )
+        });
+        Team::each(team, parts, |part| {
+            let (first, turns, bodies, displacements, turning, is_followed) = part;
+            let mut turning = turning.iter().peekable();
+            let bodies = bodies.iter().zip(displacements.iter());
+            let bodies = bodies.zip(is_followed.iter());
+            let turns = (first..).zip(turns.iter_mut().zip(bodies));
+            for (number, (turn, ((body, moved), is_followed))) in turns {
+                let spins = turning.next_if(|t| t.body == number);
+                if !is_followed {
+                    continue;
+                }
+                let rotation = spins.map_or_else(|| small_turn(moved), TurningBody::turn);
+                *turn = Turn::new(rotation, body.angular.length() <= most);
+            }
+        });
+    }
+
+    fn follow_blocks(&mut self, team: Option<&Team>) {
+        let width = self.settings.config.lane_width;
+        let blocks = &self.blocks;
+        let (mut points, mut ties) = (&mut self.points[..], &mut self.ties[..]);
+        let (turns, displacements) = (&self.turns, &self.displacements);
+        let (mut followers, mut starts) = (Followers::new(&self.following), &self.starts[..]);
+        let shares = shares(&self.layout.domains, blocks.len(), team);
+        let parts = shares.map(|share| {
+            let of_points = points_of(&blocks[share.clone()]);
+            let ties_there = if ties.is_empty() { 0 } else { of_points.len() };
+            let following = followers.take(share.len());
+            Follow {
+                blocks: &blocks[share],
+                following,
+                points: front_mut(&mut points, of_points.len()),
+                ties: front_mut(&mut ties, ties_there),
+                starts: front(&mut starts, following.points()),
+                turns,
+                displacements,
+            }
+        });
+        Team::each(team, parts, |mut part| part.run(width));
+    }
+}
+
+/// The turn of a body whose axes need not be followed.
+fn small_turn(moved: &SolverBody) -> Quat {
+    rotate_by(Quat::IDENTITY, moved.angular, 1.0)
+}

@@ -1,0 +1,130 @@
+//! The warm start of a sub-step.
+//!
+//! In the first sub-step of a step the contacts are asked for it, `v += M^-1 J^T lambda`. Later their answer is known before:
+//! a sub-step begins without their impulses and ends with `lambda`, so what they have done to the bodies since it began is
+//!
+//! ```text
+//! v_end - v_begin = M^-1 J^T lambda
+//! ```
+//!
+//! To add that again takes one look at each body instead of one at each contact. Where rows are [pointed
+//! anew](crate::solver::wide::reanchor) in between, their part is taken out by the old rows and added by the new ones.
+
+use crate::bodies::solver_body::SolverBody;
+use crate::simd::lanes::run;
+use crate::solver::batch::Batch;
+use crate::solver::batch::energy_guard::{LinearSums, Sums};
+use crate::solver::batch::subdomain_slices::{each_part, parts_by_body};
+use crate::solver::graph::bisection::MOST_LEAVES;
+use crate::solver::wide::bias::Warm;
+use crate::solver::wide::contacts::cells;
+use crate::solver::wide::pass::Pass;
+use crate::threads::team::Team;
+
+/// Of so many blocks, one may follow the motion; if more do, all contacts are asked in each sub-step.
+const BLOCKS_PER_FOLLOWING: usize = 8;
+
+impl Batch {
+    /// Gives the bodies what the impulses of the sub-step before are worth.
+    pub(crate) fn warm_start(&mut self, team: Option<&Team>) {
+        if self.scratch.gains.is_empty() {
+            // A single sub-step whose energy is not bounded has no use for them.
+            if self.settings.config.substeps > 1 || self.is_passive() {
+                self.scratch.gains.extend_from_slice(&self.bodies);
+            }
+            self.pass(Pass::Warm, team);
+            return;
+        }
+        let lists = (&mut self.bodies[..], &mut self.scratch.gains[..]);
+        each_part(&self.layout.cuts, team, lists, |bodies, gains| {
+            for (body, gain) in bodies.iter_mut().zip(gains.iter_mut()) {
+                let begin = *body;
+                body.linear += gain.linear;
+                body.angular += gain.angular;
+                *gain = begin;
+            }
+        });
+    }
+
+    /// Ends a sub-step that began with a [warm start](Self::warm_start): finds what contacts have given to the bodies, which
+    /// is no [energy](crate::solver::batch::energy_guard).
+    pub(crate) fn note_gains(&mut self, team: Option<&Team>) {
+        if self.scratch.gains.is_empty() {
+            return;
+        }
+        let members = std::mem::take(&mut self.layout.members);
+        if let ([member], [_, ..]) = (&members[..], self.layout.cuts.leaves()) {
+            let linear = self.note_gains_of_leaves(team);
+            self.keep_passive(member, linear, team);
+        } else {
+            // Behind their bodies there is only the idle one, which gains nothing.
+            for member in &members {
+                let bodies = member.bodies.clone();
+                let linear = note_gains(
+                    &mut self.scratch.gains[bodies.clone()],
+                    &self.bodies[bodies],
+                );
+                self.keep_passive(member, linear.total(), team);
+            }
+        }
+        self.layout.members = members;
+    }
+
+    fn note_gains_of_leaves(&mut self, team: Option<&Team>) -> Sums {
+        let cuts = &self.layout.cuts;
+        let parts =
+            parts_by_body(&mut self.scratch.gains, cuts).zip(parts_by_body(&mut self.bodies, cuts));
+        let mut sums = [LinearSums::default(); MOST_LEAVES];
+        let sums = &mut sums[..cuts.leaves().len()];
+        Team::each(team, parts.zip(&mut *sums), |((gains, bodies), sums)| {
+            *sums = note_gains(gains, bodies);
+        });
+        let sums = sums.iter().map(LinearSums::total);
+        sums.reduce(|a, b| a + b).unwrap_or_default()
+    }
+
+    /// Has the contacts asked at the next warm start, because their impulses are no longer what the sub-step found.
+    pub(crate) fn forget_gains(&mut self) {
+        self.scratch.gains.clear();
+    }
+
+    /// [Points](Self::follow_motion) the rows of moving manifolds anew, between two sub-steps.
+    pub(crate) fn follow_with_gains(&mut self, team: Option<&Team>) {
+        if self.moving.is_empty() {
+            return;
+        }
+        if BLOCKS_PER_FOLLOWING * self.following.len() > self.blocks.len() {
+            self.forget_gains();
+        }
+        self.add_to_gains(-1.0);
+        self.follow_motion(f32::INFINITY, team);
+        self.add_to_gains(1.0);
+    }
+
+    /// Adds `share` times what the impulses of following blocks are worth to the gains, if these are known.
+    fn add_to_gains(&mut self, share: f32) {
+        if self.scratch.gains.is_empty() {
+            return;
+        }
+        let following = self.following.iter();
+        let warm = Warm {
+            blocks: following.map(|following| &self.blocks[following.block as usize]),
+            points: &self.points,
+            first_point: 0,
+            bodies: cells(&mut self.scratch.gains),
+            share,
+        };
+        run(self.settings.config.lane_width, warm);
+    }
+}
+
+/// Turns velocities at the start of a sub-step into what has been added since.
+fn note_gains(gains: &mut [SolverBody], bodies: &[SolverBody]) -> LinearSums {
+    let mut sums = LinearSums::default();
+    for (gain, body) in gains.iter_mut().zip(bodies) {
+        gain.linear = body.linear - gain.linear;
+        gain.angular = body.angular - gain.angular;
+        sums.add(body, gain);
+    }
+    sums
+}

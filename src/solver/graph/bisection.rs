@@ -1,0 +1,191 @@
+//! Halves of halves of a cloud of bodies, cut by planes across its axes.
+//!
+//! Each level takes two passes over the bodies: one counts them by slab of their half, one puts them on their side of the cut and
+//! measures the new halves. Parts of the bodies are gone through side by side; counts and boxes come out the same however
+//! many parts there are.
+
+use crate::threads::parts::front_mut;
+use crate::threads::team::{MOST_PARTS, Team};
+use glam::Vec3;
+use smallvec::SmallVec;
+
+/// Most leaves.
+pub(crate) const MOST_LEAVES: usize = 16;
+
+/// Places for a cut along an axis. Odd, so that none is in the middle, where symmetric structures have bodies that rounding
+/// would move across.
+const SLABS: usize = 61;
+
+/// Least bodies of a part, some 3 us of a pass.
+const LEAST_PART: usize = 512;
+
+/// The bodies of a half, and the cut through it.
+#[derive(Clone, Copy, Debug)]
+struct Half {
+    min: Vec3,
+    max: Vec3,
+    axis: usize,
+    /// Bodies by slab.
+    counts: [u32; SLABS],
+    /// The first slab of the second half.
+    slab: usize,
+}
+
+impl Default for Half {
+    fn default() -> Self {
+        Self {
+            min: Vec3::INFINITY,
+            max: Vec3::NEG_INFINITY,
+            axis: 0,
+            counts: [0; SLABS],
+            slab: 0,
+        }
+    }
+}
+
+impl Half {
+    fn contain(&mut self, centre: Vec3) {
+        self.min = self.min.min(centre);
+        self.max = self.max.max(centre);
+    }
+
+    /// Across the longest way. Cuts along gravity are preferred: within a domain, a sweep carries support up.
+    fn choose_axis(&mut self, gravity: Vec3) {
+        let along = gravity.normalize_or_zero().abs();
+        let way = (self.max - self.min) * (Vec3::ONE - 0.5 * along);
+        self.axis = way.max_position();
+    }
+
+    fn slab_of(&self, centre: Vec3) -> usize {
+        let (from, to) = (self.min[self.axis], self.max[self.axis]);
+        let share = (centre[self.axis] - from) / (to - from);
+        ((SLABS as f32 * share) as usize).min(SLABS - 1)
+    }
+
+    /// Cuts where the halves are most nearly of a size.
+    fn choose_slab(&mut self) {
+        let all: u32 = self.counts.iter().sum();
+        let mut below = 0;
+        let mut least = u32::MAX;
+        for (slab, count) in self.counts.iter().enumerate() {
+            below += count;
+            let difference = all.abs_diff(2 * below);
+            if difference < least {
+                (least, self.slab) = (difference, slab + 1);
+            }
+        }
+    }
+}
+
+/// The halves of a level; what is behind them is not used.
+type Level = [Half; MOST_LEAVES];
+
+/// A body that is sorted into halves.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sorted {
+    /// Its centre, m, if contacts move it.
+    centre: Option<Vec3>,
+    half: u8,
+    slab: u8,
+}
+
+/// Some of the bodies, and what is known of them alone.
+struct Part<'a> {
+    first: usize,
+    bodies: &'a mut [Sorted],
+    level: Level,
+}
+
+impl Part<'_> {
+    fn load(&mut self, centre: impl Fn(usize) -> Option<Vec3>) {
+        for (number, body) in (self.first..).zip(&mut *self.bodies) {
+            *body = Sorted {
+                centre: centre(number),
+                ..Sorted::default()
+            };
+            if let Some(centre) = body.centre {
+                self.level[0].contain(centre);
+            }
+        }
+    }
+
+    fn count(&mut self, level: &Level) {
+        for body in &mut *self.bodies {
+            if let Some(centre) = body.centre {
+                let half = body.half as usize;
+                let slab = level[half].slab_of(centre);
+                self.level[half].counts[slab] += 1;
+                body.slab = slab as u8;
+            }
+        }
+    }
+
+    fn halve(&mut self, level: &Level) {
+        self.level = Level::default();
+        for body in &mut *self.bodies {
+            if let Some(centre) = body.centre {
+                let is_second = usize::from(body.slab) >= level[body.half as usize].slab;
+                body.half = 2 * body.half + u8::from(is_second);
+                self.level[body.half as usize].contain(centre);
+            }
+        }
+    }
+}
+
+/// Bodies in halves of halves; buffers are reused.
+#[derive(Debug, Default)]
+pub(crate) struct Halves {
+    bodies: Vec<Sorted>,
+}
+
+impl Halves {
+    /// Cuts `count` bodies into `leaves` leaves by their centres of mass, m; those that contacts do not move have none. Which
+    /// leaf each body is in: for these the number of leaves.
+    pub(crate) fn cut(
+        &mut self,
+        count: usize,
+        centre: impl Fn(usize) -> Option<Vec3> + Sync,
+        gravity: Vec3,
+        leaves: usize,
+        team: Option<&Team>,
+    ) -> impl Iterator<Item = u8> {
+        self.bodies.resize(count, Sorted::default());
+        let mut parts = self.parts(team);
+        Team::each(team, parts.iter_mut(), |part| part.load(&centre));
+        for depth in 0..leaves.ilog2() {
+            let mut level = Level::default();
+            let halves = &mut level[..1 << depth];
+            for (i, half) in halves.iter_mut().enumerate() {
+                for part in &parts {
+                    half.min = half.min.min(part.level[i].min);
+                    half.max = half.max.max(part.level[i].max);
+                }
+                half.choose_axis(gravity);
+            }
+            Team::each(team, parts.iter_mut(), |part| part.count(&level));
+            for (i, half) in level[..1 << depth].iter_mut().enumerate() {
+                for part in &parts {
+                    let counts = half.counts.iter_mut().zip(part.level[i].counts);
+                    counts.for_each(|(all, count)| *all += count);
+                }
+                half.choose_slab();
+            }
+            Team::each(team, parts.iter_mut(), |part| part.halve(&level));
+        }
+        drop(parts);
+        let leaf = move |body: &Sorted| body.centre.map_or(leaves as u8, |_| body.half);
+        self.bodies.iter().map(leaf)
+    }
+
+    fn parts(&mut self, team: Option<&Team>) -> SmallVec<[Part<'_>; MOST_PARTS]> {
+        let count = self.bodies.len();
+        let size = Team::part_size(team, count, LEAST_PART);
+        let mut rest = &mut self.bodies[..];
+        let parts = (0..count).step_by(size).map(|first| Part {
+            first,
+            bodies: front_mut(&mut rest, size.min(count - first)),
+            level: Level::default(),
+        });
+        parts.collect()
+    }
+}

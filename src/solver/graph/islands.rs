@@ -1,0 +1,292 @@
+//! Groups of bodies that touch each other: what can be solved on its own.
+//!
+//! Bodies that contacts do not move join nothing: two piles on one floor are two islands. Each island's bodies are
+//! numbered from 0, so that its rows and bodies lie side by side in memory and no two islands share anything that is
+//! written. A fixed body has a number of its own in every island that touches it.
+
+use crate::bodies::store::Bodies;
+use crate::contact::manifolds::ManifoldHead;
+use crate::solver::graph::relative_motion::Travel;
+use crate::threads::parts::run_parts;
+use crate::threads::team::Team;
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Marks a body that has no number yet.
+const NONE: u32 = u32::MAX;
+
+/// Least manifolds of a part whose links are made: each takes some 10 ns.
+const LEAST_LINKS: usize = 512;
+
+/// One group.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Island {
+    /// Its part of [`Islands::manifolds`].
+    pub manifolds: Range<usize>,
+    /// Its part of [`Islands::slots`].
+    pub bodies: Range<usize>,
+    /// Its part of the list of contact points, in the order of its manifolds.
+    pub points: Range<usize>,
+    /// Whether any of its manifolds has restitution.
+    pub bounces: bool,
+    /// Its part of [`Islands::moving`].
+    pub moving: Range<usize>,
+}
+
+/// A manifold whose bodies move so far against each other that its rows follow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MovingPair {
+    /// Its place in [`Islands::manifolds`].
+    pub at: usize,
+    /// Whether the bodies may pass through each other in the step.
+    pub is_fast: bool,
+}
+
+/// What islands need of a manifold, which is large: one after the other in memory.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Link {
+    /// Slots.
+    bodies: [u32; 2],
+    /// A slot of the island that it belongs to; `NONE` if it belongs to none.
+    of: u32,
+    /// Number of its points.
+    points: u16,
+    /// Whether contacts move both bodies.
+    joins: bool,
+    /// Whether they rebound from each other.
+    bounces: bool,
+}
+
+impl Link {
+    fn new(manifold: &ManifoldHead, bodies: &Bodies, is_open: bool) -> Self {
+        let (a, b) = (manifold.a, manifold.b);
+        let moves = [a, b].map(|slot| bodies.velocity[slot as usize].inverse_mass > 0.0);
+        let of = match moves {
+            [true, _] => a,
+            [false, true] => b,
+            [false, false] => NONE,
+        };
+        Self {
+            bodies: [a, b],
+            of: if is_open { of } else { NONE },
+            points: manifold.count as u16,
+            joins: is_open && moves == [true; 2],
+            bounces: manifold.restitution > 0.0,
+        }
+    }
+
+    /// Whether it makes the same islands as another one.
+    fn joins_as(&self, other: &Self) -> bool {
+        let points = self.points;
+        *self == Self { points, ..*other }
+    }
+}
+
+/// The islands of a step, kept while the same bodies touch at as many points; buffers are reused.
+#[derive(Debug, Default)]
+pub struct Islands {
+    /// The islands, in the order of their first manifolds.
+    pub list: Vec<Island>,
+    /// Indices of manifolds, island by island; ascending within an island.
+    pub manifolds: Vec<u32>,
+    /// The two bodies of each of `manifolds`, as numbers within the island.
+    pub pairs: Vec<[u32; 2]>,
+    /// Number of points of each of `manifolds`.
+    pub counts: Vec<u32>,
+    /// Slots of bodies, island by island, in the order in which the manifolds name them.
+    pub slots: Vec<u32>,
+    /// Those of `manifolds` whose bodies move in the step, in their order.
+    pub moving: Vec<MovingPair>,
+    /// Grows when the islands change.
+    pub(crate) revision: u64,
+    /// By manifold: what the islands are made of, and what the present step has.
+    links: Vec<Link>,
+    new_links: Vec<Link>,
+    /// By manifold: the index of its island, if it belongs to one.
+    island: Vec<u32>,
+    /// Union-find over slots.
+    parent: Vec<u32>,
+    /// By slot of a root: index of its island.
+    island_of: Vec<u32>,
+    /// By slot: number within the island being filled.
+    number: Vec<u32>,
+}
+
+impl Islands {
+    /// Finds the islands of those of `manifolds`, which hold slots of `bodies`, that `is_open` tells. Manifolds of two fixed
+    /// bodies are left out.
+    pub fn find(
+        &mut self,
+        manifolds: &[ManifoldHead],
+        bodies: &Bodies,
+        is_open: impl Fn(&ManifoldHead) -> bool + Sync,
+        team: Option<&Team>,
+    ) {
+        self.new_links.resize(manifolds.len(), Link::default());
+        let old_links = &self.links;
+        let is_as_many = old_links.len() == manifolds.len();
+        // Other points, and other islands.
+        let [have_changed, are_new] = [0; 2].map(|_| AtomicBool::new(!is_as_many));
+        let size = Team::part_size(team, manifolds.len(), LEAST_LINKS);
+        let parts = self.new_links.chunks_mut(size).zip(manifolds.chunks(size));
+        run_parts(team, parts.enumerate(), |(part, (links, manifolds))| {
+            for (link, manifold) in links.iter_mut().zip(manifolds) {
+                *link = Link::new(manifold, bodies, is_open(manifold));
+            }
+            let first = part * size;
+            let old = old_links.get(first..first + links.len());
+            if let Some(old) = old.filter(|old| *old != links) {
+                have_changed.store(true, Ordering::Relaxed);
+                if !old.iter().zip(&*links).all(|(old, new)| old.joins_as(new)) {
+                    are_new.store(true, Ordering::Relaxed);
+                }
+            }
+        });
+        if !have_changed.into_inner() {
+            return;
+        }
+        self.revision += 1;
+        std::mem::swap(&mut self.links, &mut self.new_links);
+        if !are_new.into_inner() {
+            return self.count_points();
+        }
+        self.parent.clear();
+        self.parent.extend(0..bodies.slots() as u32);
+        for &Link { bodies: [a, b], .. } in self.links.iter().filter(|link| link.joins) {
+            join(&mut self.parent, a, b);
+        }
+        self.count();
+        self.sort();
+        self.number_bodies(bodies.slots());
+    }
+
+    /// Counts points anew where the islands are as they were.
+    fn count_points(&mut self) {
+        let links = self
+            .manifolds
+            .iter()
+            .map(|&index| &self.links[index as usize]);
+        for (count, link) in self.counts.iter_mut().zip(links) {
+            *count = u32::from(link.points);
+        }
+        let mut end = 0;
+        for island in &mut self.list {
+            let first = end;
+            end += self.counts[island.manifolds.clone()].iter().sum::<u32>() as usize;
+            island.points = first..end;
+        }
+    }
+
+    /// Number of manifolds of the islands in `range`.
+    pub(crate) fn manifolds_of(&self, range: &Range<usize>) -> usize {
+        let list = self.list[range.clone()].iter();
+        list.map(|island| island.manifolds.len()).sum()
+    }
+
+    /// Finds the manifolds whose rows follow the motion of their bodies; `travel` tells how these move, by index of a manifold.
+    pub fn find_moving(&mut self, travel: impl Fn(u32) -> Travel) {
+        self.moving.clear();
+        for island in &mut self.list {
+            let first = self.moving.len();
+            for at in island.manifolds.clone() {
+                let travel = travel(self.manifolds[at]);
+                if travel.is_noticeable {
+                    let is_fast = travel.is_fast;
+                    self.moving.push(MovingPair { at, is_fast });
+                }
+            }
+            island.moving = first..self.moving.len();
+        }
+    }
+
+    /// Makes the islands and counts their manifolds and points.
+    fn count(&mut self) {
+        self.list.clear();
+        self.island_of.clear();
+        self.island_of.resize(self.parent.len(), NONE);
+        self.island.clear();
+        for link in &self.links {
+            if link.of == NONE {
+                self.island.push(NONE);
+                continue;
+            }
+            let root = find(&mut self.parent, link.of);
+            let island = &mut self.island_of[root as usize];
+            if *island == NONE {
+                *island = self.list.len() as u32;
+                self.list.push(Island::default());
+            }
+            self.island.push(*island);
+            let island = &mut self.list[*island as usize];
+            island.manifolds.end += 1;
+            island.points.end += usize::from(link.points);
+            island.bounces |= link.bounces;
+        }
+        let (mut manifolds, mut points) = (0, 0);
+        for island in &mut self.list {
+            // Ends grow again as the manifolds are put in their places.
+            let count = island.manifolds.end;
+            island.manifolds = manifolds..manifolds;
+            manifolds += count;
+            island.points = points..points + island.points.end;
+            points = island.points.end;
+        }
+    }
+
+    /// Sorts the manifolds by island.
+    fn sort(&mut self) {
+        let islands = (0..).zip(&self.island);
+        let islands = islands.filter(|(_, island)| **island != NONE);
+        self.manifolds.clear();
+        self.manifolds.resize(islands.clone().count(), 0);
+        for (index, &island) in islands {
+            let island = &mut self.list[island as usize];
+            self.manifolds[island.manifolds.end] = index;
+            island.manifolds.end += 1;
+        }
+    }
+
+    /// Numbers the bodies of each island.
+    fn number_bodies(&mut self, slots: usize) {
+        self.slots.clear();
+        self.pairs.clear();
+        self.counts.clear();
+        self.number.clear();
+        self.number.resize(slots, NONE);
+        for island in &mut self.list {
+            let first = self.slots.len();
+            for &index in &self.manifolds[island.manifolds.clone()] {
+                let link = &self.links[index as usize];
+                let pair = link.bodies.map(|slot| {
+                    let number = &mut self.number[slot as usize];
+                    if *number == NONE {
+                        *number = (self.slots.len() - first) as u32;
+                        self.slots.push(slot);
+                    }
+                    *number
+                });
+                self.pairs.push(pair);
+                self.counts.push(u32::from(link.points));
+            }
+            island.bodies = first..self.slots.len();
+            for &slot in &self.slots[island.bodies.clone()] {
+                self.number[slot as usize] = NONE;
+            }
+        }
+    }
+}
+
+/// Representative of a slot's group, the least slot in it; halves the path to it.
+fn find(parent: &mut [u32], mut slot: u32) -> u32 {
+    while parent[slot as usize] != slot {
+        let above = parent[parent[slot as usize] as usize];
+        parent[slot as usize] = above;
+        slot = above;
+    }
+    slot
+}
+
+fn join(parent: &mut [u32], a: u32, b: u32) {
+    let (a, b) = (find(parent, a), find(parent, b));
+    parent[a.max(b) as usize] = a.min(b);
+}

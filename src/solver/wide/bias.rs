@@ -1,0 +1,202 @@
+//! What comes before the sweeps of a sub-step: targets and warm start. Targets may also be set on the way, by the first
+//! sweep, which has all that they follow from at hand.
+
+use crate::bodies::solver_body::SolverBody;
+use crate::simd::lanes::{Kernel, Lanes};
+use crate::simd::prefetch::prefetch;
+use crate::simd::vec3::V3;
+use crate::solver::rows::soft_step::Feedback;
+use crate::solver::wide::block::{Block, Point, load_anchors};
+use crate::solver::wide::body_pair::{Frame, Masses, Pair, load_three};
+use crate::solver::wide::bond::{RATE, Tie};
+use crate::solver::wide::contacts::Contacts;
+use std::cell::Cell;
+
+/// Sets the wanted velocities; see [`Pass::Targets`](crate::solver::wide::pass::Pass::Targets).
+pub(crate) struct Targets<'a, 'c, const TIED: bool> {
+    pub(crate) contacts: &'a mut Contacts<'c>,
+    pub(crate) ties: &'a mut [Tie],
+    pub(crate) feedback: Feedback,
+    pub(crate) first: bool,
+}
+
+impl<const TIED: bool> Kernel for Targets<'_, '_, TIED> {
+    type Output = f32;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> f32 {
+        let Contacts {
+            blocks,
+            points,
+            first_point,
+            displacements,
+            ..
+        } = self.contacts;
+        let aim = Aim::<L>::new(displacements, &self.feedback, self.first);
+        for block in blocks.iter() {
+            let start = block.points.start - *first_point;
+            let range = start..start + block.points.len();
+            let points = &mut points[range.clone()];
+            let of_block = aim.of_block(block);
+            for point in points.iter_mut() {
+                aim.at(&of_block, &load_anchors(point), point);
+            }
+            if TIED {
+                let ties = &mut self.ties[range];
+                tie_targets::<L>(block, points, ties, displacements, &self.feedback);
+            }
+        }
+        0.0
+    }
+}
+
+/// What the wanted velocities follow from, besides the contacts.
+pub(crate) struct Aim<'a, L> {
+    displacements: &'a [Cell<SolverBody>],
+    rate: L,
+    most: L,
+    /// -1 / length of the sub-step, 1/s.
+    closing: L,
+    first: bool,
+    is_far: bool,
+}
+
+/// Bodies from which their displacements are asked for ahead: 192 KiB, which are gone from the near cache when all contacts
+/// have been gone through.
+const FAR_BODIES: usize = 6144;
+
+/// What of it is the same for all points of a block.
+pub(crate) struct BlockAim<L> {
+    moved: Pair<L>,
+    normal: V3<L>,
+    slop: L,
+}
+
+impl<'a, L: Lanes> Aim<'a, L> {
+    #[inline(always)]
+    pub(crate) fn new(
+        displacements: &'a [Cell<SolverBody>],
+        feedback: &Feedback,
+        first: bool,
+    ) -> Self {
+        Self {
+            displacements,
+            rate: L::splat(feedback.rate),
+            most: L::splat(feedback.most),
+            closing: L::splat(-1.0 / feedback.h),
+            first,
+            is_far: displacements.len() >= FAR_BODIES,
+        }
+    }
+
+    /// Asks for the displacements that a block needs, if they may be far.
+    #[inline(always)]
+    pub(crate) fn prefetch(&self, block: &Block) {
+        if self.is_far {
+            for &body in block.bodies.as_flattened() {
+                prefetch(&self.displacements[body as usize]);
+            }
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn of_block(&self, block: &Block) -> BlockAim<L> {
+        BlockAim {
+            moved: Pair::gather(self.displacements, block),
+            normal: V3::load(&block.normal),
+            slop: L::load(&block.slop),
+        }
+    }
+
+    /// Sets the wanted velocity of a point; of a sub-step that is not the first, the impulse of the one before goes to the total.
+    #[inline(always)]
+    pub(crate) fn at(&self, of_block: &BlockAim<L>, anchors: &[V3<L>; 2], point: &mut Point) {
+        let zero = L::splat(0.0);
+        let shift = of_block.moved.relative(anchors);
+        let gap = L::load(&point.separation) + of_block.normal.dot(shift);
+        let overlap = zero - gap - of_block.slop;
+        let push = (self.rate * overlap.max(zero)).min(self.most);
+        gap.if_above(zero, gap * self.closing, push)
+            .store(&mut point.wanted);
+        if !self.first {
+            let total = L::load(&point.total) + L::load(&point.impulse[0]);
+            total.store(&mut point.total);
+        }
+    }
+}
+
+/// Targets of bonded lanes: what has opened, been pressed in or slid goes back.
+#[inline(always)]
+fn tie_targets<L: Lanes>(
+    block: &Block,
+    points: &mut [Point],
+    ties: &mut [Tie],
+    displacements: &[Cell<SolverBody>],
+    feedback: &Feedback,
+) {
+    let moved = Pair::<L>::gather(displacements, block);
+    let frame = Frame::<L>::load(block);
+    let (zero, rate) = (L::splat(0.0), L::splat(RATE * feedback.rate));
+    let (most, least) = (L::splat(feedback.most), L::splat(-feedback.most));
+    let back = |way: L| (zero - rate * way).min(most).max(least);
+    for (point, tie) in points.iter_mut().zip(ties) {
+        let adhesion = L::load(&tie.adhesion);
+        let shift = moved.relative(&load_anchors(point));
+        let gap = L::load(&point.separation) + frame.normal.dot(shift);
+        adhesion
+            .if_above(zero, back(gap), L::load(&point.wanted))
+            .store(&mut point.wanted);
+        for k in 0..2 {
+            let slide = L::load(&tie.slide[k]) + frame.tangents[k].dot(shift);
+            adhesion
+                .if_above(zero, back(slide), zero)
+                .store(&mut tie.wanted[k]);
+        }
+    }
+}
+
+/// Gives bodies what the impulses of points are worth, `share` times; see [`Pass::Warm`](crate::solver::wide::pass::Pass::Warm).
+pub(crate) struct Warm<'a, B> {
+    pub(crate) blocks: B,
+    /// Points of the blocks, and what the blocks call the first of them.
+    pub(crate) points: &'a [Point],
+    pub(crate) first_point: usize,
+    pub(crate) bodies: &'a [Cell<SolverBody>],
+    pub(crate) share: f32,
+}
+
+impl<'a, B: Iterator<Item = &'a Block>> Kernel for Warm<'_, B> {
+    type Output = f32;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> f32 {
+        let share = L::splat(self.share);
+        for block in self.blocks {
+            let start = block.points.start - self.first_point;
+            let points = &self.points[start..start + block.points.len()];
+            warm_start(block, points, self.bodies, share);
+        }
+        0.0
+    }
+}
+
+#[inline(always)]
+fn warm_start<L: Lanes>(block: &Block, points: &[Point], bodies: &[Cell<SolverBody>], share: L) {
+    let frame = Frame::<L>::load(block);
+    let zero = V3([L::splat(0.0); 3]);
+    let (mut linear, mut angular) = (zero, [zero; 2]);
+    for point in points {
+        let impulse = frame.impulse(load_three(&point.impulse));
+        let anchors = load_anchors(point);
+        linear = linear.plus(impulse);
+        angular = [
+            angular[0].plus(anchors[0].cross(impulse)),
+            angular[1].plus(anchors[1].cross(impulse)),
+        ];
+    }
+    let mut pair = Pair::<L>::gather(bodies, block);
+    let [of_a, of_b] = angular;
+    let angular = [of_a.times(share), of_b.times(share)];
+    pair.apply(&Masses::load(block), linear.times(share), angular);
+    pair.scatter(bodies, block);
+}

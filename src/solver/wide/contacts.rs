@@ -1,0 +1,35 @@
+//! The contacts that a pass goes through, with the bodies that they join.
+
+use crate::bodies::solver_body::SolverBody;
+use crate::simd::lanes::LaneWidth;
+use crate::solver::config::FrictionModel;
+use crate::solver::wide::block::{Block, Blow, Point};
+use std::cell::Cell;
+
+/// What all loops run over.
+#[derive(Debug)]
+pub struct Contacts<'a> {
+    /// Blocks of manifolds.
+    pub blocks: &'a [Block],
+    /// Points of the blocks.
+    pub points: &'a mut [Point],
+    /// What the blocks call the first of these points.
+    pub first_point: usize,
+    /// Blows of the points; empty where nothing hits.
+    pub blows: &'a [Blow],
+    /// Velocities that the numbers in the blocks refer to.
+    pub bodies: &'a [Cell<SolverBody>],
+    /// Displacements of the bodies since the start of the step.
+    pub displacements: &'a [Cell<SolverBody>],
+    /// Shape of the friction bound.
+    pub friction: FrictionModel,
+    /// Lanes of a register.
+    pub width: LaneWidth,
+    /// Whether blocks and points lie in far memory, so that sweeps ask for them ahead.
+    pub is_far: bool,
+}
+
+/// The elements of a list, for passes.
+pub(crate) fn cells<T>(list: &mut [T]) -> &[Cell<T>] {
+    Cell::from_mut(list).as_slice_of_cells()
+}

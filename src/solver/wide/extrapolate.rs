@@ -1,0 +1,58 @@
+//! Momentum of the impulses, in lanes.
+
+use crate::simd::lanes::{F8, Kernel, Lanes};
+use crate::solver::wide::block::load_anchors;
+use crate::solver::wide::body_pair::{Frame, Masses, Pair, load_three, project, store_three};
+use crate::solver::wide::bond::{Bounds, Tie};
+use crate::solver::wide::contacts::Contacts;
+
+/// Moves the impulses on; see [`Pass::Extrapolate`](crate::solver::wide::pass::Pass::Extrapolate).
+pub(crate) struct Extrapolate<'a, 'c, const TIED: bool> {
+    pub(crate) contacts: &'a mut Contacts<'c>,
+    pub(crate) ties: &'a [Tie],
+    pub(crate) last: &'a mut [[F8; 3]],
+    pub(crate) weight: f32,
+}
+
+impl<const TIED: bool> Kernel for Extrapolate<'_, '_, TIED> {
+    type Output = f32;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> f32 {
+        let Contacts {
+            blocks,
+            points,
+            first_point,
+            bodies,
+            friction: model,
+            ..
+        } = self.contacts;
+        let weight = L::splat(self.weight);
+        for block in blocks.iter() {
+            let (frame, masses) = (Frame::<L>::load(block), Masses::load(block));
+            let friction = L::load(&block.friction);
+            let mut pair = Pair::<L>::gather(bodies, block);
+            let start = block.points.start - *first_point;
+            for i in start..start + block.points.len() {
+                let (point, last) = (&mut points[i], &mut self.last[i]);
+                let now: [L; 3] = load_three(&point.impulse);
+                let before: [L; 3] = load_three(last);
+                let wish = [
+                    now[0] + weight * (now[0] - before[0]),
+                    now[1] + weight * (now[1] - before[1]),
+                    now[2] + weight * (now[2] - before[2]),
+                ];
+                let bounds = Bounds::<L, TIED>::load(friction, self.ties.get(i));
+                let normal = bounds.normal(wish[0]);
+                let [t1, t2] = project(*model, [wish[1], wish[2]], bounds.radius(normal));
+                let new = [normal, t1, t2];
+                store_three(now, last);
+                store_three(new, &mut point.impulse);
+                let taken = [normal - wish[0], t1 - wish[1], t2 - wish[2]];
+                pair.push(&masses, &load_anchors(point), frame.impulse(taken));
+            }
+            pair.scatter(bodies, block);
+        }
+        0.0
+    }
+}

@@ -1,0 +1,426 @@
+//! Contact points that follow the motion of their bodies within a step.
+//!
+//! Contacts are found once per step. Where bodies move fast against each other, or turn, the rows of later sub-steps must
+//! point at where the contact points are by then. A contact point stays at its place on one of its bodies, the carrier, and
+//! both bodies see the impulse there, or it would change the total angular momentum. The gap is what lies between the two
+//! anchors, each turned with its own body.
+//!
+//! A manifold tells the middle between the two surfaces. That is no place of a body as long as there is a gap: metres from a
+//! splinter in flight, it would sweep around with the splinter's spin and hit what the splinter does not. So what is carried
+//! is the point of the carrier's surface, half a gap away.
+
+use crate::bodies::solver_body::SolverBody;
+use crate::simd::lanes::{F8, Kernel, LaneWidth, Lanes, Numbers, run};
+use crate::simd::vec3::V3;
+use crate::solver::wide::block::points_of;
+use crate::solver::wide::block::{Block, FAR, Point, load_anchors};
+use crate::solver::wide::body_pair::{Frame, Pair};
+use crate::solver::wide::bond::Tie;
+use crate::threads::parts::front;
+use glam::Quat;
+
+/// A block of which some lanes follow, so that its masses and couplings change within the step.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Following {
+    /// Its index.
+    pub(crate) block: u32,
+    /// Its points, within the starts of all that follow.
+    pub(crate) starts: [u32; 2],
+    /// 1 in lanes whose points follow, else 0.
+    pub(crate) moves: F8,
+    /// 1 in lanes whose points stay on B, 0 where they stay on A.
+    pub(crate) on_b: F8,
+}
+
+/// Blocks that follow, ascending, which are taken off part by part with the blocks.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Followers<'a> {
+    rest: &'a [Following],
+    /// Index of the next block.
+    block: usize,
+}
+
+impl<'a> Followers<'a> {
+    pub(crate) fn new(following: &'a [Following]) -> Self {
+        Self {
+            rest: following,
+            block: 0,
+        }
+    }
+
+    /// Those of the next `blocks` blocks.
+    pub(crate) fn take(&mut self, blocks: usize) -> FollowingPart<'a> {
+        let first_block = self.block;
+        self.block += blocks;
+        let end = self.block;
+        let count = self.rest.partition_point(|f| (f.block as usize) < end);
+        FollowingPart {
+            first_block,
+            list: front(&mut self.rest, count),
+        }
+    }
+}
+
+/// Some of the blocks that follow.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FollowingPart<'a> {
+    /// The first block of the part that they are of.
+    first_block: usize,
+    list: &'a [Following],
+}
+
+impl<'a> FollowingPart<'a> {
+    /// Indices of the blocks within their part.
+    pub(crate) fn blocks(self) -> impl Iterator<Item = usize> + 'a {
+        let first = self.first_block;
+        self.list.iter().map(move |f| f.block as usize - first)
+    }
+
+    /// Number of their points.
+    pub(crate) fn points(self) -> usize {
+        match self.list {
+            [] => 0,
+            [first, ..] => (self.list[self.list.len() - 1].starts[1] - first.starts[0]) as usize,
+        }
+    }
+
+    /// Notes where the points of these blocks, which are among `blocks`, are at the start of the step.
+    pub(crate) fn start(self, blocks: &[Block], points: &[Point], starts: &mut [Start]) {
+        let first = points_of(blocks).start;
+        let points_there = self.blocks().flat_map(|block| blocks[block].points.clone());
+        for (start, point) in starts.iter_mut().zip(points_there) {
+            *start = Start::of(&points[point - first]);
+        }
+    }
+}
+
+/// A point at the start of the step.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Start {
+    anchors: [[F8; 3]; 2],
+    separation: F8,
+}
+
+impl Start {
+    /// The place of a point that has not moved yet.
+    pub(crate) fn of(point: &Point) -> Self {
+        Self {
+            anchors: point.anchors,
+            separation: point.separation,
+        }
+    }
+}
+
+/// How a body has turned since the start of the step: the quaternion x, y, z, w, then 1 if its points may follow, else 0.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Turn(F8);
+
+impl Turn {
+    pub(crate) fn new(rotation: Quat, may_follow: bool) -> Self {
+        let [x, y, z, w] = rotation.to_array();
+        Self(F8([x, y, z, w, f32::from(may_follow), 0.0, 0.0, 0.0]))
+    }
+}
+
+impl Numbers for Turn {
+    #[inline(always)]
+    fn numbers(&self) -> [f32; 8] {
+        self.0.0
+    }
+}
+
+/// Some blocks, and all that is about their points.
+pub(crate) struct Follow<'a> {
+    pub(crate) blocks: &'a [Block],
+    pub(crate) following: FollowingPart<'a>,
+    pub(crate) points: &'a mut [Point],
+    /// Empty where nothing is bonded.
+    pub(crate) ties: &'a mut [Tie],
+    /// Of the points of those blocks that follow.
+    pub(crate) starts: &'a [Start],
+    pub(crate) turns: &'a [Turn],
+    pub(crate) displacements: &'a [SolverBody],
+}
+
+impl Follow<'_> {
+    pub(crate) fn run(&mut self, width: LaneWidth) {
+        if self.ties.is_empty() {
+            run(width, Tied::<false>(self));
+        } else {
+            run(width, Tied::<true>(self));
+        }
+    }
+}
+
+struct Tied<'p, 'a, const TIED: bool>(&'p mut Follow<'a>);
+
+impl<const TIED: bool> Kernel for Tied<'_, '_, TIED> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Follow {
+            blocks,
+            following,
+            points,
+            ties,
+            starts,
+            turns,
+            displacements,
+        } = self.0;
+        let first = points_of(blocks).start;
+        let mut starts = starts.iter();
+        for (at, following) in following.blocks().zip(following.list) {
+            let block = &blocks[at];
+            let carried = Carried::<L>::load(block, following, turns, displacements);
+            let of_block = block.points.start - first..block.points.end - first;
+            for (i, start) in of_block.zip(&mut starts) {
+                let (follows, between) = carried.follow(start, &mut points[i]);
+                if TIED {
+                    carried.follow_tie(&mut ties[i], &points[i], follows, &between);
+                }
+            }
+        }
+    }
+}
+
+/// The bodies of a block, with how they have moved and turned since the start of the step.
+struct Carried<L> {
+    frame: Frame<L>,
+    moved: Pair<L>,
+    turns: [[V3<L>; 3]; 2],
+    /// 1 in lanes whose points follow.
+    moves: L,
+    on_b: L,
+}
+
+impl<L: Lanes> Carried<L> {
+    #[inline(always)]
+    fn load(
+        block: &Block,
+        following: &Following,
+        turns: &[Turn],
+        displacements: &[SolverBody],
+    ) -> Self {
+        let [a, b] = &block.bodies;
+        let (a, b) = (L::gather(turns, a), L::gather(turns, b));
+        Self {
+            frame: Frame::load(block),
+            moved: Pair::gather(displacements, block),
+            turns: [matrix(&a), matrix(&b)],
+            moves: L::load(&following.moves) * a[4] * b[4],
+            on_b: L::load(&following.on_b),
+        }
+    }
+
+    /// Moves a point; returns in which lanes it is there and follows, and how far B has gone against A there, m.
+    #[inline(always)]
+    fn follow(&self, start: &Start, point: &mut Point) -> (L, V3<L>) {
+        let (zero, normal) = (L::splat(0.0), &self.frame.normal);
+        let gap = L::load(&start.separation);
+        let follows = L::splat(FAR).if_above(gap, self.moves, zero);
+        // On B it is where the normal points to.
+        let half = L::splat(0.5) * gap;
+        let to_surface = normal.times(self.on_b.if_above(zero, half, zero - half));
+        let [from_a, from_b] = [
+            V3::load(&start.anchors[0]).plus(to_surface),
+            V3::load(&start.anchors[1]).plus(to_surface),
+        ];
+        let [to_a, to_b] = [
+            turned(&self.turns[0], from_a),
+            turned(&self.turns[1], from_b),
+        ];
+        let apart = self.moved.linear(1).minus(self.moved.linear(0));
+        let between = apart.plus(to_b.minus(from_b)).minus(to_a.minus(from_a));
+        let on_a = to_b.minus(between);
+        let on_b = to_a.plus(between);
+        let anchors = [select(self.on_b, on_b, to_a), select(self.on_b, to_b, on_a)];
+        let gap = gap + normal.dot(between) - self.moved.along(*normal, &anchors);
+        let before = load_anchors::<L>(point);
+        select(follows, anchors[0], before[0]).store(&mut point.anchors[0]);
+        select(follows, anchors[1], before[1]).store(&mut point.anchors[1]);
+        follows
+            .if_above(zero, gap, L::load(&point.separation))
+            .store(&mut point.separation);
+        (follows, between)
+    }
+
+    /// Bonded lanes: how far B is off along the tangents, less what displacements add to it.
+    #[inline(always)]
+    fn follow_tie(&self, tie: &mut Tie, point: &Point, follows: L, between: &V3<L>) {
+        let anchors = load_anchors(point);
+        for k in 0..2 {
+            let tangent = self.frame.tangents[k];
+            let shift = self.moved.along(tangent, &anchors);
+            let slide = L::load(&tie.start[k]) + tangent.dot(*between) - shift;
+            follows
+                .if_above(L::splat(0.0), slide, L::load(&tie.slide[k]))
+                .store(&mut tie.slide[k]);
+        }
+    }
+}
+
+/// `yes` in lanes where `mask` is 1, `no` where it is 0.
+#[inline(always)]
+fn select<L: Lanes>(mask: L, yes: V3<L>, no: V3<L>) -> V3<L> {
+    let zero = L::splat(0.0);
+    let ([a, b, c], [x, y, z]) = (yes.0, no.0);
+    V3([
+        mask.if_above(zero, a, x),
+        mask.if_above(zero, b, y),
+        mask.if_above(zero, c, z),
+    ])
+}
+
+/// Columns of the rotation matrices of quaternions.
+#[inline(always)]
+fn matrix<L: Lanes>(turn: &[L; 8]) -> [V3<L>; 3] {
+    let [x, y, z, w, ..] = *turn;
+    let (one, x2, y2, z2) = (L::splat(1.0), x + x, y + y, z + z);
+    let (xx, xy, xz) = (x * x2, x * y2, x * z2);
+    let (yy, yz, zz) = (y * y2, y * z2, z * z2);
+    let (wx, wy, wz) = (w * x2, w * y2, w * z2);
+    [
+        V3([one - (yy + zz), xy + wz, xz - wy]),
+        V3([xy - wz, one - (xx + zz), yz + wx]),
+        V3([xz + wy, yz - wx, one - (xx + yy)]),
+    ]
+}
+
+#[inline(always)]
+fn turned<L: Lanes>(columns: &[V3<L>; 3], v: V3<L>) -> V3<L> {
+    let [x, y, z] = v.0;
+    let sum = columns[0].times(x).plus(columns[1].times(y));
+    sum.plus(columns[2].times(z))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Follow, Followers, Following, Start, Turn};
+    use crate::bodies::solver_body::SolverBody;
+    use crate::simd::lanes::{LaneWidth, WIDTH};
+    use crate::solver::wide::block::{Block, FAR, Point, set_vector, vector};
+    use crate::solver::wide::bond::Tie;
+    use glam::{Mat3, Quat, Vec3};
+    use rand_core::Rng;
+    use rand_pcg::Pcg32;
+
+    /// From [-1, 1].
+    fn signed(random: &mut Pcg32) -> f32 {
+        (random.next_u32() >> 8) as f32 / 8_388_608.0 - 1.0
+    }
+
+    fn direction(random: &mut Pcg32) -> Vec3 {
+        [(); 3].map(|()| signed(random)).into()
+    }
+
+    /// Bodies that have moved and turned, the last of which turns too fast to be followed.
+    fn bodies(random: &mut Pcg32, count: usize) -> (Vec<SolverBody>, Vec<Quat>) {
+        let moved = (0..count).map(|_| SolverBody {
+            linear: direction(random),
+            angular: direction(random),
+            ..SolverBody::default()
+        });
+        let moved = moved.collect();
+        let turn = || Quat::from_vec4(direction(random).extend(1.0)).normalize();
+        (moved, std::iter::repeat_with(turn).take(count).collect())
+    }
+
+    /// A block of manifolds with one to three points; the last lane does not follow, and every other one stays on B.
+    fn block(random: &mut Pcg32, bodies: u32) -> (Block, Vec<Point>, Vec<Tie>, Following) {
+        let (mut block, mut following) = (Block::default(), Following::default());
+        block.points = 0..3;
+        let (mut points, mut ties) = (vec![Point::default(); 3], vec![Tie::default(); 3]);
+        for lane in 0..WIDTH {
+            block.put(lane, 0, [0; 2].map(|_: u32| random.next_u32() % bodies));
+            set_vector(&mut block.normal, lane, direction(random).normalize());
+            for k in 0..2 {
+                set_vector(&mut block.tangents[k], lane, direction(random));
+            }
+            following.moves.0[lane] = f32::from(u8::from(lane + 1 < WIDTH));
+            following.on_b.0[lane] = (lane % 2) as f32;
+            for (k, (point, tie)) in points.iter_mut().zip(&mut ties).enumerate() {
+                point.separation.0[lane] = if k <= lane % 3 { signed(random) } else { FAR };
+                for anchor in &mut point.anchors {
+                    set_vector(anchor, lane, direction(random));
+                }
+                tie.start[0].0[lane] = signed(random);
+            }
+        }
+        (block, points, ties, following)
+    }
+
+    /// The definition: anchors on A and B, gap and first slide of a point that has followed.
+    fn followed(
+        [from_a, from_b]: [Vec3; 2],
+        turns: [Quat; 2],
+        [a, b]: [&SolverBody; 2],
+        is_on_b: bool,
+    ) -> ([Vec3; 2], Vec3) {
+        let [to_a, to_b] = [
+            Mat3::from_quat(turns[0]) * from_a,
+            Mat3::from_quat(turns[1]) * from_b,
+        ];
+        let between = (b.linear - a.linear) + (to_b - from_b) - (to_a - from_a);
+        let anchors = if is_on_b {
+            [to_a + between, to_b]
+        } else {
+            [to_a, to_b - between]
+        };
+        (anchors, between)
+    }
+
+    #[test]
+    fn points_follow_their_carriers_in_lanes_as_one_by_one() {
+        let mut random = Pcg32::new(3, 5);
+        for round in 0..300 {
+            let (moved, turns) = bodies(&mut random, 5);
+            let lanes_of = |turn: &Quat, is_slow| Turn::new(*turn, is_slow);
+            let turn_rows: Vec<Turn> = (0..5).map(|i| lanes_of(&turns[i], i < 4)).collect();
+            let (block, before, ties, following) = block(&mut random, 5);
+            let starts: Vec<Start> = before.iter().map(Start::of).collect();
+            let (mut points, mut new_ties) = (before.clone(), ties.clone());
+            let width = [LaneWidth::Widest, LaneWidth::Four, LaneWidth::One][round % 3];
+            let following = [following];
+            let mut follow = Follow {
+                blocks: std::slice::from_ref(&block),
+                following: Followers::new(&following).take(1),
+                points: &mut points,
+                ties: &mut new_ties,
+                starts: &starts,
+                turns: &turn_rows,
+                displacements: &moved,
+            };
+            follow.run(width);
+            for lane in 0..WIDTH {
+                let pair = block.pair(lane).map(|body| body as usize);
+                let stays = lane + 1 == WIDTH || pair.contains(&4);
+                for (k, point) in points.iter().enumerate() {
+                    let anchors = [0, 1].map(|side| vector(&before[k].anchors[side], lane));
+                    let new = [0, 1].map(|side| vector(&point.anchors[side], lane));
+                    let gap = before[k].separation.0[lane];
+                    if stays || gap == FAR {
+                        assert_eq!((new, point.separation.0[lane]), (anchors, gap));
+                        assert_eq!(new_ties[k].slide[0].0[lane], ties[k].slide[0].0[lane]);
+                        continue;
+                    }
+                    let bodies = pair.map(|body| &moved[body]);
+                    let is_on_b = lane % 2 == 1;
+                    let turns = pair.map(|body| turns[body]);
+                    let normal = vector(&block.normal, lane);
+                    let to_surface = normal * if is_on_b { 0.5 * gap } else { -0.5 * gap };
+                    let from = anchors.map(|anchor| anchor + to_surface);
+                    let (expected, between) = followed(from, turns, bodies, is_on_b);
+                    assert_eq!(new, expected);
+                    let shift = point.normal_velocity(lane, normal, bodies);
+                    let expected = gap + normal.dot(between) - shift;
+                    assert_eq!(point.separation.0[lane], expected);
+                    let tangent = vector(&block.tangents[0], lane);
+                    let shift = point.normal_velocity(lane, tangent, bodies);
+                    let expected = ties[k].start[0].0[lane] + tangent.dot(between) - shift;
+                    assert_eq!(new_ties[k].slide[0].0[lane], expected);
+                }
+            }
+        }
+    }
+}

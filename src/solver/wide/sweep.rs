@@ -1,0 +1,289 @@
+//! The inner loops: passes over blocks of eight manifolds, and the sweeps among them.
+//!
+//! Projected Gauss-Seidel on velocities, as [`pgs`](crate::solver::rows::pgs) states it row by row: a point gets the impulses that make
+//! its own velocity right while all others rest, clipped to their bounds.
+//!
+//! Kernels come twice: for points that only push, and with `TIED` for blocks some of whose lanes are [bonded](crate::solver::wide::bond).
+
+use crate::simd::lanes::{F8, Kernel, Lanes};
+use crate::simd::prefetch::prefetch;
+use crate::solver::config::FrictionModel;
+use crate::solver::rows::soft_step::Feedback;
+use crate::solver::rows::soft_step::Softness;
+use crate::solver::wide::bias::Aim;
+use crate::solver::wide::block::{Point, load_anchors};
+use crate::solver::wide::body_pair::{Frame, Masses, Pair, load_three, project, store_three};
+use crate::solver::wide::bond::{Bounds, Tie};
+use crate::solver::wide::contacts::Contacts;
+
+/// How many blocks and points ahead of a sweep they are asked for: some 200 ns, in which far memory answers.
+const AHEAD: [usize; 2] = [3, 6];
+
+/// The same for what a block needs to know of bodies besides their velocities.
+const BODIES_AHEAD: usize = 2;
+
+/// What the two sweeps have in common.
+pub(crate) struct Sweep<'a, 'c, const TIED: bool> {
+    pub(crate) contacts: &'a mut Contacts<'c>,
+    pub(crate) ties: &'a mut [Tie],
+    pub(crate) measure: bool,
+}
+
+impl<const TIED: bool> Sweep<'_, '_, TIED> {
+    /// Solves each point of each block by a rule, after its wanted velocity has been set if there is an `aim`.
+    #[inline(always)]
+    fn each_point<L: Lanes, R: Rule<L>>(self, rule: &R, aim: Option<&Aim<'_, L>>) -> f32 {
+        let Contacts {
+            blocks,
+            points,
+            first_point,
+            blows,
+            bodies,
+            friction: model,
+            is_far,
+            ..
+        } = self.contacts;
+        let zero = L::splat(0.0);
+        let mut largest = zero;
+        for (at, block) in blocks.iter().enumerate() {
+            if *is_far && let Some(next) = blocks.get(at + AHEAD[0]) {
+                prefetch(next);
+            }
+            if let (Some(aim), Some(next)) = (aim, blocks.get(at + BODIES_AHEAD)) {
+                aim.prefetch(next);
+            }
+            let (frame, masses) = (Frame::<L>::load(block), Masses::load(block));
+            let friction = L::load(&block.friction);
+            let mut pair = Pair::<L>::gather(bodies, block);
+            let aim = aim.map(|aim| (aim, aim.of_block(block)));
+            let mut change = zero;
+            let start = block.points.start - *first_point;
+            for i in start..start + block.points.len() {
+                if *is_far && let Some(next) = points.get(i + AHEAD[1]) {
+                    prefetch(next);
+                }
+                let point = &mut points[i];
+                let anchors = load_anchors(point);
+                if let Some((aim, of_block)) = &aim {
+                    aim.at(of_block, &anchors, point);
+                }
+                let velocity = pair.relative(&anchors);
+                let mut state = State::<L, TIED> {
+                    velocity: [
+                        frame.normal.dot(velocity),
+                        frame.tangents[0].dot(velocity),
+                        frame.tangents[1].dot(velocity),
+                    ],
+                    impulse: load_three(&point.impulse),
+                    rebound: match blows.get(i) {
+                        Some(blow) => L::load(&blow.rebound),
+                        None => zero,
+                    },
+                    bounds: Bounds::load(friction, self.ties.get(i)),
+                    model: *model,
+                    point,
+                };
+                let delta = rule.solve(&mut state);
+                store_three(state.impulse, &mut point.impulse);
+                if self.measure {
+                    change = change.max(largest_change(point, delta));
+                }
+                pair.push(&masses, &anchors, frame.impulse(delta));
+            }
+            pair.scatter(bodies, block);
+            if self.measure {
+                largest = largest.max(change * L::load(&block.speed_scale));
+            }
+        }
+        let mut lanes = F8::default();
+        largest.store(&mut lanes);
+        lanes.0.into_iter().fold(0.0, f32::max)
+    }
+}
+
+/// The largest velocity change of a row of a point by impulses that have changed by `delta`.
+#[inline(always)]
+fn largest_change<L: Lanes>(point: &Point, delta: [L; 3]) -> L {
+    let (zero, least) = (L::splat(0.0), L::splat(f32::MIN_POSITIVE));
+    let normal = delta[0].max(zero - delta[0]) / L::load(&point.normal_mass).max(least);
+    let [t1, t2] = [delta[1].max(zero - delta[1]), delta[2].max(zero - delta[2])];
+    let tangent = t1.max(t2) / L::load(&point.tangent_mass).max(least);
+    normal.max(tangent)
+}
+
+/// A point that is being solved.
+struct State<'p, L, const TIED: bool> {
+    /// Along normal and tangents, m/s.
+    velocity: [L; 3],
+    /// Along normal and tangents, N s.
+    impulse: [L; 3],
+    rebound: L,
+    bounds: Bounds<L, TIED>,
+    model: FrictionModel,
+    point: &'p Point,
+}
+
+impl<L: Lanes, const TIED: bool> State<'_, L, TIED> {
+    /// Moves the normal impulse to `wish`, or to its bound; returns the change.
+    #[inline(always)]
+    fn move_normal(&mut self, wish: L) -> L {
+        let new = self.bounds.normal(wish);
+        let delta = new - self.impulse[0];
+        self.impulse[0] = new;
+        delta
+    }
+
+    /// The friction that stops the point.
+    #[inline(always)]
+    fn stopping_friction(&self) -> [L; 2] {
+        let mass = L::load(&self.point.tangent_mass);
+        let [_, t1, t2] = self.impulse;
+        let [_, v1, v2] = self.velocity;
+        [t1 - v1 * mass, t2 - v2 * mass]
+    }
+
+    /// Moves friction to `wish`, within the bound of the present normal impulse; returns the changes.
+    #[inline(always)]
+    fn move_tangents(&mut self, wish: [L; 2]) -> [L; 2] {
+        let [normal, t1, t2] = self.impulse;
+        let new = project(self.model, wish, self.bounds.radius(normal));
+        [self.impulse[1], self.impulse[2]] = new;
+        [new[0] - t1, new[1] - t2]
+    }
+}
+
+/// By how much an impulse along one of normal and tangents changes what is wanted along the other, `mass` of which a change
+/// of velocity asks for.
+///
+/// This is multiplied while the first impulse is still waited for: the second one then follows from it by two operations.
+#[inline(always)]
+fn load_coupling<L: Lanes>(point: &Point, mass: L) -> [L; 2] {
+    let [t1, t2] = &point.coupling;
+    [L::load(t1) * mass, L::load(t2) * mass]
+}
+
+/// What a sweep does to a point.
+trait Rule<L> {
+    /// Changes the impulses of a point; returns by how much.
+    fn solve<const TIED: bool>(&self, state: &mut State<'_, L, TIED>) -> [L; 3];
+}
+
+/// With position feedback, friction before the normal.
+struct Feeding<L> {
+    mass_scale: L,
+    keep: L,
+}
+
+impl<L: Lanes> Feeding<L> {
+    #[inline(always)]
+    fn new(softness: Softness) -> Self {
+        Self {
+            mass_scale: L::splat(softness.mass_scale),
+            keep: L::splat(1.0 - softness.release),
+        }
+    }
+
+    /// Friction that stops the point or, where it is bonded, takes it back as softly as the normal does.
+    #[inline(always)]
+    fn friction<const TIED: bool>(&self, state: &State<'_, L, TIED>) -> [L; 2] {
+        let stopping = state.stopping_friction();
+        if !TIED {
+            return stopping;
+        }
+        let mass = L::load(&state.point.tangent_mass);
+        let back = |k: usize| {
+            let correction = (state.velocity[k + 1] - state.bounds.wanted[k]) * mass;
+            self.keep * state.impulse[k + 1] - self.mass_scale * correction
+        };
+        [
+            state.bounds.if_bonded(back(0), stopping[0]),
+            state.bounds.if_bonded(back(1), stopping[1]),
+        ]
+    }
+}
+
+impl<L: Lanes> Rule<L> for Feeding<L> {
+    #[inline(always)]
+    fn solve<const TIED: bool>(&self, state: &mut State<'_, L, TIED>) -> [L; 3] {
+        let (one, below_zero) = (L::splat(1.0), L::splat(-f32::MIN_POSITIVE));
+        let friction = self.friction(state);
+        let wanted = L::load(&state.point.wanted);
+        let mass = L::load(&state.point.normal_mass);
+        // A gap is to be closed at a negative velocity; only what overlaps gives way, or what is bonded.
+        let overlaps = state.bounds.if_bonded(one, wanted);
+        let scale = overlaps.if_above(below_zero, self.mass_scale, one);
+        let keep = overlaps.if_above(below_zero, self.keep, one);
+        let per_speed = scale * mass;
+        let alone = keep * state.impulse[0] - (state.velocity[0] - wanted) * per_speed;
+        let [from_t1, from_t2] = load_coupling(state.point, per_speed);
+        let [t1, t2] = state.move_tangents(friction);
+        let wish = alone - (from_t1 * t1 + from_t2 * t2);
+        [state.move_normal(wish), t1, t2]
+    }
+}
+
+/// Without position feedback. The normal impulse falls by what pushed overlap out; friction must not keep the bound that
+/// came with it, so it comes second.
+struct Settling;
+
+impl<L: Lanes> Rule<L> for Settling {
+    #[inline(always)]
+    fn solve<const TIED: bool>(&self, state: &mut State<'_, L, TIED>) -> [L; 3] {
+        let zero = L::splat(0.0);
+        let closing = L::load(&state.point.wanted).min(zero);
+        let may_close = state.impulse[0].if_above(zero, zero, closing);
+        let at_rest = state.bounds.if_bonded(zero, may_close);
+        let target = state.rebound.if_above(zero, state.rebound, at_rest);
+        let mass = L::load(&state.point.normal_mass);
+        let wish = state.impulse[0] - (state.velocity[0] - target) * mass;
+        let [t1, t2] = state.stopping_friction();
+        let [to_t1, to_t2] = load_coupling(state.point, L::load(&state.point.tangent_mass));
+        let normal = state.move_normal(wish);
+        let [t1, t2] = state.move_tangents([t1 - to_t1 * normal, t2 - to_t2 * normal]);
+        [normal, t1, t2]
+    }
+}
+
+pub(crate) struct Solve<'a, 'c, const TIED: bool>(
+    pub(crate) Sweep<'a, 'c, TIED>,
+    pub(crate) Softness,
+);
+
+impl<const TIED: bool> Kernel for Solve<'_, '_, TIED> {
+    type Output = f32;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> f32 {
+        self.0.each_point::<L, _>(&Feeding::new(self.1), None)
+    }
+}
+
+pub(crate) struct SolveFirst<'a, 'c> {
+    pub(crate) sweep: Sweep<'a, 'c, false>,
+    pub(crate) softness: Softness,
+    pub(crate) feedback: Feedback,
+    pub(crate) first: bool,
+}
+
+impl Kernel for SolveFirst<'_, '_> {
+    type Output = f32;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> f32 {
+        let displacements = self.sweep.contacts.displacements;
+        let aim = Aim::<L>::new(displacements, &self.feedback, self.first);
+        let rule = Feeding::new(self.softness);
+        self.sweep.each_point::<L, _>(&rule, Some(&aim))
+    }
+}
+
+pub(crate) struct Relax<'a, 'c, const TIED: bool>(pub(crate) Sweep<'a, 'c, TIED>);
+
+impl<const TIED: bool> Kernel for Relax<'_, '_, TIED> {
+    type Output = f32;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> f32 {
+        self.0.each_point::<L, _>(&Settling, None)
+    }
+}

@@ -1,0 +1,115 @@
+//! Work on lists, split into parts for the threads of a team.
+//!
+//! How a list is split depends on the scene only, never on who does which part, and what parts find is put together in
+//! their order: any number of threads gives the same bits.
+
+use crate::threads::team::{MOST_TASKS, Team};
+use std::sync::{Mutex, PoisonError};
+
+/// Parts from which a team is worth it. A part is about 10 us of work, as long as helpers take to come.
+pub(crate) const WORTH_HELP: usize = 4;
+
+/// Runs `work` on each part, with all threads of a team if there is one.
+///
+/// Threads take one part after the other, the leader from the front and helpers from the back: in the next step, or the next
+/// pass over the list, each finds much of what it works on in its own cache.
+pub(crate) fn run_parts<I>(team: Option<&Team>, parts: I, work: impl Fn(I::Item) + Sync)
+where
+    I: ExactSizeIterator<Item: Send> + DoubleEndedIterator + Send,
+{
+    let Some(team) = team.filter(|_| parts.len() > 1) else {
+        return parts.for_each(work);
+    };
+    let parts = Mutex::new(parts);
+    let run_all = |take: fn(&mut I) -> Option<I::Item>| {
+        // The lock is let go of before the work. No part is half taken, whoever panicked.
+        let next = || take(&mut parts.lock().unwrap_or_else(PoisonError::into_inner));
+        std::iter::from_fn(next).for_each(&work);
+    };
+    team.run(team.threads().min(MOST_TASKS), &|thread| match thread {
+        0 => run_all(I::next),
+        _ => run_all(I::next_back),
+    });
+}
+
+/// Takes the first `count` elements off a list.
+pub(crate) fn front<'l, T>(list: &mut &'l [T], count: usize) -> &'l [T] {
+    let (front, rest) = list.split_at(count);
+    *list = rest;
+    front
+}
+
+/// Takes the first `count` elements off a list that is written.
+pub(crate) fn front_mut<'l, T>(list: &mut &'l mut [T], count: usize) -> &'l mut [T] {
+    let (front, rest) = std::mem::take(list).split_at_mut(count);
+    *list = rest;
+    front
+}
+
+/// Splits a list into pieces of the given sizes, from either end.
+#[derive(Debug)]
+pub(crate) struct Pieces<'l, T, S> {
+    rest: &'l mut [T],
+    sizes: S,
+}
+
+impl<'l, T, S> Pieces<'l, T, S> {
+    /// Pieces of `list`; `sizes` add up to its length.
+    pub(crate) fn new(list: &'l mut [T], sizes: S) -> Self {
+        Self { rest: list, sizes }
+    }
+}
+
+impl<'l, T, S: Iterator<Item = usize>> Iterator for Pieces<'l, T, S> {
+    type Item = &'l mut [T];
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let size = self.sizes.next()?;
+        Some(front_mut(&mut self.rest, size))
+    }
+
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        self.sizes.size_hint()
+    }
+}
+
+impl<T, S: DoubleEndedIterator<Item = usize>> DoubleEndedIterator for Pieces<'_, T, S> {
+    fn next_back(&mut self) -> Option<Self::Item> {
+        let size = self.sizes.next_back()?;
+        let list = std::mem::take(&mut self.rest);
+        let (rest, piece) = list.split_at_mut(list.len() - size);
+        self.rest = rest;
+        Some(piece)
+    }
+}
+
+impl<T, S: ExactSizeIterator<Item = usize>> ExactSizeIterator for Pieces<'_, T, S> {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pieces_from_both_ends_are_those_from_the_front() {
+        let sizes = [3, 0, 2, 1, 4];
+        let mut list: Vec<u32> = (0..10).collect();
+        let mut front = list.clone();
+        let expected: Vec<_> = Pieces::new(&mut front, sizes.into_iter()).collect();
+        for ends in 0..1 << sizes.len() {
+            let mut pieces = Pieces::new(&mut list, sizes.into_iter());
+            let (mut first, mut last) = (Vec::new(), Vec::new());
+            for turn in 0..sizes.len() {
+                assert_eq!(pieces.len(), sizes.len() - turn);
+                if ends >> turn & 1 == 0 {
+                    first.extend(pieces.next());
+                } else {
+                    last.extend(pieces.next_back());
+                }
+            }
+            assert!(pieces.next().is_none() && pieces.next_back().is_none());
+            last.reverse();
+            first.append(&mut last);
+            assert_eq!(first, expected);
+        }
+    }
+}
