@@ -101,10 +101,10 @@ fn broadphase(c: &mut Criterion) {
     let mut group = c.benchmark_group("broadphase");
     // Edges of cubes with one body per cubic metre, m.
     for (count, side) in [(100, 4.64), (1000, 10.0), (5000_u32, 17.1)] {
-        let centres = random_points(count as usize, 2)
+        let centers = random_points(count as usize, 2)
             .into_iter()
             .map(|p| 0.5 * p * side);
-        let proxies: Vec<_> = centres
+        let proxies: Vec<_> = centers
             .zip(0..)
             .map(|(p, id)| {
                 Some(Proxy {

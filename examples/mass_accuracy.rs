@@ -1,7 +1,7 @@
 //! How far the paper's three approximations are from the exact mass integrals.
 //!
-//! Look at: the column `centre` (mean of the vertices as centre of mass, error relative to the box's diagonal),
-//! `particles` (vertices as equal masses, about the exact centre) and `diagonal` (products of inertia dropped), the
+//! Look at: the column `center` (mean of the vertices as center of mass, error relative to the box's diagonal),
+//! `particles` (vertices as equal masses, about the exact center) and `diagonal` (products of inertia dropped), the
 //! latter two as the norm of the tensor's error relative to the norm of the exact tensor.
 //!
 //! `cargo run --release --example mass_accuracy`
@@ -24,11 +24,11 @@ const PIECES: usize = 1000;
 
 fn main() -> Result<(), Error> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/meshes");
-    println!("Exact integrals (volume m3, centre m, principal moments at unit density m5),");
+    println!("Exact integrals (volume m3, center m, principal moments at unit density m5),");
     println!("and the errors of the approximations in percent:\n");
     println!(
         "{:<22} {:>10} {:^26} {:^32} {:>7} {:>9} {:>8}",
-        "", "volume", "centre", "principal moments", "centre", "particles", "diagonal"
+        "", "volume", "center", "principal moments", "center", "particles", "diagonal"
     );
     let mut hulls = Vec::new();
     for path in models(&folder)? {
@@ -86,9 +86,9 @@ fn game_hulls(folder: &Path) -> Result<Vec<ConvexHull>, Error> {
 fn print_row(name: &str, vertices: &[Vec3], exact: &VolumeIntegrals) {
     let [x, y, z] = exact.centroid.to_array();
     let [p, q, r] = principal_axes(exact.inertia).0.to_array();
-    let [centre, particles, diagonal] = errors(vertices, exact).map(|error| 100.0 * error);
+    let [center, particles, diagonal] = errors(vertices, exact).map(|error| 100.0 * error);
     println!(
-        "{name:<22} {:>10.5} {x:>8.3} {y:>8.3} {z:>8.3} {p:>10.3e} {q:>10.3e} {r:>10.3e} {centre:>7.2} {particles:>9.1} {diagonal:>8.2}",
+        "{name:<22} {:>10.5} {x:>8.3} {y:>8.3} {z:>8.3} {p:>10.3e} {q:>10.3e} {r:>10.3e} {center:>7.2} {particles:>9.1} {diagonal:>8.2}",
         exact.volume,
     );
 }
@@ -96,7 +96,7 @@ fn print_row(name: &str, vertices: &[Vec3], exact: &VolumeIntegrals) {
 fn print_summary(title: &str, found: &[[f64; 3]]) {
     println!("\n{title}; percent:\n");
     println!("{:<10} {:>8} {:>8} {:>8}", "", "median", "95 %", "max");
-    for (column, name) in ["centre", "particles", "diagonal"].into_iter().enumerate() {
+    for (column, name) in ["center", "particles", "diagonal"].into_iter().enumerate() {
         let values: Vec<f64> = found.iter().map(|row| 100.0 * row[column]).collect();
         let (median, p95) = (stats::median(&values), stats::percentile(&values, 0.95));
         println!(
@@ -131,7 +131,7 @@ fn random_piece(whole: &ConvexHull, random: &mut Random) -> Option<ConvexHull> {
         let normal = Vec3::from_array([(); 3].map(|()| random.signed()));
         let inside = Vec3::from_array([(); 3].map(|()| 0.25 * random.signed()));
         let aabb = piece.aabb();
-        let plane = Plane::through(aabb.centre() + aabb.extents() * inside, normal);
+        let plane = Plane::through(aabb.center() + aabb.extents() * inside, normal);
         let HullHalves { below, above } = slice_hull(&piece, plane).ok()?.halves()?;
         piece = if random.signed() < 0.0 { below } else { above };
     }

@@ -135,11 +135,11 @@ fn report(name: &str, hull: &ConvexHull, pieces: &[Piece]) {
     println!("  crack_area_m2: {:.2}", 0.5 * (all - area(hull)));
 }
 
-/// The pieces in colours of their own, each moved away from the middle of the block.
+/// The pieces in colors of their own, each moved away from the middle of the block.
 fn draw(pieces: &[Piece]) -> Picture {
     let mut scene = Scene::default();
     for (index, piece) in pieces.iter().enumerate() {
-        let away = APART * piece.hull.aabb().centre();
+        let away = APART * piece.hull.aabb().center();
         let up = 0.5 * (1.0 + APART) * SIZE.y;
         let pose = Pose::new(away + up * Vec3::Y, Quat::IDENTITY);
         scene.draw(&piece.hull.to_mesh(), pose, palette(index));

@@ -142,8 +142,8 @@ impl Run {
         let mut scene = Scene::default();
         for slot in bodies.iter() {
             if let Some(mesh) = bodies.convex(slot) {
-                let colour = palette(self.origin[slot as usize]);
-                scene.draw(&mesh.render_mesh(), bodies.pose(slot), colour);
+                let color = palette(self.origin[slot as usize]);
+                scene.draw(&mesh.render_mesh(), bodies.pose(slot), color);
             }
         }
         let camera = Camera::look_at(

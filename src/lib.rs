@@ -1,6 +1,6 @@
 //! Rigid-body physics for convex bodies with real-time slicing and fracture, as a plugin for `bevy_ecs` and `bevy_app`.
 //!
-//! Bodies are convex polyhedra with exact mass, centre and inertia. Contacts are rows of one mixed linear
+//! Bodies are convex polyhedra with exact mass, center and inertia. Contacts are rows of one mixed linear
 //! complementarity problem, warm-started from a cache keyed by KD codes. A plane cuts a body, and the mesh that rides in
 //! it, into closed pieces that are bodies of their own. The README has an example to start from.
 //!
@@ -15,8 +15,8 @@
 //! # Conventions
 //!
 //! - SI units: m, kg, s, rad, N s. Right-handed axes; only the default [`Gravity`](solver::Gravity) prefers one (-y).
-//! - A body's frame is that of its shape as given and of its entity's `Transform`; it need not be at the centre of mass.
-//!   Linear velocity is that of the centre of mass; velocities are in world axes.
+//! - A body's frame is that of its shape as given and of its entity's `Transform`; it need not be at the center of mass.
+//!   Linear velocity is that of the center of mass; velocities are in world axes.
 //! - Normals point from body A to body B, A being the one with the smaller id. Separation is negative where they overlap.
 //! - Triangles and face loops run counter-clockwise seen from outside. A plane's positive side is where its normal points.
 //! - State and geometry are `f32`, volume integrals and exact predicates `f64`. The step uses `+ - * /` and square roots
@@ -52,8 +52,8 @@ pub mod prelude {
     pub use crate::ecs::cut::SliceCommands;
     pub use crate::ecs::spawn::SpawnBody;
     pub use crate::fracture::{
-        Blow, Bond, BondError, Bonds, BrokenBond, CutError, CutRequest, Fracture, FractureBudget,
-        Fractures, Ledger,
+        Bond, BondError, Bonds, BreakingImpact, BrokenBond, CutError, CutRequest, Fracture,
+        FractureBudget, Fractures, Ledger,
     };
     pub use crate::geometry::{ConvexHull, ConvexMesh, HalfSpace, HullError, MeshError, TriMesh};
     pub use crate::mass::MassProperties;

@@ -1,9 +1,9 @@
-//! Polyhedral volume integrals, and the mass, centre of mass and inertia that follow from them.
+//! Polyhedral volume integrals, and the mass, center of mass and inertia that follow from them.
 //!
 //! The integrals are exact for the polyhedron given, up to rounding in `f64`. Symbols, all in the body's frame:
 //!
 //! - `V`: volume, m3;
-//! - `c`: centroid, m, the centre of mass at uniform density;
+//! - `c`: centroid, m, the center of mass at uniform density;
 //! - `C = integral of x x^T dV`: second moments about a point, m5;
 //! - `I = tr(C) 1 - C`: inertia tensor at unit density, m5, and times the density, kg m2.
 //!
@@ -181,15 +181,15 @@ fn jacobi_rotate(a: &mut [[f64; 3]; 3], axes: &mut [DVec3; 3], p: usize, q: usiz
     (axes[p], axes[q]) = (c * vp - s * vq, s * vp + c * vq);
 }
 
-/// Mass, centre of mass and principal inertia of a body, in its own frame.
+/// Mass, center of mass and principal inertia of a body, in its own frame.
 #[derive(Clone, Copy, Debug, PartialEq, Component)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct MassProperties {
     /// Mass, kg.
     pub mass: f32,
-    /// Centre of mass in the body's frame, m.
-    pub centre: Vec3,
-    /// Principal moments of inertia about the centre, ascending, kg m2.
+    /// Center of mass in the body's frame, m.
+    pub center: Vec3,
+    /// Principal moments of inertia about the center, ascending, kg m2.
     pub principal: Vec3,
     /// Rotation from the principal frame to the body's frame.
     pub principal_frame: Quat,
@@ -234,7 +234,7 @@ impl Default for MassProperties {
     fn default() -> Self {
         Self {
             mass: 0.0,
-            centre: Vec3::ZERO,
+            center: Vec3::ZERO,
             principal: Vec3::ZERO,
             principal_frame: Quat::IDENTITY,
         }
@@ -266,7 +266,7 @@ impl MassProperties {
         let (mass, principal) = (volume * f64::from(density), principal * f64::from(density));
         let result = Self {
             mass: mass as f32,
-            centre: centroid.as_vec3(),
+            center: centroid.as_vec3(),
             principal: principal.as_vec3(),
             principal_frame: frame.as_quat(),
         };
@@ -293,7 +293,7 @@ impl MassProperties {
     fn is_in_range(&self) -> bool {
         let in_range = |value: f32| value > 0.0 && value.is_normal() && value.recip().is_normal();
         let moments = self.principal.to_array();
-        in_range(self.mass) && moments.into_iter().all(in_range) && self.centre.is_finite()
+        in_range(self.mass) && moments.into_iter().all(in_range) && self.center.is_finite()
     }
 
     /// Mass properties of a solid hull of uniform `density` (kg/m3).
@@ -314,7 +314,7 @@ impl MassProperties {
         self.principal.recip()
     }
 
-    /// Inertia tensor about the centre along the axes of the body's frame, kg m2.
+    /// Inertia tensor about the center along the axes of the body's frame, kg m2.
     pub fn inertia(&self) -> Mat3 {
         self.in_body_frame(self.principal)
     }

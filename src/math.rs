@@ -89,7 +89,7 @@ impl Aabb {
     }
 
     /// Midpoint.
-    pub fn centre(&self) -> Vec3 {
+    pub fn center(&self) -> Vec3 {
         0.5 * (self.min + self.max)
     }
 

@@ -34,7 +34,7 @@ pub struct PhysicsSchedule;
 /// The phases of a step, in order.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PhysicsSystems {
-    /// Entities and what changed about them become bodies; mass, centre and inertia of changed shapes. [`Gravity`],
+    /// Entities and what changed about them become bodies; mass, center and inertia of changed shapes. [`Gravity`],
     /// [`SolverConfig`], [`FractureBudget`] and the clock are read here: changed later, they act from the next step on.
     MassProperties,
     /// Bodies that are to be cut become pieces.

@@ -3,7 +3,7 @@
 //! [`Simulation::step`] is the whole step; the plugin runs the same phase functions as systems in the same order.
 //!
 //! ```text
-//! 1 mass properties    changed shapes   -> mass, centre, inertia
+//! 1 mass properties    changed shapes   -> mass, center, inertia
 //! 2 cut                cuts asked for   -> pieces, with the multipliers of their parents
 //! 3 broadphase         boxes            -> pairs, sorted by body id
 //! 4 contact generation pairs, hulls     -> manifolds; multipliers from the cache
@@ -85,20 +85,20 @@ impl Contacts {
     }
 
     /// Keeps the manifolds of bodies that have got their motion, whose contacts are not to be looked for again.
-    fn set_solved_aside(&mut self) {
+    fn stash_solved(&mut self) {
         self.solved.clear();
         for manifold in self.manifolds.iter() {
-            if self.solver.is_moved(manifold.a) || self.solver.is_moved(manifold.b) {
+            if self.solver.is_solved(manifold.a) || self.solver.is_solved(manifold.b) {
                 self.solved.push(manifold);
             }
         }
     }
 
     /// Puts them back in place of what was found anew for the same bodies.
-    fn take_solved_back(&mut self, bodies: &Bodies) {
+    fn merge_solved(&mut self, bodies: &Bodies) {
         let solver = &self.solver;
         let name = |m: &ManifoldRef| (bodies.id(m.a), bodies.id(m.b));
-        let is_new = |m: &ManifoldRef| !solver.is_moved(m.a) && !solver.is_moved(m.b);
+        let is_new = |m: &ManifoldRef| !solver.is_solved(m.a) && !solver.is_solved(m.b);
         let mut new = self.manifolds.iter().filter(is_new).peekable();
         self.joined.clear();
         for solved in self.solved.iter() {
@@ -144,7 +144,7 @@ pub struct StepReport {
     /// Errors of the solution; only with [`SolverConfig::measure_error`].
     pub error: Option<StepError>,
     /// One body each of the islands in which a sub-step ended above the tolerance, by slot.
-    pub capped: Vec<u32>,
+    pub unconverged: Vec<u32>,
     /// The islands; only with [`SolverConfig::measure_islands`].
     #[cfg_attr(feature = "reflect", reflect(ignore))]
     pub islands: Vec<IslandReport>,
@@ -181,7 +181,7 @@ pub struct IslandReport {
     /// Sweeps of all sub-steps together.
     pub sweeps: u32,
     /// Whether a sub-step ended above the tolerance, because [`SolverConfig::max_sweeps`] were done.
-    pub hit_cap: bool,
+    pub is_unconverged: bool,
     /// Its own residual, with [`SolverConfig::measure_error`].
     pub residual: Option<Residual>,
 }
@@ -259,13 +259,12 @@ impl Simulation {
     }
 
     /// Bonds all of the given bodies that touch face to face over their common areas with a tensile and shear strength
-    /// (Pa); the number of bonds made. See [`Bonds::bond_neighbours`].
+    /// (Pa); the number of bonds made. See [`Bonds::bond_neighbors`].
     ///
     /// # Errors
     /// [`BondError`]; no bonds are made then.
-    pub fn bond_neighbours(&mut self, slots: &[u32], strength: f32) -> Result<usize, BondError> {
-        self.bonds
-            .bond_neighbours(&mut self.bodies, slots, strength)
+    pub fn bond_neighbors(&mut self, slots: &[u32], strength: f32) -> Result<usize, BondError> {
+        self.bonds.bond_neighbors(&mut self.bodies, slots, strength)
     }
 
     /// What the phases of a step of `h` seconds are told.
@@ -295,11 +294,11 @@ impl Simulation {
         } = self;
         mass_properties(bodies, report);
         advance(bodies, contacts, cache, fractures, bonds, settings, report);
-        bodies.forget_turned();
+        bodies.forget_sleep_changes();
     }
 }
 
-/// Phase 1: mass, centre of mass and inertia of bodies whose shape or density changed.
+/// Phase 1: mass, center of mass and inertia of bodies whose shape or density changed.
 pub fn mass_properties(bodies: &mut Bodies, report: &mut StepReport) {
     report.problems.clear();
     bodies.fresh_mass.clear();
@@ -382,7 +381,7 @@ pub fn generate_contacts(
         ..
     } = contacts;
     let ahead = Lookahead::new(settings.h, settings.gravity.0);
-    bodies.rouse(&settings.config.sleep, settings.gravity.0);
+    bodies.wake_disturbed(&settings.config.sleep, settings.gravity.0);
     let is_worth_help = narrow_phase::is_worth_help(broadphase.pairs().len());
     report.cache = Team::lead_if(is_worth_help, |team| {
         loop {
@@ -392,8 +391,8 @@ pub fn generate_contacts(
                 break;
             }
         }
-        bodies.end_rouse();
-        bodies.unpark_woken(cache);
+        bodies.end_wake();
+        bodies.resume_woken(cache);
         if !settings.config.warm_start {
             return CacheStats::default();
         }
@@ -483,10 +482,10 @@ pub fn fracture(
             &settings.budget,
             solver,
         );
-        contacts.set_solved_aside();
+        contacts.stash_solved();
         broadphase(bodies, contacts, settings, report);
         generate_contacts(bodies, contacts, cache, settings, report);
-        contacts.take_solved_back(bodies);
+        contacts.merge_solved(bodies);
         bonds.attach(bodies, &mut contacts.manifolds, &mut contacts.solver.bonded);
         contacts.solve_round(bodies, fractures, settings, round);
     }
@@ -533,7 +532,7 @@ pub fn sleep(
     } = contacts;
     bodies.fall_asleep(&settings.config.sleep, solver, manifolds, settings.h);
     if !bodies.sleep.slept.is_empty() {
-        cache.park(&bodies.sleep.slept);
+        cache.suspend(&bodies.sleep.slept);
     }
     report.asleep = bodies.asleep();
     report.awake = bodies.dynamic() - report.asleep;
@@ -542,12 +541,12 @@ pub fn sleep(
 fn report_islands(contacts: &mut Contacts, config: &SolverConfig, report: &mut StepReport) {
     let Contacts { solver, rows, .. } = contacts;
     report.islands.clear();
-    report.capped.clear();
+    report.unconverged.clear();
     for island in solver.islands() {
         let movable = island.bodies.iter().position(|b| b.inverse_mass > 0.0);
         let slot = island.slots[movable.unwrap_or(0)];
-        if island.effort.hit_cap {
-            report.capped.push(slot);
+        if island.effort.is_unconverged {
+            report.unconverged.push(slot);
         }
         if config.measure_islands {
             let residual = config.measure_error.then(|| {
@@ -559,7 +558,7 @@ fn report_islands(contacts: &mut Contacts, config: &SolverConfig, report: &mut S
                 bodies: island.bodies.len(),
                 contacts: island.contacts,
                 sweeps: island.effort.sweeps,
-                hit_cap: island.effort.hit_cap,
+                is_unconverged: island.effort.is_unconverged,
                 residual,
             });
         }

@@ -225,7 +225,7 @@ fn fracturable_without_a_number_is_refused() {
     for fracturable in [
         Fracturable::with_strength(f32::NAN),
         Fracturable {
-            least_volume: -1.0,
+            min_volume: -1.0,
             ..Default::default()
         },
     ] {

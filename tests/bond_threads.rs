@@ -32,7 +32,7 @@ fn run() -> Outcome {
             simulation.bodies.insert(desc).expect("usable")
         })
         .collect();
-    simulation.bond_neighbours(&slots, 6e4).expect("usable");
+    simulation.bond_neighbors(&slots, 6e4).expect("usable");
     let mut broken = Vec::new();
     let mut largest = 0;
     for step in 0..30 {
@@ -45,7 +45,7 @@ fn run() -> Outcome {
     assert!(!broken.is_empty(), "bonds are meant to break");
     assert!(!simulation.bonds.is_empty(), "not all of them");
     let state = |&slot: &u32| {
-        let x = simulation.bodies.centre_of_mass(slot);
+        let x = simulation.bodies.center_of_mass(slot);
         let (v, _) = simulation.bodies.velocity(slot);
         [x.x, x.y, x.z, v.x, v.y, v.z].map(f32::to_bits)
     };

@@ -92,7 +92,7 @@ impl World {
                     let slot = manifold.a as usize;
                     let points = manifold.points_mut().iter_mut();
                     for (point, code_box) in points.zip(self.boxes[slot]) {
-                        let place = code_box.decode_centre(point.code_a);
+                        let place = code_box.decode_center(point.code_a);
                         point.code_a = code_box.encode(place + random.vector(-0.01, 0.01));
                     }
                 }
@@ -138,8 +138,8 @@ fn play() -> Vec<Outcome> {
         let some = [BodyId(step as u32 % 7), BodyId(40)];
         match step % 10 {
             3 => cache.remove_bodies(|id| id == BodyId(step as u32 % 80)),
-            5 => cache.park(&some),
-            7 => cache.unpark(&some),
+            5 => cache.suspend(&some),
+            7 => cache.resume(&some),
             _ => {}
         }
         let entries = cache.pairs().flat_map(|(a, b)| cache.entries_of(a, b));

@@ -21,7 +21,7 @@ use std::collections::HashSet;
 const STEPS: usize = 240;
 
 /// Entities that are spawned at most; pieces come on top.
-const MOST_SPAWNED: usize = 40;
+const MAX_SPAWNED: usize = 40;
 
 /// Relative mass that a fracture may lose or gain.
 const MASS_TOLERANCE: f64 = 1e-6;
@@ -134,7 +134,7 @@ fn fracturable(dice: &mut Dice) -> Fracturable {
 fn budget(dice: &mut Dice) -> FractureBudget {
     FractureBudget {
         pieces_per_step: [3, 20, 64][dice.below(3)],
-        pieces_alive: [50, 20_000][dice.below(2)],
+        max_alive_pieces: [50, 20_000][dice.below(2)],
         lifetime: [0.1, f32::INFINITY][dice.below(2)],
         ..FractureBudget::default()
     }
@@ -188,7 +188,7 @@ impl Chaos {
             2 => match dice.below(4) {
                 0 => commands.bond(a, b, Bond::new(number(dice), number(dice))),
                 1 => commands.bond(a, b, Bond::new(1e4, 0.1)),
-                2 => commands.bond_neighbours([a, b], 1e4),
+                2 => commands.bond_neighbors([a, b], 1e4),
                 _ => commands.unbond(a, b),
             },
             3 => self.copy(b),
@@ -202,7 +202,7 @@ impl Chaos {
     }
 
     fn spawn(&mut self) {
-        if self.spawned == MOST_SPAWNED {
+        if self.spawned == MAX_SPAWNED {
             return;
         }
         self.spawned += 1;
@@ -222,7 +222,7 @@ impl Chaos {
 
     fn copy(&mut self, entity: Entity) {
         let world = self.app.world_mut();
-        if self.spawned < MOST_SPAWNED && world.get_entity(entity).is_ok() {
+        if self.spawned < MAX_SPAWNED && world.get_entity(entity).is_ok() {
             self.spawned += 1;
             let copy = world.entity_mut(entity).clone_and_spawn();
             self.entities.push(copy);
@@ -254,7 +254,10 @@ impl Chaos {
             let Some((slot, id)) = handle.get() else {
                 continue;
             };
-            assert!(bodies.is(slot, id) && known.insert(slot), "{entity}");
+            assert!(
+                bodies.is_current(slot, id) && known.insert(slot),
+                "{entity}"
+            );
             let (v, omega) = bodies.velocity(slot);
             let Pose { position, rotation } = bodies.pose(slot);
             let is_finite = v.is_finite() && omega.is_finite() && position.is_finite();

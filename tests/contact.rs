@@ -3,7 +3,7 @@
 use bevy_cleave::contact::body_id::BodyId;
 use bevy_cleave::contact::body_manifold::ManifoldBody;
 use bevy_cleave::contact::layers::CollisionLayers;
-use bevy_cleave::contact::local_manifold::Patch;
+use bevy_cleave::contact::local_manifold::LocalManifold;
 use bevy_cleave::contact::manifolds::Manifold;
 use bevy_cleave::contact::narrow::half_space::collide_half_space;
 use bevy_cleave::contact::narrow::sat::collide_hulls;
@@ -105,13 +105,13 @@ fn scaled(hull: &ConvexHull, scale: f32) -> ConvexHull {
 }
 
 /// All that the brute-force separating axis needs, in A's frame and f64.
-struct Solid {
+struct BodyMass {
     vertices: Vec<DVec3>,
     normals: Vec<DVec3>,
     edges: Vec<DVec3>,
 }
 
-impl Solid {
+impl BodyMass {
     fn new(hull: &ConvexHull, pose: &Pose) -> Self {
         let q = pose.rotation.as_dquat().normalize();
         let vertices: Vec<DVec3> = hull
@@ -154,12 +154,12 @@ impl Solid {
 }
 
 /// Gap between the projections onto `axis`, which points from A to B.
-fn separation_along(a: &Solid, b: &Solid, axis: DVec3) -> f64 {
+fn separation_along(a: &BodyMass, b: &BodyMass, axis: DVec3) -> f64 {
     -b.highest(-axis) - a.highest(axis)
 }
 
 /// The largest separation over all face normals and all edge cross products, and its axis.
-fn brute_force_axis(a: &Solid, b: &Solid) -> (f64, DVec3) {
+fn brute_force_axis(a: &BodyMass, b: &BodyMass) -> (f64, DVec3) {
     let crossed = a
         .edges
         .iter()
@@ -229,8 +229,8 @@ fn random_pair(random: &mut Dice) -> (ConvexHull, ConvexHull, Pose) {
         }
         // Touching: moved along the best axis until the gap is zero to rounding.
         _ => {
-            let solid_a = Solid::new(&a, &Pose::IDENTITY);
-            let (gap, axis) = brute_force_axis(&solid_a, &Solid::new(&b, &pose));
+            let solid_a = BodyMass::new(&a, &Pose::IDENTITY);
+            let (gap, axis) = brute_force_axis(&solid_a, &BodyMass::new(&b, &pose));
             pose.position -= (gap * axis).as_vec3();
         }
     }
@@ -238,7 +238,7 @@ fn random_pair(random: &mut Dice) -> (ConvexHull, ConvexHull, Pose) {
 }
 
 /// Deepest separation of a patch.
-fn deepest(patch: &Patch) -> f32 {
+fn deepest(patch: &LocalManifold) -> f32 {
     patch
         .points()
         .iter()
@@ -258,7 +258,7 @@ fn separating_axis_agrees_with_brute_force() {
     let mut touching = 0;
     for case in 0..6000 {
         let (a, b, pose) = random_pair(&mut random);
-        let (solid_a, solid_b) = (Solid::new(&a, &Pose::IDENTITY), Solid::new(&b, &pose));
+        let (solid_a, solid_b) = (BodyMass::new(&a, &Pose::IDENTITY), BodyMass::new(&b, &pose));
         let (truth, _) = brute_force_axis(&solid_a, &solid_b);
         let size = size_of(&a, &b);
         let margin = 0.02 * size;
@@ -305,7 +305,7 @@ fn real_hulls() -> Vec<ConvexHull> {
         .map(|(_, cloud)| {
             let points = common::single(cloud);
             let bounds = Aabb::of_points(points.iter().copied());
-            let at_origin = |p: Vec3| (p - bounds.centre()) / bounds.diagonal();
+            let at_origin = |p: Vec3| (p - bounds.center()) / bounds.diagonal();
             let points: Vec<Vec3> = points.into_iter().map(at_origin).collect();
             ConvexHull::from_points(&points).expect("the part is a body")
         })
@@ -321,11 +321,11 @@ fn separating_axis_agrees_with_brute_force_on_real_hulls() {
     for (case, a) in hulls.iter().enumerate() {
         let b = &hulls[random.below(hulls.len())];
         let mut pose = Pose::new(random.vector(-0.3, 0.3), random.rotation());
-        let solid_a = Solid::new(a, &Pose::IDENTITY);
-        let (gap, axis) = brute_force_axis(&solid_a, &Solid::new(b, &pose));
+        let solid_a = BodyMass::new(a, &Pose::IDENTITY);
+        let (gap, axis) = brute_force_axis(&solid_a, &BodyMass::new(b, &pose));
         // 2 mm of overlap along the best axis, as two bodies at rest have it.
         pose.position -= ((gap + 0.002) * axis).as_vec3();
-        let solid_b = Solid::new(b, &pose);
+        let solid_b = BodyMass::new(b, &pose);
         let (truth, _) = brute_force_axis(&solid_a, &solid_b);
         let slack = 2.0 * (5e-4 * f64::from(size_of(a, b)) + 0.02 * truth.abs()) + 1e-6;
         let patch = collide_hulls(a, b, pose, 0.01, &mut scratch)
@@ -347,7 +347,7 @@ fn deepest_point_of_an_overlap_is_as_deep_as_the_axis_says() {
     let mut worst = 0.0_f64;
     for case in 0..4000 {
         let (a, b, pose) = random_pair(&mut random);
-        let (solid_a, solid_b) = (Solid::new(&a, &Pose::IDENTITY), Solid::new(&b, &pose));
+        let (solid_a, solid_b) = (BodyMass::new(&a, &Pose::IDENTITY), BodyMass::new(&b, &pose));
         let (truth, _) = brute_force_axis(&solid_a, &solid_b);
         if truth > 0.0 {
             continue;
@@ -481,7 +481,7 @@ fn contacts_scale_with_the_bodies() {
         let (a, b, pose) = random_pair(&mut random);
         let margin = 0.02 * size_of(&a, &b);
         let patch = collide_hulls(&a, &b, pose, margin, &mut scratch);
-        // Powers of two, so that every product scales without rounding and even ties fall the same way.
+        // Powers of two, so that every product scales without rounding and even bond_constraints fall the same way.
         for scale in [2.0_f32.recip().powi_exact(10), 1024.0] {
             let big = Pose::new(pose.position * scale, pose.rotation);
             let (a, b) = (scaled(&a, scale), scaled(&b, scale));
@@ -594,19 +594,19 @@ fn anchors_of_a_manifold_meet_in_the_world() {
         let body = |slot, pose, hull: &ConvexHull| ManifoldBody {
             slot,
             pose,
-            centre: Vec3::new(0.1, -0.2, 0.05),
+            center: Vec3::new(0.1, -0.2, 0.05),
             code_box: Some(KdBox::around(hull.aabb())),
         };
         let (body_a, body_b) = (body(4, pose_a, &a), body(2, pose_b, &b));
-        let manifold = Manifold::from_patch(&body_a, &body_b, &patch, 0.5, 0.1);
+        let manifold = Manifold::from_local(&body_a, &body_b, &patch, 0.5, 0.1);
         assert_eq!(
             (manifold.a, manifold.b, manifold.count),
             (4, 2, patch.count)
         );
         for (point, local) in manifold.points().iter().zip(patch.points()) {
-            let centre = |body: &ManifoldBody| body.pose.transform_point(body.centre);
-            let from_a = centre(&body_a) + point.anchor_a;
-            let from_b = centre(&body_b) + point.anchor_b;
+            let center = |body: &ManifoldBody| body.pose.transform_point(body.center);
+            let from_a = center(&body_a) + point.anchor_a;
+            let from_b = center(&body_b) + point.anchor_b;
             assert!((from_a - from_b).length() < 2e-5, "{from_a} {from_b}");
             assert_eq!(
                 point.code_a,
@@ -670,14 +670,14 @@ fn named_pairs(broadphase: &Broadphase, proxies: &[Option<Proxy>]) -> Vec<(BodyI
 }
 
 fn random_proxy(random: &mut Dice, id: u32) -> Proxy {
-    let centre = random.vector(-10.0, 10.0);
+    let center = random.vector(-10.0, 10.0);
     let half = random.vector(0.05, 0.8);
     let shape = if random.below(40) == 0 {
-        ProxyShape::HalfSpace(Plane::through(0.8 * centre, random.vector(-1.0, 1.0)))
+        ProxyShape::HalfSpace(Plane::through(0.8 * center, random.vector(-1.0, 1.0)))
     } else {
         ProxyShape::Box(Aabb {
-            min: centre - half,
-            max: centre + half,
+            min: center - half,
+            max: center + half,
         })
     };
     Proxy {

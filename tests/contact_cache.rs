@@ -525,11 +525,11 @@ impl Scene {
             let body = |slot: u32, pose| ManifoldBody {
                 slot,
                 pose,
-                centre: Vec3::ZERO,
+                center: Vec3::ZERO,
                 code_box: boxes[slot as usize],
             };
             let (a, b) = (body(0, Pose::IDENTITY), body(1, pose));
-            let mut manifolds = list(&[Manifold::from_patch(&a, &b, &patch, 0.5, 0.0)]);
+            let mut manifolds = list(&[Manifold::from_local(&a, &b, &patch, 0.5, 0.0)]);
             let rotations = [Quat::IDENTITY, pose.rotation];
             let stats = cache.warm_start(&mut manifolds, &ids, &rotations, &boxes, H);
             if number > 0 {
@@ -731,11 +731,11 @@ fn contacts_with_a_half_space_stay_warm_while_sliding() {
         let body = |slot: u32, pose| ManifoldBody {
             slot,
             pose,
-            centre: Vec3::ZERO,
+            center: Vec3::ZERO,
             code_box: boxes[slot as usize],
         };
         let floor = body(0, Pose::new(Vec3::Y * 0.5, Quat::IDENTITY));
-        let manifold = Manifold::from_patch(&floor, &body(1, pose), &patch, 0.5, 0.0);
+        let manifold = Manifold::from_local(&floor, &body(1, pose), &patch, 0.5, 0.0);
         let mut manifolds = list(&[manifold]);
         let stats = cache.warm_start(&mut manifolds, &ids, &rotations, &boxes, H);
         assert_eq!(manifold.normal, Vec3::Y);

@@ -110,10 +110,10 @@ fn pieces_are_valid_hulls_and_stop_breaking_after_their_generations() {
             continue;
         };
         mesh.hull().validate().expect("a valid hull");
-        let centre = simulation.bodies.mass(slot).centre;
+        let center = simulation.bodies.mass(slot).center;
         assert!(
-            centre.length() < 1e-5,
-            "pieces live in a frame about their centre, not {centre}"
+            center.length() < 1e-5,
+            "pieces live in a frame about their center, not {center}"
         );
     }
     // One plane each time: 2 pieces, then 4, then 8 at the most.
@@ -130,7 +130,7 @@ fn pieces_below_the_least_volume_are_accounted_for() {
     let mut desc = BodyDesc::dynamic(cuboid(1.0, 1.0, 1.0), Vec3::ZERO);
     desc.linear_velocity = Vec3::new(1.0, 2.0, 3.0);
     desc.fracturable = Some(Fracturable {
-        least_volume: 0.01,
+        min_volume: 0.01,
         strength: f32::INFINITY,
         ..Default::default()
     });
@@ -169,7 +169,7 @@ fn cut_that_would_leave_one_piece_is_refused_and_nothing_is_lost() {
     };
     let mut desc = BodyDesc::dynamic(cuboid(1.0, 1.0, 1.0), Vec3::ZERO);
     desc.fracturable = Some(Fracturable {
-        least_volume: 0.01,
+        min_volume: 0.01,
         strength: f32::INFINITY,
         ..Default::default()
     });
@@ -200,15 +200,15 @@ fn pieces_of_a_spinning_body_move_as_its_parts_did() {
     let slot = simulation.bodies.insert(desc).expect("usable");
     let h = 1e-6;
     simulation.step(h);
-    let centre = simulation.bodies.centre_of_mass(slot);
-    let plane = Plane::through(centre, Vec3::X);
+    let center = simulation.bodies.center_of_mass(slot);
+    let plane = Plane::through(center, Vec3::X);
     simulation.slice(slot, plane).expect("a body");
     simulation.step(h);
     let [fracture] = &simulation.fractures.done[..] else {
         panic!("{:?}", simulation.fractures)
     };
     for &piece in &fracture.pieces {
-        let lever = simulation.bodies.centre_of_mass(piece) - centre;
+        let lever = simulation.bodies.center_of_mass(piece) - center;
         let (v, omega) = simulation.bodies.velocity(piece);
         assert!((lever.length() - 0.5).abs() < 1e-3);
         assert!(
@@ -297,7 +297,7 @@ fn mesh_that_rides_in_a_body_is_cut_with_it() {
     let hull = cuboid(1.0, 0.5, 0.4).hull().clone();
     let mesh = hull.to_mesh();
     let dark = vec![Vec4::new(0.2, 0.2, 0.2, 1.0); mesh.positions().len()];
-    let mesh = mesh.with_colours(dark).expect("one for each vertex");
+    let mesh = mesh.with_colors(dark).expect("one for each vertex");
     let mut simulation = with_floor();
     let shape = ConvexMesh::from_parts(hull, Some(mesh));
     let mut desc = BodyDesc::dynamic(shape, Vec3::new(0.0, 3.0, 0.0));
@@ -305,7 +305,7 @@ fn mesh_that_rides_in_a_body_is_cut_with_it() {
     desc.restitution = Restitution::new(1.0);
     let pale = Vec4::ONE;
     desc.fracturable = Some(Fracturable {
-        cut_colour: Some(pale),
+        cut_color: Some(pale),
         generations: 2,
         ..Fracturable::with_strength(100.0)
     });
@@ -324,11 +324,11 @@ fn mesh_that_rides_in_a_body_is_cut_with_it() {
         mesh.check_closed().expect("closed");
         let volume = piece.hull().volume();
         assert!((mesh.volume() - volume).abs() < 1e-6 * volume);
-        let (normals, colours) = (mesh.normals(), mesh.colours());
+        let (normals, colors) = (mesh.normals(), mesh.colors());
         assert_eq!(
-            (normals.len(), colours.len()),
+            (normals.len(), colors.len()),
             (mesh.positions().len(), normals.len())
         );
-        assert!(colours.contains(&pale) && colours.iter().any(|c| c.x < 0.3));
+        assert!(colors.contains(&pale) && colors.iter().any(|c| c.x < 0.3));
     }
 }

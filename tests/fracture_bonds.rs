@@ -32,14 +32,14 @@ fn wall() -> Simulation {
             let mut desc = BodyDesc::dynamic(brick.clone(), at);
             desc.fracturable = Some(Fracturable {
                 pattern: FracturePattern::Star { planes: 2 },
-                least_energy: 100.0,
+                min_energy: 100.0,
                 seed: i.into(),
                 ..Fracturable::with_strength(20.0)
             });
             simulation.bodies.insert(desc).expect("usable")
         })
         .collect();
-    let made = simulation.bond_neighbours(&bricks, 2e5).expect("usable");
+    let made = simulation.bond_neighbors(&bricks, 2e5).expect("usable");
     assert!(made > 250, "{made} bonds");
     let ball = ConvexMesh::cuboid(0.3, 0.3, 0.3).expect("valid size");
     let mut ball = BodyDesc::dynamic(ball, BRICK * Vec3::new(6.0, 5.0, 6.0));
@@ -77,7 +77,7 @@ fn run() -> Outcome {
     }
     let bodies = &simulation.bodies;
     let state = bodies.iter().map(|slot| {
-        let (x, v) = (bodies.centre_of_mass(slot), bodies.velocity(slot).0);
+        let (x, v) = (bodies.center_of_mass(slot), bodies.velocity(slot).0);
         let bits = [x.x, x.y, x.z, v.x, v.y, v.z].map(f32::to_bits);
         (bodies.id(slot), bits)
     });

@@ -116,7 +116,7 @@ fn what_breaks_into_fewer_pieces_is_filled_by_them() {
 #[test]
 fn pieces_that_are_gone_make_room_for_others() {
     let budget = FractureBudget {
-        pieces_alive: 8,
+        max_alive_pieces: 8,
         ..Default::default()
     };
     let mut simulation = row(2, budget);
@@ -142,7 +142,7 @@ fn blows_break_nothing_without_generations_but_cuts_are_made() {
     let mut simulation = row(2, budget);
     let made: usize = pieces_of_steps(&mut simulation, 120).iter().sum();
     assert_eq!(made, 0);
-    let plane = Plane::through(simulation.bodies.centre_of_mass(1), Vec3::X);
+    let plane = Plane::through(simulation.bodies.center_of_mass(1), Vec3::X);
     simulation.slice(1, plane).expect("a body");
     assert_eq!(pieces_of_steps(&mut simulation, 1), [2]);
 }
@@ -152,7 +152,7 @@ fn blows_break_nothing_without_generations_but_cuts_are_made() {
 fn pieces_below_the_least_volume_of_the_budget_are_dropped_and_told_of() {
     let least = 0.125 * 0.125;
     let budget = FractureBudget {
-        least_volume: least,
+        min_volume: least,
         ..Default::default()
     };
     let mut simulation = row(1, budget);

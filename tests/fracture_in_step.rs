@@ -155,7 +155,7 @@ fn a_brick_of_a_large_wall_breaks_in_the_step_of_the_blow() {
     let (stopped, none) = shoot_at_wall(&None);
     assert!(none.is_empty());
     let (through, done) = shoot_at_wall(&Some(Fracturable {
-        least_energy: 5.0,
+        min_energy: 5.0,
         ..brittle(20.0).expect("some")
     }));
     let first = done

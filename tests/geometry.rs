@@ -207,8 +207,8 @@ fn bad_attributes_are_refused_by_name() {
         Err(length("normals"))
     );
     assert_eq!(
-        mesh().with_colours(vec![Vec4::ONE; 3]),
-        Err(length("colours"))
+        mesh().with_colors(vec![Vec4::ONE; 3]),
+        Err(length("colors"))
     );
     assert_eq!(mesh().with_uvs(vec![Vec2::ONE; 3]), Err(length("uvs")));
     assert_eq!(

@@ -3,7 +3,8 @@
 
 mod dice;
 
-use bevy_cleave::collide::{Lookahead, NarrowPhase, update_pairs};
+use bevy_cleave::collide::narrow_phase::{NarrowPhase, update_pairs};
+use bevy_cleave::collide::proxies::Lookahead;
 use bevy_cleave::contact::manifolds::Manifolds;
 use bevy_cleave::contact::pairs::broad_phase::Broadphase;
 use bevy_cleave::prelude::*;
@@ -37,7 +38,7 @@ impl Observer {
     }
 }
 
-/// Cubes that lie nearly in rows, each in touch with some of its neighbours.
+/// Cubes that lie nearly in rows, each in touch with some of its neighbors.
 struct Block {
     dice: Dice,
     cube: ConvexMesh,

@@ -172,15 +172,15 @@ fn check_joined_faces_keep_the_volume(index: usize, cloud: &[DVec3], expected: &
     }
 }
 
-/// What a body gets, in f32, against the reference: mass, centre relative to the size of the box, principal moments.
-fn check_mass_properties(name: &str, positions: &[DVec3], expected: &Expected, centre_bound: f64) {
+/// What a body gets, in f32, against the reference: mass, center relative to the size of the box, principal moments.
+fn check_mass_properties(name: &str, positions: &[DVec3], expected: &Expected, center_bound: f64) {
     let hull = ConvexHull::from_points(&single(positions)).unwrap();
     let mass = MassProperties::of_hull(&hull, 1.0).unwrap();
     let relative = f64::from(mass.mass) / expected.volume - 1.0;
     assert!(relative.abs() <= 1e-5, "{name}: mass off by {relative:e}");
-    let offset = mass.centre.as_dvec3() - expected.centroid;
+    let offset = mass.center.as_dvec3() - expected.centroid;
     let offset = offset.abs().max_element() / size(positions);
-    assert!(offset <= centre_bound, "{name}: centre off by {offset:e}");
+    assert!(offset <= center_bound, "{name}: center off by {offset:e}");
     let moments = mass.principal.as_dvec3() / expected.principal - 1.0;
     let worst = moments.abs().max_element();
     assert!(worst <= 1e-5, "{name}: principal moments off by {worst:e}");
@@ -199,7 +199,7 @@ fn mass_properties_in_single_precision_match_the_reference() {
             continue;
         }
         let expected = Expected::parse(&reference["horizon_hull_points.json"][index]);
-        // Kilometres from its origin, the centre as f32 is off by up to half a last digit of its largest coordinate.
+        // Kilometres from its origin, the center as f32 is off by up to half a last digit of its largest coordinate.
         let half_ulp = 0.5 * f64::from(f32::EPSILON) * power_of_two_below(expected.centroid);
         let rounding = half_ulp / size(cloud);
         if rounding > 1e-5 {
@@ -225,7 +225,7 @@ fn cuboid_has_its_textbook_inertia() {
     let body = ConvexMesh::cuboid(x, y, z).unwrap();
     let mass = MassProperties::of_hull(body.hull(), 500.0).unwrap();
     assert_eq!(mass.mass, 500.0 * 24.0);
-    assert_eq!(mass.centre, Vec3::ZERO);
+    assert_eq!(mass.center, Vec3::ZERO);
     let twelfth = mass.mass / 12.0;
     let expected = twelfth * Vec3::new(x * x + y * y, x * x + z * z, y * y + z * z);
     assert!((mass.principal / expected - 1.0).abs().max_element() < 1e-6);

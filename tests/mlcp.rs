@@ -13,8 +13,8 @@ use bevy_cleave::solver::config::FrictionModel;
 use bevy_cleave::solver::exact;
 use bevy_cleave::solver::exact::problem::Bounds;
 use bevy_cleave::solver::exact::{CERTIFIED, Certificate, ExactScratch};
-use bevy_cleave::solver::rows::acceleration::{Contacts, Momentum, PointContacts};
-use bevy_cleave::solver::rows::contact_rows::{PointRows, Side};
+use bevy_cleave::solver::rows::acceleration::{ImpulseSystem, Momentum, PointContacts};
+use bevy_cleave::solver::rows::contact_rows::{PointRows, RowBody};
 use bevy_cleave::solver::rows::pgs;
 use bevy_cleave::solver::rows::residual::ResidualSum;
 use glam::{Mat3, Vec3};
@@ -45,8 +45,9 @@ fn error_of_w(file: &File, problem: &Problem, lambda: &[f64]) -> f64 {
     let scale = velocity_scale(file, &reference.w);
     let (w, magnitude) = (problem.w(lambda), problem.magnitude(lambda));
     let rows = w.iter().zip(&reference.w).zip(&magnitude);
-    let beyond = |w: f64, wanted: f64, m: f64| (w - wanted).abs() - f64::EPSILON * m;
-    rows.map(|((&w, &wanted), &m)| beyond(w, wanted, m) / scale)
+    let beyond =
+        |w: f64, target_velocity: f64, m: f64| (w - target_velocity).abs() - f64::EPSILON * m;
+    rows.map(|((&w, &target_velocity), &m)| beyond(w, target_velocity, m) / scale)
         .fold(0.0, f64::max)
 }
 
@@ -270,7 +271,7 @@ fn scene(mut simulation: Simulation) -> Scene {
     }
     let mut rows = Vec::new();
     for manifold in simulation.contacts.manifolds().iter() {
-        let sides = [manifold.a, manifold.b].map(|slot| Side {
+        let sides = [manifold.a, manifold.b].map(|slot| RowBody {
             inverse_mass: bodies[slot as usize].inverse_mass,
             inverse_inertia: inertia[slot as usize],
         });

@@ -12,8 +12,8 @@ use bevy_cleave::geometry::{ConvexHull, PlaneError, TriMesh, primitives};
 use bevy_cleave::mass::VolumeIntegrals;
 use bevy_cleave::math::{Plane, Pose};
 use bevy_cleave::prelude::{BodyDesc, ConvexMesh, HalfSpace, Simulation};
-use bevy_cleave::slice::cells::CellPlanes;
 use bevy_cleave::slice::crack_area::CrackArea;
+use bevy_cleave::slice::cutting::CellPlanes;
 use bevy_cleave::slice::fracturable::Fracturable;
 use bevy_cleave::slice::{
     Cutting, FracturePattern, HullSlicer, Impact, Piece, PieceCutter, SliceError, SliceOptions,
@@ -40,8 +40,8 @@ fn divide(hull: &ConvexHull, visual: Option<&TriMesh>, cutting: &Cutting) -> Vec
 }
 
 fn patterns(hull: &ConvexHull) -> Vec<FracturePattern> {
-    let centre = hull.aabb().centre();
-    let own = [Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Z].map(|n| Plane::through(centre, n));
+    let center = hull.aabb().center();
+    let own = [Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Z].map(|n| Plane::through(center, n));
     vec![
         FracturePattern::SinglePlane,
         FracturePattern::RandomPlane,
@@ -123,12 +123,12 @@ fn all_patterns_fill_all_models() {
 /// density (`tests/fracture_ledger.rs`).
 #[test]
 fn pieces_of_pieces_fill_them() {
-    let centred = |hull: &ConvexHull| {
+    let centerd = |hull: &ConvexHull| {
         let centroid = VolumeIntegrals::of_hull(hull).centroid;
         hull.clone().translated(-centroid.as_vec3())
     };
     let mut dice = Dice::new(5);
-    let mut hulls: Vec<ConvexHull> = MODELS.iter().map(|m| centred(&model_hull(m))).collect();
+    let mut hulls: Vec<ConvexHull> = MODELS.iter().map(|m| centerd(&model_hull(m))).collect();
     hulls.extend((0..40).map(|_| {
         let size = dice.vector(0.02, 1.0);
         primitives::cuboid(size.x, size.y, size.z).unwrap()
@@ -143,7 +143,7 @@ fn pieces_of_pieces_fill_them() {
                 let pieces = divide(hull, None, &cutting);
                 let sum: f64 = pieces.iter().map(|piece| piece.volume).sum();
                 errors.push((sum / hull.volume() - 1.0).abs());
-                next.push(centred(&pieces[dice.below(pieces.len())].hull));
+                next.push(centerd(&pieces[dice.below(pieces.len())].hull));
             }
         }
         let worst = errors.into_iter().fold(0.0, f64::max);
@@ -221,7 +221,7 @@ fn walls_of_voronoi_cells_match_bit_for_bit() {
         .filter(|run| run.len() == 2)
         .map(<[_]>::len)
         .sum();
-    // A vertex that lies half way between two numbers of f32 may be rounded either way by two neighbours.
+    // A vertex that lies half way between two numbers of f32 may be rounded either way by two neighbors.
     assert!(
         paired as f64 >= 0.99 * total as f64,
         "{paired} of {total} walls have a twin"
@@ -613,7 +613,7 @@ fn harder_impacts_make_more_pieces() {
         "the impulse is below the strength"
     );
     let picky = Fracturable {
-        least_energy: 100.0,
+        min_energy: 100.0,
         ..fracturable
     };
     let weak = Impact {
@@ -652,11 +652,11 @@ fn energies_without_sense_break_nothing_or_everything() {
             ..Default::default()
         },
         Fracturable {
-            least_energy: -1.0,
+            min_energy: -1.0,
             ..Default::default()
         },
         Fracturable {
-            least_energy: f32::NAN,
+            min_energy: f32::NAN,
             ..Default::default()
         },
     ] {
@@ -683,7 +683,7 @@ fn bodies_break_into_cells_in_a_simulation() {
         let fracturable = Fracturable::with_strength(100.0).with_pattern(pattern.clone());
         desc.fracturable = Some(Fracturable {
             generations: 0,
-            least_volume: 0.0,
+            min_volume: 0.0,
             ..fracturable
         });
         simulation.bodies.insert(desc).unwrap();
@@ -712,10 +712,10 @@ proptest! {
     fn random_bodies_are_filled(seed in any::<u64>(), count in 4_usize..30, exponent in -3_i32..4) {
         let mut dice = Dice::new(seed);
         let scale = (0..exponent.abs()).fold(1.0, |s, _| if exponent < 0 { 0.1 * s } else { 10.0 * s });
-        let centre = scale * dice.vector(-3.0, 3.0);
+        let center = scale * dice.vector(-3.0, 3.0);
         let flat = dice.vector(0.05, 1.0);
         let points: Vec<Vec3> = (0..count)
-            .map(|_| centre + scale * flat * (dice.unit() * dice.direction()))
+            .map(|_| center + scale * flat * (dice.unit() * dice.direction()))
             .collect();
         let Ok(hull) = ConvexHull::from_points(&points) else { return Ok(()) };
         let pose = Pose::new(Vec3::ZERO, Quat::IDENTITY);

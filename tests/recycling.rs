@@ -67,7 +67,7 @@ fn deepest(manifold: &Manifold) -> f32 {
     separations.fold(f32::INFINITY, f32::min)
 }
 
-fn least_extent(a: &ConvexMesh, b: &ConvexMesh) -> f32 {
+fn min_extent(a: &ConvexMesh, b: &ConvexMesh) -> f32 {
     let extent = |mesh: &ConvexMesh| mesh.hull().aabb().extents().min_element();
     extent(a).min(extent(b))
 }
@@ -107,7 +107,7 @@ fn a_kept_contact_is_what_a_new_test_finds() {
     let mut errors = Vec::new();
     for _ in 0..300 {
         let (a, b) = (shape(&mut random), shape(&mut random));
-        let extent = least_extent(&a, &b);
+        let extent = min_extent(&a, &b);
         let mut pose = touching_pose(&mut random, &a, &b);
         let mut kept = pair(&a, &b, pose);
         for _ in 0..20 {
@@ -166,7 +166,7 @@ fn a_contact_kept_on_a_slide_is_what_a_new_test_finds() {
         let plate_is_a = case % 2 == 0;
         let [a, b] = on_a_plate(&mut random, plate_is_a);
         let apart = 0.5 * (a.aabb().extents().y + b.aabb().extents().y);
-        let extent = least_extent(&a, &b);
+        let extent = min_extent(&a, &b);
         let side = random.vector(-0.5, 0.5);
         // So that the normal is another one in either body's frame.
         let turn = random.rotation();
@@ -183,7 +183,7 @@ fn a_contact_kept_on_a_slide_is_what_a_new_test_finds() {
             let at = |p: &ContactPoint| reach(if plate_is_a { p.anchor_a } else { p.anchor_b });
             let farthest = old.points().iter().map(at).fold(0.0, f32::max);
             assert!(farthest < 1.5 + 1e-3 * extent, "case {case}: {farthest}");
-            // At the edge there may be more corners than points, and ties among them.
+            // At the edge there may be more corners than points, and bond_constraints among them.
             if new.points().iter().all(|p| at(p) < 1.499) {
                 worst = worst.max(difference(&old, &new) / extent);
                 // A test finds codes anew.
@@ -207,7 +207,7 @@ fn no_contact_is_missed_on_random_ways() {
     let (mut touching, mut apart) = (0, 0);
     for case in 0..200 {
         let (a, b) = (shape(&mut random), shape(&mut random));
-        let margin = MARGIN * least_extent(&a, &b) * (1.0 - 1e-3);
+        let margin = MARGIN * min_extent(&a, &b) * (1.0 - 1e-3);
         let mut pose = Pose::new(random.vector(-1.0, 1.0), random.rotation());
         let mut simulation = pair(&a, &b, pose);
         for step in 0..200 {

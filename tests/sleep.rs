@@ -48,7 +48,7 @@ fn bits(simulation: &Simulation) -> Vec<(u32, [u32; 13])> {
     let bodies = &simulation.bodies;
     let state = |slot| {
         let (x, r, (v, w)) = (
-            bodies.centre_of_mass(slot),
+            bodies.center_of_mass(slot),
             bodies.pose(slot).rotation,
             bodies.velocity(slot),
         );
@@ -65,7 +65,7 @@ fn bits(simulation: &Simulation) -> Vec<(u32, [u32; 13])> {
 /// Farthest that a body of `a` is from the same one of `b`, m.
 fn distance(a: &Simulation, b: &Simulation) -> f32 {
     let way = |slot| {
-        let (x, y) = (a.bodies.centre_of_mass(slot), b.bodies.centre_of_mass(slot));
+        let (x, y) = (a.bodies.center_of_mass(slot), b.bodies.center_of_mass(slot));
         x.distance(y)
     };
     a.bodies.iter().map(way).fold(0.0, f32::max)
@@ -110,7 +110,7 @@ fn assert_wakes(mut simulation: Simulation) -> Simulation {
 fn assert_falls(simulation: Simulation) {
     let mut simulation = assert_wakes(simulation);
     run(&mut simulation, 29);
-    let height = simulation.bodies.centre_of_mass(1).y;
+    let height = simulation.bodies.center_of_mass(1).y;
     assert!(height < -0.5, "it hangs at {height} m");
 }
 
@@ -186,7 +186,7 @@ fn a_velocity_wakes() {
         .set_velocity(1, up, Vec3::ZERO)
         .expect("usable");
     let simulation = assert_wakes(simulation);
-    assert!(simulation.bodies.centre_of_mass(1).y > 0.55);
+    assert!(simulation.bodies.center_of_mass(1).y > 0.55);
 }
 
 #[test]
@@ -253,7 +253,7 @@ fn a_body_that_passes_by_does_not_wake() {
         simulation.step(H);
         assert!(simulation.bodies.is_asleep(1));
     }
-    assert!(simulation.bodies.centre_of_mass(passer).x > 3.0);
+    assert!(simulation.bodies.center_of_mass(passer).x > 3.0);
 }
 
 #[test]
@@ -306,7 +306,7 @@ fn a_platform_that_starts_to_move_wakes() {
         let mut simulation = assert_wakes(simulation);
         run(&mut simulation, 30);
         assert_eq!(simulation.report.asleep, 0, "nothing sleeps on what moves");
-        let height = simulation.bodies.centre_of_mass(1).y;
+        let height = simulation.bodies.center_of_mass(1).y;
         assert!((height - 0.5) * speed > 0.0, "{height} m at {speed} m/s");
     }
 }
@@ -338,7 +338,7 @@ fn a_smaller_shape_of_the_floor_wakes() {
     simulation.bodies.redescribe(0, thinner).expect("usable");
     let mut simulation = assert_wakes(simulation);
     fall_asleep(&mut simulation);
-    let height = simulation.bodies.centre_of_mass(1).y;
+    let height = simulation.bodies.center_of_mass(1).y;
     assert!((height - 0.05).abs() < 1e-3, "{height} m");
 }
 
@@ -369,7 +369,7 @@ fn removing_one_body_wakes_those_on_it() {
     simulation.step(H);
     assert_eq!(simulation.report.asleep, 0);
     run(&mut simulation, 59);
-    assert!(simulation.bodies.centre_of_mass(4).y < 3.0, "it hangs");
+    assert!(simulation.bodies.center_of_mass(4).y < 3.0, "it hangs");
 }
 
 #[test]
@@ -505,7 +505,7 @@ fn a_tower_of_20_wakes_as_calm_as_one_that_never_slept() {
     let mut simulation = asleep(tower(20));
     run(&mut simulation, 100);
     let before: Vec<Vec3> = (1..=20)
-        .map(|s| simulation.bodies.centre_of_mass(s))
+        .map(|s| simulation.bodies.center_of_mass(s))
         .collect();
     simulation.bodies.wake(1);
     let woken = liveliest(&mut simulation);
@@ -514,7 +514,7 @@ fn a_tower_of_20_wakes_as_calm_as_one_that_never_slept() {
         woken < 1.5 * usual,
         "{woken} J after sleep, {usual} J without"
     );
-    let way = |(slot, x): (u32, &Vec3)| simulation.bodies.centre_of_mass(slot).distance(*x);
+    let way = |(slot, x): (u32, &Vec3)| simulation.bodies.center_of_mass(slot).distance(*x);
     let drift = (1..).zip(&before).map(way).fold(0.0, f32::max);
     assert!(drift < 5e-4, "{drift} m");
 }
@@ -557,7 +557,7 @@ fn a_settled_body_sleeps_at_once_and_one_that_falls_does_not() {
     let mut simulation = sleepy(tower(3));
     let falling = block(&cube(), Vec3::new(9.0, 5.0, 0.0), 0.6);
     simulation.bodies.insert(falling).expect("usable");
-    (1..=4).for_each(|slot| simulation.bodies.settle(slot));
+    (1..=4).for_each(|slot| simulation.bodies.request_sleep(slot));
     run(&mut simulation, 2);
     assert_eq!((simulation.report.awake, simulation.report.asleep), (1, 3));
 }

@@ -250,21 +250,21 @@ fn open_meshes_are_refused_by_edge() {
     );
 }
 
-/// A unit cube around (0.5, 0.5, 0.5) with one set of vertices per face, coloured by position.
-fn coloured_cube() -> TriMesh {
+/// A unit cube around (0.5, 0.5, 0.5) with one set of vertices per face, colored by position.
+fn colored_cube() -> TriMesh {
     let hull = primitives::cuboid(1.0, 1.0, 1.0).unwrap();
     let mesh = hull.to_mesh();
-    let colours = mesh
+    let colors = mesh
         .positions()
         .iter()
         .map(|p| (p + 0.5).extend(1.0))
         .collect();
-    mesh.with_colours(colours).unwrap()
+    mesh.with_colors(colors).unwrap()
 }
 
 #[test]
 fn attributes_are_interpolated_and_seams_kept() {
-    let mesh = coloured_cube();
+    let mesh = colored_cube();
     let mut dice = Dice::new(7);
     for _ in 0..200 {
         let plane = dice.plane_through(mesh.positions());
@@ -282,10 +282,10 @@ fn attributes_are_interpolated_and_seams_kept() {
             for (index, triangle) in half.triangles().iter().enumerate() {
                 for vertex in triangle.map(|v| v as usize) {
                     let (position, normal) = (half.positions()[vertex], half.normals()[vertex]);
-                    // Colour is linear in the position here, so interpolation has one right answer. The fraction of the
+                    // Color is linear in the position here, so interpolation has one right answer. The fraction of the
                     // way and the position are each rounded once.
-                    let colour = (position + 0.5).extend(1.0);
-                    assert!((half.colours()[vertex] - colour).abs().max_element() < 5e-7);
+                    let color = (position + 0.5).extend(1.0);
+                    assert!((half.colors()[vertex] - color).abs().max_element() < 5e-7);
                     // Both caps have the directions of the plane's own normal.
                     let facing = if index < surface {
                         normal
@@ -312,7 +312,7 @@ fn interpolated_attributes_stay_between_their_ends() {
     let triangles = vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]];
     let mut dice = Dice::new(8);
     for _ in 0..500 {
-        let colours: Vec<Vec4> = (0..4)
+        let colors: Vec<Vec4> = (0..4)
             .map(|_| dice.direction().extend(dice.unit()))
             .collect();
         let uvs: Vec<Vec2> = (0..4)
@@ -321,7 +321,7 @@ fn interpolated_attributes_stay_between_their_ends() {
         let normals: Vec<Vec3> = (0..4).map(|_| dice.direction()).collect();
         let mesh = TriMesh::new(positions.clone(), triangles.clone())
             .and_then(|mesh| {
-                mesh.with_colours(colours.clone())?
+                mesh.with_colors(colors.clone())?
                     .with_uvs(uvs.clone())?
                     .with_normals(normals)
             })
@@ -340,19 +340,19 @@ fn interpolated_attributes_stay_between_their_ends() {
                 let (a, b) = (uvs[0], uvs[axis + 1]);
                 assert!(uv.cmpge(a.min(b)).all() && uv.cmple(a.max(b)).all());
             }
-            let colour = halves.below.colours()[vertex];
-            let (a, b) = (colours[0], colours[axis + 1]);
-            assert!(colour.cmpge(a.min(b)).all() && colour.cmple(a.max(b)).all());
+            let color = halves.below.colors()[vertex];
+            let (a, b) = (colors[0], colors[axis + 1]);
+            assert!(color.cmpge(a.min(b)).all() && color.cmple(a.max(b)).all());
             assert!((halves.below.normals()[vertex].length() - 1.0).abs() < 1e-6);
         }
     }
 }
 
 #[test]
-fn cap_takes_the_chosen_colour() {
+fn cap_takes_the_chosen_color() {
     let red = Vec4::new(1.0, 0.0, 0.0, 1.0);
     let options = SliceOptions {
-        cap_colour: Some(red),
+        cap_color: Some(red),
         ..SliceOptions::default()
     };
     let plain = primitives::cuboid(1.0, 1.0, 1.0).unwrap().to_mesh();
@@ -371,7 +371,7 @@ fn cap_takes_the_chosen_colour() {
             assert!(
                 triangle
                     .iter()
-                    .all(|&v| half.colours()[v as usize] == expected)
+                    .all(|&v| half.colors()[v as usize] == expected)
             );
         }
     }
@@ -382,7 +382,7 @@ fn cap_takes_the_chosen_colour() {
 fn hole_through_the_cap_stays_a_hole() {
     // The key's ring, cut flat through its thickness: the cap is a shape with holes, and has the area of its border.
     let mesh = model_mesh("key.obj");
-    let centre = mesh.aabb().centre();
+    let center = mesh.aabb().center();
     let thinnest = [Vec3::X, Vec3::Y, Vec3::Z]
         .into_iter()
         .min_by(|a, b| {
@@ -396,7 +396,7 @@ fn hole_through_the_cap_stays_a_hole() {
     let slice = check_mesh_cut(
         &mesh,
         mesh.volume(),
-        Plane::through(centre, thinnest),
+        Plane::through(center, thinnest),
         &mut worst,
     );
     let halves = slice.halves().unwrap();

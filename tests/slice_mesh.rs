@@ -64,15 +64,15 @@ fn voxels(solid: &[[i32; 3]]) -> TriMesh {
                 let first = positions.len() as u32;
                 let mut normal = Vec3::ZERO;
                 normal[axis] = step as f32;
-                let centre = Vec3::from_array(cell.map(|x| x as f32)) + 0.5 + 0.5 * normal;
+                let center = Vec3::from_array(cell.map(|x| x as f32)) + 0.5 + 0.5 * normal;
                 let [mut u, mut v] = [Vec3::ZERO; 2];
                 u[(axis + 1) % 3] = 0.5;
                 v[(axis + 2) % 3] = 0.5 * step as f32;
                 positions.extend([
-                    centre - u - v,
-                    centre + u - v,
-                    centre + u + v,
-                    centre - u + v,
+                    center - u - v,
+                    center + u - v,
+                    center + u + v,
+                    center - u + v,
                 ]);
                 triangles.extend([[0, 1, 2], [0, 2, 3]].map(|t| t.map(|k| first + k)));
             }
@@ -303,10 +303,10 @@ fn components_of_cut_models_are_closed_and_add_up() {
 /// A cube with all attributes and two material slots.
 fn dressed_cube() -> TriMesh {
     let mesh = primitives::cuboid(1.0, 1.0, 1.0).unwrap().to_mesh();
-    let colours = mesh.positions().iter().map(|p| (p + 0.5).extend(1.0));
-    let colours = colours.collect();
+    let colors = mesh.positions().iter().map(|p| (p + 0.5).extend(1.0));
+    let colors = colors.collect();
     let slots = (0..mesh.triangles().len() as u16).map(|t| t % 2).collect();
-    mesh.with_colours(colours)
+    mesh.with_colors(colors)
         .unwrap()
         .with_materials(slots)
         .unwrap()
@@ -435,7 +435,7 @@ fn slicer_that_is_used_again_gives_the_same_parts() {
         let mesh = &meshes[turn % 3];
         let plane = dice.plane_through(mesh.positions());
         let options = SliceOptions {
-            cap_colour: (turn % 2 == 0).then_some(Vec4::ONE),
+            cap_color: (turn % 2 == 0).then_some(Vec4::ONE),
             ..SliceOptions::default()
         };
         let fresh = slice_mesh(mesh, plane, options).unwrap().halves();

@@ -148,7 +148,7 @@ fn gauss_seidel_without_friction_solves_the_dense_problem() {
             .iter()
             .map(|([a, b], row)| {
                 let v = row.velocity(&start[*a as usize], &start[*b as usize]);
-                f64::from(row.wanted - v)
+                f64::from(row.target_velocity - v)
             })
             .collect(),
         lo: vec![0.0; n],
@@ -239,7 +239,7 @@ fn free_fall_is_the_parabola() {
         simulation.step(H);
     }
     let expected = -9.81 * 2.0 * 2.0 / 2.0;
-    let y = f64::from(simulation.bodies.centre_of_mass(body).y);
+    let y = f64::from(simulation.bodies.center_of_mass(body).y);
     assert!(
         (y - expected).abs() < 1e-6 * -expected,
         "{y} instead of {expected}"
@@ -259,7 +259,7 @@ fn slide(friction_model: FrictionModel, direction: Vec3) -> f32 {
     }
     let (v, _) = simulation.bodies.velocity(body);
     assert!(v.length() < 1e-3, "still sliding at {v}");
-    simulation.bodies.centre_of_mass(body).with_y(0.0).length()
+    simulation.bodies.center_of_mass(body).with_y(0.0).length()
 }
 
 #[test]
@@ -349,7 +349,7 @@ fn resting_bodies_stay_and_their_contacts_carry_their_weight() {
         for _ in 0..600 {
             simulation.step(H);
         }
-        let moved = simulation.bodies.centre_of_mass(column[4]) - Vec3::new(0.0, 4.5, 0.0);
+        let moved = simulation.bodies.center_of_mass(column[4]) - Vec3::new(0.0, 4.5, 0.0);
         assert!(moved.length() < drift, "{moved} with {config:?}");
         let floor_contact = simulation.contacts.manifolds().get(0).expect("it stands");
         let carried: f32 = floor_contact
@@ -377,13 +377,17 @@ fn discrete_apexes(height: f64, e: f64, steps: usize) -> Vec<f64> {
     for _ in 0..steps {
         let (y_before, v_before) = (y, v);
         let free = v - g * h;
-        let wanted = if -free > threshold && -free * h > y {
+        let target_velocity = if -free > threshold && -free * h > y {
             e * (v * v + 2.0 * g * y).sqrt()
         } else {
             -y / h
         };
-        v = free.max(wanted);
-        let flight = if wanted > free { 0.0 } else { 0.5 * g * h * h };
+        v = free.max(target_velocity);
+        let flight = if target_velocity > free {
+            0.0
+        } else {
+            0.5 * g * h * h
+        };
         y += v * h + flight;
         if v_before > 0.0 && v <= 0.0 {
             apexes.push(y_before);
@@ -404,7 +408,7 @@ fn apexes(config: SolverConfig, spin: f32) -> Vec<[f64; 2]> {
     let mut apexes = Vec::new();
     let mut last_speed = 0.0;
     for _ in 0..200 {
-        let height = f64::from(simulation.bodies.centre_of_mass(body).y - 0.5);
+        let height = f64::from(simulation.bodies.center_of_mass(body).y - 0.5);
         let speed = f64::from(simulation.bodies.velocity(body).0.y);
         simulation.step(H);
         let (v, omega) = simulation.bodies.velocity(body);
@@ -457,7 +461,7 @@ fn totals(simulation: &Simulation) -> (DVec3, DVec3, f64) {
             let momentum = f64::from(mass.mass) * v.as_dvec3();
             let spin =
                 rotation * (mass.principal.as_dvec3() * (rotation.inverse() * omega.as_dvec3()));
-            let orbit = bodies.centre_of_mass(slot).as_dvec3().cross(momentum);
+            let orbit = bodies.center_of_mass(slot).as_dvec3().cross(momentum);
             (
                 p + momentum,
                 l + orbit + spin,
@@ -489,7 +493,7 @@ fn contacts_conserve_momentum_and_lose_energy_in_a_zero_g_cloud() {
         let (v, omega) = bodies.velocity(s);
         let mass = bodies.mass(s);
         let momentum = f64::from(mass.mass) * v.as_dvec3();
-        let orbit = bodies.centre_of_mass(s).as_dvec3().cross(momentum);
+        let orbit = bodies.center_of_mass(s).as_dvec3().cross(momentum);
         // Of a cube: one moment about all axes.
         let spin = f64::from(mass.principal.x) * omega.as_dvec3();
         (momentum.length(), orbit.length() + spin.length())
@@ -569,13 +573,13 @@ fn overlap_that_is_not_solved_to_the_end_gives_no_energy() {
     let mut heavy = dynamic(&cube(1.0), 0.0, 0.72, 0.0);
     heavy.density = 1000.0;
     let heavy = add(&mut simulation, heavy);
-    let start = simulation.bodies.centre_of_mass(heavy).y;
+    let start = simulation.bodies.center_of_mass(heavy).y;
     for _ in 0..30 {
         simulation.step(H);
         let (_, _, energy) = totals(&simulation);
         assert!(energy < 1e-6, "{energy} J");
     }
-    let pushed = simulation.bodies.centre_of_mass(heavy).y - start;
+    let pushed = simulation.bodies.center_of_mass(heavy).y - start;
     assert!(pushed > 0.0, "{pushed} m");
 }
 
@@ -596,13 +600,13 @@ fn overlapping_bodies_part_without_an_explosion() {
             "{speed:?}"
         );
     }
-    let [a, b] = bodies.map(|b| simulation.bodies.centre_of_mass(b));
+    let [a, b] = bodies.map(|b| simulation.bodies.center_of_mass(b));
     assert!((b - a).x.abs() > 0.99, "parted: {a} {b}");
 }
 
 #[test]
 fn stable_motion_far_from_the_origin_is_the_same_as_near_it() {
-    let settle = |offset: Vec3| {
+    let request_sleep = |offset: Vec3| {
         let mut simulation = Simulation::default();
         let mut floor = dynamic(
             &ConvexMesh::cuboid(10.0, 1.0, 10.0).expect("valid size"),
@@ -620,12 +624,12 @@ fn stable_motion_far_from_the_origin_is_the_same_as_near_it() {
             simulation.step(H);
         }
         (
-            simulation.bodies.centre_of_mass(body) - offset,
+            simulation.bodies.center_of_mass(body) - offset,
             simulation.bodies.velocity(body).0,
         )
     };
-    let (near, _) = settle(Vec3::ZERO);
-    let (far, v) = settle(Vec3::new(1024.0, 0.0, -1024.0));
+    let (near, _) = request_sleep(Vec3::ZERO);
+    let (far, v) = request_sleep(Vec3::new(1024.0, 0.0, -1024.0));
     assert!((near - far).length() < 0.02, "{near} and {far}");
     assert!(
         (far.y - 0.5).abs() < 0.01 && v.length() < 0.01,
@@ -644,7 +648,7 @@ fn kinematic_body_pushes_and_is_not_pushed() {
     for _ in 0..180 {
         simulation.step(H);
     }
-    let [a, b] = [pusher, pushed].map(|slot| simulation.bodies.centre_of_mass(slot));
+    let [a, b] = [pusher, pushed].map(|slot| simulation.bodies.center_of_mass(slot));
     assert!((a - Vec3::new(1.0, 0.55, 0.0)).length() < 1e-4, "{a}");
     assert!((b.x - 2.0).abs() < 0.01 && b.z.abs() < 0.01, "{b}");
 }
@@ -665,7 +669,7 @@ fn bodies_of_layers_that_do_not_meet_pass_through_each_other() {
         simulation.step(H);
     }
     for slot in fallen {
-        let y = simulation.bodies.centre_of_mass(slot).y;
+        let y = simulation.bodies.center_of_mass(slot).y;
         assert!(
             (y - 0.5).abs() < 0.01,
             "rests on the floor, inside the other: {y}"

@@ -79,7 +79,7 @@ fn run() -> Vec<[u32; 6]> {
 
 fn bits(simulation: &Simulation) -> Vec<[u32; 6]> {
     let bodies = &simulation.bodies;
-    let state = |slot| (bodies.centre_of_mass(slot), bodies.velocity(slot).0);
+    let state = |slot| (bodies.center_of_mass(slot), bodies.velocity(slot).0);
     let parts = bodies
         .iter()
         .map(state)

@@ -56,7 +56,7 @@ impl Books {
         for slot in bodies.iter().filter(is_dynamic) {
             let m = f64::from(bodies.mass(slot).mass);
             mass += m;
-            energy += bodies.kinetic_energy(slot) + potential(m, bodies.centre_of_mass(slot));
+            energy += bodies.kinetic_energy(slot) + potential(m, bodies.center_of_mass(slot));
         }
         if self.mass == 0.0 {
             (self.mass_in, self.energy_in, self.energy) = (mass, energy, energy);

@@ -16,9 +16,9 @@ pub(crate) enum Kind {
     Quiet,
 }
 
-/// The time of each step of a kind over the median of its neighbours; NaN for the others.
+/// The time of each step of a kind over the median of its neighbors; NaN for the others.
 ///
-/// Neighbours are the steps without fracture that are at most 15 steps away. Where there are fewer than five of these,
+/// Neighbors are the steps without fracture that are at most 15 steps away. Where there are fewer than five of these,
 /// because something breaks all the time, they are all steps that are at most 15 steps away.
 pub(crate) fn ratios(times: &[f64], made: &[usize], kind: Kind) -> Vec<f64> {
     let ratio = |step: usize| {
@@ -33,8 +33,8 @@ pub(crate) fn ratios(times: &[f64], made: &[usize], kind: Kind) -> Vec<f64> {
             .map(|i| times[i])
             .collect();
         let all: Vec<f64> = around().map(|i| times[i]).collect();
-        let neighbours = if quiet.len() < LEAST { all } else { quiet };
-        times[step] / stats::median(&neighbours)
+        let neighbors = if quiet.len() < LEAST { all } else { quiet };
+        times[step] / stats::median(&neighbors)
     };
     (0..times.len()).map(ratio).collect()
 }

@@ -34,11 +34,11 @@ use cpu::CpuClock;
 use glam::Vec3;
 use hitch::{Kind, worst};
 use indicatif::{ProgressBar, ProgressStyle};
-use scene::{Colour, H, Shot};
+use scene::{Color, H, Shot};
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
-use support::colours::{IRON, clay};
+use support::colors::{IRON, clay};
 use support::picture::{Picture, contact_sheet};
 use support::plot::{Panel, time_series};
 use support::render::{Camera, Scene};
@@ -190,7 +190,7 @@ impl Run {
         let panels = [
             panel("step", "ms", &mut self.step_ms.iter().copied()),
             panel("pieces made", "", &mut self.made.iter().map(|&n| n as f64)),
-            panel("fracture step / neighbours", "", &mut ratios),
+            panel("fracture step / neighbors", "", &mut ratios),
         ];
         let path = Path::new(FOLDER).join("plot.png");
         time_series(path, "demolition", &panels)
@@ -217,14 +217,14 @@ impl Run {
                 let (worst, step) = worst(&ratios);
                 let ratios = hitch::finite(&ratios);
                 println!(
-                    "{name}_{kind}_to_neighbours_median: {:.2}",
+                    "{name}_{kind}_to_neighbors_median: {:.2}",
                     stats::median(&ratios)
                 );
                 println!(
-                    "{name}_{kind}_to_neighbours_p95: {:.2}",
+                    "{name}_{kind}_to_neighbors_p95: {:.2}",
                     stats::percentile(&ratios, 0.95)
                 );
-                println!("{name}_{kind}_to_neighbours_worst: {worst:.2} (step {step})");
+                println!("{name}_{kind}_to_neighbors_worst: {worst:.2} (step {step})");
             }
         }
         self.books.print();
@@ -235,10 +235,10 @@ impl Run {
 /// The scene as it is now, seen from in front of the wall.
 fn picture(world: &mut World) -> Picture {
     let mut scene = Scene::default();
-    let mut drawn = world.query::<(&ConvexMesh, &Transform, &Colour)>();
-    for (mesh, transform, colour) in drawn.iter(world) {
+    let mut drawn = world.query::<(&ConvexMesh, &Transform, &Color)>();
+    for (mesh, transform, color) in drawn.iter(world) {
         let pose = Pose::new(transform.translation, transform.rotation);
-        scene.draw(&mesh.render_mesh(), pose, colour.0);
+        scene.draw(&mesh.render_mesh(), pose, color.0);
     }
     let (eye, target) = (Vec3::new(9.5, 7.0, 15.0), Vec3::new(0.0, 1.6, 0.0));
     scene.render(&Camera::look_at(eye, target, Vec3::Y, 40.0, 1120, 720))

@@ -21,9 +21,9 @@ const DENSITY: f32 = 1900.0;
 /// Of the shots, kg/m3: iron.
 const SHOT_DENSITY: f32 = 7200.0;
 
-/// What a body is drawn in; pieces are clones of what they come from, so they have its colour.
+/// What a body is drawn in; pieces are clones of what they come from, so they have its color.
 #[derive(Component, Clone, Copy, Debug)]
-pub(crate) struct Colour(pub(crate) Vec3);
+pub(crate) struct Color(pub(crate) Vec3);
 
 /// What is shot when.
 #[derive(Clone, Debug)]
@@ -71,24 +71,24 @@ pub(crate) fn wall() -> Result<Vec<BodyDesc>, support::Error> {
     Ok(bodies)
 }
 
-/// Spawns a body in its colour.
-pub(crate) fn spawn(world: &mut World, body: &BodyDesc, colour: Vec3) {
+/// Spawns a body in its color.
+pub(crate) fn spawn(world: &mut World, body: &BodyDesc, color: Vec3) {
     let entity = world.spawn_body(body.clone());
-    world.entity_mut(entity).insert(Colour(colour));
+    world.entity_mut(entity).insert(Color(color));
 }
 
 /// A brick stands the wall above it, which comes without energy, and breaks where it is hit at some metres per second.
 fn brick(seed: u64) -> Fracturable {
     Fracturable {
         strength: 300.0,
-        least_energy: 800.0,
+        min_energy: 800.0,
         pattern: FracturePattern::Voronoi {
             cells: 16,
             focus: 0.3,
         },
         toughness: 400.0,
-        most_pieces: 16,
-        least_volume: 2e-5,
+        max_pieces: 16,
+        min_volume: 2e-5,
         generations: 2,
         seed,
         ..Fracturable::default()

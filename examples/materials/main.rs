@@ -53,11 +53,11 @@ fn show(mut demo: Demo) -> Result<Picture, support::Error> {
         demo.simulation.step(H);
         broken += demo.simulation.bonds.broken.len();
         for fracture in &demo.simulation.fractures.done {
-            let colour = demo.colours[fracture.parent_slot as usize];
+            let color = demo.colors[fracture.parent_slot as usize];
             for &piece in &fracture.pieces {
-                let needed = demo.colours.len().max(piece as usize + 1);
-                demo.colours.resize(needed, colour);
-                demo.colours[piece as usize] = colour;
+                let needed = demo.colors.len().max(piece as usize + 1);
+                demo.colors.resize(needed, color);
+                demo.colors[piece as usize] = color;
             }
             energy += fracture.blow.map_or(0.0, |blow| blow.borne_energy());
         }
@@ -81,8 +81,8 @@ fn draw(demo: &Demo) -> Picture {
     let mut scene = Scene::default();
     for slot in bodies.iter() {
         if let Some(mesh) = bodies.convex(slot) {
-            let colour = demo.colours[slot as usize];
-            scene.draw(&mesh.render_mesh(), bodies.pose(slot), colour);
+            let color = demo.colors[slot as usize];
+            scene.draw(&mesh.render_mesh(), bodies.pose(slot), color);
         }
     }
     let camera = Camera::look_at(demo.eye, demo.target, Vec3::Y, 40.0, 800, 560);

@@ -9,8 +9,8 @@ pub(crate) fn glass() -> Fracturable {
         strength: 20.0,
         pattern: FracturePattern::Radial { rays: 16, rings: 8 },
         toughness: 8.0,
-        most_pieces: 144,
-        least_volume: 1e-7,
+        max_pieces: 144,
+        min_volume: 1e-7,
         generations: 0,
         ..Fracturable::default()
     }
@@ -20,14 +20,14 @@ pub(crate) fn glass() -> Fracturable {
 pub(crate) fn brick(seed: u64) -> Fracturable {
     Fracturable {
         strength: 12.0,
-        least_energy: 60.0,
+        min_energy: 60.0,
         pattern: FracturePattern::Voronoi {
             cells: 9,
             focus: 0.3,
         },
         toughness: 80.0,
-        most_pieces: 9,
-        least_volume: 1e-6,
+        max_pieces: 9,
+        min_volume: 1e-6,
         generations: 1,
         seed,
         ..Fracturable::default()
@@ -39,17 +39,17 @@ pub(crate) const MORTAR: f32 = 3.0e5;
 
 /// Lays mortar into all joints of a wall; the number of joints.
 pub(crate) fn lay(simulation: &mut Simulation, bricks: &[u32]) -> Result<usize, BondError> {
-    simulation.bond_neighbours(bricks, MORTAR)
+    simulation.bond_neighbors(bricks, MORTAR)
 }
 
 /// Of a lath of pine, the grain along its longest side: it breaks across, and not easily. Density 450 kg/m3.
 pub(crate) fn lath(seed: u64) -> Fracturable {
     Fracturable {
         strength: 60.0,
-        least_energy: 150.0,
+        min_energy: 150.0,
         pattern: FracturePattern::Slabs { count: 2 },
         toughness: 1.0e4,
-        most_pieces: 2,
+        max_pieces: 2,
         generations: 2,
         seed,
         ..Fracturable::default()
@@ -59,7 +59,7 @@ pub(crate) fn lath(seed: u64) -> Fracturable {
 /// Glues the laths of a beam side by side: along the grain, wood splits at a fraction of what breaks it across.
 pub(crate) fn grow(simulation: &mut Simulation, laths: &[u32]) -> Result<(), BondError> {
     let (tension_across, shear_along) = (2.5e6, 7.0e6);
-    simulation.bond_neighbours(laths, tension_across)?;
+    simulation.bond_neighbors(laths, tension_across)?;
     let made = simulation.bonds.iter();
     let made: Vec<_> = made.map(|(slots, bond)| (slots, *bond)).collect();
     for ([a, b], bond) in made {
@@ -76,14 +76,14 @@ pub(crate) fn grow(simulation: &mut Simulation, laths: &[u32]) -> Result<(), Bon
 pub(crate) fn stone() -> Fracturable {
     Fracturable {
         strength: 2000.0,
-        least_energy: 1500.0,
+        min_energy: 1500.0,
         pattern: FracturePattern::Voronoi {
             cells: 24,
             focus: 0.5,
         },
         toughness: 100.0,
-        most_pieces: 24,
-        least_volume: 1e-4,
+        max_pieces: 24,
+        min_volume: 1e-4,
         generations: 1,
         seed: 5,
         ..Fracturable::default()

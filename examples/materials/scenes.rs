@@ -2,7 +2,7 @@
 
 use crate::recipes;
 use crate::support::Error;
-use crate::support::colours::{IRON, clay};
+use crate::support::colors::{IRON, clay};
 use bevy_cleave::geometry::primitives;
 use bevy_cleave::prelude::*;
 use glam::{Quat, Vec3};
@@ -12,7 +12,7 @@ pub(crate) struct Demo {
     pub(crate) name: &'static str,
     pub(crate) simulation: Simulation,
     /// By slot, linear RGB; pieces have that of what they come from.
-    pub(crate) colours: Vec<Vec3>,
+    pub(crate) colors: Vec<Vec3>,
     /// Steps after which a picture is taken.
     pub(crate) shown: [usize; 2],
     pub(crate) eye: Vec3,
@@ -24,7 +24,7 @@ impl Demo {
         let mut demo = Self {
             name,
             simulation: Simulation::default(),
-            colours: Vec::new(),
+            colors: Vec::new(),
             shown,
             eye,
             target,
@@ -33,9 +33,9 @@ impl Demo {
         Ok(demo)
     }
 
-    fn add(&mut self, body: BodyDesc, colour: Vec3) -> Result<u32, Error> {
+    fn add(&mut self, body: BodyDesc, color: Vec3) -> Result<u32, Error> {
         let slot = self.simulation.bodies.insert(body)?;
-        self.colours.push(colour);
+        self.colors.push(color);
         Ok(slot)
     }
 
@@ -64,12 +64,12 @@ impl Demo {
         at: Vec3,
         density: f32,
         material: Fracturable,
-        colour: Vec3,
+        color: Vec3,
     ) -> Result<u32, Error> {
         let mut block = BodyDesc::dynamic(ConvexMesh::cuboid(size.x, size.y, size.z)?, at);
         block.density = density;
         block.fracturable = Some(material);
-        self.add(block, colour)
+        self.add(block, color)
     }
 }
 
@@ -78,7 +78,7 @@ pub(crate) fn glass() -> Result<Demo, Error> {
     let (eye, target) = (Vec3::new(1.5, 1.1, 1.9), Vec3::new(0.0, 0.55, -0.1));
     let mut demo = Demo::new("glass", [12, 27], eye, target)?;
     let size = Vec3::new(1.2, 1.0, 0.012);
-    let colour = Vec3::new(0.35, 0.62, 0.60);
+    let color = Vec3::new(0.35, 0.62, 0.60);
     for side in [-1.0, 1.0] {
         let at = Vec3::new(0.0, 0.03, side * (0.5 * size.z + 0.021));
         demo.fix(Vec3::new(1.3, 0.06, 0.04), at)?;
@@ -88,7 +88,7 @@ pub(crate) fn glass() -> Result<Demo, Error> {
         Vec3::new(0.0, 0.5, 0.0),
         2500.0,
         recipes::glass(),
-        colour,
+        color,
     )?;
     demo.shoot(0.05, Vec3::new(0.15, 0.62, 2.2), Vec3::new(0.0, 1.0, -10.0))?;
     Ok(demo)
@@ -106,9 +106,9 @@ pub(crate) fn brick() -> Result<Demo, Error> {
         for i in 0..9_u8 {
             let x = (f32::from(i) + shift - 4.25) * size.x;
             let number = bricks.len();
-            let colour = clay(number);
+            let color = clay(number);
             let material = recipes::brick(number as u64);
-            bricks.push(demo.put(size, Vec3::new(x, y, 0.0), 1900.0, material, colour)?);
+            bricks.push(demo.put(size, Vec3::new(x, y, 0.0), 1900.0, material, color)?);
         }
     }
     recipes::lay(&mut demo.simulation, &bricks)?;
@@ -130,9 +130,9 @@ pub(crate) fn wood() -> Result<Demo, Error> {
             let y = 0.7 + (f32::from(layer) + 0.5) * size.y;
             let z = (f32::from(row) - 1.5) * size.z;
             let shade = 0.85 + 0.1 * f32::from((layer * 3 + row * 5) % 4);
-            let colour = shade * Vec3::new(0.48, 0.31, 0.15);
+            let color = shade * Vec3::new(0.48, 0.31, 0.15);
             let material = recipes::lath(u64::from(4 * layer + row));
-            laths.push(demo.put(size, Vec3::new(0.0, y, z), 450.0, material, colour)?);
+            laths.push(demo.put(size, Vec3::new(0.0, y, z), 450.0, material, color)?);
         }
     }
     recipes::grow(&mut demo.simulation, &laths)?;

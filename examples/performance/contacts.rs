@@ -4,7 +4,7 @@ use crate::H;
 use bevy_cleave::contact::manifolds::Manifolds;
 use bevy_cleave::prelude::*;
 use bevy_cleave::simd::lanes::LaneWidth;
-use bevy_cleave::solver::adaptivity::Demand;
+use bevy_cleave::solver::adaptivity::IslandRequirements;
 use bevy_cleave::solver::batch::{Batch, Step};
 use bevy_cleave::solver::graph::islands::Islands;
 use bevy_cleave::solver::settings::SubstepSettings;
@@ -67,7 +67,7 @@ impl Source {
 
     /// Loads all islands into one batch.
     pub(crate) fn load(&self, batch: &mut Batch) {
-        let demand = Demand {
+        let demand = IslandRequirements {
             substeps: 4,
             ..Default::default()
         };
@@ -87,9 +87,9 @@ impl Source {
     pub(crate) fn batch(&self) -> Batch {
         let mut batch = Batch::default();
         self.load(&mut batch);
-        let feedback = self.settings().feedback();
+        let bias = self.settings().bias();
         let first = true;
-        batch.pass(Pass::Targets { feedback, first }, None);
+        batch.pass(Pass::UpdateBias { bias, first }, None);
         batch.pass(Pass::Warm, None);
         batch
     }

@@ -230,7 +230,7 @@ fn first_sweep() -> Work {
     let source = source();
     let mut batch = source.batch();
     let of_step = Pass::SolveFirst {
-        feedback: batch.settings.feedback(),
+        bias: batch.settings.bias(),
         first: false,
         softness: Softness::new(&four_substeps(), H / 4.0),
         measure: false,

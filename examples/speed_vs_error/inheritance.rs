@@ -97,7 +97,7 @@ fn cut(mut simulation: Simulation, inherits: bool) -> Outcome {
     let residual = error.map_or(f32::NAN, |error| error.residual.relative);
     let first = fastest(&simulation);
     let bodies = &simulation.bodies;
-    let start: Vec<(u32, Vec3)> = (bodies.iter().map(|s| (s, bodies.centre_of_mass(s)))).collect();
+    let start: Vec<(u32, Vec3)> = (bodies.iter().map(|s| (s, bodies.center_of_mass(s)))).collect();
     let mut peak = first;
     for _ in 0..steps(1.0) {
         simulation.step(H);
@@ -105,7 +105,7 @@ fn cut(mut simulation: Simulation, inherits: bool) -> Outcome {
     }
     let ways = start
         .iter()
-        .map(|&(slot, centre)| simulation.bodies.centre_of_mass(slot).distance(centre));
+        .map(|&(slot, center)| simulation.bodies.center_of_mass(slot).distance(center));
     Outcome {
         residual,
         first,

@@ -54,7 +54,7 @@ const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/target/speed_vs_error
 const PUBLISHED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/report");
 
 /// Most sweeps on the files, and in the short form.
-const MOST_SWEEPS: [usize; 2] = [512, 64];
+const MAX_SWEEPS: [usize; 2] = [512, 64];
 
 fn main() -> ExitCode {
     match run() {
@@ -105,7 +105,7 @@ fn measure_all(is_quick: bool) -> Result<Results, Error> {
         })
     });
     let sweeps = sweeps.collect();
-    let files = Files::measure(MOST_SWEEPS[usize::from(is_quick)], |method| {
+    let files = Files::measure(MAX_SWEEPS[usize::from(is_quick)], |method| {
         bar.set_message(format!("problems from files: {method}"));
         bar.tick();
     });

@@ -41,7 +41,7 @@ fn slide(h: f32) -> f64 {
     let mut simulation = simulation_with(SolverConfig::exact(), sliding_box(0.5, 10.0, 0.0));
     let steps = (1.0 / h).round() as usize;
     (0..steps).for_each(|_| simulation.step(h));
-    (f64::from(simulation.bodies.centre_of_mass(1).x) - (10.0 - 0.25 * G)).abs()
+    (f64::from(simulation.bodies.center_of_mass(1).x) - (10.0 - 0.25 * G)).abs()
 }
 
 /// Error of the pendulum that stands on its head, `(h^2 + d^2) / 3 phi'' = g (h sin phi - d cos phi) / 2`, from 15 degrees

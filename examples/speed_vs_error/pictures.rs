@@ -39,7 +39,7 @@ pub(crate) fn scene(folder: &Path, sweep: &Sweep) -> Result<(), Error> {
     );
     let mut series = vec![Series {
         name: "none beats it in both".into(),
-        colour: GREY,
+        color: GREY,
         mark: None,
         is_filled: false,
         line: 2,
@@ -82,7 +82,7 @@ fn notes(sweep: &Sweep, at: impl Fn(&Point) -> (f64, f64)) -> Vec<Note> {
 
 /// The points of a method: those with the disc of friction, those with the box, and those that failed.
 fn method_series(sweep: &Sweep, method: Method, at: impl Fn(&Point) -> (f64, f64)) -> Vec<Series> {
-    let (colour, mark) = look(method);
+    let (color, mark) = look(method);
     let of = |pick: &dyn Fn(&Point) -> bool| {
         let own = sweep.points.iter();
         let own = own.filter(|p| p.setting.config.method == method && pick(p));
@@ -112,7 +112,7 @@ fn method_series(sweep: &Sweep, method: Method, at: impl Fn(&Point) -> (f64, f64
     ];
     let series = kinds.map(|(name, mark, is_filled, points)| Series {
         name,
-        colour,
+        color,
         mark: Some(mark),
         is_filled,
         line: 0,
@@ -124,8 +124,8 @@ fn method_series(sweep: &Sweep, method: Method, at: impl Fn(&Point) -> (f64, f64
         .collect()
 }
 
-/// Colours of the iterative methods on files.
-const COLOURS: [[u8; 3]; 3] = [ORANGE, BLUE, GREEN];
+/// Colors of the iterative methods on files.
+const COLORS: [[u8; 3]; 3] = [ORANGE, BLUE, GREEN];
 
 /// Writes two pictures for each level of error: share of solved problems over sweeps, and over time.
 pub(crate) fn profiles(folder: &Path, files: &Files) -> Result<(), Error> {
@@ -170,8 +170,8 @@ fn profile(
     curves: Vec<Curve<'_>>,
 ) -> Result<(), Error> {
     let values = curves.iter().flat_map(|c| &c.1).map(|p| p.0).collect();
-    let colours = COLOURS.into_iter().chain([PURPLE]);
-    let series = curves.into_iter().zip(colours);
+    let colors = COLORS.into_iter().chain([PURPLE]);
+    let series = curves.into_iter().zip(colors);
     let chart = Chart {
         title: format!("Problems from files solved to a velocity error of {level}"),
         caption: "from no impulses; error in the mass norm, relative to what the contacts do"
@@ -184,9 +184,9 @@ fn profile(
             is_log: false,
         },
         series: series
-            .map(|((name, points), colour)| Series {
+            .map(|((name, points), color)| Series {
                 name: name.into(),
-                colour,
+                color,
                 mark: None,
                 is_filled: true,
                 line: 3,

@@ -80,7 +80,7 @@ fn csv(sweeps: &[Sweep]) -> String {
                 p.p99,
                 p.steps,
                 p.contacts,
-                p.capped,
+                p.unconverged,
             );
         }
     }
@@ -406,7 +406,7 @@ fn findings(results: &Results) -> String {
             text += &format!(
                 "| {} | {:.1} | {error} |\n",
                 sweep.scene.title,
-                100.0 * p.capped
+                100.0 * p.unconverged
             );
         }
     }

@@ -41,7 +41,7 @@ pub(crate) struct Run {
     /// Most contact points of a step.
     pub(crate) contacts: usize,
     /// Steps in which an island ended above the tolerance, or without a certificate.
-    pub(crate) capped: usize,
+    pub(crate) unconverged: usize,
 }
 
 impl Run {
@@ -50,7 +50,7 @@ impl Run {
             config,
             times: Vec::new(),
             contacts: 0,
-            capped: 0,
+            unconverged: 0,
         }
     }
 
@@ -64,7 +64,7 @@ impl Run {
         self.times.push(1e3 * clock.elapsed().as_secs_f64());
         let report = &simulation.report;
         self.contacts = self.contacts.max(report.contacts);
-        self.capped += usize::from(!report.capped.is_empty());
+        self.unconverged += usize::from(!report.unconverged.is_empty());
     }
 
     fn step(&mut self, simulation: &mut Simulation) {
@@ -271,7 +271,7 @@ fn sliding_stop(run: &mut Run) -> f64 {
     let errors = headings().map(|heading| {
         let mut simulation = run.simulation(sliding_box(0.5, 10.0, heading));
         run.run(&mut simulation, 3.0);
-        let way = simulation.bodies.centre_of_mass(1) - 0.5 * Vec3::Y;
+        let way = simulation.bodies.center_of_mass(1) - 0.5 * Vec3::Y;
         (f64::from(way.length()) / exact - 1.0).abs()
     });
     errors.fold(0.0, f64::max)
@@ -282,7 +282,7 @@ fn slope_creep(run: &mut Run) -> f64 {
     let creep = headings().map(|heading| {
         let mut simulation = run.simulation(slope_box(Vec3::ONE, 0.6, degrees, heading));
         let down = downhill(degrees, heading);
-        let place = |simulation: &Simulation| simulation.bodies.centre_of_mass(1).dot(down);
+        let place = |simulation: &Simulation| simulation.bodies.center_of_mass(1).dot(down);
         // In the first second it settles from a cold start.
         run.run(&mut simulation, 1.0);
         let settled = place(&simulation);
@@ -324,7 +324,7 @@ fn apexes(run: &mut Run, shape: &ConvexMesh) -> Vec<f64> {
         let speed = f64::from(simulation.bodies.velocity(1).0.y);
         if last > 0.0 && speed <= 0.0 {
             // The apex lies between two steps: as high above here as a fall to this speed is deep.
-            let height = f64::from(simulation.bodies.centre_of_mass(1).y) - 0.5;
+            let height = f64::from(simulation.bodies.center_of_mass(1).y) - 0.5;
             apexes.push(height + speed * speed / (2.0 * G));
         }
         last = speed;

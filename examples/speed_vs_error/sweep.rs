@@ -19,7 +19,7 @@ pub(crate) struct Point {
     /// Most contact points of a step.
     pub(crate) contacts: usize,
     /// Share of the steps in which an island ended above its tolerance, or without a certificate.
-    pub(crate) capped: f64,
+    pub(crate) unconverged: f64,
     /// At least [`ROUNDING`]; `None` if the scene failed.
     pub(crate) error: Option<f64>,
 }
@@ -75,10 +75,10 @@ impl Sweep {
 
     /// The fastest setting other than the default with an error below the default's, or as large where that is rounding.
     pub(crate) fn cheapest_as_good(&self) -> Option<&Point> {
-        let wanted = self.default().error.unwrap_or(f64::INFINITY);
+        let target_velocity = self.default().error.unwrap_or(f64::INFINITY);
         let is_as_good = |p: &&Point| {
             let error = p.error.unwrap_or(f64::INFINITY);
-            p.setting.name != DEFAULT && (error < wanted || error == ROUNDING)
+            p.setting.name != DEFAULT && (error < target_velocity || error == ROUNDING)
         };
         let good = self.points.iter().filter(is_as_good);
         good.min_by(|p, q| p.median.total_cmp(&q.median))
@@ -94,7 +94,7 @@ fn measure(scene: &Scene, setting: Setting) -> Point {
         p99: stats::percentile(&run.times, 0.99),
         steps: run.times.len(),
         contacts: run.contacts,
-        capped: run.capped as f64 / run.times.len() as f64,
+        unconverged: run.unconverged as f64 / run.times.len() as f64,
         error: (!has_failed).then_some(error.max(ROUNDING)),
         setting,
     }

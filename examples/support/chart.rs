@@ -44,7 +44,7 @@ pub enum Mark {
 pub struct Series {
     /// In the legend, if not empty.
     pub name: String,
-    pub colour: [u8; 3],
+    pub color: [u8; 3],
     pub mark: Option<Mark>,
     pub is_filled: bool,
     /// Width of the line through the points, pixels; 0 for none.
@@ -103,7 +103,7 @@ impl Axis {
         }
     }
 
-    /// Place of a value along the axis, 0 to 1; values beyond an end are put on it.
+    /// LaneSlot of a value along the axis, 0 to 1; values beyond an end are put on it.
     fn place(&self, value: f64) -> f64 {
         let map = |v: f64| if self.is_log { v.log10() } else { v };
         let share = (map(value) - map(self.low)) / (map(self.high) - map(self.low));
@@ -261,11 +261,11 @@ fn draw_level(area: &Area<'_>, chart: &Chart) -> Result<(), Error> {
 }
 
 fn draw_series(area: &Area<'_>, chart: &Chart, series: &Series) -> Result<(), Error> {
-    let [r, g, b] = series.colour;
-    let colour = RGBColor(r, g, b);
+    let [r, g, b] = series.color;
+    let color = RGBColor(r, g, b);
     let points: Vec<_> = series.points.iter().map(|&p| pixel(chart, p)).collect();
     if series.line > 0 {
-        line(area, points.clone(), colour.stroke_width(series.line))?;
+        line(area, points.clone(), color.stroke_width(series.line))?;
     }
     for at in points {
         draw_mark(area, series, at)?;
@@ -274,12 +274,12 @@ fn draw_series(area: &Area<'_>, chart: &Chart, series: &Series) -> Result<(), Er
 }
 
 fn draw_mark(area: &Area<'_>, series: &Series, (x, y): (i32, i32)) -> Result<(), Error> {
-    let [r, g, b] = series.colour;
-    let colour = RGBColor(r, g, b);
+    let [r, g, b] = series.color;
+    let color = RGBColor(r, g, b);
     let style = if series.is_filled {
-        colour.filled()
+        color.filled()
     } else {
-        colour.stroke_width(2)
+        color.stroke_width(2)
     };
     let outline = |corners: &[(i32, i32)]| {
         let corners: Vec<_> = corners.iter().map(|(dx, dy)| (x + dx, y + dy)).collect();
@@ -299,12 +299,12 @@ fn draw_mark(area: &Area<'_>, series: &Series, (x, y): (i32, i32)) -> Result<(),
             line(
                 area,
                 vec![(x - 5, y - 5), (x + 5, y + 5)],
-                colour.stroke_width(2),
+                color.stroke_width(2),
             )?;
             line(
                 area,
                 vec![(x - 5, y + 5), (x + 5, y - 5)],
-                colour.stroke_width(2),
+                color.stroke_width(2),
             )
         }
     }
@@ -384,7 +384,7 @@ fn draw_legend(area: &Area<'_>, chart: &Chart) -> Result<(), Error> {
     let named = chart.series.iter().filter(|s| !s.name.is_empty());
     for (i, series) in (0_i32..).zip(named) {
         let (x, y) = (RIGHT + 34, TOP + 16 + 28 * i);
-        let [r, g, b] = series.colour;
+        let [r, g, b] = series.color;
         if series.line > 0 {
             let style = RGBColor(r, g, b).stroke_width(series.line);
             line(area, vec![(x - 16, y), (x + 16, y)], style)?;

@@ -12,10 +12,10 @@ const SUN_RESOLUTION: usize = 2048;
 /// Half the width of a blurred shadow edge, in pixels of the depth picture.
 const SUN_BLUR: usize = 2;
 const SKY_BLUR: usize = 1;
-const SUN_COLOUR: Vec3 = Vec3::new(2.5, 2.25, 1.9);
-const SKY_COLOUR: Vec3 = Vec3::new(0.66, 0.73, 0.85);
+const SUN_COLOR: Vec3 = Vec3::new(2.5, 2.25, 1.9);
+const SKY_COLOR: Vec3 = Vec3::new(0.66, 0.73, 0.85);
 /// What the ground throws back at faces that look down.
-const BOUNCE_COLOUR: Vec3 = Vec3::new(0.17, 0.16, 0.14);
+const BOUNCE_COLOR: Vec3 = Vec3::new(0.17, 0.16, 0.14);
 
 /// Edge of the blocks of a depth picture whose maximum tells at one glance that nothing is in the way.
 const BLOCK: usize = 8;
@@ -156,7 +156,7 @@ impl Lights {
             .map(|light| light.received::<SKY_BLUR>(point, normal));
         // The mean of the cosine over the hemisphere is 1/2, so twice the mean is 1 under an open sky.
         let sky = sky.sum::<f32>() * 2.0 / self.sky.len() as f32;
-        albedo * (SUN_COLOUR * sun + SKY_COLOUR * sky + BOUNCE_COLOUR * (0.5 - 0.5 * normal.y))
+        albedo * (SUN_COLOR * sun + SKY_COLOR * sky + BOUNCE_COLOR * (0.5 - 0.5 * normal.y))
     }
 }
 

@@ -13,7 +13,7 @@
 )]
 
 pub mod chart;
-pub mod colours;
+pub mod colors;
 pub mod light;
 pub mod model;
 pub mod picture;

@@ -15,7 +15,7 @@ pub struct Model {
     pub positions: Vec<Vec3>,
     pub normals: Vec<Vec3>,
     pub uvs: Vec<Vec2>,
-    pub colours: Vec<Vec4>,
+    pub colors: Vec<Vec4>,
     pub triangles: Vec<[u32; 3]>,
 }
 
@@ -47,7 +47,7 @@ pub fn load(path: impl AsRef<Path>) -> Result<Model, Error> {
 }
 
 impl Model {
-    /// The same model centred on the origin, its bounding box scaled to a diagonal of `diagonal` metres.
+    /// The same model centerd on the origin, its bounding box scaled to a diagonal of `diagonal` metres.
     pub fn fitted(mut self, diagonal: f32) -> Self {
         let min = self
             .positions
@@ -66,9 +66,9 @@ impl Model {
         self
     }
 
-    /// The same model in one colour (linear RGB).
-    pub fn coloured(mut self, colour: Vec3) -> Self {
-        self.colours = vec![colour.extend(1.0); self.positions.len()];
+    /// The same model in one color (linear RGB).
+    pub fn colored(mut self, color: Vec3) -> Self {
+        self.colors = vec![color.extend(1.0); self.positions.len()];
         self
     }
 
@@ -81,8 +81,8 @@ impl Model {
         if !self.uvs.is_empty() {
             mesh = mesh.with_uvs(self.uvs)?;
         }
-        if !self.colours.is_empty() {
-            mesh = mesh.with_colours(self.colours)?;
+        if !self.colors.is_empty() {
+            mesh = mesh.with_colors(self.colors)?;
         }
         Ok(mesh)
     }
@@ -100,7 +100,7 @@ impl Model {
         let (before, count) = (self.positions.len(), part.positions.len());
         join(&mut self.normals, before, part.normals, count, Vec3::Y);
         join(&mut self.uvs, before, part.uvs, count, Vec2::ZERO);
-        join(&mut self.colours, before, part.colours, count, Vec4::ONE);
+        join(&mut self.colors, before, part.colors, count, Vec4::ONE);
         self.positions.extend(part.positions);
         let shifted = part.triangles.iter().map(|t| t.map(|v| v + before as u32));
         self.triangles.extend(shifted);
@@ -143,7 +143,7 @@ impl Model {
                         out.positions.push(self.positions[v as usize]);
                         out.normals.push(normal);
                         out.uvs.extend(self.uvs.get(v as usize));
-                        out.colours.extend(self.colours.get(v as usize));
+                        out.colors.extend(self.colors.get(v as usize));
                         out.positions.len() as u32 - 1
                     })
             });
@@ -167,12 +167,12 @@ fn load_obj(path: &Path) -> Result<Model, Error> {
                 .collect()
         };
         let uvs = mesh.texcoords.as_chunks().0;
-        let colours = mesh.vertex_color.as_chunks().0;
+        let colors = mesh.vertex_color.as_chunks().0;
         model.append(Model {
             positions: vectors(&mesh.positions),
             normals: vectors(&mesh.normals),
             uvs: uvs.iter().copied().map(Vec2::from_array).collect(),
-            colours: colours
+            colors: colors
                 .iter()
                 .map(|&c| Vec3::from_array(c).extend(1.0))
                 .collect(),
@@ -246,7 +246,7 @@ fn read_primitive(
     let normal_matrix = Mat3::from_mat4(scene_from_node).inverse().transpose();
     let normals = reader.read_normals().into_iter().flatten();
     let uvs = reader.read_tex_coords(0).into_iter();
-    let colours = reader.read_colors(0).into_iter();
+    let colors = reader.read_colors(0).into_iter();
     Ok(Model {
         positions,
         normals: normals
@@ -257,7 +257,7 @@ fn read_primitive(
             })
             .collect(),
         uvs: uvs.flat_map(|t| t.into_f32()).map(Vec2::from).collect(),
-        colours: colours
+        colors: colors
             .flat_map(|c| c.into_rgba_f32())
             .map(Vec4::from)
             .collect(),

@@ -15,9 +15,9 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// A picture of one colour.
-    pub fn new(width: usize, height: usize, colour: [u8; 3]) -> Self {
-        let pixels = vec![colour; width * height];
+    /// A picture of one color.
+    pub fn new(width: usize, height: usize, color: [u8; 3]) -> Self {
+        let pixels = vec![color; width * height];
         Self {
             width,
             height,
@@ -44,7 +44,7 @@ impl Picture {
     }
 
     /// Writes one line of text, `size` pixels high, its upper left corner at `(x, y)`.
-    pub fn text(&mut self, x: usize, y: usize, size: f32, colour: [u8; 3], text: &str) {
+    pub fn text(&mut self, x: usize, y: usize, size: f32, color: [u8; 3], text: &str) {
         let font = FontRef::try_from_slice(UBUNTU_LIGHT).expect("the font that the crate ships");
         let font = font.as_scaled(size);
         let mut pen = ab_glyph::point(x as f32, y as f32 + font.ascent());
@@ -63,21 +63,21 @@ impl Picture {
                 self.blend(
                     corner.x as i32 + dx as i32,
                     corner.y as i32 + dy as i32,
-                    colour,
+                    color,
                     coverage,
                 );
             });
         }
     }
 
-    /// Mixes `colour` into a pixel; nothing happens outside the picture.
-    fn blend(&mut self, x: i32, y: i32, colour: [u8; 3], share: f32) {
+    /// Mixes `color` into a pixel; nothing happens outside the picture.
+    fn blend(&mut self, x: i32, y: i32, color: [u8; 3], share: f32) {
         let (Ok(x), Ok(y)) = (usize::try_from(x), usize::try_from(y)) else {
             return;
         };
         if x < self.width && y < self.height {
             let pixel = &mut self.pixels[y * self.width + x];
-            for (old, new) in pixel.iter_mut().zip(colour) {
+            for (old, new) in pixel.iter_mut().zip(color) {
                 let mixed =
                     f32::from(*old) + share.clamp(0.0, 1.0) * (f32::from(new) - f32::from(*old));
                 *old = mixed.round() as u8;

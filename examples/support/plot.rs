@@ -12,7 +12,7 @@ const WIDTH: usize = 1400;
 const TITLE_HEIGHT: usize = 56;
 const PANEL_HEIGHT: usize = 270;
 pub(super) const FONT: &str = "sans-serif";
-const LINE_COLOURS: [RGBColor; 4] = [
+const LINE_COLORS: [RGBColor; 4] = [
     RGBColor(31, 102, 173),
     RGBColor(196, 78, 34),
     RGBColor(38, 132, 84),
@@ -51,8 +51,8 @@ pub fn time_series(path: impl AsRef<Path>, title: &str, panels: &[Panel]) -> Res
         let (head, body) = root.split_vertically(TITLE_HEIGHT as u32);
         let style = (FONT, 32).into_font().color(&BLACK);
         let anchor = style.pos(Pos::new(HPos::Center, VPos::Center));
-        let centre = (WIDTH as i32 / 2, TITLE_HEIGHT as i32 / 2);
-        head.draw_text(title, &anchor, centre).map_err(plain)?;
+        let center = (WIDTH as i32 / 2, TITLE_HEIGHT as i32 / 2);
+        head.draw_text(title, &anchor, center).map_err(plain)?;
         let times = range(panels.iter().flat_map(|p| &p.series).map(|s| s.0));
         for (i, (panel, area)) in panels
             .iter()
@@ -63,7 +63,7 @@ pub fn time_series(path: impl AsRef<Path>, title: &str, panels: &[Panel]) -> Res
                 &area,
                 panel,
                 times.clone(),
-                LINE_COLOURS[i % LINE_COLOURS.len()],
+                LINE_COLORS[i % LINE_COLORS.len()],
             )?;
         }
         root.present().map_err(plain)?;
@@ -84,7 +84,7 @@ fn draw_panel(
     area: &Area<'_>,
     panel: &Panel,
     times: Range<f64>,
-    colour: RGBColor,
+    color: RGBColor,
 ) -> Result<(), Error> {
     let drawable = |&(t, y): &(f64, f64)| t.is_finite() && y.is_finite() && (!panel.log || y > 0.0);
     let points: Vec<(f64, f64)> = panel.series.iter().copied().filter(drawable).collect();
@@ -113,7 +113,7 @@ fn draw_panel(
                 .draw()
                 .map_err(plain)?;
             chart
-                .draw_series(LineSeries::new(points, colour.stroke_width(2)))
+                .draw_series(LineSeries::new(points, color.stroke_width(2)))
                 .map_err(plain)?;
         }};
     }

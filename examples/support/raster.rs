@@ -5,10 +5,10 @@ use std::ops::Range;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Visits the pixels of `rows` whose centres `triangle` covers, with the value of its `z` there.
+/// Visits the pixels of `rows` whose centers `triangle` covers, with the value of its `z` there.
 ///
 /// `x` and `y` count pixels, `z` has to be linear over the picture (an inverse depth, or a parallel projection). A
-/// centre on an edge counts for both triangles that share the edge: the depth test makes one of them win.
+/// center on an edge counts for both triangles that share the edge: the depth test makes one of them win.
 pub fn fill_triangle(
     triangle: &[Vec3; 3],
     width: usize,
@@ -22,7 +22,7 @@ pub fn fill_triangle(
         return;
     }
     let (low, high) = (a.min(b).min(c), a.max(b).max(c));
-    // Pixel i has its centre at i + 0.5; a cast to usize saturates, so what lies outside is cut off.
+    // Pixel i has its center at i + 0.5; a cast to usize saturates, so what lies outside is cut off.
     let span = |low: f32, high: f32, range: Range<usize>| {
         let first = (low - 0.5).ceil() as usize;
         let end = (high + 0.5).floor().max(0.0) as usize;

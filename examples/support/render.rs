@@ -15,9 +15,9 @@ const STRIP: usize = 8;
 const SKY: u32 = u32::MAX;
 const GROUND: u32 = u32::MAX - 1;
 
-const HORIZON_COLOUR: Vec3 = Vec3::new(1.15, 1.27, 1.38);
-const ZENITH_COLOUR: Vec3 = Vec3::new(0.30, 0.56, 1.05);
-const GROUND_COLOURS: [Vec3; 2] = [Vec3::new(0.30, 0.295, 0.285), Vec3::new(0.355, 0.35, 0.34)];
+const HORIZON_COLOR: Vec3 = Vec3::new(1.15, 1.27, 1.38);
+const ZENITH_COLOR: Vec3 = Vec3::new(0.30, 0.56, 1.05);
+const GROUND_COLORS: [Vec3; 2] = [Vec3::new(0.30, 0.295, 0.285), Vec3::new(0.355, 0.35, 0.34)];
 
 /// Where the picture is taken from.
 #[derive(Clone, Copy, Debug)]
@@ -55,19 +55,19 @@ impl Camera {
         }
     }
 
-    fn centre(&self) -> Vec2 {
+    fn center(&self) -> Vec2 {
         0.5 * Vec2::new(self.width as f32, self.height as f32)
     }
 
     /// Pixel and inverse depth (1/m) of a point; the inverse depth is not positive behind the camera.
     fn project(&self, point: Vec3) -> Vec3 {
         let [x, y, z] = self.axes.map(|axis| axis.dot(point - self.eye));
-        (Vec2::new(x, y) * (self.focal / z) + self.centre()).extend(1.0 / z)
+        (Vec2::new(x, y) * (self.focal / z) + self.center()).extend(1.0 / z)
     }
 
     /// Direction through a pixel, its part along the view axis one, so that depth is the distance measured in it.
     fn ray(&self, pixel: Vec2) -> Vec3 {
-        let p = (pixel - self.centre()) / self.focal;
+        let p = (pixel - self.center()) / self.focal;
         self.axes[0] * p.x + self.axes[1] * p.y + self.axes[2]
     }
 }
@@ -77,7 +77,7 @@ impl Camera {
 pub struct Triangle {
     pub positions: [Vec3; 3],
     normals: [Vec3; 3],
-    colours: [Vec3; 3],
+    colors: [Vec3; 3],
 }
 
 /// Everything that will be in a picture. The ground is a checkerboard, one square per `cell`.
@@ -105,8 +105,8 @@ impl Default for Scene {
 }
 
 impl Scene {
-    /// Adds a body. `colour` (linear RGB) is multiplied with the colours of the mesh where it has them.
-    pub fn draw(&mut self, mesh: &TriMesh, pose: Pose, colour: Vec3) {
+    /// Adds a body. `color` (linear RGB) is multiplied with the colors of the mesh where it has them.
+    pub fn draw(&mut self, mesh: &TriMesh, pose: Pose, color: Vec3) {
         let world: Vec<Vec3> = mesh
             .positions()
             .iter()
@@ -118,11 +118,11 @@ impl Scene {
                 let [a, b, c] = positions;
                 let flat = (b - a).cross(c - a).normalize_or(Vec3::Y);
                 let normal = |v: u32| mesh.normals().get(v as usize).map(|&n| pose.rotation * n);
-                let tint = |v: u32| mesh.colours().get(v as usize).map(|c| c.truncate());
+                let tint = |v: u32| mesh.colors().get(v as usize).map(|c| c.truncate());
                 Triangle {
                     positions,
                     normals: corners.map(|v| normal(v).unwrap_or(flat)),
-                    colours: corners.map(|v| colour * tint(v).unwrap_or(Vec3::ONE)),
+                    colors: corners.map(|v| color * tint(v).unwrap_or(Vec3::ONE)),
                 }
             }));
     }
@@ -171,7 +171,7 @@ impl Scene {
     }
 }
 
-/// Colour `i` of an endless row of colours that differ well (linear RGB): the hue turns by the golden angle each time,
+/// Color `i` of an endless row of colors that differ well (linear RGB): the hue turns by the golden angle each time,
 /// lightness and chroma stay (Oklch, Ottosson 2020).
 pub fn palette(i: usize) -> Vec3 {
     let hue = 0.7 + i as f32 * 2.399_963_2;
@@ -252,16 +252,16 @@ impl Painter<'_> {
             let (sx, sy) = (x * SAMPLES + i % SAMPLES, y * SAMPLES + i / SAMPLES);
             (owners[sy * width + sx], sample_position(sx, sy, first))
         });
-        let mut colour = Vec3::ZERO;
+        let mut color = Vec3::ZERO;
         for (i, &(owner, _)) in samples.iter().enumerate() {
             if samples[..i].iter().any(|s| s.0 == owner) {
                 continue;
             }
             let own = samples[i..].iter().filter(|s| s.0 == owner);
             let (count, sum) = own.fold((0.0, Vec2::ZERO), |(n, sum), s| (n + 1.0, sum + s.1));
-            colour += tone(self.shade(owner, sum / count)) * (count / COUNT as f32);
+            color += tone(self.shade(owner, sum / count)) * (count / COUNT as f32);
         }
-        colour.to_array().map(|c| (c * 255.0).round() as u8)
+        color.to_array().map(|c| (c * 255.0).round() as u8)
     }
 
     /// Light that comes from what `owner` shows at `pixel`.
@@ -284,7 +284,7 @@ impl Painter<'_> {
         let beside = (flat(hit(pixel + Vec2::X)) - flat(point)).abs();
         let below = (flat(hit(pixel + Vec2::Y)) - flat(point)).abs();
         let light = checker(flat(point), beside.max(below));
-        let albedo = GROUND_COLOURS[0].lerp(GROUND_COLOURS[1], light);
+        let albedo = GROUND_COLORS[0].lerp(GROUND_COLORS[1], light);
         let haze = point.distance(self.camera.eye) / (8.0 * self.camera.reach);
         let clear = (-haze * haze).exp();
         sky(ray.normalize().y.max(0.0)).lerp(self.lights.shade(point, Vec3::Y, albedo), clear)
@@ -304,7 +304,7 @@ impl Painter<'_> {
         // The inside of an open shell is lit as if it were an outside.
         let normal = mix(triangle.normals).normalize_or(Vec3::Y) * facing.signum();
         self.lights
-            .shade(mix(triangle.positions), normal, mix(triangle.colours))
+            .shade(mix(triangle.positions), normal, mix(triangle.colors))
     }
 }
 
@@ -323,9 +323,9 @@ fn checker(p: Vec2, size: Vec2) -> f32 {
     0.5 - 0.5 * wave.x * wave.y
 }
 
-/// Colour of the sky at the sine of the height angle.
+/// Color of the sky at the sine of the height angle.
 fn sky(height: f32) -> Vec3 {
-    HORIZON_COLOUR.lerp(ZENITH_COLOUR, height.clamp(0.0, 1.0).sqrt())
+    HORIZON_COLOR.lerp(ZENITH_COLOR, height.clamp(0.0, 1.0).sqrt())
 }
 
 /// From light to sRGB, 0 to 1: a shoulder that keeps bright faces from clipping, then the transfer curve.

@@ -5,13 +5,13 @@ use bevy_cleave::geometry::primitives;
 use bevy_cleave::prelude::*;
 use glam::{Quat, Vec3, Vec4};
 
-/// Colours of meshes multiply the colour of their body: surfaces are dark, cut faces pale.
-const SURFACE_COLOUR: Vec3 = Vec3::splat(0.5);
-const CUT_COLOUR: Vec4 = Vec4::new(2.2, 2.2, 2.2, 1.0);
+/// Colors of meshes multiply the color of their body: surfaces are dark, cut faces pale.
+const SURFACE_COLOR: Vec3 = Vec3::splat(0.5);
+const CUT_COLOR: Vec4 = Vec4::new(2.2, 2.2, 2.2, 1.0);
 
 /// A floor, a model from a file high above it, and bodies around and above the place where it lands.
 pub fn shatter(path: &str) -> Result<Vec<BodyDesc>, Error> {
-    let mesh = model::load(path)?.fitted(2.6).coloured(SURFACE_COLOUR);
+    let mesh = model::load(path)?.fitted(2.6).colored(SURFACE_COLOR);
     let body = ConvexMesh::from_mesh(mesh.into_mesh()?)?;
     let mut model = BodyDesc::dynamic(body, Vec3::new(0.0, 4.0, 0.0));
     model.pose.rotation = Quat::from_rotation_z(0.12) * Quat::from_rotation_y(0.7);
@@ -45,18 +45,18 @@ fn breakable(strength: f32, planes: u8, generations: u8) -> Fracturable {
     Fracturable {
         strength,
         pattern: FracturePattern::Star { planes },
-        least_volume: 2e-4,
+        min_volume: 2e-4,
         generations,
         seed: 7,
-        cut_colour: Some(CUT_COLOUR),
+        cut_color: Some(CUT_COLOR),
         ..Fracturable::default()
     }
 }
 
-/// A primitive with a mesh of its own, in the surface colour, so that cut faces show on it.
+/// A primitive with a mesh of its own, in the surface color, so that cut faces show on it.
 fn painted(hull: ConvexHull) -> Result<ConvexMesh, Error> {
     let mesh = hull.to_mesh();
-    let colours = vec![SURFACE_COLOUR.extend(1.0); mesh.positions().len()];
-    let mesh = mesh.with_colours(colours)?;
+    let colors = vec![SURFACE_COLOR.extend(1.0); mesh.positions().len()];
+    let mesh = mesh.with_colors(colors)?;
     Ok(ConvexMesh::from_parts(hull, Some(mesh)))
 }

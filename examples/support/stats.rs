@@ -1,6 +1,6 @@
 //! Order statistics of measured samples.
 
-/// The value below which `fraction` (0 to 1) of the samples lie, linearly interpolated between neighbours.
+/// The value below which `fraction` (0 to 1) of the samples lie, linearly interpolated between neighbors.
 ///
 /// NaN if there is no sample; NaN samples sort last.
 pub fn percentile(samples: &[f64], fraction: f64) -> f64 {

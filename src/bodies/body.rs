@@ -52,7 +52,7 @@ pub struct BodyDesc {
     pub shape: Shape,
     /// `world_from_body`: where the shape's frame is.
     pub pose: Pose,
-    /// Velocity of the centre of mass, m/s.
+    /// Velocity of the center of mass, m/s.
     pub linear_velocity: Vec3,
     /// Angular velocity, world axes, rad/s.
     pub angular_velocity: Vec3,

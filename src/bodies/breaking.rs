@@ -5,36 +5,36 @@
 
 /// What one body of a batch bears in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Limit {
+pub struct BreakingLimit {
     /// Its number within the batch.
     pub body: u32,
     /// Impulse that it bears, N s.
     pub impulse: f32,
-    /// Energy that a blow must have to break it, J.
+    /// Energy that a load must have to break it, J.
     pub energy: f32,
 }
 
-impl Limit {
-    /// Whether a blow is more than the body bears.
-    pub fn is_exceeded_by(&self, blow: &BodyBlow) -> bool {
-        blow.impulse > self.impulse && blow.energy >= self.energy
+impl BreakingLimit {
+    /// Whether a load is more than the body bears.
+    pub fn is_exceeded_by(&self, load: &ImpactLoad) -> bool {
+        load.impulse > self.impulse && load.energy >= self.energy
     }
 }
 
 /// What contacts did to a body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct BodyBlow {
+pub struct ImpactLoad {
     /// Sum of the normal impulses, N s.
     pub impulse: f32,
     /// Kinetic energy that they took out of the approach, J.
     pub energy: f32,
 }
 
-impl BodyBlow {
+impl ImpactLoad {
     /// Adds a contact point with the normal impulse `impulse` (N s) on two bodies that approached each other with `speed`
     /// (m/s) before the step.
     ///
-    /// A plastic blow changes the energy by `impulse (v + v') / 2` with the speeds before and after it, and leaves `v' = 0`.
+    /// A plastic load changes the energy by `impulse (v + v') / 2` with the speeds before and after it, and leaves `v' = 0`.
     pub fn add(&mut self, impulse: f32, speed: f32) {
         self.impulse += impulse;
         self.energy += 0.5 * impulse * speed.max(0.0);

@@ -22,14 +22,14 @@ const SLOW: f32 = 1e-4;
 
 /// Turn, rad, that is made at once; what turns farther does so in parts. With 0.1 a splinter whose moments are as 1 to 1000
 /// gains 5 % of its energy in 600 turns, and more iterations only make it worse; with 0.05 it stays below 1 %.
-const MOST_TURN: f32 = 0.05;
+const MAX_TURN: f32 = 0.05;
 
 /// Most parts: some 1.9 us for a body alone. With eight sub-steps it takes more than 380 rad/s to need more, at 60 Hz: once
 /// round between two pictures, and nobody sees how.
-const MOST_PARTS: u32 = 16;
+const MAX_PARTS: u32 = 16;
 
 /// Most iterations for the angular velocity in the middle. The first guess is off by about `(h |w|)^3` of it, and each
-/// iteration gains a factor of about `h |w|`, at most [`MOST_TURN`].
+/// iteration gains a factor of about `h |w|`, at most [`MAX_TURN`].
 const ITERATIONS: u32 = 3;
 
 /// Part of the angular velocity that its error in the middle may be: what rounding it to `f32` adds in a step is larger than
@@ -44,7 +44,7 @@ const WORTH_LANES: usize = 4;
 
 /// A body that turns so fast that its axes must be followed within a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Spin {
+pub struct FreeRotation {
     /// `world_from_body` now.
     pub rotation: Quat,
     /// `body_from_principal`.
@@ -53,7 +53,7 @@ pub struct Spin {
     moments: DVec3,
 }
 
-impl Spin {
+impl FreeRotation {
     /// The state of a body, if it turns by more than a hair in the step of `step` seconds.
     ///
     /// - `rotation`: `world_from_body`
@@ -91,21 +91,21 @@ impl Spin {
     fn precess(&mut self, omega: Vec3, h: f32) -> Vec3 {
         let alone = |v: DVec3| V3(v.to_array().map(Doubles::splat));
         let (moments, w) = (alone(self.moments), alone(omega.as_dvec3()));
-        let axes = Axes::<1>::of(&[*self]);
+        let axes = PrincipalAxes::<1>::of(&[*self]);
         let w = axes.inverse().turn(w);
         let momentum = axes.turn(moments.scaled(w));
         self.rotation = rotate_by(self.rotation, get(&momentum, 0), h);
-        get(&Axes::<1>::of(&[*self]).turn(w), 0)
+        get(&PrincipalAxes::<1>::of(&[*self]).turn(w), 0)
     }
 }
 
 /// In how many parts a body turns, if it can be followed.
 fn parts(omega: Vec3, h: f32) -> Option<u32> {
-    let parts = ((omega.length() * h / MOST_TURN).ceil() as u32).max(1);
-    (parts <= MOST_PARTS).then_some(parts)
+    let parts = ((omega.length() * h / MAX_TURN).ceil() as u32).max(1);
+    (parts <= MAX_PARTS).then_some(parts)
 }
 
-impl Default for Spin {
+impl Default for FreeRotation {
     /// A ball.
     fn default() -> Self {
         Self {
@@ -118,15 +118,15 @@ impl Default for Spin {
 
 /// Up to [`SPINS`] bodies that turn together.
 #[derive(Default)]
-pub(crate) struct Spins {
+pub(crate) struct FreeRotations {
     count: usize,
-    spins: [Spin; SPINS],
+    spins: [FreeRotation; SPINS],
     omegas: [Vec3; SPINS],
 }
 
-impl Spins {
+impl FreeRotations {
     /// Adds a body with its angular velocity (world, rad/s). There must be room.
-    pub(crate) fn push(&mut self, spin: Spin, omega: Vec3) {
+    pub(crate) fn push(&mut self, spin: FreeRotation, omega: Vec3) {
         self.spins[self.count] = spin;
         self.omegas[self.count] = omega;
         self.count += 1;
@@ -137,11 +137,11 @@ impl Spins {
     }
 
     /// The bodies in the order in which they came, with their angular velocities.
-    pub(crate) fn iter(&self) -> impl Iterator<Item = (&Spin, Vec3)> {
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (&FreeRotation, Vec3)> {
         self.spins[..self.count].iter().zip(self.omegas)
     }
 
-    /// Turns all for `h` seconds, each as [`Spin::advance`] does, to the same bits.
+    /// Turns all for `h` seconds, each as [`FreeRotation::advance`] does, to the same bits.
     pub(crate) fn advance(&mut self, h: f32, width: LaneWidth) {
         let Self {
             count,
@@ -168,10 +168,10 @@ impl Spins {
 /// Turns bodies by `turn`, those that turn far in parts, and those that are too fast to be followed about their momentum.
 #[inline(always)]
 fn advance_in_parts<const N: usize>(
-    spins: &mut [Spin; N],
+    spins: &mut [FreeRotation; N],
     omegas: &mut [Vec3; N],
     h: f32,
-    turn: impl Fn(&mut [Spin; N], &mut [Vec3; N], &[f32; N]),
+    turn: impl Fn(&mut [FreeRotation; N], &mut [Vec3; N], &[f32; N]),
 ) {
     let parts = omegas.map(|omega| parts(omega, h));
     let h_of_parts = parts.map(|parts| h / parts.unwrap_or(1) as f32);
@@ -192,7 +192,7 @@ fn advance_in_parts<const N: usize>(
 }
 
 struct AdvanceAll<'a> {
-    spins: &'a mut [Spin; SPINS],
+    spins: &'a mut [FreeRotation; SPINS],
     omegas: &'a mut [Vec3; SPINS],
     h: &'a [f32; SPINS],
 }
@@ -209,7 +209,7 @@ impl Kernel for AdvanceAll<'_> {
 /// Turns bodies, one in each lane, for so many seconds each, and takes their angular velocities (world, rad/s) to those after
 /// it.
 #[inline(always)]
-fn advance<const N: usize>(spins: &mut [Spin; N], omegas: &mut [Vec3; N], h: &[f32; N]) {
+fn advance<const N: usize>(spins: &mut [FreeRotation; N], omegas: &mut [Vec3; N], h: &[f32; N]) {
     let (zero, half) = (Doubles::splat(0.0), Doubles::splat(0.5));
     let mut step = zero;
     for (lane, &h) in h.iter().enumerate() {
@@ -220,7 +220,7 @@ fn advance<const N: usize>(spins: &mut [Spin; N], omegas: &mut [Vec3; N], h: &[f
         set(&mut moments, lane, spin.moments);
     }
     let per_moments = V3([Doubles::splat(1.0); 3]).over(moments);
-    let axes = Axes::of(spins);
+    let axes = PrincipalAxes::of(spins);
     let mut omega = V3([zero; 3]);
     for (lane, w) in omegas.iter().enumerate() {
         set(&mut omega, lane, w.as_dvec3());
@@ -244,7 +244,7 @@ fn advance<const N: usize>(spins: &mut [Spin; N], omegas: &mut [Vec3; N], h: &[f
     for (lane, (spin, &h)) in spins.iter_mut().zip(h).enumerate() {
         spin.rotation = rotate_by(spin.rotation, get(&middle, lane), h);
     }
-    let after = Axes::of(spins).turn(after);
+    let after = PrincipalAxes::of(spins).turn(after);
     for (lane, omega) in omegas.iter_mut().enumerate() {
         *omega = get(&after, lane);
     }
@@ -297,14 +297,14 @@ fn get<const N: usize>(from: &V3<Doubles<N>>, lane: usize) -> Vec3 {
 
 /// `world_from_principal`: a quaternion in each lane.
 #[derive(Clone, Copy)]
-struct Axes<const N: usize> {
+struct PrincipalAxes<const N: usize> {
     vector: V3<Doubles<N>>,
     scalar: Doubles<N>,
 }
 
-impl<const N: usize> Axes<N> {
+impl<const N: usize> PrincipalAxes<N> {
     #[inline(always)]
-    fn of(spins: &[Spin; N]) -> Self {
+    fn of(spins: &[FreeRotation; N]) -> Self {
         let zero = Doubles::splat(0.0);
         let (mut vector, mut scalar) = (V3([zero; 3]), zero);
         for (lane, spin) in spins.iter().enumerate() {
@@ -324,7 +324,7 @@ impl<const N: usize> Axes<N> {
         }
     }
 
-    /// `v` turned, without the change of length that the rounding of the quaternion's own length makes: it has a direction,
+    /// `v` sleep_changes, without the change of length that the rounding of the quaternion's own length makes: it has a direction,
     /// and thousands of sub-steps would add it up.
     #[inline(always)]
     fn turn(self, v: V3<Doubles<N>>) -> V3<Doubles<N>> {
@@ -338,7 +338,7 @@ impl<const N: usize> Axes<N> {
     }
 }
 
-/// `v` seen from a frame that has turned for `h` seconds with `omega`; the rotation of [`rotate_by`].
+/// `v` seen from a frame that has sleep_changes for `h` seconds with `omega`; the rotation of [`rotate_by`].
 #[inline(always)]
 fn turned_back<const N: usize>(
     v: V3<Doubles<N>>,
@@ -360,7 +360,7 @@ mod tests {
     use super::*;
 
     /// Twice the energy, and the angular momentum, over the largest moment.
-    fn invariants(spin: &Spin, omega: Vec3) -> (f64, DVec3) {
+    fn invariants(spin: &FreeRotation, omega: Vec3) -> (f64, DVec3) {
         let axes = (spin.rotation * spin.frame).as_dquat().normalize();
         let w = axes.inverse() * omega.as_dvec3();
         (w.dot(spin.moments * w), axes * (spin.moments * w))
@@ -378,7 +378,7 @@ mod tests {
         for (shape, (moments, bound)) in shapes.into_iter().enumerate() {
             for speed in [3.0, 30.0, 100.0, 300.0, 1e3, 3e3, 1e4, 1e5] {
                 for h in [1.0 / 60.0, 1.0 / 480.0] {
-                    let mut spin = Spin {
+                    let mut spin = FreeRotation {
                         rotation: rotate_by(Quat::IDENTITY, Vec3::new(0.4, shape as f32, 0.2), 1.0),
                         frame: rotate_by(Quat::IDENTITY, Vec3::new(0.1, 0.2, -0.3), 1.0),
                         moments: DVec3::from(moments),
@@ -388,9 +388,9 @@ mod tests {
                     for _ in 0..600 {
                         omega = spin.advance(omega, h);
                     }
-                    let (after, turned) = invariants(&spin, omega);
+                    let (after, sleep_changes) = invariants(&spin, omega);
                     let drift = after / energy - 1.0;
-                    let turn = (turned - momentum).length() / momentum.length();
+                    let turn = (sleep_changes - momentum).length() / momentum.length();
                     let case = format!("{moments:?} at {speed} rad/s, {h} s");
                     assert!(drift.abs() < bound, "{case}: energy drifts by {drift}");
                     assert!(turn < 2e-5, "{case}: momentum by {turn}");
@@ -402,18 +402,18 @@ mod tests {
     /// Bodies of all shapes, some fast and some slow, turn the same alone and together, with lanes of any width.
     #[test]
     fn many_turn_as_each_alone() {
-        let spin = |i: usize| Spin {
+        let spin = |i: usize| FreeRotation {
             rotation: rotate_by(Quat::IDENTITY, Vec3::new(i as f32, 0.3, -0.7), 0.1),
             frame: rotate_by(Quat::IDENTITY, Vec3::new(0.2, i as f32, 0.1), 0.1),
             moments: DVec3::new(1.0, 0.9 / (1 + i) as f64, 0.3),
         };
-        let spins: [Spin; SPINS] = std::array::from_fn(spin);
+        let spins: [FreeRotation; SPINS] = std::array::from_fn(spin);
         let speeds = [1e-4, 1e-2, 0.1, 1.0, 10.0, 100.0, 1000.0, 1e5];
         let omegas = speeds.map(|speed| speed * Vec3::new(1.0, -0.4, 0.6));
         let h = 1.0 / 240.0;
         for width in [LaneWidth::Widest, LaneWidth::Four, LaneWidth::One] {
             for count in 0..=SPINS {
-                let mut together = Spins::default();
+                let mut together = FreeRotations::default();
                 for (spin, omega) in spins.into_iter().zip(omegas).take(count) {
                     together.push(spin, omega);
                 }

@@ -7,14 +7,14 @@ use crate::bodies::solver_body::{Motion, SolverBody};
 use crate::bodies::store::{Bodies, inverse_inertia};
 use crate::mass::MassProperties;
 use crate::threads::parts::{front, front_mut};
-use crate::threads::team::{MOST_PARTS, Team};
+use crate::threads::team::{MAX_PARTS, Team};
 use glam::{Mat3, Quat, Vec3};
 
 /// Bodies from which it pays to have helpers move them that are here anyway: each takes some 15 ns.
 const WORTH_HELP: usize = 512;
 
 /// Least bodies of a part.
-const LEAST_BODIES: usize = 256;
+const MIN_BODIES: usize = 256;
 
 /// Moves all bodies and refreshes what follows from their poses.
 ///
@@ -23,7 +23,7 @@ const LEAST_BODIES: usize = 256;
 pub fn integrate_positions(bodies: &mut Bodies, problems: &mut Vec<(u32, BodyError)>) {
     let awake = bodies.dynamic().saturating_sub(bodies.asleep());
     Team::lead_present_if(awake >= WORTH_HELP, |team| {
-        let mut overflown = [const { Vec::new() }; MOST_PARTS];
+        let mut overflown = [const { Vec::new() }; MAX_PARTS];
         let parts = parts(bodies, team).zip(&mut overflown);
         Team::each(team, parts, |(mut part, overflown)| {
             part.integrate(overflown)
@@ -34,37 +34,37 @@ pub fn integrate_positions(bodies: &mut Bodies, problems: &mut Vec<(u32, BodyErr
 }
 
 /// Bodies in slots that follow each other.
-struct Part<'b> {
+struct MassPart<'b> {
     first: u32,
     status: &'b [Status],
     info: &'b [Option<BodyInfo>],
     mass: &'b [MassProperties],
     motion: &'b [Motion],
     velocity: &'b mut [SolverBody],
-    centre: &'b mut [Vec3],
+    center: &'b mut [Vec3],
     rotation: &'b mut [Quat],
     inverse_inertia: &'b mut [Mat3],
 }
 
 /// Parts of all bodies for a team.
-fn parts<'b>(bodies: &'b mut Bodies, team: Option<&Team>) -> impl Iterator<Item = Part<'b>> {
+fn parts<'b>(bodies: &'b mut Bodies, team: Option<&Team>) -> impl Iterator<Item = MassPart<'b>> {
     let count = bodies.slots();
-    let size = Team::part_size(team, count, LEAST_BODIES);
+    let size = Team::part_size(team, count, MIN_BODIES);
     let (mut status, mut info) = (&bodies.status[..], &bodies.info[..]);
     let (mut mass, mut motion) = (&bodies.mass[..], &bodies.motion[..]);
-    let (mut velocity, mut centre) = (&mut bodies.velocity[..], &mut bodies.centre[..]);
+    let (mut velocity, mut center) = (&mut bodies.velocity[..], &mut bodies.center[..]);
     let mut rotation = &mut bodies.rotation[..];
     let mut inverse_inertia = &mut bodies.inverse_inertia[..];
     let part = move |first: usize| {
         let size = size.min(count - first);
-        Part {
+        MassPart {
             first: first as u32,
             status: front(&mut status, size),
             info: front(&mut info, size),
             mass: front(&mut mass, size),
             motion: front(&mut motion, size),
             velocity: front_mut(&mut velocity, size),
-            centre: front_mut(&mut centre, size),
+            center: front_mut(&mut center, size),
             rotation: front_mut(&mut rotation, size),
             inverse_inertia: front_mut(&mut inverse_inertia, size),
         }
@@ -72,7 +72,7 @@ fn parts<'b>(bodies: &'b mut Bodies, team: Option<&Team>) -> impl Iterator<Item 
     (0..count).step_by(size).map(part)
 }
 
-impl Part<'_> {
+impl MassPart<'_> {
     /// `overflown`: slots of bodies that were stopped.
     fn integrate(&mut self, overflown: &mut Vec<u32>) {
         for i in 0..self.status.len() {
@@ -80,10 +80,10 @@ impl Part<'_> {
                 continue;
             }
             let motion = self.motion[i];
-            let centre = self.centre[i] + motion.shift;
+            let center = self.center[i] + motion.shift;
             let body = &mut self.velocity[i];
             // A turn whose square overflows leaves a quaternion of zeros.
-            let is_usable = centre.is_finite()
+            let is_usable = center.is_finite()
                 && motion.rotation.length_squared() > 0.5
                 && body.linear.is_finite()
                 && body.angular.is_finite();
@@ -92,7 +92,7 @@ impl Part<'_> {
                 overflown.push(self.first + i as u32);
                 continue;
             }
-            self.centre[i] = centre;
+            self.center[i] = center;
             self.rotation[i] = motion.rotation;
             if body.inverse_mass > 0.0 {
                 self.inverse_inertia[i] = inverse_inertia(&self.mass[i], motion.rotation);

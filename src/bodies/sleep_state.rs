@@ -23,8 +23,8 @@ pub(crate) enum Status {
 pub(crate) struct Rest {
     /// s.
     pub(crate) time: f32,
-    /// Centre of mass when the time began to count, m.
-    pub(crate) centre: Vec3,
+    /// Center of mass when the time began to count, m.
+    pub(crate) center: Vec3,
     pub(crate) rotation: Quat,
 }
 
@@ -36,9 +36,9 @@ pub(crate) struct SleepCandidate {
     /// Impulse of the step that keeps it at rest, N s.
     pub(crate) weight: f32,
     /// Impulse against gravity that it got from fixed bodies, N s.
-    pub(crate) borne: f32,
+    pub(crate) supported_weight: f32,
     /// Whether a fixed body touches it.
-    pub(crate) is_held: bool,
+    pub(crate) has_support: bool,
     /// Whether a fixed body touches it that moves.
     pub(crate) is_carried: bool,
 }
@@ -59,10 +59,10 @@ pub(crate) struct Sleep {
     /// Slots of a fixed body and of a sleeping one that touches it.
     pub(crate) supports: Vec<[u32; 2]>,
     /// Slots of bodies that were added, removed or changed since the last step, as a list and as flags.
-    pub(crate) stirred: Vec<u32>,
-    pub(crate) is_stirred: Vec<bool>,
+    pub(crate) changed: Vec<u32>,
+    pub(crate) is_changed: Vec<bool>,
     /// Bodies that fell asleep or woke, or were expected to, for those who mark entities.
-    pub(crate) turned: Vec<(u32, BodyId)>,
+    pub(crate) sleep_changes: Vec<(u32, BodyId)>,
     /// Ids of bodies that woke since their multipliers were last fetched.
     pub(crate) woken: Vec<BodyId>,
     /// Ids of bodies that fell asleep in this step, ascending.
@@ -73,8 +73,8 @@ pub(crate) struct Sleep {
 }
 
 impl Sleep {
-    pub(crate) fn is_stirred(&self, slot: u32) -> bool {
-        self.is_stirred.get(slot as usize) == Some(&true)
+    pub(crate) fn is_changed(&self, slot: u32) -> bool {
+        self.is_changed.get(slot as usize) == Some(&true)
     }
 
     /// Forgets how long the body in `slot` has been at rest.

@@ -4,14 +4,14 @@
     reason = "a record of eight numbers is read and written as one row; every block says why it is sound"
 )]
 
-use crate::simd::lanes::{F8, Numbers, Row};
+use crate::simd::lanes::{F8, ReadRow, WriteRow};
 use glam::{Mat3, Quat, Vec3};
 
 /// Velocity and inverse mass: all that a sweep of the solver touches of a body, half a cache line and never parts of two.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C, align(32))]
 pub struct SolverBody {
-    /// Velocity of the centre of mass, m/s.
+    /// Velocity of the center of mass, m/s.
     pub linear: Vec3,
     /// 1 / mass, 1/kg; zero for bodies that contacts do not move.
     pub inverse_mass: f32,
@@ -26,7 +26,7 @@ const _: () = assert!(size_of::<SolverBody>() == 32);
 /// Where a step takes a body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Motion {
-    /// Displacement of the centre of mass, m.
+    /// Displacement of the center of mass, m.
     pub(crate) shift: Vec3,
     /// `world_from_body` rotation after it.
     pub(crate) rotation: Quat,
@@ -35,9 +35,9 @@ pub(crate) struct Motion {
 /// What does not change when a body moves, and its inertia: xx, yy, zz, xy, xz and yz of the inverse tensor (world axes,
 /// 1/(kg m2)), 1 / mass (1/kg), least extent (m).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Solid(pub F8);
+pub struct BodyMass(pub F8);
 
-impl Solid {
+impl BodyMass {
     /// From its parts; `extent`, m.
     pub fn new(inverse_mass: f32, inverse_inertia: &Mat3, extent: f32) -> Self {
         let (x, y, z) = (
@@ -76,7 +76,7 @@ impl Solid {
     }
 }
 
-impl Numbers for Solid {
+impl ReadRow for BodyMass {
     #[inline(always)]
     fn numbers(&self) -> [f32; 8] {
         self.0.0
@@ -85,7 +85,7 @@ impl Numbers for Solid {
 
 // As one piece: built from its parts, a row would be written in pieces and read as a whole soon after, for which the
 // processor has to wait until the pieces are in the cache.
-impl Numbers for SolverBody {
+impl ReadRow for SolverBody {
     #[inline(always)]
     fn numbers(&self) -> [f32; 8] {
         // SAFETY: a `SolverBody` is eight `f32` in the order of its fields (`repr(C)`, 32 bytes, so no padding).
@@ -93,7 +93,7 @@ impl Numbers for SolverBody {
     }
 }
 
-impl Row for SolverBody {
+impl WriteRow for SolverBody {
     #[inline(always)]
     fn of(numbers: [f32; 8]) -> Self {
         // SAFETY: as above, and any eight `f32` are a `SolverBody`.

@@ -9,8 +9,8 @@ use crate::bodies::solver_body::Motion;
 use crate::bodies::solver_body::SolverBody;
 
 use crate::bodies::body::{BodyInfo, check_pose, check_velocity};
-use crate::bodies::breaking::Limit;
-use crate::bodies::free_rotation::Spin;
+use crate::bodies::breaking::BreakingLimit;
+use crate::bodies::free_rotation::FreeRotation;
 use crate::bodies::sleep_state::Sleep;
 use crate::contact::body_id::BodyId;
 use crate::geometry::{ConvexMesh, KdBox};
@@ -29,20 +29,20 @@ pub struct Bodies {
     pub(crate) ids: Vec<BodyId>,
     pub(crate) status: Vec<Status>,
     pub(crate) info: Vec<Option<BodyInfo>>,
-    /// Position of the centre of mass, world, m.
-    pub(crate) centre: Vec<Vec3>,
+    /// Position of the center of mass, world, m.
+    pub(crate) center: Vec<Vec3>,
     /// `world_from_body` rotation.
     pub(crate) rotation: Vec<Quat>,
     pub(crate) velocity: Vec<SolverBody>,
     /// Where the solver has moved the bodies that take part and are not static.
     pub(crate) motion: Vec<Motion>,
     pub(crate) mass: Vec<MassProperties>,
-    /// Inverse inertia tensor about the centre of mass, world axes, 1/(kg m2).
+    /// Inverse inertia tensor about the center of mass, world axes, 1/(kg m2).
     pub(crate) inverse_inertia: Vec<Mat3>,
     pub(crate) kd_box: Vec<Option<KdBox>>,
     /// Least extent of the hull's box, m: what slop and contact margin are relative to.
-    pub(crate) least_extent: Vec<f32>,
-    /// Largest distance of the hull from the centre of mass, m.
+    pub(crate) min_extent: Vec<f32>,
+    /// Largest distance of the hull from the center of mass, m.
     radius: Vec<f32>,
     /// Changes with shape, mass or material: what is kept about the body elsewhere is out of date then.
     pub(crate) version: Vec<u32>,
@@ -97,7 +97,7 @@ impl Bodies {
         self.next_id += 1;
         self.alive += 1;
         self.status[i] = Status::Active;
-        self.centre[i] = pose.position;
+        self.center[i] = pose.position;
         self.rotation[i] = pose.rotation;
         self.velocity[i] = SolverBody {
             linear,
@@ -178,13 +178,13 @@ impl Bodies {
     }
 
     /// The rotation of a dynamic body that must be followed within a step of `step` seconds.
-    pub(crate) fn spin(&self, slot: u32, step: f32) -> Option<Spin> {
+    pub(crate) fn spin(&self, slot: u32, step: f32) -> Option<FreeRotation> {
         let i = slot as usize;
         let body = &self.velocity[i];
         if body.inverse_mass == 0.0 {
             return None;
         }
-        Spin::of(self.rotation[i], self.mass(slot), body.angular, step)
+        FreeRotation::of(self.rotation[i], self.mass(slot), body.angular, step)
     }
 
     /// Id of the body in `slot`.
@@ -206,17 +206,17 @@ impl Bodies {
     pub fn pose(&self, slot: u32) -> Pose {
         let i = slot as usize;
         Pose {
-            position: self.centre[i] - rotate(self.rotation[i], self.mass[i].centre),
+            position: self.center[i] - rotate(self.rotation[i], self.mass[i].center),
             rotation: self.rotation[i],
         }
     }
 
-    /// World position of the centre of mass, m.
-    pub fn centre_of_mass(&self, slot: u32) -> Vec3 {
-        self.centre[slot as usize]
+    /// World position of the center of mass, m.
+    pub fn center_of_mass(&self, slot: u32) -> Vec3 {
+        self.center[slot as usize]
     }
 
-    /// Velocity of the centre of mass (m/s) and angular velocity (rad/s), world axes.
+    /// Velocity of the center of mass (m/s) and angular velocity (rad/s), world axes.
     pub fn velocity(&self, slot: u32) -> (Vec3, Vec3) {
         let v = &self.velocity[slot as usize];
         (v.linear, v.angular)
@@ -238,20 +238,20 @@ impl Bodies {
     }
 
     /// What the body bears in a step, with number 0; `None` if it does not break, or has borne more already.
-    pub(crate) fn limit(&self, slot: u32) -> Option<Limit> {
+    pub(crate) fn limit(&self, slot: u32) -> Option<BreakingLimit> {
         let fracturable = self.fracturable(slot)?;
         let is_at_risk =
             self.kind(slot) == RigidBody::Dynamic && !self.is_overloaded[slot as usize];
-        is_at_risk.then_some(Limit {
+        is_at_risk.then_some(BreakingLimit {
             body: 0,
             impulse: fracturable.strength,
-            energy: fracturable.least_energy,
+            energy: fracturable.min_energy,
         })
     }
 
     /// Most pieces that a blow may make of the body.
-    pub(crate) fn most_pieces(&self, slot: u32) -> usize {
-        self.fracturable(slot).map_or(0, |f| f.most_pieces.into())
+    pub(crate) fn max_pieces(&self, slot: u32) -> usize {
+        self.fracturable(slot).map_or(0, |f| f.max_pieces.into())
     }
 
     /// How the body breaks; `None` if it does not or the slot is free.
@@ -260,7 +260,7 @@ impl Bodies {
     }
 
     /// Whether `slot` holds the body with this id, and not a later one.
-    pub fn is(&self, slot: u32, id: BodyId) -> bool {
+    pub fn is_current(&self, slot: u32, id: BodyId) -> bool {
         self.contains(slot) && self.id(slot) == id
     }
 
@@ -280,7 +280,7 @@ impl Bodies {
         Ok(())
     }
 
-    /// Sets velocity of the centre of mass (m/s) and angular velocity (rad/s), world axes. Static bodies stay at rest.
+    /// Sets velocity of the center of mass (m/s) and angular velocity (rad/s), world axes. Static bodies stay at rest.
     /// A body that sleeps wakes, unless both are zero.
     ///
     /// # Errors
@@ -302,11 +302,11 @@ impl Bodies {
         Ok(())
     }
 
-    /// Sets centre of mass and rotation from the pose of the body's frame.
+    /// Sets center of mass and rotation from the pose of the body's frame.
     fn place(&mut self, slot: u32, pose: Pose) {
         let i = slot as usize;
         self.rotation[i] = pose.rotation;
-        self.centre[i] = pose.position + rotate(pose.rotation, self.mass[i].centre);
+        self.center[i] = pose.position + rotate(pose.rotation, self.mass[i].center);
     }
 
     /// Stops the body.
@@ -336,17 +336,17 @@ impl Bodies {
         let mut energy = [0.0; 2];
         for slot in self.iter().filter(dynamic) {
             let i = slot as usize;
-            let (centre, rotation) = if after_motion {
+            let (center, rotation) = if after_motion {
                 (
-                    self.centre[i] + self.motion[i].shift,
+                    self.center[i] + self.motion[i].shift,
                     self.motion[i].rotation,
                 )
             } else {
-                (self.centre[i], self.rotation[i])
+                (self.center[i], self.rotation[i])
             };
             let weight = f64::from(self.mass(slot).mass) * gravity.as_dvec3();
             energy[0] += self.kinetic_energy_at(slot, rotation);
-            energy[1] -= weight.dot(centre.as_dvec3());
+            energy[1] -= weight.dot(center.as_dvec3());
         }
         energy
     }
@@ -414,7 +414,7 @@ impl Bodies {
         let i = slot as usize;
         let aabb = self.convex(slot).map(|m| m.hull().aabb());
         self.kd_box[i] = aabb.map(KdBox::around);
-        self.least_extent[i] = aabb.map_or(f32::INFINITY, |b| b.extents().min_element());
+        self.min_extent[i] = aabb.map_or(f32::INFINITY, |b| b.extents().min_element());
         self.stale_mass.push(slot);
         self.renew_version(slot);
     }
@@ -454,7 +454,7 @@ impl Bodies {
         if kind == RigidBody::Static {
             self.halt(slot);
         }
-        self.radius[i] = self.radius_about(slot, self.mass[i].centre);
+        self.radius[i] = self.radius_about(slot, self.mass[i].center);
         self.renew_version(slot);
         self.place(slot, pose);
         self.refresh_world(slot);
@@ -467,18 +467,18 @@ impl Bodies {
         *version = version.wrapping_add(1);
     }
 
-    /// Largest distance of the body's hull from its centre of mass, m; 0 for half-spaces.
+    /// Largest distance of the body's hull from its center of mass, m; 0 for half-spaces.
     pub(crate) fn radius(&self, slot: u32) -> f32 {
         self.radius[slot as usize]
     }
 
-    fn radius_about(&self, slot: u32, centre: Vec3) -> f32 {
+    fn radius_about(&self, slot: u32, center: Vec3) -> f32 {
         let vertices = self
             .convex(slot)
             .map_or(&[][..], |mesh| mesh.hull().vertices());
         vertices
             .iter()
-            .map(|v| v.distance_squared(centre))
+            .map(|v| v.distance_squared(center))
             .fold(0.0, f32::max)
             .sqrt()
     }
@@ -496,14 +496,14 @@ impl Bodies {
         self.ids.push(BodyId::default());
         self.status.push(Status::Free);
         self.info.push(None);
-        self.centre.push(Vec3::ZERO);
+        self.center.push(Vec3::ZERO);
         self.rotation.push(Quat::IDENTITY);
         self.velocity.push(SolverBody::default());
         self.motion.push(Motion::default());
         self.mass.push(MassProperties::default());
         self.inverse_inertia.push(Mat3::ZERO);
         self.kd_box.push(None);
-        self.least_extent.push(0.0);
+        self.min_extent.push(0.0);
         self.radius.push(0.0);
         self.version.push(0);
         self.is_overloaded.push(false);
@@ -511,7 +511,7 @@ impl Bodies {
     }
 }
 
-/// Inverse inertia tensor about the centre of mass, world axes, 1/(kg m2).
+/// Inverse inertia tensor about the center of mass, world axes, 1/(kg m2).
 pub(crate) fn inverse_inertia(mass: &MassProperties, rotation: Quat) -> Mat3 {
     let r = Mat3::from_quat(rotation * mass.principal_frame);
     let Vec3 { x, y, z } = mass.principal.recip();

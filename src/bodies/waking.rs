@@ -21,7 +21,7 @@ impl Bodies {
     pub fn wake(&mut self, slot: u32) {
         if !self.is_asleep(slot) {
             self.sleep.reset(slot);
-            self.stir(slot);
+            self.mark_changed(slot);
             return;
         }
         let mut member = slot;
@@ -31,7 +31,7 @@ impl Bodies {
             self.sleep.reset(member);
             self.sleep.asleep -= 1;
             self.sleep.woken.push(self.ids[i]);
-            self.sleep.turned.push((member, self.ids[i]));
+            self.sleep.sleep_changes.push((member, self.ids[i]));
             member = self.sleep.next[i];
             if member == slot {
                 return;
@@ -41,7 +41,7 @@ impl Bodies {
 
     /// Lets the body fall asleep without waiting for [`SleepConfig::time`], at the end of the next step: if it is at rest by
     /// the limits of [`SleepConfig`] then, and so are all bodies of its island. For scenes that start at rest.
-    pub fn settle(&mut self, slot: u32) {
+    pub fn request_sleep(&mut self, slot: u32) {
         if self.is_asleep(slot) {
             return;
         }
@@ -52,42 +52,42 @@ impl Bodies {
             time: f32::INFINITY,
             ..self.rest_here(slot)
         };
-        self.sleep.turned.push((slot, self.ids[i]));
+        self.sleep.sleep_changes.push((slot, self.ids[i]));
     }
 
-    /// Slots and ids of bodies that fell asleep or woke since [`forget_turned`](Self::forget_turned), some perhaps both, or
+    /// Slots and ids of bodies that fell asleep or woke since [`forget_sleep_changes`](Self::forget_sleep_changes), some perhaps both, or
     /// were expected to.
-    pub(crate) fn turned(&self) -> &[(u32, BodyId)] {
-        &self.sleep.turned
+    pub(crate) fn sleep_changes(&self) -> &[(u32, BodyId)] {
+        &self.sleep.sleep_changes
     }
 
     /// Forgets who fell asleep and woke.
-    pub(crate) fn forget_turned(&mut self) {
-        self.sleep.turned.clear();
+    pub(crate) fn forget_sleep_changes(&mut self) {
+        self.sleep.sleep_changes.clear();
     }
 
     /// Notes that a body was added, removed or changed: what sleeps on it wakes in the next step.
-    pub(crate) fn stir(&mut self, slot: u32) {
-        if !self.sleep.is_on || self.sleep.is_stirred(slot) {
+    pub(crate) fn mark_changed(&mut self, slot: u32) {
+        if !self.sleep.is_on || self.sleep.is_changed(slot) {
             return;
         }
         let slots = self.slots();
-        self.sleep.is_stirred.resize(slots, false);
-        self.sleep.is_stirred[slot as usize] = true;
-        self.sleep.stirred.push(slot);
+        self.sleep.is_changed.resize(slots, false);
+        self.sleep.is_changed[slot as usize] = true;
+        self.sleep.changed.push(slot);
     }
 
     /// Wakes the body if it sleeps, and what sleeps on it.
     pub(crate) fn disturb(&mut self, slot: u32) {
         self.wake(slot);
-        self.stir(slot);
+        self.mark_changed(slot);
     }
 
     /// Rest that begins now.
     pub(crate) fn rest_here(&self, slot: u32) -> Rest {
         Rest {
             time: 0.0,
-            centre: self.centre[slot as usize],
+            center: self.center[slot as usize],
             rotation: self.rotation[slot as usize],
         }
     }

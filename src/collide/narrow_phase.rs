@@ -7,14 +7,14 @@
 mod part;
 
 use crate::bodies::store::Bodies;
-use crate::collide::narrow_phase::part::{Part, Scene};
-use crate::collide::proxies::{Boxes, LEAST_BODIES, Lookahead};
+use crate::collide::narrow_phase::part::{PairRun, Scene};
+use crate::collide::proxies::{Boxes, Lookahead, MIN_BODIES};
 use crate::contact::body_id::BodyId;
 use crate::contact::body_manifold::BodyPlace;
 use crate::contact::manifolds::Manifolds;
 use crate::contact::pairs::broad_phase::name_of;
 use crate::contact::pairs::broad_phase::{Broadphase, Pair};
-use crate::contact::pairs::recycle::{Pace, PairBody};
+use crate::contact::pairs::recycle::{MotionBound, PairBody};
 use crate::contact::pairs::touches::Touch;
 use crate::math::{Pose, rotate};
 use crate::threads::parts::{WORTH_HELP, run_parts};
@@ -39,9 +39,9 @@ pub struct NarrowPhase {
     boxes: Boxes,
     /// Bodies by slot.
     bodies: Vec<PairBody>,
-    paces: Vec<Pace>,
+    paces: Vec<MotionBound>,
     /// What is known of the pairs.
-    parts: Vec<Part>,
+    parts: Vec<PairRun>,
     /// Revision and length of the pair list that they follow.
     of_pairs: Option<(u64, usize)>,
     /// The part whose touches are sorted next.
@@ -139,7 +139,7 @@ impl NarrowPhase {
         let before = std::mem::replace(
             &mut self.parts,
             (0..count)
-                .map(|part| Part::starting_at(least(part)))
+                .map(|part| PairRun::starting_at(least(part)))
                 .collect(),
         );
         let mut at = 0;
@@ -167,8 +167,8 @@ impl NarrowPhase {
     /// Collects what pairs read of the bodies.
     fn load_bodies(&mut self, bodies: &Bodies, ahead: Lookahead, team: Option<&Team>) {
         self.bodies.resize(bodies.slots(), PairBody::default());
-        self.paces.resize(bodies.slots(), Pace::default());
-        let size = Team::part_size(team, bodies.slots(), LEAST_BODIES);
+        self.paces.resize(bodies.slots(), MotionBound::default());
+        let size = Team::part_size(team, bodies.slots(), MIN_BODIES);
         let parts = self.bodies.chunks_mut(size);
         let parts = parts.zip(self.paces.chunks_mut(size)).enumerate();
         run_parts(team, parts, |(index, (seen, paces))| {
@@ -179,7 +179,7 @@ impl NarrowPhase {
                 let motion = now.motion_since(body);
                 pace.walk(motion);
                 pace.ahead = now.travel.length() + now.turning;
-                pace.least_extent = bodies.least_extent[slot as usize];
+                pace.min_extent = bodies.min_extent[slot as usize];
                 pace.version = bodies.version[slot as usize];
                 *body = now;
             }
@@ -190,10 +190,10 @@ impl NarrowPhase {
 /// The body in `slot` as its pairs see it.
 fn pair_body(bodies: &Bodies, slot: u32, ahead: Lookahead) -> PairBody {
     let i = slot as usize;
-    let is_half_space = bodies.least_extent[i] == f32::INFINITY;
+    let is_half_space = bodies.min_extent[i] == f32::INFINITY;
     PairBody {
         place: BodyPlace {
-            centre: bodies.centre[i],
+            center: bodies.center[i],
             turn: Mat3::from_quat(bodies.rotation[i]),
         },
         rotation: bodies.rotation[i],
@@ -207,14 +207,14 @@ fn pair_body(bodies: &Bodies, slot: u32, ahead: Lookahead) -> PairBody {
     }
 }
 
-/// `a_from_b`, from the difference of the centres of mass, which is exact far from the origin too.
+/// `a_from_b`, from the difference of the centers of mass, which is exact far from the origin too.
 pub(crate) fn relative_pose(bodies: &Bodies, a: u32, b: u32) -> Pose {
     let (i, j) = (a as usize, b as usize);
     let a_from_world = bodies.rotation[i].inverse();
     let rotation = a_from_world * bodies.rotation[j];
-    let centres = rotate(a_from_world, bodies.centre[j] - bodies.centre[i]);
+    let centers = rotate(a_from_world, bodies.center[j] - bodies.center[i]);
     Pose::new(
-        centres + bodies.mass[i].centre - rotate(rotation, bodies.mass[j].centre),
+        centers + bodies.mass[i].center - rotate(rotation, bodies.mass[j].center),
         rotation,
     )
 }

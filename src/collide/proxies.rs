@@ -28,7 +28,7 @@ const SPARE: f32 = 0.2 * BOX_MARGIN;
 const WORTH_HELP_WITH_BODIES: usize = 1024;
 
 /// Least bodies of a part.
-pub(crate) const LEAST_BODIES: usize = 256;
+pub(crate) const MIN_BODIES: usize = 256;
 
 /// How far ahead in time the step looks, so that contacts exist before bodies overlap.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,7 +47,7 @@ impl Lookahead {
         }
     }
 
-    /// How far a point of the body in `slot` may turn about the centre of mass within the step, m.
+    /// How far a point of the body in `slot` may turn about the center of mass within the step, m.
     pub(crate) fn turn(&self, bodies: &Bodies, slot: u32) -> f32 {
         self.h * bodies.velocity[slot as usize].angular.length() * bodies.radius(slot)
     }
@@ -66,8 +66,8 @@ impl Lookahead {
     fn swept_box(&self, bodies: &Bodies, slot: u32, hull: &ConvexHull) -> Aabb {
         let i = slot as usize;
         let turn = Mat3::from_quat(bodies.rotation[i]);
-        // From the centre of mass, so that little is lost far from the origin.
-        let shift = bodies.centre[i] - turn * bodies.mass[i].centre;
+        // From the center of mass, so that little is lost far from the origin.
+        let shift = bodies.center[i] - turn * bodies.mass[i].center;
         let tight = bounds(&hull.lanes.points, &turn, shift).fattened(self.reach(bodies, slot));
         let travel = STEPS_TOLD * self.travel(bodies, slot);
         Aabb {
@@ -79,56 +79,56 @@ impl Lookahead {
 
 /// When the broad phase was last told where a body is, and for how long that will do.
 #[derive(Clone, Copy, Debug)]
-struct Told {
+struct ProxyState {
     id: BodyId,
     version: u32,
-    centre: Vec3,
+    center: Vec3,
     rotation: Quat,
     /// [`Lookahead::reach`] and [`Lookahead::travel`] then, m.
     reach: f32,
     travel: Vec3,
     /// How far the body may leave its way, or reach farther, until the broad phase must be told again, m.
-    room: f32,
+    slack: f32,
 }
 
-impl Told {
+impl ProxyState {
     /// Tells the broad phase where the body in `slot` is now.
     fn now(broadphase: &mut Broadphase, bodies: &Bodies, slot: u32, ahead: Lookahead) -> Self {
         let i = slot as usize;
         Self {
             id: bodies.ids[i],
             version: bodies.version[i],
-            centre: bodies.centre[i],
+            center: bodies.center[i],
             rotation: bodies.rotation[i],
             reach: ahead.reach(bodies, slot),
             travel: ahead.travel(bodies, slot),
-            room: broadphase.set(i, Some(proxy(bodies, slot, ahead)), BOX_MARGIN),
+            slack: broadphase.set(i, Some(proxy(bodies, slot, ahead)), BOX_MARGIN),
         }
     }
 
     /// Whether the broad phase need not be told where the body in `slot` is now.
-    fn will_do(&self, bodies: &Bodies, slot: u32, ahead: Lookahead) -> bool {
+    fn still_valid(&self, bodies: &Bodies, slot: u32, ahead: Lookahead) -> bool {
         let i = slot as usize;
         let turn = (bodies.rotation[i] - self.rotation).length();
         let (reach, travel) = (ahead.reach(bodies, slot), ahead.travel(bodies, slot));
-        let room = self.room - 2.0 * turn * bodies.radius(slot) - (reach - self.reach).max(0.0);
+        let slack = self.slack - 2.0 * turn * bodies.radius(slot) - (reach - self.reach).max(0.0);
         self.id == bodies.ids[i]
             && self.version == bodies.version[i]
-            && self.is_on_its_way(bodies.centre[i], travel, room)
+            && self.is_on_its_way(bodies.center[i], travel, slack)
             // A body that was fast and has become slow gets a smaller box.
             && span(self.reach, self.travel) <= span(reach, travel) + reach + SPARE
     }
 
-    /// Whether a centre of mass that goes on by `travel` (m) in this step is nearer than `room` (m), at either end of it, to
+    /// Whether a center of mass that goes on by `travel` (m) in this step is nearer than `slack` (m), at either end of it, to
     /// where one is that kept its velocity.
-    fn is_on_its_way(&self, centre: Vec3, travel: Vec3, room: f32) -> bool {
-        let (moved, faster) = (centre - self.centre, travel - self.travel);
+    fn is_on_its_way(&self, center: Vec3, travel: Vec3, slack: f32) -> bool {
+        let (moved, faster) = (center - self.center, travel - self.travel);
         let is_near =
-            |off: Vec3| off.length_squared().max((off + faster).length_squared()) < room * room;
+            |off: Vec3| off.length_squared().max((off + faster).length_squared()) < slack * slack;
         // Most bodies of a large scene are where they were. Of one that stood there is no way to be on: not a number.
         let steps = || moved.dot(self.travel) / self.travel.length_squared();
         let on_its_way = || steps().clamp(0.0, STEPS_TOLD - 1.0) * self.travel;
-        room > 0.0 && (is_near(moved) || is_near(moved - on_its_way()))
+        slack > 0.0 && (is_near(moved) || is_near(moved - on_its_way()))
     }
 }
 
@@ -141,7 +141,7 @@ fn span(reach: f32, travel: Vec3) -> f32 {
 #[derive(Debug, Default)]
 pub(crate) struct Boxes {
     /// What it was told of each slot.
-    told: Vec<Option<Told>>,
+    told: Vec<Option<ProxyState>>,
     /// By part of the bodies: slots that it is to be told of.
     outdated: Vec<Vec<u32>>,
 }
@@ -169,7 +169,7 @@ impl Boxes {
 
     /// Finds the bodies that the broad phase is to be told of.
     fn find_outdated(&mut self, bodies: &Bodies, ahead: Lookahead, team: Option<&Team>) {
-        let size = Team::part_size(team, self.told.len(), LEAST_BODIES);
+        let size = Team::part_size(team, self.told.len(), MIN_BODIES);
         let count = self.told.len().div_ceil(size);
         self.outdated
             .resize(self.outdated.len().max(count), Vec::new());
@@ -181,11 +181,11 @@ impl Boxes {
                     continue;
                 }
                 let is_active = bodies.is_active(slot);
-                let will_do = match told {
-                    Some(told) => is_active && told.will_do(bodies, slot, ahead),
+                let still_valid = match told {
+                    Some(told) => is_active && told.still_valid(bodies, slot, ahead),
                     None => !is_active,
                 };
-                if !will_do {
+                if !still_valid {
                     outdated.push(slot);
                 }
             }
@@ -197,7 +197,7 @@ impl Boxes {
         for slot in self.outdated.iter_mut().flat_map(|slots| slots.drain(..)) {
             let told = &mut self.told[slot as usize];
             if bodies.is_active(slot) {
-                *told = Some(Told::now(broadphase, bodies, slot, ahead));
+                *told = Some(ProxyState::now(broadphase, bodies, slot, ahead));
             } else {
                 *told = None;
                 broadphase.set(slot as usize, None, BOX_MARGIN);
@@ -226,7 +226,7 @@ fn proxy(bodies: &Bodies, slot: u32, ahead: Lookahead) -> Proxy {
 }
 
 fn margin_at_rest(bodies: &Bodies, slot: u32) -> f32 {
-    CONTACT_MARGIN * bodies.least_extent[slot as usize]
+    CONTACT_MARGIN * bodies.min_extent[slot as usize]
 }
 
 /// Surface of the half-space in `slot`, world frame.

@@ -1,8 +1,8 @@
 //! Contact manifolds: feature clipping, reduction to four points, normal from A to B.
 
-use crate::contact::local_manifold::Patch;
+use crate::contact::local_manifold::LocalManifold;
 use crate::contact::manifolds::{Manifold, ManifoldHead};
-use crate::contact::narrow::scratch::Hint;
+use crate::contact::narrow::scratch::SatCache;
 use crate::contact::point::ContactPoint;
 use crate::contact::point::MAX_POINTS;
 use crate::geometry::hull_lanes::{LANES, Points4};
@@ -17,8 +17,8 @@ pub struct ManifoldBody {
     pub slot: u32,
     /// `world_from_body`.
     pub pose: Pose,
-    /// Centre of mass, body's frame, m.
-    pub centre: Vec3,
+    /// Center of mass, body's frame, m.
+    pub center: Vec3,
     /// Box that the body's contact codes refer to; `None` for a body without bounds (code 0).
     pub code_box: Option<KdBox>,
 }
@@ -27,20 +27,20 @@ impl Manifold {
     /// The manifold of a patch: anchors in world axes and contact codes, all impulses zero.
     ///
     /// The combined `friction` and `restitution` are copied.
-    pub fn from_patch(
+    pub fn from_local(
         a: &ManifoldBody,
         b: &ManifoldBody,
-        patch: &Patch,
+        patch: &LocalManifold,
         friction: f32,
         restitution: f32,
     ) -> Self {
         let place = |body: &ManifoldBody| BodyPlace {
-            centre: body.pose.transform_point(body.centre),
+            center: body.pose.transform_point(body.center),
             turn: Mat3::from_quat(body.pose.rotation),
         };
         let turn = a.pose.rotation.inverse() * b.pose.rotation;
-        let (centres, boxes) = ([a.centre, b.centre], [a.code_box, b.code_box]);
-        let patch = BoundPatch::new(patch, turn, centres, boxes);
+        let (centers, boxes) = ([a.center, b.center], [a.code_box, b.code_box]);
+        let patch = BodyManifold::new(patch, turn, centers, boxes);
         let mut points = [ContactPoint::default(); MAX_POINTS];
         let count = patch.count as usize;
         let normal = patch.write(&place(a), &place(b), &mut points[..count]);
@@ -60,8 +60,8 @@ impl Manifold {
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(align(64))]
 pub(crate) struct BodyPlace {
-    /// Centre of mass, world, m.
-    pub(crate) centre: Vec3,
+    /// Center of mass, world, m.
+    pub(crate) center: Vec3,
     /// `world_from_body` rotation.
     pub(crate) turn: Mat3,
 }
@@ -72,21 +72,21 @@ pub(crate) struct BodyPlace {
 /// bound to the body whose face it belongs to. The gap between a corner of one body and a face of the other along that
 /// normal is then exact however the two have moved; that of a cut edge or of two crossing edges is exact to first order.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct BoundPatch {
+pub(crate) struct BodyManifold {
     /// Unit normal from A to B in the frame of the body it is bound to.
     normal: Vec3,
     normal_of_b: bool,
-    /// See [`Patch::steady`].
-    pub(crate) steady: f32,
-    /// See [`Patch::slide`].
+    /// See [`LocalManifold::recycle_distance`].
+    pub(crate) recycle_distance: f32,
+    /// See [`LocalManifold::slide`].
     pub(crate) slide: f32,
-    /// See [`Patch::off_surface`].
+    /// See [`LocalManifold::off_surface`].
     off_surface: f32,
     pub(crate) count: u32,
-    /// From each body's centre of mass, body's frame, m.
+    /// From each body's center of mass, body's frame, m.
     on_a: Points4,
     on_b: Points4,
-    /// See [`PatchPoint`]; `along` in the same frame as the normal.
+    /// See [`LocalPoint`]; `along` in the same frame as the normal.
     share_b: [f32; MAX_POINTS],
     along: Points4,
     code_a: [KdCode; MAX_POINTS],
@@ -95,19 +95,19 @@ pub(crate) struct BoundPatch {
 
 const _: () = assert!(MAX_POINTS == LANES, "one lane for each point");
 
-impl BoundPatch {
-    /// Binds a patch to bodies with the given centres of mass (body's frame, m) and code boxes; `turn` is the rotation
+impl BodyManifold {
+    /// Binds a patch to bodies with the given centers of mass (body's frame, m) and code boxes; `turn` is the rotation
     /// from B's frame to A's.
     pub(crate) fn new(
-        patch: &Patch,
+        patch: &LocalManifold,
         turn: Quat,
-        centres: [Vec3; 2],
+        centers: [Vec3; 2],
         boxes: [Option<KdBox>; 2],
     ) -> Self {
         let mut bound = Self {
             normal: patch.normal_in_b.unwrap_or(patch.normal),
             normal_of_b: patch.normal_in_b.is_some(),
-            steady: patch.steady,
+            recycle_distance: patch.recycle_distance,
             slide: patch.slide,
             off_surface: patch.off_surface,
             count: patch.count,
@@ -115,8 +115,8 @@ impl BoundPatch {
         };
         let code = |b: Option<KdBox>, at: Vec3| b.map_or(KdCode::default(), |b| b.encode(at));
         for (l, point) in patch.points().iter().enumerate() {
-            bound.on_a.set(l, point.on_a - centres[0]);
-            bound.on_b.set(l, point.on_b - centres[1]);
+            bound.on_a.set(l, point.on_a - centers[0]);
+            bound.on_b.set(l, point.on_b - centers[1]);
             bound.share_b[l] = point.share_b;
             let along = if bound.normal_of_b {
                 rotate(turn.inverse(), point.along)
@@ -139,15 +139,15 @@ impl BoundPatch {
         }
     }
 
-    /// What the patch says about two bodies that have moved since, with the given centres of mass (own frames, m).
-    pub(crate) fn hint(&self, b_in_a: &Pose, [centre_a, centre_b]: [Vec3; 2]) -> Hint {
+    /// What the patch says about two bodies that have moved since, with the given centers of mass (own frames, m).
+    pub(crate) fn hint(&self, b_in_a: &Pose, [center_a, center_b]: [Vec3; 2]) -> SatCache {
         let mut gap = f32::INFINITY;
         for l in 0..self.count as usize {
-            let on_b = b_in_a.transform_point(self.on_b.get(l) + centre_b);
-            gap = gap.min(on_b.distance_squared(self.on_a.get(l) + centre_a));
+            let on_b = b_in_a.transform_point(self.on_b.get(l) + center_b);
+            gap = gap.min(on_b.distance_squared(self.on_a.get(l) + center_a));
         }
         let is_of_edges = self.count == 1 && self.share_b[0] == 0.5;
-        Hint {
+        SatCache {
             gap: gap.sqrt() + 2.0 * self.off_surface,
             axis: is_of_edges.then_some(self.normal),
             faces: None,
@@ -156,12 +156,12 @@ impl BoundPatch {
 
     /// Writes the points, of which there are `count`, as the bodies are now, with impulses of zero; returns the normal.
     ///
-    /// All lengths come from the bodies' own frames and the difference of the two centres, which is exact, so they are as
+    /// All lengths come from the bodies' own frames and the difference of the two centers, which is exact, so they are as
     /// good far from the world's origin as near it.
     pub(crate) fn write(&self, a: &BodyPlace, b: &BodyPlace, points: &mut [ContactPoint]) -> Vec3 {
         let turn = if self.normal_of_b { &b.turn } else { &a.turn };
         let normal = *turn * self.normal;
-        let apart = b.centre - a.centre;
+        let apart = b.center - a.center;
         let (on_a, on_b) = (turned(&self.on_a, &a.turn), turned(&self.on_b, &b.turn));
         let along = turned(&self.along, turn);
         let placed = self.place(normal, apart, &on_a, &on_b, &along);
@@ -180,7 +180,7 @@ impl BoundPatch {
 
     /// Separations and anchors, given the points' places on the two bodies in world axes.
     ///
-    /// The contact is midway between the surfaces, and goes with the body that its point belongs to. Kept apart from the
+    /// The contact is midway between the surfaces, and goes with the body that its point belongs to. Ordered apart from the
     /// copying to single points, which would have the compiler mix the lanes.
     #[inline(never)]
     fn place(&self, n: Vec3, apart: Vec3, a: &Points4, b: &Points4, along: &Points4) -> Placed {
@@ -210,7 +210,7 @@ impl BoundPatch {
     }
 }
 
-/// What [`BoundPatch::place`] finds for each point, world axes, m.
+/// What [`BodyManifold::place`] finds for each point, world axes, m.
 #[derive(Clone, Copy, Debug, Default)]
 struct Placed {
     separation: [f32; LANES],

@@ -6,7 +6,7 @@ use glam::Vec3;
 
 /// A contact point as the narrow phase finds it, in the two bodies' own frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct PatchPoint {
+pub struct LocalPoint {
     /// The point on A's surface, A's frame, m.
     pub on_a: Vec3,
     /// The point on B's surface, B's frame, m.
@@ -23,13 +23,13 @@ pub struct PatchPoint {
 
 /// What the narrow phase finds for one pair: in A's frame, so that nothing is lost far from the origin.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Patch {
+pub struct LocalManifold {
     /// Unit normal from A to B, A's frame.
     pub normal: Vec3,
     /// The same vector in B's frame, if it is the normal of a face of B and turns with B; otherwise it turns with A.
     pub normal_in_b: Option<Vec3>,
     /// How far the bodies may slide until a corner reaches an edge, m: the points stay what they are so long.
-    pub steady: f32,
+    pub recycle_distance: f32,
     /// How far the bodies may slide along the face without turning, m, until another corner comes over it or one of these
     /// leaves it: all points are corners of the one on the other's face so long, and exact. 0 if some are not.
     pub slide: f32,
@@ -38,12 +38,12 @@ pub struct Patch {
     /// Number of valid points.
     pub count: u32,
     /// The points.
-    pub points: [PatchPoint; MAX_POINTS],
+    pub points: [LocalPoint; MAX_POINTS],
 }
 
-impl Patch {
+impl LocalManifold {
     /// The valid points.
-    pub fn points(&self) -> &[PatchPoint] {
+    pub fn points(&self) -> &[LocalPoint] {
         &self.points[..self.count as usize]
     }
 
@@ -64,7 +64,7 @@ impl Patch {
     }
 
     /// Appends a point; ignored once the patch is full.
-    pub(crate) fn push(&mut self, point: PatchPoint) {
+    pub(crate) fn push(&mut self, point: LocalPoint) {
         if let Some(slot) = self.points.get_mut(self.count as usize) {
             *slot = point;
             self.count += 1;

@@ -6,7 +6,7 @@
 
 use crate::contact::point::{ContactPoint, MAX_POINTS};
 use crate::simd::prefetch::prefetch;
-use crate::threads::parts::{Pieces, front_mut};
+use crate::threads::parts::{SizedParts, front_mut};
 use glam::Vec3;
 use std::ops::{Deref, DerefMut, Range};
 
@@ -207,7 +207,7 @@ impl Manifolds {
         let sizes = ranges
             .clone()
             .map(move |range| first(range.end) - first(range.start));
-        let points = Pieces::new(&mut self.points, sizes);
+        let points = SizedParts::new(&mut self.points, sizes);
         ranges.zip(points).map(|(range, points)| Run {
             heads: &heads[range.clone()],
             firsts: &firsts[range],
@@ -239,7 +239,7 @@ impl Manifolds {
     pub(crate) fn writers<'l, S>(
         &'l mut self,
         sizes: S,
-    ) -> impl ExactSizeIterator<Item = Writer<'l>> + DoubleEndedIterator + Send
+    ) -> impl ExactSizeIterator<Item = ManifoldWriter<'l>> + DoubleEndedIterator + Send
     where
         S: ExactSizeIterator<Item = (usize, Range<u32>)> + DoubleEndedIterator + Clone + Send + 'l,
     {
@@ -250,12 +250,12 @@ impl Manifolds {
         self.firsts.resize(self.heads.len(), 0);
         self.points
             .resize(points.clone().sum(), ContactPoint::default());
-        let heads = Pieces::new(&mut self.heads, manifolds.clone());
-        let firsts = Pieces::new(&mut self.firsts, manifolds);
-        let points = Pieces::new(&mut self.points, points);
+        let heads = SizedParts::new(&mut self.heads, manifolds.clone());
+        let firsts = SizedParts::new(&mut self.firsts, manifolds);
+        let points = SizedParts::new(&mut self.points, points);
         sizes
             .zip(heads.zip(firsts).zip(points))
-            .map(|((_, range), ((heads, firsts), points))| Writer {
+            .map(|((_, range), ((heads, firsts), points))| ManifoldWriter {
                 heads: heads.iter_mut(),
                 firsts: firsts.iter_mut(),
                 first: range.start,
@@ -317,7 +317,7 @@ impl<'l> Run<'l> {
 
 /// Writes a part of a list, manifold by manifold.
 #[derive(Debug)]
-pub(crate) struct Writer<'l> {
+pub(crate) struct ManifoldWriter<'l> {
     heads: std::slice::IterMut<'l, ManifoldHead>,
     firsts: std::slice::IterMut<'l, u32>,
     /// Index in the list of the next point, and what is left of the points.
@@ -325,7 +325,7 @@ pub(crate) struct Writer<'l> {
     points: &'l mut [ContactPoint],
 }
 
-impl<'l> Writer<'l> {
+impl<'l> ManifoldWriter<'l> {
     /// The next manifold, which has `count` points.
     pub(crate) fn next(
         &mut self,

@@ -10,9 +10,9 @@ pub const MAX_POINTS: usize = 4;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(align(64))]
 pub struct ContactPoint {
-    /// From A's centre of mass to the contact point (midway between the two surfaces), world axes, m.
+    /// From A's center of mass to the contact point (midway between the two surfaces), world axes, m.
     pub anchor_a: Vec3,
-    /// From B's centre of mass to the same point, world axes, m.
+    /// From B's center of mass to the same point, world axes, m.
     pub anchor_b: Vec3,
     /// Gap along the normal, m; negative where the bodies overlap. Where they are bonded, how far they have come apart since.
     pub separation: f32,

@@ -18,8 +18,8 @@ pub trait BondCommands {
     fn bond(&mut self, a: Entity, b: Entity, bond: Bond);
 
     /// Bonds all of these entities that touch face to face over their common areas, with a tensile and shear strength in
-    /// Pa; see [`Bonds::bond_neighbours`]. Entities that have no body are left out with a [`BodyWarning`].
-    fn bond_neighbours(&mut self, entities: impl IntoIterator<Item = Entity>, strength: f32);
+    /// Pa; see [`Bonds::bond_neighbors`]. Entities that have no body are left out with a [`BodyWarning`].
+    fn bond_neighbors(&mut self, entities: impl IntoIterator<Item = Entity>, strength: f32);
 
     /// Takes the bond between two entities away, if they have one.
     fn unbond(&mut self, a: Entity, b: Entity);
@@ -30,9 +30,9 @@ impl BondCommands for Commands<'_, '_> {
         self.queue(BondRequest::Pair(a, b, bond).enqueue());
     }
 
-    fn bond_neighbours(&mut self, entities: impl IntoIterator<Item = Entity>, strength: f32) {
+    fn bond_neighbors(&mut self, entities: impl IntoIterator<Item = Entity>, strength: f32) {
         let entities = entities.into_iter().collect();
-        self.queue(BondRequest::Neighbours(entities, strength).enqueue());
+        self.queue(BondRequest::Neighbors(entities, strength).enqueue());
     }
 
     fn unbond(&mut self, a: Entity, b: Entity) {
@@ -61,7 +61,7 @@ pub(super) fn make_bonds(
 ) {
     let slot_of = |bodies: &Bodies, entity: Entity| {
         let handle = handles.get(entity).ok().and_then(|handle| handle.0);
-        let body = handle.filter(|&(slot, id)| bodies.is(slot, id));
+        let body = handle.filter(|&(slot, id)| bodies.is_current(slot, id));
         body.map(|(slot, _)| slot).ok_or(BondError::NoBody)
     };
     for request in requests.0.drain(..) {
@@ -76,7 +76,7 @@ pub(super) fn make_bonds(
                 }
                 continue;
             }
-            BondRequest::Neighbours(entities, strength) => {
+            BondRequest::Neighbors(entities, strength) => {
                 let mut slots = Vec::with_capacity(entities.len());
                 for &entity in &entities {
                     match slot_of(bodies, entity) {
@@ -87,7 +87,7 @@ pub(super) fn make_bonds(
                 let Some(&first) = entities.first() else {
                     continue;
                 };
-                let made = bonds.bond_neighbours(bodies, &slots, strength);
+                let made = bonds.bond_neighbors(bodies, &slots, strength);
                 (first, made.map(|_| ()))
             }
         };

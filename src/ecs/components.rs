@@ -11,7 +11,7 @@ use bevy_math::Vec3;
 use bevy_transform::components::Transform;
 use smallvec::SmallVec;
 
-/// Velocity of the centre of mass, world axes, m/s.
+/// Velocity of the center of mass, world axes, m/s.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Component)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct LinearVelocity(pub Vec3);

@@ -46,7 +46,7 @@ pub(crate) fn gather_requests(
 ) {
     for (entity, plane) in requests.0.drain(..) {
         let handle = handles.get(entity).ok().and_then(|handle| handle.0);
-        let body = handle.filter(|&(slot, id)| bodies.is(slot, id));
+        let body = handle.filter(|&(slot, id)| bodies.is_current(slot, id));
         let request = body.map(|(slot, _)| CutRequest::in_world(bodies, slot, plane));
         match request.unwrap_or(Err(CutError::NoBody)) {
             Ok(request) => fractures.requests.push(request),
@@ -128,7 +128,7 @@ fn families(world: &World, done: &[Fracture]) -> Vec<(Fractured, Vec<u32>)> {
         message.planes.extend_from_slice(&fracture.planes);
         for (&slot, &id) in fracture.pieces.iter().zip(&fracture.ids) {
             family_of.push((id, family));
-            if bodies.is(slot, id) {
+            if bodies.is_current(slot, id) {
                 slots.push(slot);
             }
         }

@@ -101,7 +101,7 @@ pub(crate) fn on_sleeping_inserted(
     mut state: ResMut<PluginState>,
 ) {
     let body = handles.get(insert.entity).ok().and_then(|handle| handle.0);
-    if !body.is_some_and(|(slot, id)| bodies.is(slot, id) && bodies.is_asleep(slot)) {
+    if !body.is_some_and(|(slot, id)| bodies.is_current(slot, id) && bodies.is_asleep(slot)) {
         state.queue.marked.push(insert.entity);
     }
 }
@@ -114,7 +114,7 @@ pub(crate) fn on_sleeping_removed(
 ) {
     let body = handles.get(remove.entity).ok().and_then(|handle| handle.0);
     if let Some((slot, _)) =
-        body.filter(|&(slot, id)| bodies.is(slot, id) && bodies.is_asleep(slot))
+        body.filter(|&(slot, id)| bodies.is_current(slot, id) && bodies.is_asleep(slot))
     {
         bodies.wake(slot);
     }
@@ -126,7 +126,7 @@ pub(crate) struct Readings<'w, 's> {
     ticks: Query<'w, 's, ChangeTicks, With<BodyHandle>>,
     changed: Query<'w, 's, Entity, (Changes, With<BodyHandle>)>,
     described: Query<'w, 's, (&'static BodyHandle, Option<BodyParts>)>,
-    motion: Query<'w, 's, Motion>,
+    motion: Query<'w, 's, ReadMotion>,
     marked: Query<'w, 's, &'static BodyHandle, With<Sleeping>>,
     pub(crate) handles: Query<'w, 's, &'static BodyHandle>,
 }
@@ -159,8 +159,8 @@ fn settle_marked(
 ) {
     for entity in queue.marked.drain(..) {
         let body = marked.get(entity).ok().and_then(|handle| handle.0);
-        if let Some((slot, _)) = body.filter(|&(slot, id)| bodies.is(slot, id)) {
-            bodies.settle(slot);
+        if let Some((slot, _)) = body.filter(|&(slot, id)| bodies.is_current(slot, id)) {
+            bodies.request_sleep(slot);
         }
     }
 }
@@ -219,7 +219,7 @@ pub(crate) fn register_bodies(
 
 /// Removes the bodies that `left`, in that order, and then their cache entries in one pass.
 fn remove_bodies(left: &mut Vec<(u32, BodyId)>, bodies: &mut Bodies, cache: &mut ContactCache) {
-    left.retain(|&(slot, id)| bodies.is(slot, id));
+    left.retain(|&(slot, id)| bodies.is_current(slot, id));
     for &(slot, _) in left.iter() {
         bodies.remove(slot);
     }
@@ -271,7 +271,7 @@ fn pose_of(transform: &Transform) -> Result<Pose, BodyError> {
 }
 
 /// What the user may have changed of a body's motion, table by table.
-type Motion = (
+type ReadMotion = (
     Entity,
     &'static BodyHandle,
     Ref<'static, Transform>,
@@ -286,7 +286,7 @@ fn gather_motion(
     bodies: &mut Bodies,
     entities: &mut BodyEntities,
     warnings: &mut Messages<BodyWarning>,
-    motion: &Query<Motion>,
+    motion: &Query<ReadMotion>,
 ) {
     let own = entities.written;
     // All of these components are stored in tables, so there is a slice for each.
@@ -302,7 +302,7 @@ fn gather_motion(
         let strange = strange_rows(ticks, own);
         for row in strange.filter(|&row| ticks.iter().any(|column| by_user(column[row]))) {
             let handle = &handle[row];
-            let Some((slot, _)) = handle.0.filter(|&(slot, id)| bodies.is(slot, id)) else {
+            let Some((slot, _)) = handle.0.filter(|&(slot, id)| bodies.is_current(slot, id)) else {
                 continue;
             };
             let velocity = (linear[row].0, angular[row].0);
@@ -346,7 +346,7 @@ fn read_motion(
 ) -> Result<(), BodyError> {
     bodies.set_velocity(slot, linear, angular)?;
     let last = match bodies.kind(slot) {
-        // Never written: what was read last may differ by rounding from the pose about the centre of mass.
+        // Never written: what was read last may differ by rounding from the pose about the center of mass.
         RigidBody::Static => *seen,
         _ => transform_of(bodies.pose(slot)),
     };
@@ -412,7 +412,7 @@ fn gather_changes(
         let Ok((handle, parts)) = readings.described.get(entity) else {
             continue;
         };
-        let Some((slot, _)) = handle.0.filter(|&(slot, id)| bodies.is(slot, id)) else {
+        let Some((slot, _)) = handle.0.filter(|&(slot, id)| bodies.is_current(slot, id)) else {
             continue;
         };
         // Pose and velocity are gather_motion's business: broken ones must not hide a new shape.

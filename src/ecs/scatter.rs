@@ -19,7 +19,7 @@ use std::panic::Location;
 
 /// What entities are renewed with.
 #[derive(SystemParam)]
-pub(crate) struct Renewal<'w, 's> {
+pub(crate) struct BodySync<'w, 's> {
     commands: Commands<'w, 's>,
     bodies: Res<'w, Bodies>,
     fractures: Res<'w, Fractures>,
@@ -42,7 +42,7 @@ pub(crate) fn is_any_outdated(bodies: &Bodies, fractures: &Fractures) -> bool {
         ..
     } = fractures;
     let is_unbroken = done.is_empty() && refused.is_empty() && expired.is_empty();
-    !(is_unbroken && bodies.turned().is_empty())
+    !(is_unbroken && bodies.sleep_changes().is_empty())
 }
 
 /// System: brings the entities in line with the bodies, before motion is written: cuts that were refused, pieces whose time is
@@ -50,8 +50,8 @@ pub(crate) fn is_any_outdated(bodies: &Bodies, fractures: &Fractures) -> bool {
 ///
 /// It has the world to itself and applies its commands itself: a point in the schedule that applied them would be passed in
 /// every step.
-pub(crate) fn renew_entities(world: &mut World, renewal: &mut SystemState<Renewal>) -> Result {
-    let Renewal {
+pub(crate) fn renew_entities(world: &mut World, renewal: &mut SystemState<BodySync>) -> Result {
+    let BodySync {
         mut commands,
         bodies,
         fractures,
@@ -77,7 +77,7 @@ pub(crate) fn write_entities(
     mut state: ResMut<PluginState>,
     report: Res<StepReport>,
     mut warnings: ResMut<Messages<BodyWarning>>,
-    (mut motion, tick): (Query<Motion, Without<Sleeping>>, SystemChangeTick),
+    (mut motion, tick): (Query<WrittenMotion, Without<Sleeping>>, SystemChangeTick),
     marked: Query<(), With<Sleeping>>,
 ) {
     let state = &mut *state;
@@ -90,7 +90,7 @@ pub(crate) fn write_entities(
         tick.this_run(),
     );
     mark_asleep(&mut commands, &bodies, &state.entities, &marked);
-    bodies.forget_turned();
+    bodies.forget_sleep_changes();
 }
 
 /// Writes motion, as a system that runs at tick `now`, and problems of the step.
@@ -99,7 +99,7 @@ pub(crate) fn write_motion(
     bodies: &Bodies,
     report: &StepReport,
     warnings: &mut Messages<BodyWarning>,
-    motion: &mut Query<Motion, Without<Sleeping>>,
+    motion: &mut Query<WrittenMotion, Without<Sleeping>>,
     now: Tick,
 ) {
     let entities = &mut state.entities;
@@ -115,8 +115,8 @@ fn unmark_woken(
     entities: &BodyEntities,
     marked: &Query<(), With<Sleeping>>,
 ) {
-    for &(slot, id) in bodies.turned() {
-        if bodies.is(slot, id) && !bodies.is_asleep(slot) {
+    for &(slot, id) in bodies.sleep_changes() {
+        if bodies.is_current(slot, id) && !bodies.is_asleep(slot) {
             let entity = entities.of(slot, id);
             if let Some(entity) = entity.filter(|&entity| marked.contains(entity)) {
                 commands.entity(entity).remove::<Sleeping>();
@@ -132,8 +132,8 @@ fn mark_asleep(
     entities: &BodyEntities,
     marked: &Query<(), With<Sleeping>>,
 ) {
-    for &(slot, id) in bodies.turned() {
-        if bodies.is(slot, id) && bodies.is_asleep(slot) {
+    for &(slot, id) in bodies.sleep_changes() {
+        if bodies.is_current(slot, id) && bodies.is_asleep(slot) {
             let entity = entities.of(slot, id);
             if let Some(entity) = entity.filter(|&entity| !marked.contains(entity)) {
                 commands.entity(entity).insert(Sleeping);
@@ -143,7 +143,7 @@ fn mark_asleep(
 }
 
 /// What the plugin writes of a body's motion, table by table.
-pub(crate) type Motion = (
+pub(crate) type WrittenMotion = (
     &'static BodyHandle,
     &'static mut Transform,
     &'static mut LinearVelocity,
@@ -154,11 +154,11 @@ pub(crate) type Motion = (
 const WORTH_HELP: usize = 2048;
 
 /// Least rows of a part of a table.
-const LEAST_ROWS: usize = 512;
+const MIN_ROWS: usize = 512;
 
 /// Writes pose and velocity to the entities whose bodies moved. `Transform` is written, never read back: the pose of record
-/// is the centre of mass in [`Bodies`].
-fn scatter(bodies: &Bodies, motion: &mut Query<Motion, Without<Sleeping>>) {
+/// is the center of mass in [`Bodies`].
+fn scatter(bodies: &Bodies, motion: &mut Query<WrittenMotion, Without<Sleeping>>) {
     // All of these components are stored in tables, so there is a slice for each.
     let tables = motion.contiguous_iter_mut().ok().into_iter().flatten();
     let awake = bodies.len().saturating_sub(bodies.asleep());
@@ -177,7 +177,7 @@ fn scatter(bodies: &Bodies, motion: &mut Query<Motion, Without<Sleeping>>) {
                 );
                 continue;
             }
-            let size = Team::part_size(team, handles.len(), LEAST_ROWS);
+            let size = Team::part_size(team, handles.len(), MIN_ROWS);
             let velocities = linear.parts(size).zip(angular.parts(size));
             let motions = transforms.parts(size).zip(velocities);
             let parts = handles.chunks(size).zip(motions);
@@ -191,15 +191,16 @@ fn scatter(bodies: &Bodies, motion: &mut Query<Motion, Without<Sleeping>>) {
 fn write_rows(
     bodies: &Bodies,
     handles: &[BodyHandle],
-    transforms: Rows<Transform>,
-    linear: Rows<LinearVelocity>,
-    angular: Rows<AngularVelocity>,
+    transforms: EntityRows<Transform>,
+    linear: EntityRows<LinearVelocity>,
+    angular: EntityRows<AngularVelocity>,
 ) {
     let rows = transforms
         .into_rows()
         .zip(linear.into_rows().zip(angular.into_rows()));
     for (handle, (transform, (linear, angular))) in handles.iter().zip(rows) {
-        let is_alive = |&(slot, id): &(u32, BodyId)| bodies.is(slot, id) && bodies.is_active(slot);
+        let is_alive =
+            |&(slot, id): &(u32, BodyId)| bodies.is_current(slot, id) && bodies.is_active(slot);
         let Some((slot, _)) = handle.0.filter(is_alive) else {
             continue;
         };
@@ -234,8 +235,8 @@ impl<'w, T: Component> Column<'w, T> {
     }
 
     /// All rows.
-    fn all(&mut self) -> Rows<'_, T> {
-        Rows {
+    fn all(&mut self) -> EntityRows<'_, T> {
+        EntityRows {
             now: self.ticks.this_run(),
             values: self.values,
             changed: self.ticks.changed_mut(),
@@ -246,11 +247,11 @@ impl<'w, T: Component> Column<'w, T> {
     fn parts(
         &mut self,
         size: usize,
-    ) -> impl ExactSizeIterator<Item = Rows<'_, T>> + DoubleEndedIterator {
+    ) -> impl ExactSizeIterator<Item = EntityRows<'_, T>> + DoubleEndedIterator {
         let now = self.ticks.this_run();
         let values = self.values.chunks_mut(size);
         let parts = values.zip(self.ticks.changed_mut().chunks_mut(size));
-        parts.map(move |(values, changed)| Rows {
+        parts.map(move |(values, changed)| EntityRows {
             values,
             changed,
             now,
@@ -280,16 +281,16 @@ impl<T: Component> Drop for Column<'_, T> {
 }
 
 /// Some of the rows of a column.
-struct Rows<'c, T> {
+struct EntityRows<'c, T> {
     values: &'c mut [T],
     changed: &'c mut [Tick],
     now: Tick,
 }
 
-impl<'c, T> Rows<'c, T> {
-    fn into_rows(self) -> impl Iterator<Item = Row<'c, T>> {
+impl<'c, T> EntityRows<'c, T> {
+    fn into_rows(self) -> impl Iterator<Item = EntityRow<'c, T>> {
         let rows = self.values.iter_mut().zip(self.changed);
-        rows.map(move |(value, changed)| Row {
+        rows.map(move |(value, changed)| EntityRow {
             value,
             changed,
             now: self.now,
@@ -298,13 +299,13 @@ impl<'c, T> Rows<'c, T> {
 }
 
 /// One row.
-struct Row<'c, T> {
+struct EntityRow<'c, T> {
     value: &'c mut T,
     changed: &'c mut Tick,
     now: Tick,
 }
 
-impl<T: PartialEq> Row<'_, T> {
+impl<T: PartialEq> EntityRow<'_, T> {
     /// Writes `value`, and notes it as a change if it is one.
     fn set(self, value: T) {
         if *self.value != value {

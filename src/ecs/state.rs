@@ -23,7 +23,7 @@ pub(crate) struct PluginState {
 #[derive(Debug)]
 pub(crate) enum BondRequest {
     Pair(Entity, Entity, Bond),
-    Neighbours(Vec<Entity>, f32),
+    Neighbors(Vec<Entity>, f32),
     Release(Entity, Entity),
 }
 

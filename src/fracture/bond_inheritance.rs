@@ -1,21 +1,22 @@
-//! Who holds on to the neighbours of a body that breaks: the pieces that lie on them.
+//! Who holds on to the neighbors of a body that breaks: the pieces that lie on them.
 
 use crate::bodies::store::Bodies;
-use crate::fracture::bonds::{Bonds, Joint};
+use crate::fracture::bonds::{BondedPair, Bonds};
 use crate::fracture::inheritance::Line;
-use crate::fracture::neighbours::area_in_pose;
+use crate::fracture::neighbors::area_in_pose;
 use crate::math::Pose;
 use smallvec::SmallVec;
 
 impl Bonds {
-    /// Divides the bonds of a body that is gone, each among the pieces that lie face to face on the bonded neighbour: by the
+    /// Divides the bonds of a body that is gone, each among the pieces that lie face to face on the bonded neighbor: by the
     /// areas over which they do, so that all of them together are as strong as it was. A bond that no piece lies at goes.
     pub(super) fn inherit(&mut self, bodies: &Bodies, parent: &Line, pieces: &[u32]) {
-        let is_of_parent = |joint: &Joint| [joint.bodies.0, joint.bodies.1].contains(&parent.id());
+        let is_of_parent =
+            |joint: &BondedPair| [joint.bodies.0, joint.bodies.1].contains(&parent.id());
         if !self.joints.iter().any(is_of_parent) {
             return;
         }
-        let mut heirs: Vec<Joint> = Vec::new();
+        let mut heirs: Vec<BondedPair> = Vec::new();
         for joint in self.joints.iter().filter(|joint| is_of_parent(joint)) {
             let is_first = joint.bodies.0 == parent.id();
             let other = joint.slots[usize::from(is_first)];
@@ -46,7 +47,7 @@ impl Bonds {
     }
 }
 
-impl Joint {
+impl BondedPair {
     /// A share of a joint for two bodies; `pose` is that of the second in the frame of the first.
     fn between(&self, bodies: &Bodies, slots: [u32; 2], pose: Pose, share: f32) -> Self {
         let [i, j] = slots.map(|slot| bodies.id(slot));

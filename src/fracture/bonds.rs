@@ -2,7 +2,7 @@
 //! cracks along its joints without being cut.
 //!
 //! A bond lets the contact of its pair pull: each point of the manifold bears up to its share of strength times area in
-//! tension and in shear, and returns to where it was when the bond was made; see [`ties`](crate::solver::wide::bond). Where a
+//! tension and in shear, and returns to where it was when the bond was made; see [`bond_constraints`](crate::solver::wide::bond). Where a
 //! point that bears all it can has opened or slid by [`BREAKING_SHARE`] of the smaller body's least extent, where any has by
 //! [`TEARING_SHARE`], or where the bodies have come too far apart to touch, the bond is broken for good, and the pair is an
 //! ordinary contact.
@@ -13,7 +13,7 @@
 //! Bodies that turn about each other need 1.5 times the strength that keeps them on their circle.
 //!
 //! Bonds hold where contacts do: the bodies must touch, their layers must let them, and one of them must be dynamic. They
-//! go with their bodies; those of a body that breaks or is cut go to the pieces that lie on the bonded neighbour. All methods
+//! go with their bodies; those of a body that breaks or is cut go to the pieces that lie on the bonded neighbor. All methods
 //! of the solver bear them.
 
 use crate::bodies::store::Bodies;
@@ -21,9 +21,9 @@ use crate::collide::narrow_phase::relative_pose;
 use crate::contact::body_id::BodyId;
 use crate::contact::manifolds::{ManifoldHead, Manifolds};
 use crate::contact::point::{ContactPoint, MAX_POINTS};
-use crate::fracture::neighbours::can_move;
-use crate::fracture::neighbours::smaller_extent;
-use crate::fracture::neighbours::{close_pairs, touching_area};
+use crate::fracture::neighbors::can_move;
+use crate::fracture::neighbors::smaller_extent;
+use crate::fracture::neighbors::{close_pairs, touching_area};
 use crate::math::{Pose, rotate};
 use crate::solver::wide::bond::BondedManifold;
 use bevy_ecs::resource::Resource;
@@ -113,7 +113,7 @@ pub struct BrokenBond {
 
 /// A bond with its bodies.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Joint {
+pub(super) struct BondedPair {
     /// Ascending.
     pub(super) bodies: (BodyId, BodyId),
     pub(super) slots: [u32; 2],
@@ -130,7 +130,7 @@ pub(super) struct Joint {
 #[derive(Debug, Default, Resource)]
 pub struct Bonds {
     /// Sorted by bodies.
-    pub(super) joints: Vec<Joint>,
+    pub(super) joints: Vec<BondedPair>,
     /// Bonds that broke in the last step.
     pub broken: Vec<BrokenBond>,
 }
@@ -172,7 +172,7 @@ impl Bonds {
         b: u32,
         bond: Bond,
     ) -> Result<(), BondError> {
-        let joint = Joint::new(bodies, a, b, bond)?;
+        let joint = BondedPair::new(bodies, a, b, bond)?;
         match self.find(joint.bodies) {
             Ok(at) => self.joints[at] = joint,
             Err(at) => self.joints.insert(at, joint),
@@ -189,7 +189,7 @@ impl Bonds {
     ///
     /// # Errors
     /// [`BondError`]; no bonds are made then.
-    pub fn bond_neighbours(
+    pub fn bond_neighbors(
         &mut self,
         bodies: &mut Bodies,
         slots: &[u32],
@@ -202,7 +202,7 @@ impl Bonds {
         let mut made = Vec::new();
         for [a, b] in close_pairs(bodies, slots) {
             if let Some(area) = touching_area(bodies, a, b) {
-                made.push(Joint::new(bodies, a, b, Bond::new(strength, area))?);
+                made.push(BondedPair::new(bodies, a, b, Bond::new(strength, area))?);
             }
         }
         for slot in made.iter().flat_map(|joint| joint.slots) {
@@ -307,7 +307,7 @@ impl Bonds {
     }
 }
 
-impl Joint {
+impl BondedPair {
     fn new(bodies: &Bodies, a: u32, b: u32, bond: Bond) -> Result<Self, BondError> {
         bond.check()?;
         if !(bodies.contains(a) && bodies.contains(b)) {
@@ -336,7 +336,7 @@ impl Joint {
 
     fn is_alive(&self, bodies: &Bodies) -> bool {
         let [a, b] = self.slots;
-        bodies.is(a, self.bodies.0) && bodies.is(b, self.bodies.1)
+        bodies.is_current(a, self.bodies.0) && bodies.is_current(b, self.bodies.1)
     }
 
     /// Whether the pair has no manifold because one of the bodies takes no part in the step.
@@ -393,7 +393,7 @@ impl Joint {
         let slots = self.slots.map(|slot| slot as usize);
         let [at_a, at_b] = [0, 1].map(|k| {
             let to_body = bodies.rotation[slots[k]].inverse();
-            rotate(to_body, anchors[k]) + bodies.mass[slots[k]].centre
+            rotate(to_body, anchors[k]) + bodies.mass[slots[k]].center
         });
         let before = self.b_in_a.transform_point(at_b);
         rotate(bodies.rotation[slots[0]], at_a - before)

@@ -8,9 +8,9 @@ use crate::contact::manifolds::Manifolds;
 use crate::fracture::budget::FractureBudget;
 use crate::fracture::impact;
 use crate::fracture::impact::ImpulseSum;
-use crate::fracture::inheritance::{Line, hand_down};
-use crate::fracture::pieces::{Division, Plan, replace};
-use crate::fracture::{Blow, Bonds, CutError, CutRequest, Fractures, LEAST_PIECES};
+use crate::fracture::inheritance::{Line, transfer_impulses};
+use crate::fracture::pieces::{BreakPlan, PieceSet, replace};
+use crate::fracture::{Bonds, BreakingImpact, CutError, CutRequest, Fractures, MIN_PIECES};
 use crate::geometry::predicates::check_plane;
 use crate::slice::{Impact, PieceCutter, SliceError};
 use crate::solver::contact_solver::ContactSolver;
@@ -21,7 +21,7 @@ type Lines = Vec<(Line, SmallVec<[u32; 8]>)>;
 
 /// A body that was hit with more than it bears when there was no budget for it.
 #[derive(Clone, Debug)]
-struct Waiting {
+struct PendingBreak {
     body: BodyId,
     slot: u32,
     /// What it was hit with, in its own frame.
@@ -39,12 +39,12 @@ struct Alive {
 
 /// What is kept from step to step, and buffers.
 #[derive(Debug, Default)]
-pub(super) struct Workshop {
+pub(super) struct FractureState {
     /// Pieces made in this step.
     made: usize,
     /// Dynamic bodies that were awake when it began.
     awake: usize,
-    waiting: Vec<Waiting>,
+    waiting: Vec<PendingBreak>,
     alive: Vec<Alive>,
     /// By slot.
     impacts: Vec<ImpulseSum>,
@@ -52,7 +52,7 @@ pub(super) struct Workshop {
     cutter: PieceCutter,
 }
 
-impl Workshop {
+impl FractureState {
     /// Bodies that wait for their turn to break.
     pub(super) fn waiting(&self) -> usize {
         self.waiting.len()
@@ -60,7 +60,8 @@ impl Workshop {
 
     /// Forgets pieces that are no more, for whatever reason.
     fn take_stock(&mut self, bodies: &Bodies) {
-        self.alive.retain(|piece| bodies.is(piece.slot, piece.body));
+        self.alive
+            .retain(|piece| bodies.is_current(piece.slot, piece.body));
     }
 
     /// Pieces that blows may still make in this step.
@@ -84,11 +85,11 @@ pub fn make_cuts(
     fractures.done.clear();
     fractures.refused.clear();
     fractures.expired.clear();
-    fractures.workshop.made = 0;
-    fractures.workshop.awake = bodies.dynamic() - bodies.asleep();
+    fractures.state.made = 0;
+    fractures.state.awake = bodies.dynamic() - bodies.asleep();
     remove_old_pieces(fractures, bodies, cache, budget, h);
-    fractures.workshop.take_stock(bodies);
-    if fractures.requests.is_empty() && fractures.workshop.waiting.is_empty() {
+    fractures.state.take_stock(bodies);
+    if fractures.requests.is_empty() && fractures.state.waiting.is_empty() {
         return;
     }
     let mut lines = Lines::new();
@@ -96,7 +97,7 @@ pub fn make_cuts(
         bodies.wake(plan.slot);
         // A load that the parent stood must not break a piece that was cut off, but a blow may.
         let stands = bodies.is_overloaded[plan.slot as usize];
-        let division = Division::new(bodies, &plan, &mut fractures.workshop.cutter);
+        let division = PieceSet::new(bodies, &plan, &mut fractures.state.cutter);
         let made = division.and_then(|division| {
             fractures.replace(bodies, bonds, plan.slot, division, budget, &mut lines)
         });
@@ -112,8 +113,8 @@ pub fn make_cuts(
         }
     }
     break_waiting(fractures, bodies, bonds, budget, &mut lines);
-    bodies.unpark_woken(cache);
-    hand_down(&lines, bodies, cache);
+    bodies.resume_woken(cache);
+    transfer_impulses(&lines, bodies, cache);
 }
 
 /// Breaks the bodies that have waited longest, as far as the budget goes. What was cut in this step waits no more.
@@ -124,25 +125,25 @@ fn break_waiting(
     budget: &FractureBudget,
     lines: &mut Lines,
 ) {
-    let mut waiting = std::mem::take(&mut fractures.workshop.waiting);
+    let mut waiting = std::mem::take(&mut fractures.state.waiting);
     waiting.retain(|entry| {
         let slot = entry.slot;
-        if !(bodies.is(slot, entry.body) && bodies.is_active(slot)) {
+        if !(bodies.is_current(slot, entry.body) && bodies.is_active(slot)) {
             return false;
         }
-        let left = fractures.workshop.left(budget);
-        if left < LEAST_PIECES {
+        let left = fractures.state.left(budget);
+        if left < MIN_PIECES {
             return true;
         }
         bodies.wake(slot);
         // One that makes no pieces bears it.
-        let cutter = &mut fractures.workshop.cutter;
+        let cutter = &mut fractures.state.cutter;
         if let Some(division) = divide(bodies, slot, &entry.impact, left, cutter) {
             let _ = fractures.replace(bodies, bonds, slot, division, budget, lines);
         }
         false
     });
-    fractures.workshop.waiting = waiting;
+    fractures.state.waiting = waiting;
 }
 
 /// Breaks the bodies whose solve was given up because they were hit with more than they bear.
@@ -158,42 +159,42 @@ pub fn break_overloaded(
     budget: &FractureBudget,
     solver: &ContactSolver,
 ) {
-    let workshop = &mut fractures.workshop;
-    impact::sum_impulses(&mut workshop.impacts, bodies, manifolds);
-    workshop.shares.clear();
-    workshop.shares.resize(bodies.slots(), 0.0);
-    workshop.take_stock(bodies);
-    let mut left = workshop.left(budget);
+    let state = &mut fractures.state;
+    impact::sum_impulses(&mut state.impacts, bodies, manifolds);
+    state.shares.clear();
+    state.shares.resize(bodies.slots(), 0.0);
+    state.take_stock(bodies);
+    let mut left = state.left(budget);
     let mut divisions = Vec::new();
     let mut hit: Vec<_> = (0..bodies.slots() as u32)
-        .filter(|&slot| solver.is_waiting(slot))
-        .filter(|&slot| workshop.impacts[slot as usize].is_too_much(bodies, slot))
+        .filter(|&slot| solver.is_deferred(slot))
+        .filter(|&slot| state.impacts[slot as usize].is_too_much(bodies, slot))
         .collect();
     hit.sort_by_key(|&slot| bodies.id(slot));
     for slot in hit {
         // If it cannot be broken now, it has to bear everything.
         bodies.is_overloaded[slot as usize] = true;
-        let sum = workshop.impacts[slot as usize];
-        if left < LEAST_PIECES {
-            workshop.waiting.extend(wait(bodies, slot, &sum));
+        let sum = state.impacts[slot as usize];
+        if left < MIN_PIECES {
+            state.waiting.extend(wait(bodies, slot, &sum));
             continue;
         }
         let impact = sum.impact(bodies, slot);
-        if let Some(division) = divide(bodies, slot, &impact, left, &mut workshop.cutter) {
+        if let Some(division) = divide(bodies, slot, &impact, left, &mut state.cutter) {
             left = left.saturating_sub(division.len());
-            let borne = sum.borne(bodies, slot, &division);
-            workshop.shares[slot as usize] = borne;
-            divisions.push((slot, division, sum.blow(borne)));
+            let withstood = sum.withstood(bodies, slot, &division);
+            state.shares[slot as usize] = withstood;
+            divisions.push((slot, division, sum.blow(withstood)));
         }
     }
-    impact::apply_shares(&workshop.shares, bodies, manifolds);
+    impact::apply_shares(&state.shares, bodies, manifolds);
     let mut lines = Lines::new();
     for (slot, division, blow) in divisions {
         if let Ok(fracture) = fractures.replace(bodies, bonds, slot, division, budget, &mut lines) {
             fracture.blow = Some(blow);
         }
     }
-    hand_down(&lines, bodies, cache);
+    transfer_impulses(&lines, bodies, cache);
 }
 
 /// After the last round: notes which bodies have got through the step although its impulses were more than they bear, and
@@ -207,20 +208,20 @@ pub fn note_loads(
     if !bodies.any_fracturable() {
         return;
     }
-    let workshop = &mut fractures.workshop;
-    impact::sum_impulses(&mut workshop.impacts, bodies, manifolds);
+    let state = &mut fractures.state;
+    impact::sum_impulses(&mut state.impacts, bodies, manifolds);
     for (slot, blow) in solver.overloaded() {
-        let sum = workshop.impacts[slot as usize].with_energy(blow.energy);
-        workshop.waiting.extend(wait(bodies, slot, &sum));
+        let sum = state.impacts[slot as usize].with_energy(blow.energy);
+        state.waiting.extend(wait(bodies, slot, &sum));
     }
-    for (slot, sum) in (0..).zip(&workshop.impacts) {
+    for (slot, sum) in (0..).zip(&state.impacts) {
         if let Some(fracturable) = bodies.fracturable(slot) {
             bodies.is_overloaded[slot as usize] = sum.impulse() > fracturable.strength;
         }
     }
     // Another blow does not break them twice.
-    for entry in &workshop.waiting {
-        if bodies.is(entry.slot, entry.body) {
+    for entry in &state.waiting {
+        if bodies.is_current(entry.slot, entry.body) {
             bodies.is_overloaded[entry.slot as usize] = true;
         }
     }
@@ -233,24 +234,24 @@ fn divide(
     impact: &Impact,
     left: usize,
     cutter: &mut PieceCutter,
-) -> Option<Division> {
-    let most = bodies.most_pieces(slot).min(left);
-    let plan = Plan {
+) -> Option<PieceSet> {
+    let most = bodies.max_pieces(slot).min(left);
+    let plan = BreakPlan {
         slot,
         blow: Some(impact::cutting(bodies, slot, impact, most)?),
         cuts: SmallVec::new(),
         most,
     };
-    Division::new(bodies, &plan, cutter).ok()
+    PieceSet::new(bodies, &plan, cutter).ok()
 }
 
 /// A body that waits for its turn to break, unless it bears the blow.
-fn wait(bodies: &Bodies, slot: u32, sum: &ImpulseSum) -> Option<Waiting> {
+fn wait(bodies: &Bodies, slot: u32, sum: &ImpulseSum) -> Option<PendingBreak> {
     let impact = sum.impact(bodies, slot);
     // Whether it breaks does not depend on the number of pieces, and how it does is found when its turn comes.
-    let most = bodies.most_pieces(slot).min(LEAST_PIECES);
+    let most = bodies.max_pieces(slot).min(MIN_PIECES);
     impact::cutting(bodies, slot, &impact, most)?;
-    Some(Waiting {
+    Some(PendingBreak {
         body: bodies.id(slot),
         slot,
         impact,
@@ -264,7 +265,7 @@ impl Fractures {
         bodies: &mut Bodies,
         bonds: &mut Bonds,
         slot: u32,
-        division: Division,
+        division: PieceSet,
         budget: &FractureBudget,
         lines: &mut Lines,
     ) -> Result<&mut crate::fracture::Fracture, CutError> {
@@ -272,10 +273,10 @@ impl Fractures {
         let fracture = replace(bodies, slot, division, budget)?;
         bonds.inherit(bodies, &line, &fracture.pieces);
         lines.push((line, fracture.pieces.clone()));
-        let workshop = &mut self.workshop;
-        workshop.made += fracture.pieces.len();
+        let state = &mut self.state;
+        state.made += fracture.pieces.len();
         let pieces = fracture.pieces.iter().zip(&fracture.ids);
-        workshop.alive.extend(pieces.map(|(&slot, &body)| Alive {
+        state.alive.extend(pieces.map(|(&slot, &body)| Alive {
             body,
             slot,
             slept: 0.0,
@@ -289,8 +290,8 @@ impl Fractures {
 fn collect_requests(
     fractures: &mut Fractures,
     bodies: &Bodies,
-) -> Vec<(Plan, SmallVec<[CutRequest; 2]>)> {
-    let mut plans: Vec<(Plan, SmallVec<[CutRequest; 2]>)> = Vec::new();
+) -> Vec<(BreakPlan, SmallVec<[CutRequest; 2]>)> {
+    let mut plans: Vec<(BreakPlan, SmallVec<[CutRequest; 2]>)> = Vec::new();
     for request in fractures.requests.drain(..) {
         if let Err(error) = check_request(&request, bodies) {
             fractures.refused.push((request, error));
@@ -298,7 +299,7 @@ fn collect_requests(
         }
         let index = plans.iter().position(|(p, _)| p.slot == request.slot);
         let index = index.unwrap_or_else(|| {
-            let plan = Plan {
+            let plan = BreakPlan {
                 slot: request.slot,
                 blow: None,
                 cuts: SmallVec::new(),
@@ -315,7 +316,7 @@ fn collect_requests(
 }
 
 fn check_request(request: &CutRequest, bodies: &Bodies) -> Result<(), CutError> {
-    if !bodies.is(request.slot, request.body) {
+    if !bodies.is_current(request.slot, request.body) {
         return Err(CutError::NoBody);
     }
     if bodies.kind(request.slot) != RigidBody::Dynamic {
@@ -343,8 +344,8 @@ fn remove_old_pieces(
         return;
     }
     let expired = &mut fractures.expired;
-    fractures.workshop.alive.retain_mut(|piece| {
-        let is_there = bodies.is(piece.slot, piece.body);
+    fractures.state.alive.retain_mut(|piece| {
+        let is_there = bodies.is_current(piece.slot, piece.body);
         let is_asleep = is_there && bodies.is_asleep(piece.slot);
         piece.slept = if is_asleep { piece.slept + h } else { 0.0 };
         let is_old = piece.slept > budget.lifetime;
@@ -362,14 +363,14 @@ fn remove_old_pieces(
     }
 }
 
-impl Blow {
+impl BreakingImpact {
     /// Impulse that acted on the body before it broke, N s.
     pub fn borne_impulse(&self) -> f32 {
-        self.borne * self.impulse
+        self.withstood * self.impulse
     }
 
-    /// Kinetic energy that it took to break the body, J: what the borne share of a plastic blow takes.
+    /// Kinetic energy that it took to break the body, J: what the withstood share of a plastic blow takes.
     pub fn borne_energy(&self) -> f32 {
-        self.energy * self.borne * (2.0 - self.borne)
+        self.energy * self.withstood * (2.0 - self.withstood)
     }
 }

@@ -6,7 +6,7 @@ use bevy_ecs::resource::Resource;
 const SMALL_SCENE: usize = 256;
 
 /// Pieces that each step may make, whatever the growth: one body breaks.
-const LEAST_IN_STEP: usize = 8;
+const MIN_IN_STEP: usize = 8;
 
 /// Limits for what blows break. Cuts that are asked for are made whatever the budget says, but count.
 ///
@@ -22,10 +22,10 @@ pub struct FractureBudget {
     /// pieces in any case, and as many as bring a small scene to 256 awake bodies. Infinite: no limit.
     pub growth: f32,
     /// Pieces that there may be; no blow breaks anything while there are as many.
-    pub pieces_alive: usize,
+    pub max_alive_pieces: usize,
     /// Pieces smaller than this are not made, m3; what [`Fracturable`](crate::slice::fracturable::Fracturable) says holds
     /// too.
-    pub least_volume: f32,
+    pub min_volume: f32,
     /// How often a body and its pieces may break one after the other. At 0 blows break nothing.
     pub generations: u8,
     /// Pieces that have slept for so long, s, are removed. Infinite: never.
@@ -38,8 +38,8 @@ impl Default for FractureBudget {
         Self {
             pieces_per_step: 64,
             growth: 0.02,
-            pieces_alive: 20_000,
-            least_volume: 0.0,
+            max_alive_pieces: 20_000,
+            min_volume: 0.0,
             generations: u8::MAX,
             lifetime: f32::INFINITY,
         }
@@ -54,14 +54,14 @@ impl FractureBudget {
             return 0;
         }
         let in_step = self.in_step(awake).saturating_sub(made);
-        in_step.min(self.pieces_alive.saturating_sub(alive))
+        in_step.min(self.max_alive_pieces.saturating_sub(alive))
     }
 
     /// Pieces that blows may make in a step that begins with `awake` bodies.
     fn in_step(&self, awake: usize) -> usize {
         // A number that is not finite becomes one end of the range.
         let growth = (self.growth * awake as f32) as usize;
-        let least = SMALL_SCENE.saturating_sub(awake).max(LEAST_IN_STEP);
+        let least = SMALL_SCENE.saturating_sub(awake).max(MIN_IN_STEP);
         growth.max(least).min(self.pieces_per_step)
     }
 }
@@ -95,7 +95,7 @@ mod tests {
     #[test]
     fn what_was_made_and_what_is_alive_count() {
         let budget = FractureBudget {
-            pieces_alive: 100,
+            max_alive_pieces: 100,
             ..FractureBudget::default()
         };
         assert_eq!(budget.left(10, 10, 100), 54);

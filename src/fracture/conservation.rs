@@ -4,7 +4,7 @@
 
 use crate::bodies::body::BodyDesc;
 use crate::bodies::store::Bodies;
-use crate::fracture::ledger::{Ledger, Reference, Totals};
+use crate::fracture::ledger::{Invariants, Ledger, Reference};
 use crate::geometry::predicates::{length_scale, plane_tolerance};
 use crate::geometry::{ConvexHull, ConvexMesh};
 
@@ -63,7 +63,7 @@ fn thickness_of_faces(hull: &ConvexHull) -> f32 {
 /// Gives the pieces the momentum that they lack, as one velocity for all of them.
 ///
 /// Pieces move as the body did where their centroids are. Where those are rounded as much as [`keep_mass`] says, they are together no
-/// longer at the centre of mass of the body.
+/// longer at the center of mass of the body.
 pub(super) fn keep_momentum(
     bodies: &mut Bodies,
     kept: &[u32],
@@ -75,7 +75,7 @@ pub(super) fn keep_momentum(
         return;
     }
     let change = ledger.missing_momentum() / ledger.after.mass;
-    ledger.after = Totals::default();
+    ledger.after = Invariants::default();
     for &slot in kept {
         let (v, omega) = bodies.velocity(slot);
         let v = (v.as_dvec3() + change).as_vec3();

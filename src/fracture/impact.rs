@@ -1,11 +1,11 @@
 //! Contact impulses of one step, summed by body: what they break, and what of them acts before that.
 
 use crate::bodies::body::RigidBody;
-use crate::bodies::breaking::BodyBlow;
+use crate::bodies::breaking::ImpactLoad;
 use crate::bodies::store::Bodies;
 use crate::contact::manifolds::Manifolds;
-use crate::fracture::Blow;
-use crate::fracture::pieces::Division;
+use crate::fracture::BreakingImpact;
+use crate::fracture::pieces::PieceSet;
 use crate::math::rotate;
 use crate::slice::{Cutting, Impact};
 use glam::Vec3;
@@ -14,10 +14,10 @@ use glam::Vec3;
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ImpulseSum {
     /// Impulse and energy of the blow, all contact points together.
-    blow: BodyBlow,
-    /// Sum of the impulses times where they act, from the centre of mass, world axes, N s m.
+    blow: ImpactLoad,
+    /// Sum of the impulses times where they act, from the center of mass, world axes, N s m.
     ///
-    /// Divided by the impulse, the centre of the blow. A single point would do for corners only: a box that lands flat
+    /// Divided by the impulse, the center of the blow. A single point would do for corners only: a box that lands flat
     /// touches with four, and a plane through one of them is the plane of a face.
     moment: Vec3,
     /// Sum of the impulses with their directions on the body, world axes, N s.
@@ -43,12 +43,12 @@ impl ImpulseSum {
     }
 
     /// What the fracture is reported with.
-    pub(super) fn blow(&self, borne: f32) -> Blow {
-        let BodyBlow { impulse, energy } = self.blow;
-        Blow {
+    pub(super) fn blow(&self, withstood: f32) -> BreakingImpact {
+        let ImpactLoad { impulse, energy } = self.blow;
+        BreakingImpact {
             impulse,
             energy,
-            borne,
+            withstood,
         }
     }
 
@@ -56,14 +56,14 @@ impl ImpulseSum {
     ///
     /// The first share `s` of a plastic blow with energy `E` takes `E (1 - (1 - s)^2)`: the approach is fastest at the
     /// start.
-    pub(super) fn borne(&self, bodies: &Bodies, slot: u32, division: &Division) -> f32 {
+    pub(super) fn withstood(&self, bodies: &Bodies, slot: u32, division: &PieceSet) -> f32 {
         let (Some(fracturable), Some(mesh)) = (bodies.fracturable(slot), bodies.convex(slot))
         else {
             return 0.0;
         };
-        let BodyBlow { impulse, energy } = self.blow;
+        let ImpactLoad { impulse, energy } = self.blow;
         let cracks = fracturable.toughness * division.crack_area(mesh.hull()) as f32;
-        let taken = fracturable.least_energy.max(cracks) / energy;
+        let taken = fracturable.min_energy.max(cracks) / energy;
         let by_energy = if taken > 0.0 {
             1.0 - (1.0 - taken).max(0.0).sqrt()
         } else {
@@ -78,7 +78,7 @@ impl ImpulseSum {
         // Squeezed from opposite sides, the impulses cancel; any direction across the body is as good as another then.
         let direction = rotate(to_body, self.direction).normalize_or(Vec3::Y);
         Impact {
-            point: rotate(to_body, self.moment / self.impulse()) + bodies.mass(slot).centre,
+            point: rotate(to_body, self.moment / self.impulse()) + bodies.mass(slot).center,
             normal: direction,
             impulse: self.impulse(),
             energy: self.blow.energy,
@@ -138,7 +138,7 @@ pub(super) fn apply_shares(shares: &[f32], bodies: &mut Bodies, manifolds: &Mani
     }
 }
 
-/// Changes the velocity of a body by an impulse (N s) at `anchor` from its centre of mass (m), world axes.
+/// Changes the velocity of a body by an impulse (N s) at `anchor` from its center of mass (m), world axes.
 fn push(bodies: &mut Bodies, slot: u32, anchor: Vec3, impulse: Vec3) {
     let i = slot as usize;
     if bodies.kind(slot) == RigidBody::Dynamic {

@@ -2,7 +2,7 @@
 
 use crate::bodies::store::Bodies;
 use crate::contact::body_id::BodyId;
-use crate::contact::impulses::{ContactCache, Family, Heir};
+use crate::contact::impulses::{Child, ContactCache, Split};
 use crate::geometry::KdBox;
 use crate::math::rotate;
 use glam::{Quat, Vec3};
@@ -14,9 +14,9 @@ pub(super) struct Line {
     id: BodyId,
     rotation: Quat,
     /// World, m.
-    centre_of_mass: Vec3,
+    center_of_mass: Vec3,
     /// Body's frame, m.
-    centre: Vec3,
+    center: Vec3,
     code_box: Option<KdBox>,
 }
 
@@ -25,8 +25,8 @@ impl Line {
         Self {
             id: bodies.id(slot),
             rotation: bodies.pose(slot).rotation,
-            centre_of_mass: bodies.centre_of_mass(slot),
-            centre: bodies.mass(slot).centre,
+            center_of_mass: bodies.center_of_mass(slot),
+            center: bodies.mass(slot).center,
             code_box: bodies.kd_box[slot as usize],
         }
     }
@@ -37,20 +37,20 @@ impl Line {
 
     /// Where the frame of a piece is in that of the parent, along whose axes it lies, m.
     pub(super) fn origin_of(&self, bodies: &Bodies, piece: u32) -> Vec3 {
-        let way = bodies.pose(piece).position - self.centre_of_mass;
-        self.centre + rotate(self.rotation.inverse(), way)
+        let way = bodies.pose(piece).position - self.center_of_mass;
+        self.center + rotate(self.rotation.inverse(), way)
     }
 
-    fn family<'a>(&self, pieces: &[u32], bodies: &'a Bodies) -> Option<Family<'a>> {
+    fn family<'a>(&self, pieces: &[u32], bodies: &'a Bodies) -> Option<Split<'a>> {
         let heir = |&slot: &u32| {
-            Some(Heir {
+            Some(Child {
                 id: bodies.id(slot),
                 origin: self.origin_of(bodies, slot),
                 hull: bodies.convex(slot)?.hull(),
                 code_box: bodies.kd_box[slot as usize]?,
             })
         };
-        Some(Family {
+        Some(Split {
             parent: self.id,
             rotation: self.rotation,
             code_box: self.code_box?,
@@ -60,7 +60,7 @@ impl Line {
 }
 
 /// Gives the multipliers of bodies that are gone to their pieces, by slot.
-pub(super) fn hand_down(
+pub(super) fn transfer_impulses(
     lines: &[(Line, SmallVec<[u32; 8]>)],
     bodies: &Bodies,
     cache: &mut ContactCache,
@@ -79,5 +79,5 @@ pub(super) fn hand_down(
         // A body that left since the last step has entries still; nobody will ask for them.
         found.map_or(Quat::IDENTITY, |at| bodies.rotation[slots[at].1 as usize])
     };
-    cache.inherit(&families, rotation_of);
+    cache.transfer(&families, rotation_of);
 }

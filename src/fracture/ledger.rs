@@ -8,12 +8,12 @@ use glam::{DMat3, DVec3, Quat, Vec3};
 /// Sums over one or several bodies.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
-pub struct Totals {
+pub struct Invariants {
     /// kg.
     pub mass: f64,
     /// Linear momentum, N s.
     pub momentum: DVec3,
-    /// Angular momentum about the parent's centre of mass as it moves, N m s.
+    /// Angular momentum about the parent's center of mass as it moves, N m s.
     pub angular_momentum: DVec3,
     /// Kinetic energy, J.
     pub kinetic_energy: f64,
@@ -23,15 +23,15 @@ pub struct Totals {
     angular_scale: f64,
 }
 
-impl Totals {
+impl Invariants {
     /// Adds the body in `slot`.
     pub(super) fn add_body(&mut self, bodies: &Bodies, slot: u32, reference: &Reference) {
         let properties = bodies.mass(slot);
         let frame = bodies.pose(slot).rotation * properties.principal_frame;
         let inertia = turned(DMat3::from_diagonal(properties.principal.as_dvec3()), frame);
-        let centre = bodies.centre_of_mass(slot);
+        let center = bodies.center_of_mass(slot);
         let velocity = bodies.velocity(slot);
-        self.add(&reference.of_rigid(properties.mass.into(), centre, inertia, velocity));
+        self.add(&reference.of_rigid(properties.mass.into(), center, inertia, velocity));
     }
 
     /// Sums of a piece that does not become a body, whose frame is about its centroid; nothing of what is no piece.
@@ -66,14 +66,14 @@ impl Totals {
     }
 }
 
-/// The parent's centre of mass, as it moves: what angular momentum is about.
+/// The parent's center of mass, as it moves: what angular momentum is about.
 ///
 /// Where bodies stand is rounded to `f32` as the world is. Seen from a world at rest, that much of a lever times the whole momentum
 /// would count as angular momentum, however slowly the body turns.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reference {
     /// World, m.
-    centre: DVec3,
+    center: DVec3,
     /// m/s.
     velocity: DVec3,
 }
@@ -81,23 +81,23 @@ pub(super) struct Reference {
 impl Reference {
     pub(super) fn of(bodies: &Bodies, parent: u32) -> Self {
         Self {
-            centre: bodies.centre_of_mass(parent).as_dvec3(),
+            center: bodies.center_of_mass(parent).as_dvec3(),
             velocity: bodies.velocity(parent).0.as_dvec3(),
         }
     }
 
-    /// Sums of a rigid body: `centre` in the world (m), `inertia` about it, along world axes.
+    /// Sums of a rigid body: `center` in the world (m), `inertia` about it, along world axes.
     fn of_rigid(
         &self,
         mass: f64,
-        centre: Vec3,
+        center: Vec3,
         inertia: DMat3,
         (v, omega): (Vec3, Vec3),
-    ) -> Totals {
+    ) -> Invariants {
         let (v, omega) = (v.as_dvec3(), omega.as_dvec3());
-        let lever = centre.as_dvec3() - self.centre;
+        let lever = center.as_dvec3() - self.center;
         let (orbit, spin) = (lever.cross(mass * (v - self.velocity)), inertia * omega);
-        Totals {
+        Invariants {
             mass,
             momentum: mass * v,
             angular_momentum: orbit + spin,
@@ -113,17 +113,17 @@ impl Reference {
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Ledger {
     /// The parent.
-    pub before: Totals,
+    pub before: Invariants,
     /// The pieces that were spawned.
-    pub after: Totals,
+    pub after: Invariants,
     /// The pieces that were too small to be spawned, and the air between parts that came apart.
-    pub dropped: Totals,
+    pub dropped: Invariants,
     /// How many pieces were dropped.
     pub dropped_pieces: u32,
 }
 
 impl Ledger {
-    fn accounted(&self) -> Totals {
+    fn accounted(&self) -> Invariants {
         let mut sum = self.after;
         sum.add(&self.dropped);
         sum
@@ -157,7 +157,7 @@ impl Ledger {
         )
     }
 
-    /// Error of the angular momentum about the parent's centre as it moves, relative to the sum of the pieces' own in the world.
+    /// Error of the angular momentum about the parent's center as it moves, relative to the sum of the pieces' own in the world.
     ///
     /// No more than rounding of `f32` positions and velocities makes it. Near the origin that is below 1e-5 for a body that is not
     /// thinner than a hundredth of its length and for two generations of its pieces; of the third, splinters of some millimetres may
@@ -173,7 +173,7 @@ impl Ledger {
     /// `(after + dropped - before) / before` of the kinetic energy; positive if energy was gained.
     ///
     /// Pieces move as the parts of the body did, so that this is rounding, near the origin below 1e-5 as the error of the angular momentum
-    /// is. What it takes to break a body is taken by the solve, before ([`Blow::borne_energy`](crate::fracture::Blow::borne_energy)).
+    /// is. What it takes to break a body is taken by the solve, before ([`BreakingImpact::borne_energy`](crate::fracture::BreakingImpact::borne_energy)).
     pub fn energy_gain(&self) -> f64 {
         let gained = self.accounted().kinetic_energy - self.before.kinetic_energy;
         relative(gained, self.before.kinetic_energy)

@@ -5,7 +5,7 @@
 //! the island is solved anew with the pieces. So what hit it goes on with the rest of its momentum, and nothing bounces off
 //! a pane that is not there any more. Only a blow that comes anew breaks a body: a load that it stands may last for ever.
 //!
-//! A body is cut in its own frame; each piece becomes a body about its own centre of mass and moves as that part of the parent did:
+//! A body is cut in its own frame; each piece becomes a body about its own center of mass and moves as that part of the parent did:
 //! `v_i = v + omega x r_i`, `omega_i = omega`, which conserves momentum, angular momentum and energy exactly; the
 //! [`Ledger`] shows the rounding.
 
@@ -17,14 +17,14 @@ mod conservation;
 mod impact;
 mod inheritance;
 mod ledger;
-mod neighbours;
+mod neighbors;
 mod pieces;
 mod shared_area;
 
 pub use bonds::{Bond, BondError, Bonds, BrokenBond};
 pub use breaking::{break_overloaded, make_cuts, note_loads};
 pub use budget::FractureBudget;
-pub use ledger::{Ledger, Totals};
+pub use ledger::{Invariants, Ledger};
 
 use crate::bodies::body::BodyError;
 use crate::bodies::store::Bodies;
@@ -32,11 +32,11 @@ use crate::contact::body_id::BodyId;
 use crate::math::Plane;
 use crate::slice::SliceError;
 use bevy_ecs::resource::Resource;
-use breaking::Workshop;
+use breaking::FractureState;
 use smallvec::SmallVec;
 
 /// Pieces that a body must make to be broken.
-const LEAST_PIECES: usize = 2;
+const MIN_PIECES: usize = 2;
 
 /// Why a cut that was asked for was not made. The body is left as it was.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -113,18 +113,18 @@ pub struct Fracture {
     /// Before and after.
     pub ledger: Ledger,
     /// What broke it; `None` if it was cut, or had to wait for its turn to break.
-    pub blow: Option<Blow>,
+    pub blow: Option<BreakingImpact>,
 }
 
 /// What a body was hit with when it broke.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Blow {
+pub struct BreakingImpact {
     /// Sum of the normal impulses until then, N s.
     pub impulse: f32,
     /// Kinetic energy that they would have turned into something else, J.
     pub energy: f32,
     /// Share of the impulses that acted on the body, and on what hit it, before it broke. The rest was for the pieces.
-    pub borne: f32,
+    pub withstood: f32,
 }
 
 /// Cuts asked for, and what broke in the last step.
@@ -139,17 +139,17 @@ pub struct Fractures {
     pub refused: Vec<(CutRequest, CutError)>,
     /// Pieces that were removed at the start of the last step because their time was over: slot and id.
     pub expired: Vec<(u32, BodyId)>,
-    workshop: Workshop,
+    state: FractureState,
 }
 
 impl Fractures {
     /// Number of bodies that were hit with more than they bear and wait for a budget to break.
     pub fn waiting(&self) -> usize {
-        self.workshop.waiting()
+        self.state.waiting()
     }
 
     /// Whether blows may break anything more in this step.
     pub(crate) fn can_afford(&self, budget: &FractureBudget) -> bool {
-        self.workshop.left(budget) >= LEAST_PIECES
+        self.state.left(budget) >= MIN_PIECES
     }
 }

@@ -4,7 +4,7 @@ use crate::bodies::body::{BodyDesc, RigidBody, Shape};
 use crate::bodies::store::Bodies;
 use crate::fracture::budget::FractureBudget;
 use crate::fracture::conservation::{keep_mass, keep_momentum};
-use crate::fracture::ledger::{Ledger, Reference, Totals};
+use crate::fracture::ledger::{Invariants, Ledger, Reference};
 use crate::fracture::{CutError, Fracture};
 use crate::geometry::{ConvexHull, ConvexMesh, TriMesh};
 use crate::mass::VolumeIntegrals;
@@ -16,7 +16,7 @@ use smallvec::SmallVec;
 
 /// How one body is to be divided.
 #[derive(Clone, Debug)]
-pub(super) struct Plan {
+pub(super) struct BreakPlan {
     pub(super) slot: u32,
     /// What a blow makes of it.
     pub(super) blow: Option<Cutting>,
@@ -28,7 +28,7 @@ pub(super) struct Plan {
 
 /// The pieces of one body, in its frame.
 #[derive(Clone, Debug)]
-pub(super) struct Division {
+pub(super) struct PieceSet {
     pieces: Vec<Piece>,
     /// What the cuts left, if parts of it came apart.
     halves: Vec<ConvexHull>,
@@ -36,10 +36,10 @@ pub(super) struct Division {
     planes: SmallVec<[Plane; 8]>,
 }
 
-impl Division {
+impl PieceSet {
     pub(super) fn new(
         bodies: &Bodies,
-        plan: &Plan,
+        plan: &BreakPlan,
         cutter: &mut PieceCutter,
     ) -> Result<Self, CutError> {
         let mesh = bodies.convex(plan.slot).ok_or(CutError::NotDynamic)?;
@@ -88,11 +88,11 @@ impl Division {
 fn pieces_of(
     mesh: &ConvexMesh,
     fracturable: Option<&Fracturable>,
-    plan: &Plan,
+    plan: &BreakPlan,
     cutter: &mut PieceCutter,
 ) -> Result<Vec<Piece>, SliceError> {
     let options = SliceOptions {
-        cap_colour: fracturable.and_then(|f| f.cut_colour),
+        cap_color: fracturable.and_then(|f| f.cut_color),
         cap_material: fracturable.and_then(|f| f.cut_material),
         ..SliceOptions::default()
     };
@@ -107,7 +107,7 @@ fn pieces_of(
 pub(super) fn replace(
     bodies: &mut Bodies,
     slot: u32,
-    division: Division,
+    division: PieceSet,
     budget: &FractureBudget,
 ) -> Result<Fracture, CutError> {
     let reference = Reference::of(bodies, slot);
@@ -152,8 +152,8 @@ fn insert(
     reference: &Reference,
 ) -> SmallVec<[u32; 8]> {
     let fracturable = bodies.fracturable(parent).cloned();
-    let least_volume = fracturable.as_ref().map_or(0.0, |f| f.least_volume);
-    let least_volume = f64::from(least_volume.max(budget.least_volume));
+    let min_volume = fracturable.as_ref().map_or(0.0, |f| f.min_volume);
+    let min_volume = f64::from(min_volume.max(budget.min_volume));
     let mut kept = SmallVec::new();
     for mut desc in pieces {
         let inherited = fracturable.as_ref().and_then(|f| f.for_piece(kept.len()));
@@ -161,10 +161,10 @@ fn insert(
             generations: f.generations.min(budget.generations.saturating_sub(1)),
             ..f
         });
-        let dropped = Totals::of_piece(&desc, reference);
+        let dropped = Invariants::of_piece(&desc, reference);
         // A piece whose mass or inertia no f32 can hold is as good as too small.
         let is_large_enough =
-            (desc.shape.convex()).is_some_and(|mesh| mesh.hull().volume() > least_volume);
+            (desc.shape.convex()).is_some_and(|mesh| mesh.hull().volume() > min_volume);
         match is_large_enough.then(|| bodies.insert_with_mass(desc)) {
             Some(Ok(slot)) => {
                 ledger.after.add_body(bodies, slot, reference);
@@ -180,16 +180,20 @@ fn insert(
 }
 
 /// What the hulls of pieces held between the parts that came apart: air that had counted as material.
-fn lost_between_parts(pieces: &[BodyDesc], halves: &[BodyDesc], reference: &Reference) -> Totals {
-    let mut lost = Totals::default();
+fn lost_between_parts(
+    pieces: &[BodyDesc],
+    halves: &[BodyDesc],
+    reference: &Reference,
+) -> Invariants {
+    let mut lost = Invariants::default();
     if halves.is_empty() {
         return lost;
     }
     for half in halves {
-        lost.add(&Totals::of_piece(half, reference));
+        lost.add(&Invariants::of_piece(half, reference));
     }
     for piece in pieces {
-        lost.take(&Totals::of_piece(piece, reference));
+        lost.take(&Invariants::of_piece(piece, reference));
     }
     lost
 }
@@ -200,13 +204,13 @@ fn piece_desc(bodies: &Bodies, parent: u32, hull: ConvexHull, visual: Option<Tri
     let rotation = bodies.pose(parent).rotation;
     let centroid = VolumeIntegrals::of_hull(&hull).centroid.as_vec3();
     let (v, omega) = bodies.velocity(parent);
-    let lever: Vec3 = rotate(rotation, centroid - bodies.mass(parent).centre);
+    let lever: Vec3 = rotate(rotation, centroid - bodies.mass(parent).center);
     let shift = Pose::new(-centroid, Quat::IDENTITY);
     let visual = visual.map(|mesh| mesh.transformed(&shift));
     BodyDesc {
         kind: RigidBody::Dynamic,
         shape: Shape::Convex(ConvexMesh::from_parts(hull.translated(-centroid), visual)),
-        pose: Pose::new(bodies.centre_of_mass(parent) + lever, rotation),
+        pose: Pose::new(bodies.center_of_mass(parent) + lever, rotation),
         linear_velocity: v + omega.cross(lever),
         angular_velocity: omega,
         density: info.density,

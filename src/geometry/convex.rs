@@ -488,10 +488,10 @@ pub(crate) fn newell_plane(vertices: &[Vec3], corners: &[u32]) -> Option<Plane> 
         return None;
     }
     let normal = area / length;
-    let centre = origin + sum / corners.len() as f64;
+    let center = origin + sum / corners.len() as f64;
     let rounded = normal.as_vec3();
     // The offset belongs to the rounded normal, or a body far from its origin would see the plane displaced.
-    let offset = rounded.as_dvec3().dot(centre) as f32;
+    let offset = rounded.as_dvec3().dot(center) as f32;
     Some(Plane {
         normal: rounded,
         offset,

@@ -13,10 +13,10 @@ use std::sync::Arc;
 /// Shared and immutable, so cloning costs one reference count. Coordinates are metres in the entity's frame.
 #[derive(Clone, Debug, Component)]
 #[component(summary_tick)]
-pub struct ConvexMesh(Arc<Parts>);
+pub struct ConvexMesh(Arc<MeshParts>);
 
 #[derive(Debug)]
-struct Parts {
+struct MeshParts {
     hull: ConvexHull,
     visual: Option<TriMesh>,
 }
@@ -26,7 +26,7 @@ impl ConvexMesh {
     ///
     /// That the mesh is closed and lies inside the hull is for the caller to see to; [`from_mesh`](Self::from_mesh) does.
     pub fn from_parts(hull: ConvexHull, visual: Option<TriMesh>) -> Self {
-        Self(Arc::new(Parts { hull, visual }))
+        Self(Arc::new(MeshParts { hull, visual }))
     }
 
     /// The shape of a hull, which is also what is drawn.

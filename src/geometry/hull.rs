@@ -144,7 +144,7 @@ fn farthest(points: &[DVec3], measure: impl Fn(DVec3) -> f64) -> usize {
 struct Facet {
     corners: [u32; 3],
     /// The facet across the edge from `corners[k]` to `corners[k + 1]`.
-    neighbours: [u32; 3],
+    neighbors: [u32; 3],
     /// Points that see this facet; each point outside the hull is in one such list.
     outside: Vec<u32>,
     alive: bool,
@@ -179,23 +179,23 @@ impl<'a> Quickhull<'a> {
             visible: Vec::new(),
             horizon: Vec::new(),
         };
-        for (corners, neighbours) in [
+        for (corners, neighbors) in [
             ([a, b, c], [1, 2, 3]),
             ([b, a, d], [0, 3, 2]),
             ([c, b, d], [0, 1, 3]),
             ([a, c, d], [0, 2, 1]),
         ] {
-            quickhull.push(corners, neighbours);
+            quickhull.push(corners, neighbors);
         }
         let all: Vec<u32> = (0..points.len() as u32).collect();
         quickhull.distribute(&all, 0);
         quickhull
     }
 
-    fn push(&mut self, corners: [u32; 3], neighbours: [u32; 3]) {
+    fn push(&mut self, corners: [u32; 3], neighbors: [u32; 3]) {
         self.facets.push(Facet {
             corners,
-            neighbours,
+            neighbors,
             outside: Vec::new(),
             alive: true,
         });
@@ -272,7 +272,7 @@ impl<'a> Quickhull<'a> {
             let seen = self.visible[next] as usize;
             next += 1;
             for edge in 0..3 {
-                let across = self.facets[seen].neighbours[edge];
+                let across = self.facets[seen].neighbors[edge];
                 if !self.facets[across as usize].alive {
                     continue;
                 }
@@ -304,13 +304,13 @@ impl<'a> Quickhull<'a> {
             self.push([from, to, apex], [hidden, after, NONE]);
             let other = &mut self.facets[hidden as usize];
             let edge = other.corners.iter().position(|&corner| corner == to);
-            debug_assert!(edge.is_some(), "neighbours share an edge");
-            other.neighbours[edge.unwrap_or(0)] = this;
+            debug_assert!(edge.is_some(), "neighbors share an edge");
+            other.neighbors[edge.unwrap_or(0)] = this;
         }
         // The facet before this one in the fan lies across the edge from the apex to `from`.
         for k in 0..self.horizon.len() as u32 {
-            let after = self.facets[(first + k) as usize].neighbours[1];
-            self.facets[after as usize].neighbours[2] = first + k;
+            let after = self.facets[(first + k) as usize].neighbors[1];
+            self.facets[after as usize].neighbors[2] = first + k;
         }
     }
 }
@@ -346,7 +346,7 @@ fn merge_coplanar(
     triangles: &[[u32; 3]],
     tolerance: f64,
 ) -> Option<Vec<PolygonFace>> {
-    let neighbours = triangle_neighbours(triangles);
+    let neighbors = triangle_neighbors(triangles);
     let area_vector = |triangle: usize| {
         let [a, b, c] = triangles[triangle].map(|corner| points[corner as usize]);
         (b - a).cross(c - a)
@@ -372,7 +372,7 @@ fn merge_coplanar(
         let mut members = vec![seed];
         let mut next = 0;
         while next < members.len() {
-            for across in neighbours[members[next]] {
+            for across in neighbors[members[next]] {
                 let joins = region_of[across] == NONE && triangles[across].into_iter().all(near);
                 if joins {
                     region_of[across] = region;
@@ -382,7 +382,7 @@ fn merge_coplanar(
             next += 1;
         }
         faces.push(PolygonFace {
-            corners: boundary_loop(triangles, &neighbours, &region_of, &members)?,
+            corners: boundary_loop(triangles, &neighbors, &region_of, &members)?,
             plane: triangle_plane(points, triangles[seed]),
         });
     }
@@ -391,7 +391,7 @@ fn merge_coplanar(
 }
 
 /// For each triangle the one across the edge from its corner `k` to its corner `k + 1`.
-fn triangle_neighbours(triangles: &[[u32; 3]]) -> Vec<[usize; 3]> {
+fn triangle_neighbors(triangles: &[[u32; 3]]) -> Vec<[usize; 3]> {
     let mut edges: Vec<([u32; 2], usize, usize)> = Vec::with_capacity(3 * triangles.len());
     for (triangle, corners) in triangles.iter().enumerate() {
         for k in 0..3 {
@@ -400,26 +400,26 @@ fn triangle_neighbours(triangles: &[[u32; 3]]) -> Vec<[usize; 3]> {
         }
     }
     edges.sort_unstable();
-    let mut neighbours = vec![[usize::MAX; 3]; triangles.len()];
+    let mut neighbors = vec![[usize::MAX; 3]; triangles.len()];
     for pair in edges.chunks_exact(2) {
         let [(_, a, edge_of_a), (_, b, edge_of_b)] = [pair[0], pair[1]];
-        neighbours[a][edge_of_a] = b;
-        neighbours[b][edge_of_b] = a;
+        neighbors[a][edge_of_a] = b;
+        neighbors[b][edge_of_b] = a;
     }
-    neighbours
+    neighbors
 }
 
 /// The loop around a region of triangles, or `None` if it is not one simple loop. Starts at its smallest index.
 fn boundary_loop(
     triangles: &[[u32; 3]],
-    neighbours: &[[usize; 3]],
+    neighbors: &[[usize; 3]],
     region_of: &[u32],
     members: &[usize],
 ) -> Option<Vec<u32>> {
     let mut edges: Vec<[u32; 2]> = Vec::new();
     for &triangle in members {
         for k in 0..3 {
-            if region_of[neighbours[triangle][k]] != region_of[triangle] {
+            if region_of[neighbors[triangle][k]] != region_of[triangle] {
                 edges.push([triangles[triangle][k], triangles[triangle][(k + 1) % 3]]);
             }
         }

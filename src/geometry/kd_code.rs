@@ -102,7 +102,7 @@ impl KdBox {
     }
 
     /// Midpoint of the leaf that `code` names, m, frame of the box.
-    pub fn decode_centre(&self, code: KdCode) -> Vec3 {
+    pub fn decode_center(&self, code: KdCode) -> Vec3 {
         self.min + (code.cell().as_vec3() + 0.5) * self.cell_size()
     }
 
@@ -188,7 +188,7 @@ mod tests {
                 cell.fattened(rounding).contains(&Aabb::of_points([point])),
                 "{point} {cell:?}"
             );
-            assert_eq!(b.encode(cell.centre()), b.encode(point));
+            assert_eq!(b.encode(cell.center()), b.encode(point));
         }
     }
 
@@ -208,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn neighbours_share_a_face() {
+    fn neighbors_share_a_face() {
         let b = a_box();
         for p in points().take(500) {
             let cell = b.encode(b.min + p * b.extents).cell();

@@ -15,7 +15,7 @@ use glam::{DVec3, Vec2, Vec3, Vec4};
 pub struct TriMesh {
     pub(crate) positions: Vec<Vec3>,
     pub(crate) normals: Vec<Vec3>,
-    pub(crate) colours: Vec<Vec4>,
+    pub(crate) colors: Vec<Vec4>,
     pub(crate) uvs: Vec<Vec2>,
     pub(crate) triangles: Vec<[u32; 3]>,
     pub(crate) materials: Vec<u16>,
@@ -147,14 +147,14 @@ impl TriMesh {
         Ok(self)
     }
 
-    /// The mesh with a linear RGBA colour for each vertex.
+    /// The mesh with a linear RGBA color for each vertex.
     ///
     /// # Errors
     /// [`MeshError::AttributeLength`] or [`MeshError::NotFinite`].
-    pub fn with_colours(mut self, colours: Vec<Vec4>) -> Result<Self, MeshError> {
-        self.check_length("colours", colours.len())?;
-        check_finite(&colours, |c| c.is_finite())?;
-        self.colours = colours;
+    pub fn with_colors(mut self, colors: Vec<Vec4>) -> Result<Self, MeshError> {
+        self.check_length("colors", colors.len())?;
+        check_finite(&colors, |c| c.is_finite())?;
+        self.colors = colors;
         Ok(self)
     }
 
@@ -205,9 +205,9 @@ impl TriMesh {
         &self.normals
     }
 
-    /// Linear RGBA colours, one per vertex, or empty.
-    pub fn colours(&self) -> &[Vec4] {
-        &self.colours
+    /// Linear RGBA colors, one per vertex, or empty.
+    pub fn colors(&self) -> &[Vec4] {
+        &self.colors
     }
 
     /// Texture coordinates, one per vertex, or empty.

@@ -91,7 +91,7 @@ impl Neg for Moments {
 const LANES: usize = 4;
 
 /// One number of each triangle.
-type Lanes = [f64; LANES];
+type F64x4 = [f64; LANES];
 
 /// Polygons as triangles, whose moments are to be summed up.
 #[derive(Clone, Debug, Default)]
@@ -176,7 +176,7 @@ impl Fans {
     ) -> Moments {
         let (fours, rest) = triangles.as_chunks();
         self.add_all(rest);
-        let summing = Summing {
+        let summing = FanSum {
             vertices,
             apex: apex.to_array(),
             lists: [fours, self.fours()],
@@ -204,18 +204,18 @@ impl Fans {
 
 /// Sums up moments over triangles of a list of vertices, four at a time: there is no order between the four, so that the
 /// compiler makes vector instructions of them.
-struct Summing<'a> {
+struct FanSum<'a> {
     vertices: &'a [Vec3],
     apex: [f64; 3],
     lists: [&'a [[[u32; 3]; LANES]]; 2],
 }
 
-impl Loop for Summing<'_> {
+impl Loop for FanSum<'_> {
     /// Six volumes, first moments, diagonal and products, as [`Moments`] has them, in each lane.
-    type Output = [Lanes; 10];
+    type Output = [F64x4; 10];
 
     #[inline(always)]
-    fn run(self) -> [Lanes; 10] {
+    fn run(self) -> [F64x4; 10] {
         let mut sums = [[0.0; LANES]; 10];
         for fours in self.lists {
             let triangles = TrianglesOf::new(self.vertices, fours);
@@ -232,7 +232,7 @@ impl Loop for Summing<'_> {
 
 /// Four points, one axis after the other, seen from the apex.
 #[inline(always)]
-fn seen_from(apex: [f64; 3], points: [[f32; LANES]; 3]) -> [Lanes; 3] {
+fn seen_from(apex: [f64; 3], points: [[f32; LANES]; 3]) -> [F64x4; 3] {
     let mut seen = [[0.0; LANES]; 3];
     for l in 0..LANES {
         seen[0][l] = f64::from(points[0][l]) - apex[0];
@@ -248,10 +248,10 @@ fn seen_from(apex: [f64; 3], points: [[f32; LANES]; 3]) -> [Lanes; 3] {
 /// `s s^T + a a^T + b b^T + c c^T = p p^T + q q^T + r r^T`.
 #[inline(always)]
 fn add_four(
-    sums: &mut [Lanes; 10],
-    [ax, ay, az]: [Lanes; 3],
-    [bx, by, bz]: [Lanes; 3],
-    [cx, cy, cz]: [Lanes; 3],
+    sums: &mut [F64x4; 10],
+    [ax, ay, az]: [F64x4; 3],
+    [bx, by, bz]: [F64x4; 3],
+    [cx, cy, cz]: [F64x4; 3],
 ) {
     for i in 0..LANES {
         let [ax, ay, az] = [ax[i], ay[i], az[i]];
@@ -291,7 +291,7 @@ pub(crate) struct SolidMoments {
 /// A part that is a share `q` of a body of length `l` is at least `q l` thick, so its smallest second moment is at least
 /// about `q^3 / 12` of the body's, 3e-7: with `u = 1.1e-16` and some tens of roundings it is right to 1e-8, and the
 /// moments of inertia, which have the larger ones in them, to `q^2 / 12`, 2e-4: to 1e-11.
-const LEAST_SHARE: f64 = 1.0 / 64.0;
+const MIN_SHARE: f64 = 1.0 / 64.0;
 
 impl SolidMoments {
     /// Sums over the whole surface, about the first vertex, which keeps rounding small far from the frame's origin.
@@ -315,7 +315,7 @@ impl SolidMoments {
 
     /// The same with other sums about the same apex; nothing if those would be too inexact.
     pub(crate) fn with_sums(&self, sums: Moments) -> Option<Self> {
-        let is_exact = sums.six_volumes >= LEAST_SHARE * self.root;
+        let is_exact = sums.six_volumes >= MIN_SHARE * self.root;
         is_exact.then_some(Self { sums, ..*self })
     }
 

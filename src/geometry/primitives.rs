@@ -1,6 +1,6 @@
 //! Cuboid, regular prism, icosphere, wedge.
 //!
-//! All are centred on the origin of their bounding box and are built as the hull of their corners, which are computed in
+//! All are centerd on the origin of their bounding box and are built as the hull of their corners, which are computed in
 //! `f64` from `+ - * /` and `sqrt` alone, so that they have the same bits on every platform.
 
 use crate::geometry::convex::{ConvexHull, HullError};
@@ -70,13 +70,13 @@ pub fn icosphere(radius: f32, subdivisions: u32) -> Result<ConvexHull, HullError
     check_length("radius", radius)?;
     // The edges of an icosahedron with golden-ratio corners have length 2, all other distances are longer than 3.2.
     let corners = icosahedron_corners();
-    let neighbours = |a: usize, b: usize| corners[a].distance_squared(corners[b]) < 5.0;
+    let neighbors = |a: usize, b: usize| corners[a].distance_squared(corners[b]) < 5.0;
     let mut directions: Vec<DVec3> = corners.to_vec();
-    // Neighbouring triangles both add the midpoint of their edge, bit by bit the same but for the order of a sum, which
+    // Neighboring triangles both add the midpoint of their edge, bit by bit the same but for the order of a sum, which
     // does not matter; the hull drops repeated points.
     for a in 0..12 {
-        for b in (0..a).filter(|&b| neighbours(a, b)) {
-            for c in (0..b).filter(|&c| neighbours(a, c) && neighbours(b, c)) {
+        for b in (0..a).filter(|&b| neighbors(a, b)) {
+            for c in (0..b).filter(|&c| neighbors(a, c) && neighbors(b, c)) {
                 split(
                     [corners[a], corners[b], corners[c]],
                     subdivisions,

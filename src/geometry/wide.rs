@@ -163,7 +163,7 @@ const GROUP: usize = 8;
 /// Exchanges numbers for those that a table has for them. The table has every number.
 pub(crate) fn renumber(wide: Option<Avx2>, numbers: &mut [u32], table: &[u32]) {
     #[cfg(target_arch = "x86_64")]
-    if let (Some(_), Some(table)) = (wide, x86::Table::new(table)) {
+    if let (Some(_), Some(table)) = (wide, x86::GatherTable::new(table)) {
         // SAFETY: there is a proof that the processor has AVX2.
         return unsafe { x86::renumber(numbers, table) };
     }
@@ -181,14 +181,14 @@ pub(crate) fn renumber(wide: Option<Avx2>, numbers: &mut [u32], table: &[u32]) {
 
 /// New numbers of vertices and of faces.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct EdgeTable<'t> {
+pub(crate) struct EdgeRenumbering<'t> {
     /// Those of the vertices, and from `first_face` on those of the faces.
     pub(crate) numbers: &'t [u32],
     /// Where the faces begin.
     pub(crate) first_face: usize,
 }
 
-impl<'t> EdgeTable<'t> {
+impl<'t> EdgeRenumbering<'t> {
     /// New numbers of the vertices, and those of the faces.
     #[inline]
     pub(crate) fn split(&self) -> (&'t [u32], &'t [u32]) {
@@ -211,11 +211,11 @@ pub(crate) fn select_edges(
     wide: Option<Avx2>,
     edges: &[Edge],
     indices: &[u32],
-    table: EdgeTable<'_>,
+    table: EdgeRenumbering<'_>,
     out: &mut [Edge],
 ) {
     #[cfg(target_arch = "x86_64")]
-    if let (Some(_), Some(numbers)) = (wide, x86::Table::new(table.numbers)) {
+    if let (Some(_), Some(numbers)) = (wide, x86::GatherTable::new(table.numbers)) {
         // SAFETY: there is a proof that the processor has AVX2.
         return unsafe { x86::select_edges(edges, indices, table, numbers, out) };
     }
@@ -255,7 +255,7 @@ pub(crate) fn find_ends(wide: Option<Avx2>, edges: &[Edge], sides: &[u8], bits: 
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
-    use super::{Edge, EdgeTable, GROUP, Loop};
+    use super::{Edge, EdgeRenumbering, GROUP, Loop};
     use std::arch::x86_64::*;
 
     /// All that is inlined into this function may use AVX2.
@@ -266,13 +266,13 @@ mod x86 {
 
     /// A list that eight numbers at a time are looked up in.
     #[derive(Clone, Copy)]
-    pub(super) struct Table<'t> {
+    pub(super) struct GatherTable<'t> {
         numbers: &'t [u32],
         /// The last place in the list.
         last: i32,
     }
 
-    impl<'t> Table<'t> {
+    impl<'t> GatherTable<'t> {
         /// Nothing if the list has no last place that is a signed number of 32 bits, as the places of a gather are.
         #[inline]
         pub(super) fn new(numbers: &'t [u32]) -> Option<Self> {
@@ -291,7 +291,7 @@ mod x86 {
     }
 
     #[target_feature(enable = "avx2")]
-    pub(super) fn renumber(numbers: &mut [u32], table: Table<'_>) {
+    pub(super) fn renumber(numbers: &mut [u32], table: GatherTable<'_>) {
         let (groups, rest) = numbers.as_chunks_mut::<GROUP>();
         for group in groups {
             // SAFETY: eight `u32` are 32 bytes, which need no alignment here.
@@ -309,8 +309,8 @@ mod x86 {
     pub(super) fn select_edges(
         edges: &[Edge],
         indices: &[u32],
-        table: EdgeTable<'_>,
-        numbers: Table<'_>,
+        table: EdgeRenumbering<'_>,
+        numbers: GatherTable<'_>,
         out: &mut [Edge],
     ) {
         let face = table.first_face as i32;
@@ -443,7 +443,7 @@ mod tests {
             let expected: Vec<u32> = numbers.iter().map(|&n| table[n as usize]).collect();
             let first_face = 1 + below(count) as usize;
             let table_of_edges: Vec<u32> = table.iter().copied().chain([7]).collect();
-            let of_edges = EdgeTable {
+            let of_edges = EdgeRenumbering {
                 numbers: &table_of_edges,
                 first_face,
             };

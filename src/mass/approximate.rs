@@ -6,25 +6,25 @@
 use crate::mass::particle_inertia;
 use glam::{DMat3, DVec3};
 
-/// Centre of mass taken as the mean of the vertices (m): exact only if the vertices are spread evenly about the centre.
+/// Center of mass taken as the mean of the vertices (m): exact only if the vertices are spread evenly about the center.
 ///
 /// The mean of no vertices is NaN.
 pub fn mean_of_vertices<P: Copy + Into<DVec3>>(vertices: &[P]) -> DVec3 {
     vertices.iter().map(|&v| v.into()).sum::<DVec3>() / vertices.len() as f64
 }
 
-/// Inertia tensor about `centre` (m), kg m2, of `mass` (kg) shared equally by particles at the vertices.
+/// Inertia tensor about `center` (m), kg m2, of `mass` (kg) shared equally by particles at the vertices.
 ///
 /// Always too large for a convex body, since all its mass is moved outwards: a cube gets three times its inertia.
 pub fn vertices_as_particles<P: Copy + Into<DVec3>>(
     vertices: &[P],
     mass: f64,
-    centre: DVec3,
+    center: DVec3,
 ) -> DMat3 {
     let share = mass / vertices.len() as f64;
     let tensors = vertices
         .iter()
-        .map(|&v| particle_inertia(share, v.into() - centre));
+        .map(|&v| particle_inertia(share, v.into() - center));
     tensors.fold(DMat3::ZERO, |sum, tensor| sum + tensor)
 }
 

@@ -34,7 +34,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 #[derive(Default)]
 pub(super) struct Runner {
     /// What [`Watch`] has found.
-    are_alone: Arc<AtomicBool>,
+    is_exclusive: Arc<AtomicBool>,
     /// Made for the world that it first runs in.
     at_once: Option<AtOnce>,
 }
@@ -45,7 +45,7 @@ impl Runner {
         let runner = Self::default();
         schedule.add_build_pass(Watch {
             phases: Contents::of(schedule.graph()),
-            are_alone: runner.are_alone.clone(),
+            is_exclusive: runner.is_exclusive.clone(),
         });
         schedule.set_executor(PhaseExecutor {
             one_by_one: SingleThreadedExecutor::new(),
@@ -56,7 +56,7 @@ impl Runner {
 
     fn another(&self) -> Self {
         Self {
-            are_alone: self.are_alone.clone(),
+            is_exclusive: self.is_exclusive.clone(),
             at_once: None,
         }
     }
@@ -75,7 +75,7 @@ impl Runner {
 
     /// Whether a step could be made.
     fn run(&mut self, world: &mut World, error_handler: ErrorHandler) -> bool {
-        if !self.are_alone.load(Ordering::Relaxed) {
+        if !self.is_exclusive.load(Ordering::Relaxed) {
             return false;
         }
         self.at_once.take_if(|known| !known.is_for(world));
@@ -114,7 +114,7 @@ impl Contents {
 #[derive(Debug)]
 struct Watch {
     phases: Contents,
-    are_alone: Arc<AtomicBool>,
+    is_exclusive: Arc<AtomicBool>,
 }
 
 impl ScheduleBuildPass for Watch {
@@ -137,8 +137,8 @@ impl ScheduleBuildPass for Watch {
         graph: &mut ScheduleGraph,
         _: FlattenedDependencies<'_>,
     ) -> Result<(), ScheduleBuildError> {
-        let are_alone = Contents::of(graph) == self.phases;
-        self.are_alone.store(are_alone, Ordering::Relaxed);
+        let is_exclusive = Contents::of(graph) == self.phases;
+        self.is_exclusive.store(is_exclusive, Ordering::Relaxed);
         Ok(())
     }
 }
@@ -259,7 +259,7 @@ fn run(system: &mut BoxedSystem, world: &mut World, error_handler: ErrorHandler)
 /// What entities hold, read and then written.
 type Entities = (
     gather::Readings<'static, 'static>,
-    Query<'static, 'static, scatter::Motion, Without<Sleeping>>,
+    Query<'static, 'static, scatter::WrittenMotion, Without<Sleeping>>,
 );
 
 /// What all phases work on, each resource fetched once.

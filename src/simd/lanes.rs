@@ -73,7 +73,7 @@ pub trait Lanes:
 
     /// The rows that the lanes refer to, as columns.
     #[inline(always)]
-    fn gather<R: Numbers>(rows: &[R], index: &[u32; WIDTH]) -> [Self; 8] {
+    fn gather<R: ReadRow>(rows: &[R], index: &[u32; WIDTH]) -> [Self; 8] {
         Self::transpose([
             read(rows, index[0]),
             read(rows, index[1]),
@@ -88,7 +88,12 @@ pub trait Lanes:
 
     /// Writes what [`gather`](Self::gather) reads, of the first `used` lanes. Those that share a row must hold the same numbers.
     #[inline(always)]
-    fn scatter<R: Row>(columns: [Self; 8], rows: &[Cell<R>], index: &[u32; WIDTH], used: usize) {
+    fn scatter<R: WriteRow>(
+        columns: [Self; 8],
+        rows: &[Cell<R>],
+        index: &[u32; WIDTH],
+        used: usize,
+    ) {
         let from = Self::transpose(columns);
         for lane in 0..WIDTH {
             if lane >= used {
@@ -102,37 +107,37 @@ pub trait Lanes:
 }
 
 #[inline(always)]
-fn read<R: Numbers, L: Lanes>(rows: &[R], index: u32) -> L {
+fn read<R: ReadRow, L: Lanes>(rows: &[R], index: u32) -> L {
     L::load(&F8(rows[index as usize].numbers()))
 }
 
 /// Eight numbers that lie in a row in memory.
-pub trait Numbers {
+pub trait ReadRow {
     /// The numbers.
     fn numbers(&self) -> [f32; 8];
 }
 
 /// Eight numbers that can be written too.
-pub trait Row: Numbers + Copy {
+pub trait WriteRow: ReadRow + Copy {
     /// A row of these numbers.
     fn of(numbers: [f32; 8]) -> Self;
 }
 
-impl<R: Row> Numbers for Cell<R> {
+impl<R: WriteRow> ReadRow for Cell<R> {
     #[inline(always)]
     fn numbers(&self) -> [f32; 8] {
         self.get().numbers()
     }
 }
 
-impl Numbers for F8 {
+impl ReadRow for F8 {
     #[inline(always)]
     fn numbers(&self) -> [f32; 8] {
         self.0
     }
 }
 
-impl Row for F8 {
+impl WriteRow for F8 {
     #[inline(always)]
     fn of(numbers: [f32; 8]) -> Self {
         Self(numbers)

@@ -9,7 +9,7 @@ pub(super) fn clear(mesh: &mut TriMesh) {
     let TriMesh {
         positions,
         normals,
-        colours,
+        colors,
         uvs,
         triangles,
         materials,
@@ -18,7 +18,7 @@ pub(super) fn clear(mesh: &mut TriMesh) {
     } = mesh;
     positions.clear();
     normals.clear();
-    colours.clear();
+    colors.clear();
     uvs.clear();
     triangles.clear();
     materials.clear();
@@ -50,10 +50,10 @@ pub(super) fn push_between(
             .normals
             .push((from + t * (to - from)).normalize_or(nearer));
     }
-    if !source.colours.is_empty() {
-        let (from, to) = (source.colours[a], source.colours[b]);
+    if !source.colors.is_empty() {
+        let (from, to) = (source.colors[a], source.colors[b]);
         target
-            .colours
+            .colors
             .push((from + t * (to - from)).clamp(from.min(to), from.max(to)));
     }
     if !source.uvs.is_empty() {
@@ -79,7 +79,7 @@ pub(super) fn mean_vertex<'a>(
     for (mesh, place) in vertices {
         mean.position += mesh.positions[place] * weight;
         add_mean(&mut mean.normal, &mesh.normals, place, weight);
-        add_mean(&mut mean.colour, &mesh.colours, place, weight);
+        add_mean(&mut mean.color, &mesh.colors, place, weight);
         add_mean(&mut mean.uv, &mesh.uvs, place, weight);
         mean.first_normal = mean.first_normal.or(mesh.normals.get(place).copied());
     }
@@ -103,7 +103,7 @@ pub(super) struct MeanVertex {
     normal: Option<Vec3>,
     /// Stands in for the mean of normals that cancel.
     first_normal: Option<Vec3>,
-    colour: Option<Vec4>,
+    color: Option<Vec4>,
     uv: Option<Vec2>,
 }
 
@@ -115,7 +115,7 @@ impl MeanVertex {
         let first = self.first_normal.unwrap_or_default();
         mesh.normals
             .extend(self.normal.map(|normal| normal.normalize_or(first)));
-        mesh.colours.extend(self.colour);
+        mesh.colors.extend(self.color);
         mesh.uvs.extend(self.uv);
     }
 }
@@ -157,13 +157,7 @@ pub(super) fn extend_chosen(
         &new.normals,
         counts,
     );
-    extend(
-        &mut mesh.colours,
-        &old.colours,
-        chosen,
-        &new.colours,
-        counts,
-    );
+    extend(&mut mesh.colors, &old.colors, chosen, &new.colors, counts);
     extend(&mut mesh.uvs, &old.uvs, chosen, &new.uvs, counts);
 }
 
@@ -176,13 +170,13 @@ pub(super) struct CapStyle {
     pub(super) normals: CapNormals,
     /// Directions of the texture coordinates in the plane.
     pub(super) tangents: [Vec3; 2],
-    /// Colour of the cap, or that of the rim.
-    pub(super) colour: Option<Vec4>,
+    /// Color of the cap, or that of the rim.
+    pub(super) color: Option<Vec4>,
 }
 
 /// Appends a cap vertex at the place of vertex `place` of `source`, with the attributes that `mesh` has.
 ///
-/// It has the cap's normal or the rim's, texture coordinates in metres along the plane's tangents, and the colour of the
+/// It has the cap's normal or the rim's, texture coordinates in metres along the plane's tangents, and the color of the
 /// rim unless the style has another one.
 pub(super) fn push_cap(
     mesh: &mut TriMesh,
@@ -200,8 +194,8 @@ pub(super) fn push_cap(
             CapNormals::Smooth => normal,
         });
     }
-    mesh.colours
-        .extend(style.colour.or(source.colours.get(place).copied()));
+    mesh.colors
+        .extend(style.color.or(source.colors.get(place).copied()));
     if !source.uvs.is_empty() {
         let [u, v] = style.tangents;
         mesh.uvs.push(Vec2::new(u.dot(position), v.dot(position)));

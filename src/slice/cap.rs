@@ -12,7 +12,7 @@ mod ears;
 use crate::geometry::TriMesh;
 use crate::math::{Plane, tangents};
 use crate::slice::border::Border;
-use crate::slice::cap::ears::Turn;
+use crate::slice::cap::ears::CornerTurn;
 use crate::slice::clip::Clip;
 use crate::slice::edge_table::EdgeTable;
 use glam::{DVec2, Vec3};
@@ -57,7 +57,7 @@ pub(super) struct CapFill {
     ring_corners: Vec<u32>,
     /// An outer ring with the holes joined to it.
     joined: Vec<u32>,
-    pub(super) polygon: Vec<Turn>,
+    pub(super) polygon: Vec<CornerTurn>,
     places: Vec<u32>,
 }
 
@@ -267,7 +267,7 @@ impl Filler<'_> {
     fn fill_ring(&mut self, ring: &[u32], orientation: f64) {
         if let [a, b, c] = *ring {
             if self.is_triangle_of_input([a, b, c]) {
-                self.fan_about_centre(ring);
+                self.fan_about_center(ring);
             } else {
                 self.cap.triangles.push([a, b, c]);
             }

@@ -9,7 +9,7 @@ use glam::{DVec3, Vec3};
 
 const NONE: u32 = u32::MAX;
 
-/// A plane that is not rounded to `f32`: the bisectors of three points meet in one line, and neighbours find the same
+/// A plane that is not rounded to `f32`: the bisectors of three points meet in one line, and neighbors find the same
 /// corners, only if they are not.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CutPlane {
@@ -102,7 +102,7 @@ impl Polyhedron {
 }
 
 /// The rim of a cut is not one simple loop.
-struct Irregular;
+struct IrregularCell;
 
 /// Clips cells out of hulls, one after the other, keeping its working memory.
 #[derive(Clone, Debug, Default)]
@@ -177,7 +177,7 @@ impl CellClipper {
                 std::mem::swap(&mut self.cell, &mut self.next);
                 Verdict::Cut
             }
-            Err(Irregular) => self.rebuild(),
+            Err(IrregularCell) => self.rebuild(),
         }
     }
 
@@ -240,7 +240,7 @@ impl CellClipper {
     }
 
     /// Adds the face on the plane: the loop of edges that lack a partner, reversed.
-    fn close(&mut self, plane: Plane) -> Result<(), Irregular> {
+    fn close(&mut self, plane: Plane) -> Result<(), IrregularCell> {
         self.after.clear();
         self.after.resize(self.next.vertices.len(), NONE);
         let (mut count, mut start) = (0, NONE);
@@ -259,20 +259,20 @@ impl CellClipper {
                     count += 1;
                     start = to;
                 } else {
-                    return Err(Irregular);
+                    return Err(IrregularCell);
                 }
             }
         }
         let mut at = start;
         for _ in 0..count {
             if at == NONE {
-                return Err(Irregular);
+                return Err(IrregularCell);
             }
             self.next.loops.push(at);
             at = self.after[at as usize];
         }
         if count < 3 || at != start {
-            return Err(Irregular);
+            return Err(IrregularCell);
         }
         self.next.end_face(plane);
         Ok(())

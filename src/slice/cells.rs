@@ -1,6 +1,6 @@
 //! A body divided into many convex pieces at once.
 //!
-//! A cell is clipped out of the body's hull plane by plane, keeping the inside only, in `f64`: neighbours that share a wall
+//! A cell is clipped out of the body's hull plane by plane, keeping the inside only, in `f64`: neighbors that share a wall
 //! find its corners from the same planes, and agree about them to rounding. For cells that are given by points (Voronoi
 //! cells) the walls are the bisectors with the other points, nearest first; a point more than twice as far away as the
 //! farthest corner of what is left cannot cut it any more.
@@ -335,5 +335,5 @@ fn is_missed(hull: &ConvexHull, plane: &Plane) -> bool {
     let reach = 0.5 * plane.normal.abs().dot(aabb.extents());
     // Twice: once for points on the plane, once for the rounding of the distance itself.
     let margin = 2.0 * plane_tolerance(length_scale(&aabb));
-    plane.distance(aabb.centre()).abs() > reach + margin
+    plane.distance(aabb.center()).abs() > reach + margin
 }

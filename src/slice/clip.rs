@@ -1,6 +1,6 @@
 //! Plane against triangles: which triangles go to which side, and the vertices where edges are cut.
 //!
-//! Every decision follows from one [`Side`] per position, so neighbours always agree: a cut edge gets one cut point for
+//! Every decision follows from one [`Side`] per position, so neighbors always agree: a cut edge gets one cut point for
 //! both its triangles (and one vertex per attribute seam at that point), and what is missing a partner on one side is
 //! missing it, reversed, on the other.
 //!
@@ -51,7 +51,7 @@ struct CutPoint {
 
 /// An edge between two vertices on the plane, as the first of its two triangles has it.
 #[derive(Clone, Copy, Debug)]
-struct OnEdge {
+struct EdgeOnPlane {
     ends: [u32; 2],
     is_below: bool,
 }
@@ -93,7 +93,7 @@ pub(super) struct Clip {
     cut_point_of: EdgeTable,
     /// Undirected edge of vertices -> cut vertex.
     cut_vertex_of: EdgeTable,
-    first_on_edges: Vec<OnEdge>,
+    first_on_edges: Vec<EdgeOnPlane>,
 }
 
 impl Clip {
@@ -217,13 +217,13 @@ impl Clip {
     fn pair_on_edges(&mut self, mesh: &TriMesh, [a, b, c]: [u32; 3], is_below: bool) {
         for ends in [[a, b], [b, c], [c, a]] {
             if ends.iter().all(|&v| self.sides[v as usize] == ON) {
-                self.pair_on_edge(mesh, OnEdge { ends, is_below });
+                self.pair_on_edge(mesh, EdgeOnPlane { ends, is_below });
             }
         }
     }
 
     /// The second of an edge's two triangles finds the first; if they are on different sides, the edge is rim.
-    fn pair_on_edge(&mut self, mesh: &TriMesh, edge: OnEdge) {
+    fn pair_on_edge(&mut self, mesh: &TriMesh, edge: EdgeOnPlane) {
         let [from, to] = edge.ends.map(|vertex| mesh.topology[vertex as usize]);
         let Some(first) = self.on_edges.get(from, to) else {
             let index = self.first_on_edges.len() as u32;

@@ -6,7 +6,7 @@
 use crate::geometry::TriMesh;
 use crate::slice::attributes;
 use crate::slice::edge_table::EdgeTable;
-use crate::slice::mesh_slicer::Numbers;
+use crate::slice::mesh_slicer::VertexNumbers;
 use glam::DVec3;
 
 /// The connected pieces of `mesh`, cavities with what they are in, attributes and material slots kept.
@@ -38,7 +38,7 @@ pub(super) fn label_count(labels: &[u32]) -> usize {
 
 /// The triangles of each label as a mesh, in the order of the labels.
 pub(super) fn meshes_of(mesh: &TriMesh, labels: &[u32]) -> Vec<TriMesh> {
-    let mut numbers = Numbers::default();
+    let mut numbers = VertexNumbers::default();
     (0..label_count(labels) as u32)
         .filter_map(|label| piece(mesh, labels, label, &mut numbers))
         .collect()
@@ -134,7 +134,12 @@ fn is_crossed(mesh: &TriMesh, corners: &[u32; 3], p: DVec3) -> bool {
 }
 
 /// The triangles with one label as a mesh.
-fn piece(mesh: &TriMesh, labels: &[u32], label: u32, numbers: &mut Numbers) -> Option<TriMesh> {
+fn piece(
+    mesh: &TriMesh,
+    labels: &[u32],
+    label: u32,
+    numbers: &mut VertexNumbers,
+) -> Option<TriMesh> {
     let mut part = TriMesh::default();
     numbers.reset(mesh.positions.len());
     let chosen = (0..).zip(labels).filter(|&(_, &l)| l == label);

@@ -28,9 +28,9 @@ use crate::geometry::wide::Avx2;
 use crate::math::Plane;
 use crate::slice::SliceError;
 use classes::Classes;
-use emit::Writer;
-use moments::Summing;
-use numbers::Numbers;
+use emit::HullWriter;
+use moments::HalfSum;
+use numbers::Renumbering;
 use rim::Rim;
 
 /// What a plane does to a hull.
@@ -99,7 +99,7 @@ pub fn slice_hull(hull: &ConvexHull, plane: Plane) -> Result<HullSlice, SliceErr
 pub struct HullSlicer {
     classes: Classes,
     rim: Rim,
-    numbers: Numbers,
+    numbers: Renumbering,
     fans: Fans,
     registers: Registers,
 }
@@ -127,7 +127,7 @@ impl Registers {
 
 /// The rim is not one simple loop, or a part is not a polyhedron.
 #[derive(Clone, Copy, Debug)]
-struct Irregular;
+struct IrregularCut;
 
 impl HullSlicer {
     /// As [`slice_hull`].
@@ -170,7 +170,9 @@ impl HullSlicer {
         }
         match self.divide(hull, &plane, halves) {
             Ok(()) => Ok(HullVerdict::Cut),
-            Err(Irregular) => rebuild::rebuild(hull, &self.classes.sides, &self.rim.points, halves),
+            Err(IrregularCut) => {
+                rebuild::rebuild(hull, &self.classes.sides, &self.rim.points, halves)
+            }
         }
     }
 
@@ -180,7 +182,7 @@ impl HullSlicer {
         hull: &ConvexHull,
         plane: &Plane,
         halves: &mut HullHalves,
-    ) -> Result<(), Irregular> {
+    ) -> Result<(), IrregularCut> {
         let Self {
             classes,
             rim,
@@ -197,7 +199,7 @@ impl HullSlicer {
         numbers.count(hull, classes, rim, wide)?;
         let parts = [&mut halves.below, &mut halves.above];
         for (part, out) in parts.into_iter().enumerate() {
-            let writer = Writer {
+            let writer = HullWriter {
                 hull,
                 classes,
                 rim,
@@ -208,7 +210,7 @@ impl HullSlicer {
             };
             writer.write(out)?;
         }
-        let summing = Summing {
+        let summing = HalfSum {
             hull,
             classes,
             numbers,

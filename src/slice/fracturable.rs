@@ -15,7 +15,7 @@ pub struct Fracturable {
     /// The body breaks when its contact impulses of one step, summed over all contacts, exceed this; N s.
     pub strength: f32,
     /// The energy that the impact must have besides; J. 0 leaves it to the strength alone.
-    pub least_energy: f32,
+    pub min_energy: f32,
     /// How it breaks.
     pub pattern: FracturePattern,
     /// Energy that it takes to make cracks, J per m2 of crack: the harder the impact, the more pieces, and none if it
@@ -25,15 +25,15 @@ pub struct Fracturable {
     /// elsewhere, so larger values look right.
     pub toughness: f32,
     /// Most pieces that one impact makes.
-    pub most_pieces: u16,
+    pub max_pieces: u16,
     /// Pieces smaller than this are not spawned, and the ledger says so; m3.
-    pub least_volume: f32,
+    pub min_volume: f32,
     /// How many times a piece may break again. At 0 the pieces are ordinary bodies.
     pub generations: u8,
     /// Start of the random numbers of the pattern; the same seed gives the same pieces.
     pub seed: u64,
-    /// Colour of the cut faces; `None` carries the surface's colours over the rim.
-    pub cut_colour: Option<Vec4>,
+    /// Color of the cut faces; `None` carries the surface's colors over the rim.
+    pub cut_color: Option<Vec4>,
     /// Material slot of the cut faces (see [`TriMesh::materials`](crate::geometry::TriMesh::materials)); `None` for no
     /// slots, or 0 if the mesh has some.
     pub cut_material: Option<u16>,
@@ -49,14 +49,14 @@ impl Default for Fracturable {
     fn default() -> Self {
         Self {
             strength: 100.0,
-            least_energy: 0.0,
+            min_energy: 0.0,
             pattern: FracturePattern::default(),
             toughness: 0.0,
-            most_pieces: 256,
-            least_volume: 1e-6,
+            max_pieces: 256,
+            min_volume: 1e-6,
             generations: 1,
             seed: 0,
-            cut_colour: None,
+            cut_color: None,
             cut_material: None,
             separate_parts: false,
         }
@@ -91,14 +91,14 @@ impl Fracturable {
         if is_negative(self.strength) {
             return Err(FracturableError::Strength(self.strength));
         }
-        if is_negative(self.least_energy) {
-            return Err(FracturableError::LeastEnergy(self.least_energy));
+        if is_negative(self.min_energy) {
+            return Err(FracturableError::LeastEnergy(self.min_energy));
         }
         if is_negative(self.toughness) {
             return Err(FracturableError::Toughness(self.toughness));
         }
-        if !(self.least_volume.is_finite() && self.least_volume >= 0.0) {
-            return Err(FracturableError::LeastVolume(self.least_volume));
+        if !(self.min_volume.is_finite() && self.min_volume >= 0.0) {
+            return Err(FracturableError::LeastVolume(self.min_volume));
         }
         Ok(())
     }
@@ -117,22 +117,22 @@ impl Fracturable {
     }
 
     /// As this, but with a number of pieces that follows the energy of the impact, at `toughness` (J per m2 of crack), up
-    /// to `most_pieces`.
-    pub fn with_toughness(self, toughness: f32, most_pieces: u16) -> Self {
+    /// to `max_pieces`.
+    pub fn with_toughness(self, toughness: f32, max_pieces: u16) -> Self {
         Self {
             toughness,
-            most_pieces,
+            max_pieces,
             ..self
         }
     }
 
     /// How a body with this hull (body frame) breaks under `impact`, into at most `most` pieces; nothing if it bears it.
     pub fn cutting(&self, impact: &Impact, hull: &ConvexHull, most: u32) -> Option<Cutting> {
-        let is_enough = impact.impulse > self.strength && impact.energy >= self.least_energy;
+        let is_enough = impact.impulse > self.strength && impact.energy >= self.min_energy;
         if !is_enough {
             return None;
         }
-        let most = most.min(self.most_pieces.into());
+        let most = most.min(self.max_pieces.into());
         let affordable = if self.toughness > 0.0 {
             cells_for_energy(impact.energy.into(), self.toughness.into(), hull)
         } else {

@@ -21,7 +21,7 @@ pub struct MeshSlicer {
     clip: Clip,
     border: Border,
     cap: CapFill,
-    numbers: Numbers,
+    numbers: VertexNumbers,
 }
 
 impl MeshSlicer {
@@ -142,8 +142,8 @@ impl MeshSlicer {
         let new = &new.topology[..counts[0]];
         self.numbers
             .extend_topology(part, mesh, new, self.clip.topology_count as usize);
-        if options.cap_colour.is_some() && mesh.colours.is_empty() {
-            part.colours.resize(part.positions.len(), Vec4::ONE);
+        if options.cap_color.is_some() && mesh.colors.is_empty() {
+            part.colors.resize(part.positions.len(), Vec4::ONE);
         }
         let first = self.collect_cap_vertices(index, mesh, plane, options, part);
         let cap = self.cap.triangles.iter().map(|t| t.map(|c| first + c));
@@ -200,7 +200,7 @@ impl MeshSlicer {
             },
             normals: options.cap_normals,
             tangents: tangents(plane.normal),
-            colour: options.cap_colour,
+            color: options.cap_color,
         };
         let first = part.positions.len() as u32;
         for &vertex in &self.cap.corners {
@@ -234,7 +234,7 @@ impl MeshSlicer {
 /// What vertices and positions of a mesh are called in a part of it: numbers in the order in which they are first asked
 /// for.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Numbers {
+pub(super) struct VertexNumbers {
     /// By old vertex.
     table: Vec<u32>,
     /// The old vertices that have numbers, in order, and behind so many nothing of use.
@@ -243,7 +243,7 @@ pub(super) struct Numbers {
     positions: Positions,
 }
 
-impl Numbers {
+impl VertexNumbers {
     /// Forgets all numbers; there are `vertices` old ones.
     pub(super) fn reset(&mut self, vertices: usize) {
         self.table.clear();

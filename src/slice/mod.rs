@@ -91,9 +91,9 @@ pub struct Cap {
 /// Choices for [`slice_mesh`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SliceOptions {
-    /// Linear RGBA colour of the cap. Without one the cap takes the colours of its rim. If the mesh has no colours, the
+    /// Linear RGBA color of the cap. Without one the cap takes the colors of its rim. If the mesh has no colors, the
     /// old surface becomes white, which leaves a texture or material as it was.
-    pub cap_colour: Option<Vec4>,
+    pub cap_color: Option<Vec4>,
     /// Material slot of the cap's triangles. If the mesh has no slots, those of the old surface become 0. Without one,
     /// the cap of a mesh that has slots gets 0.
     pub cap_material: Option<u16>,

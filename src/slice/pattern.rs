@@ -9,14 +9,14 @@ use crate::math::{Aabb, Plane, tangents};
 use crate::slice::cutting::CellPlanes;
 use crate::slice::cutting::Cutting;
 use crate::slice::cutting::Planes;
-use crate::slice::random::{PointsInHull, centred, unit_interval, unit_vector};
+use crate::slice::random::{PointsInHull, centerd, unit_interval, unit_vector};
 use glam::{Vec2, Vec3};
 use rand_core::SeedableRng;
 use rand_pcg::Pcg32;
 use smallvec::smallvec;
 use std::sync::Arc;
 
-/// How far [`FracturePattern::RandomPlane`] goes from the impact towards the centre of the body's box, as a fraction.
+/// How far [`FracturePattern::RandomPlane`] goes from the impact towards the center of the body's box, as a fraction.
 ///
 /// A plane through a point inside the hull cuts it whatever the plane's direction; a plane through the impact itself,
 /// which is on the surface, may only graze it.
@@ -40,7 +40,7 @@ const SHIFT_JITTER: f32 = 0.4;
 
 /// Least distance between two sites of Voronoi cells, relative to the size of the body: nearer, and the cells would be
 /// grains that no collision is found for.
-const LEAST_SITE_DISTANCE: f32 = 1.0e-3;
+const MIN_SITE_DISTANCE: f32 = 1.0e-3;
 
 /// A blow to a body, in the body's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,7 +68,7 @@ pub enum FracturePattern {
     /// Source: "Constraint-Based Physics With Real-Time Object Slicing".
     #[default]
     SinglePlane,
-    /// One plane with a random direction, through the middle between the point of contact and the centre of the body's
+    /// One plane with a random direction, through the middle between the point of contact and the center of the body's
     /// box, so that it cuts the body.
     RandomPlane,
     /// Planes that contain the line of the blow, spaced evenly about it with a random jitter.
@@ -123,7 +123,7 @@ impl FracturePattern {
         if !impact.point.is_finite() || most < 2 {
             return None;
         }
-        let blow = Blow {
+        let blow = ImpactFrame {
             point: impact.point,
             direction,
             hull,
@@ -177,14 +177,14 @@ impl FracturePattern {
 }
 
 /// Where and how a body was hit.
-struct Blow<'a> {
+struct ImpactFrame<'a> {
     point: Vec3,
     /// Unit vector.
     direction: Vec3,
     hull: &'a ConvexHull,
 }
 
-impl Blow<'_> {
+impl ImpactFrame<'_> {
     /// The unit vector perpendicular to the blow that is nearest to the longest axis of the hull's box, or, if the blow
     /// runs along that axis, to the next longest.
     fn across(&self) -> Vec3 {
@@ -205,7 +205,7 @@ impl Blow<'_> {
 
     /// A plane of random direction through a point inside.
     fn random_plane(&self, random: &mut Pcg32) -> Planes {
-        let inside = self.point.lerp(self.hull.aabb().centre(), RANDOM_DEPTH);
+        let inside = self.point.lerp(self.hull.aabb().center(), RANDOM_DEPTH);
         Planes::from_iter([Plane::through(inside, unit_vector(random))])
     }
 
@@ -215,7 +215,7 @@ impl Blow<'_> {
         let v = self.direction.cross(u);
         (0..count)
             .map(|index| {
-                let jitter = STAR_JITTER * centred(random);
+                let jitter = STAR_JITTER * centerd(random);
                 let part = (f32::from(index) + jitter) / f32::from(count);
                 // Half a turn is all of it: a normal and its opposite belong to the same plane.
                 let turn = direction_at(0.5 * part) * 1.0_f32.copysign(part);
@@ -226,14 +226,14 @@ impl Blow<'_> {
 
     /// Sectors between rays from the line of the blow, each divided by the chords of the rings.
     ///
-    /// All rings have the same distances along all rays, so that the chords of neighbouring sectors meet. The distances
+    /// All rings have the same distances along all rays, so that the chords of neighboring sectors meet. The distances
     /// grow with the square of the ring's number.
     fn radial(&self, rays: u32, rings: u32, random: &mut Pcg32) -> Vec<CellPlanes> {
         let u = self.across();
         let v = self.direction.cross(u);
         let in_space = |flat: Vec2| flat.x * u + flat.y * v;
         let directions: Vec<Vec2> = (0..rays)
-            .map(|ray| direction_at((ray as f32 + RAY_JITTER * centred(random)) / rays as f32))
+            .map(|ray| direction_at((ray as f32 + RAY_JITTER * centerd(random)) / rays as f32))
             .collect();
         let reach = self.hull.vertices().iter().map(|&vertex| {
             let from_point = vertex - self.point;
@@ -242,7 +242,7 @@ impl Blow<'_> {
         let reach = reach.fold(0.0, f32::max);
         let radii: Vec<f32> = (1..=rings)
             .map(|ring| {
-                let part = (ring as f32 + SHIFT_JITTER * centred(random)) / (rings + 1) as f32;
+                let part = (ring as f32 + SHIFT_JITTER * centerd(random)) / (rings + 1) as f32;
                 reach * part * part
             })
             .collect();
@@ -274,7 +274,7 @@ impl Blow<'_> {
 
     /// Random points in the hull, moved towards the impact; points that come too near to another are left out.
     fn sites(&self, count: u32, focus: f32, random: &mut Pcg32) -> Vec<Vec3> {
-        let least = LEAST_SITE_DISTANCE * length_scale(&self.hull.aabb());
+        let least = MIN_SITE_DISTANCE * length_scale(&self.hull.aabb());
         let points = PointsInHull::new(self.hull);
         let target = self.point_in_hull();
         let mut sites: Vec<Vec3> = Vec::with_capacity(count as usize);
@@ -309,7 +309,7 @@ impl Blow<'_> {
         });
         let walls: Vec<Plane> = (1..count.max(1))
             .map(|wall| {
-                let part = (f32::from(wall) + SHIFT_JITTER * centred(random)) / f32::from(count);
+                let part = (f32::from(wall) + SHIFT_JITTER * centerd(random)) / f32::from(count);
                 let offset = low + part * (high - low);
                 Plane { normal, offset }
             })

@@ -1,7 +1,7 @@
 //! Pieces whose visual meshes fall apart, as a piece for each part.
 //!
 //! A plane through a table's legs leaves four stumps in one half of the table's hull. Each of them gets the convex hull
-//! around itself, and falls on its own. Parts whose hulls reach into each other, such as the links of a chain or a ball in
+//! around itself, and falls on its own. ComponentParts whose hulls reach into each other, such as the links of a chain or a ball in
 //! a bowl, would be pushed apart as soon as they were bodies; they stay one piece, with the hull around all of them.
 
 use crate::geometry::hull::hull_unless_flat;
@@ -33,7 +33,7 @@ pub(super) fn separate(
 /// A piece for each part of a mesh; none if the mesh is in one part.
 fn parts_of(mesh: &TriMesh, clipper: &mut CellClipper) -> Result<Vec<Piece>, SliceError> {
     let mut labels = labels(mesh);
-    let mut parts = Parts::new(mesh, &labels)?;
+    let mut parts = ComponentParts::new(mesh, &labels)?;
     if parts.hulls.iter().flatten().count() < 2 {
         return Ok(Vec::new());
     }
@@ -53,12 +53,12 @@ fn parts_of(mesh: &TriMesh, clipper: &mut CellClipper) -> Result<Vec<Piece>, Sli
 }
 
 /// The hulls around the parts of a mesh, by label.
-struct Parts {
+struct ComponentParts {
     /// None for a label without triangles, and for a part too thin for a hull.
     hulls: Vec<Option<ConvexHull>>,
 }
 
-impl Parts {
+impl ComponentParts {
     fn new(mesh: &TriMesh, labels: &[u32]) -> Result<Self, SliceError> {
         let hulls = (0..label_count(labels) as u32).map(|label| hull_around(mesh, labels, label));
         Ok(Self {

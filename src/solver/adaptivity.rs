@@ -1,10 +1,10 @@
-//! What islands ask of the sub-steps: how many, how many sweeps, and whether they must look out for blows.
+//! What islands ask of the sub-steps: how many, how many sweeps, and whether they must look out for impacts.
 
 use crate::solver::config::SolverConfig;
 
 /// What an island asks of its sub-steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Demand {
+pub struct IslandRequirements {
     /// Largest velocity that a contact gave its effective mass in the last step, over the smaller body's least extent, 1/s.
     /// Infinite where a bond is new: what it will bear must be found before it gives way.
     pub load: f32,
@@ -14,7 +14,7 @@ pub struct Demand {
     pub substeps: u32,
 }
 
-impl Demand {
+impl IslandRequirements {
     /// Whether islands with the two demands can be solved together.
     pub fn is_solved_like(&self, other: &Self) -> bool {
         self.substeps == other.substeps && self.can_hit == other.can_hit
@@ -23,22 +23,22 @@ impl Demand {
 
 /// What a batch took.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Effort {
+pub struct SweepBudget {
     /// Sweeps of all sub-steps together.
     pub sweeps: u32,
     /// Whether a sub-step ended above the tolerance.
-    pub hit_cap: bool,
+    pub is_unconverged: bool,
     /// Sweeps beyond the least numbers that are left for this step, and for this sub-step: evenly, for sub-steps that are
     /// more precise than the next ones shake a stack.
     spare: u32,
     share: u32,
 }
 
-impl Effort {
+impl SweepBudget {
     /// For a batch whose largest island has the given number of points.
     pub fn new(config: &SolverConfig, points: usize) -> Self {
         Self {
-            spare: config.spare_updates / (points as u32).max(1),
+            spare: config.max_extra_updates / (points as u32).max(1),
             ..Self::default()
         }
     }
@@ -54,10 +54,10 @@ impl Effort {
     }
 
     /// Takes note of sweeps, `extra` of them beyond the least number, and whether they ended above the tolerance.
-    pub fn note(&mut self, sweeps: u32, extra: u32, hit_cap: bool) {
+    pub fn note(&mut self, sweeps: u32, extra: u32, is_unconverged: bool) {
         self.sweeps += sweeps;
         self.share -= extra;
         self.spare -= extra;
-        self.hit_cap |= hit_cap;
+        self.is_unconverged |= is_unconverged;
     }
 }

@@ -1,11 +1,11 @@
-//! Large islands: which of their bodies break, found from the neighbourhood of the blows before the whole is solved.
+//! Large islands: which of their bodies break, found from the neighborhood of the impacts before the whole is solved.
 //!
 //! An island in which a body breaks is solved once for nothing, and again with the pieces. For a wall of a thousand bricks
 //! that is the step twice over, for the sake of a few bricks. So where it matters, what may break is solved alone first, with
-//! the bodies around it and without the rest: how hard a blow is decides itself in its neighbourhood. Its impulses say what
-//! breaks, and how much of the blow that bears; the island is solved as a whole when no rehearsal breaks anything any more.
+//! the bodies around it and without the rest: how hard a impact is decides itself in its neighborhood. Its impulses say what
+//! breaks, and how much of the impact that bears; the island is solved as a whole when no rehearsal breaks anything any more.
 
-use crate::bodies::breaking::BodyBlow;
+use crate::bodies::breaking::ImpactLoad;
 use crate::bodies::store::Bodies;
 use crate::contact::manifolds::{ManifoldRef, Manifolds};
 use crate::solver::batch::{Batch, side};
@@ -16,10 +16,10 @@ use crate::solver::settings::SubstepSettings;
 /// Manifolds from which an island is large: a tenth of a millisecond, which nobody minds to spend twice.
 const LARGE: usize = 192;
 
-/// How many contacts away from a blow bodies take part.
+/// How many contacts away from a impact bodies take part.
 const RINGS: usize = 2;
 
-/// How much harder a blow may be than one between its two bodies alone: others may stand behind the one that is hit.
+/// How much harder a impact may be than one between its two bodies alone: others may stand behind the one that is hit.
 const BACKING: f32 = 2.0;
 
 /// Marks a slot of no island that takes part.
@@ -27,7 +27,7 @@ pub(crate) const NONE: u32 = u32::MAX;
 
 /// Buffers.
 #[derive(Debug, Default)]
-pub(crate) struct Rehearsal {
+pub(crate) struct BreakageProbe {
     /// By slot: the large island in whose rehearsal the body takes part.
     pub(crate) cast: Vec<u32>,
     /// Those that join with the next ring.
@@ -41,7 +41,7 @@ pub(crate) fn is_large(island: &Island) -> bool {
     island.manifolds.len() >= LARGE
 }
 
-impl Rehearsal {
+impl BreakageProbe {
     /// Chooses who takes part: the bodies of contacts that may break one, and those around them; whether there is anybody.
     pub(crate) fn choose(
         &mut self,
@@ -61,9 +61,9 @@ impl Rehearsal {
                 let indices = &islands.manifolds[island.manifolds.clone()];
                 indices.iter().map(|&index| manifolds.at(index as usize))
             };
-            let blows = of_island().filter(|m| may_break(m, bodies, settings.step()));
+            let impacts = of_island().filter(|m| may_break(m, bodies, settings.step()));
             self.joining.clear();
-            self.joining.extend(blows.flat_map(|m| [m.a, m.b]));
+            self.joining.extend(impacts.flat_map(|m| [m.a, m.b]));
             anybody |= !self.joining.is_empty();
             for _ in 0..=RINGS {
                 for slot in self.joining.drain(..) {
@@ -82,7 +82,7 @@ impl Rehearsal {
     }
 }
 
-/// Whether a blow at one of the points of a manifold may be more than one of its bodies bears.
+/// Whether a impact at one of the points of a manifold may be more than one of its bodies bears.
 fn may_break(manifold: &ManifoldRef, bodies: &Bodies, step: f32) -> bool {
     let slots = [manifold.a, manifold.b];
     let limits = slots.map(|slot| bodies.limit(slot));
@@ -92,7 +92,7 @@ fn may_break(manifold: &ManifoldRef, bodies: &Bodies, step: f32) -> bool {
     let slots = slots.map(|slot| slot as usize);
     let [a, b] = slots.map(|i| &bodies.velocity[i]);
     let sides = slots.map(|i| side(bodies, i));
-    let mut blow = BodyBlow::default();
+    let mut impact = ImpactLoad::default();
     for point in manifold.points() {
         let on_a = a.linear + a.angular.cross(point.anchor_a);
         let on_b = b.linear + b.angular.cross(point.anchor_b);
@@ -100,13 +100,13 @@ fn may_break(manifold: &ManifoldRef, bodies: &Bodies, step: f32) -> bool {
         if speed * step > point.separation {
             let row = Row::new(manifold.normal, [point.anchor_a, point.anchor_b], sides);
             let impulse = BACKING * speed / row.diagonal;
-            // The points of a contact share its blow.
-            if impulse > blow.impulse {
-                blow = BodyBlow::default();
-                blow.add(impulse, speed);
+            // The points of a contact share its impact.
+            if impulse > impact.impulse {
+                impact = ImpactLoad::default();
+                impact.add(impulse, speed);
             }
         }
     }
     let mut limits = limits.iter().flatten();
-    limits.any(|limit| limit.is_exceeded_by(&blow))
+    limits.any(|limit| limit.is_exceeded_by(&impact))
 }

@@ -32,7 +32,7 @@ pub enum FrictionModel {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum Method {
-    /// Soft contacts, a sweep with position feedback before the bodies move and one without after it.
+    /// Soft contacts, a sweep with position bias before the bodies move and one without after it.
     #[default]
     SoftStep,
     /// Projected Gauss-Seidel with a Baumgarte term: the paper's method.
@@ -56,7 +56,7 @@ pub struct SolverConfig {
     pub sag: f32,
     /// Sweeps over all rows in each sub-step, before the bodies move; the exact method needs none.
     pub sweeps: u32,
-    /// Sweeps without position feedback in each sub-step, after the bodies have moved ([`Method::SoftStep`] only).
+    /// Sweeps without position bias in each sub-step, after the bodies have moved ([`Method::SoftStep`] only).
     pub relax_sweeps: u32,
     /// Natural frequency of soft contacts as a share of the sub-step rate ([`Method::SoftStep`] only).
     pub contact_frequency: f32,
@@ -72,19 +72,19 @@ pub struct SolverConfig {
     pub restitution_threshold: f32,
     /// Shape of the friction bound.
     pub friction_model: FrictionModel,
-    /// Start each solve from the multipliers in the [`ContactCache`](crate::contact::impulses::ContactCache).
+    /// AnchorStart each solve from the multipliers in the [`ContactCache`](crate::contact::impulses::ContactCache).
     pub warm_start: bool,
     /// Largest velocity change, m/s, that a sweep may still make to bodies of 1 m when the sweeps of a sub-step end; for other
     /// sizes it grows with the square root of the least extent, as speeds under gravity do. Where bodies move, a hundredth of the
     /// fastest one's speed is enough. Each island goes on until it is met, or [`max_sweeps`](Self::max_sweeps) or
-    /// [`spare_updates`](Self::spare_updates) are done; the report names islands that are left above it. `None`: no more sweeps
+    /// [`max_extra_updates`](Self::max_extra_updates) are done; the report names islands that are left above it. `None`: no more sweeps
     /// than the least numbers.
     pub tolerance: Option<f32>,
     /// Most sweeps of a sub-step, before and after the bodies move each, with a [`tolerance`](Self::tolerance).
     pub max_sweeps: u32,
     /// Most updates of contact points that an island's sweeps beyond the least numbers may take in a step: small islands are
     /// solved to the tolerance, and a heap of thousands costs what it may. 30 000 are about a millisecond.
-    pub spare_updates: u32,
+    pub max_extra_updates: u32,
     /// In which order the contacts of an island are solved.
     pub order: ContactOrder,
     /// How many numbers the solver calculates with at a time. The results are the same.
@@ -107,7 +107,7 @@ impl SolverConfig {
             relax_sweeps: 0,
             slop: 0.002,
             tolerance: None,
-            order: ContactOrder::Kept,
+            order: ContactOrder::Ordered,
             ..Self::default()
         }
     }
@@ -159,7 +159,7 @@ impl Default for SolverConfig {
             warm_start: true,
             tolerance: Some(1e-3),
             max_sweeps: 32,
-            spare_updates: 30_000,
+            max_extra_updates: 30_000,
             order: ContactOrder::Automatic,
             lane_width: LaneWidth::Widest,
             measure_error: false,
@@ -173,19 +173,19 @@ impl Default for SolverConfig {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum ContactOrder {
-    /// Kept where that fills at least half of the lanes, else by colours.
+    /// Ordered where that fills at least half of the lanes, else by colors.
     #[default]
     Automatic,
     /// In their order: a sweep carries support up through a whole stack that was built from the ground.
-    Kept,
-    /// By colours: those of one colour share no body. Blocks are full and few, and a sweep carries support from a body to its
-    /// neighbours only.
-    Coloured,
+    Ordered,
+    /// By colors: those of one color share no body. Blocks are full and few, and a sweep carries support from a body to its
+    /// neighbors only.
+    Colored,
 }
 
 /// When islands fall asleep.
 ///
-/// Speeds and distances are shares of what is natural for a body's size, so that a scene and its model in another scale
+/// Speeds and distances are subdomain_slices of what is natural for a body's size, so that a scene and its model in another scale
 /// fall asleep alike: without gravity only what does not move at all rests.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]

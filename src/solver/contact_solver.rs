@@ -1,19 +1,19 @@
 //! From manifolds and bodies to new velocities, motions and impulses, batch of islands by batch.
 
-use crate::bodies::breaking::BodyBlow;
+use crate::bodies::breaking::ImpactLoad;
 use crate::bodies::solver_body::{Motion, SolverBody};
 use crate::bodies::store::Bodies;
 use crate::contact::manifolds::{ManifoldHead, ManifoldRef, Manifolds};
 use crate::contact::point::ContactPoint;
 use crate::math::rotate_by;
-use crate::solver::adaptivity::{Demand, Effort};
+use crate::solver::adaptivity::{IslandRequirements, SweepBudget};
 use crate::solver::batch::layout::Member;
 use crate::solver::batch::{Batch, Step, side};
 use crate::solver::breakage_probe;
-use crate::solver::breakage_probe::{Rehearsal, is_large};
+use crate::solver::breakage_probe::{BreakageProbe, is_large};
 use crate::solver::graph::islands::Islands;
-use crate::solver::graph::partition::LEAST_MANIFOLDS;
-use crate::solver::graph::relative_motion::Travel;
+use crate::solver::graph::partition::MIN_MANIFOLDS;
+use crate::solver::graph::relative_motion::RelativeMotion;
 use crate::solver::rows::contact_rows::{PointRows, Row};
 use crate::solver::settings::SubstepSettings;
 use crate::solver::wide::bond::{BondedManifold, is_new_bond};
@@ -30,20 +30,20 @@ const WORTH_HELP: usize = 256;
 /// Manifolds from which it pays to have helpers look at them that are here anyway.
 const WORTH_THOSE_PRESENT: usize = 1024;
 
-/// Manifolds of a batch from which all threads solve it together: there are several domains then.
-const WORTH_A_TEAM: usize = 2 * LEAST_MANIFOLDS;
+/// Manifolds of a batch from which all threads solve it together: there are several subdomains then.
+const WORTH_A_TEAM: usize = 2 * MIN_MANIFOLDS;
 
 /// Least manifolds of a part of a list that a team works through: each takes some 50 ns.
-const LEAST_OF_PART: usize = 128;
+const MIN_OF_PART: usize = 128;
 
 /// The rows of a step and the working copies of the bodies they join; buffers are reused.
 #[derive(Debug, Default)]
 pub struct ContactSolver {
     pub(crate) islands: Islands,
     /// By manifold.
-    wishes: Vec<Wish>,
+    estimates: Vec<ContactEstimate>,
     /// By island.
-    pub(crate) demands: Vec<Demand>,
+    pub(crate) requirements: Vec<IslandRequirements>,
     /// Islands of each batch.
     ranges: Vec<Range<usize>>,
     /// Those of earlier rounds of the step, then as many as there are `ranges`, and perhaps some from other steps.
@@ -55,14 +55,14 @@ pub struct ContactSolver {
     /// By slot: how far the bodies are in this step.
     pub(crate) progress: Vec<Progress>,
     /// By island: whether its rehearsal broke a body, so that it is not solved in this round.
-    pub(crate) is_set_aside: Vec<bool>,
-    pub(crate) rehearsal: Rehearsal,
+    pub(crate) is_deferred: Vec<bool>,
+    pub(crate) rehearsal: BreakageProbe,
 }
 
 /// What a manifold asks for.
 #[derive(Clone, Copy, Debug, Default)]
-struct Wish {
-    travel: Travel,
+struct ContactEstimate {
+    travel: RelativeMotion,
     /// See [`load_of`]; 0 if nothing depends on it.
     load: f32,
 }
@@ -72,11 +72,11 @@ struct Wish {
 pub(crate) enum Progress {
     /// As it was before the step.
     #[default]
-    Open,
+    Pending,
     /// As before the step, because something in its island breaks.
-    Waiting,
+    Deferred,
     /// A dynamic body that has got its velocity and motion.
-    Moved,
+    Solved,
 }
 
 /// What a round may do.
@@ -100,7 +100,7 @@ pub struct SolvedIsland<'a> {
     /// Slots of its bodies.
     pub slots: &'a [u32],
     /// What it took, together with the others of its batch.
-    pub effort: Effort,
+    pub effort: SweepBudget,
 }
 
 impl SolvedIsland<'_> {
@@ -149,18 +149,18 @@ impl ContactSolver {
             let waiting = self
                 .progress
                 .iter_mut()
-                .filter(|p| **p == Progress::Waiting);
-            waiting.for_each(|progress| *progress = Progress::Open);
+                .filter(|p| **p == Progress::Deferred);
+            waiting.for_each(|progress| *progress = Progress::Pending);
         }
-        self.progress.resize(bodies.slots(), Progress::Open);
+        self.progress.resize(bodies.slots(), Progress::Pending);
         // A large scene is worth a team from the start.
         Team::lead_if(manifolds.len() >= WORTH_A_TEAM, |team| {
             let is_many = team.is_none() && manifolds.len() >= WORTH_THOSE_PRESENT;
             Team::lead_present_if(is_many, |present| {
                 self.find_islands(manifolds, bodies, settings, team.or(present));
             });
-            self.is_set_aside.clear();
-            let is_set_aside = round.may_break && self.rehearse(manifolds, bodies, settings);
+            self.is_deferred.clear();
+            let is_deferred = round.may_break && self.rehearse(manifolds, bodies, settings);
             self.make_batches();
             // Now it is known whether a smaller scene has work for several threads.
             Team::lead_if(team.is_none() && self.is_worth_help(), |late| {
@@ -171,14 +171,14 @@ impl ContactSolver {
                 self.store_impulses(manifolds, team);
             });
             let batches = &self.batches[self.earlier..][..self.ranges.len()];
-            is_set_aside || batches.iter().any(|batch| batch.is_broken)
+            is_deferred || batches.iter().any(|batch| batch.is_broken)
         })
     }
 
     /// Takes back what contacts and bonds have borne.
     fn store_impulses(&mut self, manifolds: &mut Manifolds, team: Option<&Team>) {
         let batches = &self.batches[self.earlier..][..self.ranges.len()];
-        let size = Team::part_size(team, manifolds.len(), LEAST_OF_PART);
+        let size = Team::part_size(team, manifolds.len(), MIN_OF_PART);
         let runs = manifolds.chunks_mut(size).enumerate();
         run_parts(team, runs, |(part, mut run)| {
             for batch in batches {
@@ -186,25 +186,25 @@ impl ContactSolver {
             }
         });
         for batch in batches.iter().filter(|batch| !batch.is_broken) {
-            batch.judge_bonds(&mut self.bonded);
+            batch.update_bond_damage(&mut self.bonded);
         }
     }
 
     /// Bodies (by slot) that got through the step although they were hit with more than they bear, and with what.
-    pub fn overloaded(&self) -> impl Iterator<Item = (u32, BodyBlow)> {
+    pub fn overloaded(&self) -> impl Iterator<Item = (u32, ImpactLoad)> {
         let batches = self.batches[..self.earlier + self.ranges.len()].iter();
         let solved = batches.filter(|batch| !batch.is_broken);
         solved.flat_map(|batch| batch.overloaded.iter().copied())
     }
 
     /// Whether the body in `slot` is as it was before the step, because something in its island breaks.
-    pub fn is_waiting(&self, slot: u32) -> bool {
-        self.progress.get(slot as usize) == Some(&Progress::Waiting)
+    pub fn is_deferred(&self, slot: u32) -> bool {
+        self.progress.get(slot as usize) == Some(&Progress::Deferred)
     }
 
     /// Whether the body in `slot` is dynamic and has got its velocity and motion in this step.
-    pub fn is_moved(&self, slot: u32) -> bool {
-        self.progress.get(slot as usize) == Some(&Progress::Moved)
+    pub fn is_solved(&self, slot: u32) -> bool {
+        self.progress.get(slot as usize) == Some(&Progress::Solved)
     }
 
     /// Finds the islands, what they ask for, and which are solved together.
@@ -215,7 +215,7 @@ impl ContactSolver {
         settings: &SubstepSettings,
     ) {
         self.find_islands(manifolds, bodies, settings, None);
-        self.is_set_aside.clear();
+        self.is_deferred.clear();
         self.make_batches();
     }
 
@@ -228,22 +228,23 @@ impl ContactSolver {
         team: Option<&Team>,
     ) {
         let progress = &self.progress;
-        let is_open = |slot: u32| progress.get(slot as usize) != Some(&Progress::Moved);
-        let is_open = |m: &ManifoldHead| is_open(m.a) && is_open(m.b);
-        self.islands.find(manifolds.heads(), bodies, is_open, team);
-        self.make_wishes(manifolds, bodies, settings, team);
-        let wishes = &self.wishes;
-        let travel = |manifold: u32| wishes[manifold as usize].travel;
+        let is_pending = |slot: u32| progress.get(slot as usize) != Some(&Progress::Solved);
+        let is_pending = |m: &ManifoldHead| is_pending(m.a) && is_pending(m.b);
+        self.islands
+            .find(manifolds.heads(), bodies, is_pending, team);
+        self.estimate_contacts(manifolds, bodies, settings, team);
+        let estimates = &self.estimates;
+        let travel = |manifold: u32| estimates[manifold as usize].travel;
         self.islands.find_moving(travel);
-        self.demands.clear();
+        self.requirements.clear();
         for i in 0..self.islands.list.len() {
-            let demand = self.demand(i, settings);
-            self.demands.push(demand);
+            let requirement = self.requirement(i, settings);
+            self.requirements.push(requirement);
         }
     }
 
     /// Looks what each manifold asks for.
-    fn make_wishes(
+    fn estimate_contacts(
         &mut self,
         manifolds: &Manifolds,
         bodies: &Bodies,
@@ -251,14 +252,15 @@ impl ContactSolver {
         team: Option<&Team>,
     ) {
         let (step, depends_on_load) = (settings.step(), settings.depends_on_load());
-        self.wishes.resize(manifolds.len(), Wish::default());
-        let size = Team::part_size(team, manifolds.len(), LEAST_OF_PART);
-        let parts = self.wishes.chunks_mut(size).enumerate();
-        run_parts(team, parts, |(part, wishes)| {
-            for (index, wish) in (part * size..).zip(wishes) {
+        self.estimates
+            .resize(manifolds.len(), ContactEstimate::default());
+        let size = Team::part_size(team, manifolds.len(), MIN_OF_PART);
+        let parts = self.estimates.chunks_mut(size).enumerate();
+        run_parts(team, parts, |(part, estimates)| {
+            for (index, wish) in (part * size..).zip(estimates) {
                 let head = &manifolds.heads()[index];
                 let slots = [head.a as usize, head.b as usize];
-                wish.travel = Travel::of(bodies, slots, step);
+                wish.travel = RelativeMotion::of(bodies, slots, step);
                 wish.load = if depends_on_load {
                     load_of(manifolds.at(index), bodies, settings)
                 } else {
@@ -269,8 +271,8 @@ impl ContactSolver {
     }
 
     /// How the bodies of a manifold move against each other.
-    pub(crate) fn travel(&self, manifold: u32) -> Travel {
-        self.wishes[manifold as usize].travel
+    pub(crate) fn travel(&self, manifold: u32) -> RelativeMotion {
+        self.estimates[manifold as usize].travel
     }
 
     /// Whether there is work for several threads.
@@ -284,11 +286,11 @@ impl ContactSolver {
 
     /// Decides which of the islands that are not set aside are solved together.
     fn make_batches(&mut self) {
-        self.is_set_aside.resize(self.demands.len(), false);
+        self.is_deferred.resize(self.requirements.len(), false);
         self.ranges.clear();
         let mut first = 0;
-        while first < self.demands.len() {
-            if self.is_set_aside[first] {
+        while first < self.requirements.len() {
+            if self.is_deferred[first] {
                 first += 1;
                 continue;
             }
@@ -312,9 +314,9 @@ impl ContactSolver {
         team: Option<&Team>,
     ) {
         let new_batches = &mut self.batches[self.earlier..][..self.ranges.len()];
-        let (islands, demands, bonded) = (&self.islands, &self.demands, &self.bonded);
+        let (islands, requirements, bonded) = (&self.islands, &self.requirements, &self.bonded);
         let solve = |batch: &mut Batch, range: &Range<usize>, team: Option<&Team>| {
-            let demand = &demands[range.start];
+            let requirement = &requirements[range.start];
             let step = Step {
                 islands,
                 manifolds,
@@ -323,7 +325,7 @@ impl ContactSolver {
                 team,
                 may_break: may_break && !is_large(&islands.list[range.start]),
             };
-            batch.load(&step, range.clone(), demand);
+            batch.load(&step, range.clone(), requirement);
             batch.tie(bonded, manifolds);
             batch.solve(manifolds, team);
         };
@@ -341,9 +343,9 @@ impl ContactSolver {
     }
 
     /// What an island asks for.
-    fn demand(&self, island: usize, settings: &SubstepSettings) -> Demand {
+    fn requirement(&self, island: usize, settings: &SubstepSettings) -> IslandRequirements {
         let island = &self.islands.list[island];
-        let mut demand = Demand {
+        let mut requirement = IslandRequirements {
             load: 0.0,
             can_hit: island.bounces || !island.moving.is_empty(),
             substeps: 0,
@@ -353,24 +355,24 @@ impl ContactSolver {
                 let load = if is_new_bond(&self.bonded, index) {
                     f32::INFINITY
                 } else {
-                    self.wishes[index as usize].load
+                    self.estimates[index as usize].load
                 };
-                demand.load = demand.load.max(load);
+                requirement.load = requirement.load.max(load);
             }
         }
-        demand.substeps = settings.substeps_for(&demand);
-        demand
+        requirement.substeps = settings.substeps_for(&requirement);
+        requirement
     }
 
     /// The first island that is not solved with the one at `first`: calm ones with the same sub-steps share a batch.
     fn end_of_batch(&self, first: usize) -> usize {
-        let demand = &self.demands[first];
+        let requirement = &self.requirements[first];
         let size = |i: usize| self.islands.list[i].manifolds.len();
         let (mut end, mut total) = (first + 1, size(first));
-        while !demand.can_hit
-            && end < self.demands.len()
-            && !self.is_set_aside[end]
-            && self.demands[end].is_solved_like(demand)
+        while !requirement.can_hit
+            && end < self.requirements.len()
+            && !self.is_deferred[end]
+            && self.requirements[end].is_solved_like(requirement)
             && total + size(end) <= BATCH
         {
             total += size(end);
@@ -386,7 +388,7 @@ impl ContactSolver {
             if batch.is_broken {
                 for (&slot, body) in batch.layout.slots.iter().zip(&batch.bodies) {
                     if body.inverse_mass > 0.0 {
-                        self.progress[slot as usize] = Progress::Waiting;
+                        self.progress[slot as usize] = Progress::Deferred;
                     }
                 }
                 continue;
@@ -395,7 +397,7 @@ impl ContactSolver {
                 let (i, body) = (slot as usize, &batch.bodies[number]);
                 if body.inverse_mass > 0.0 {
                     let moved = &batch.displacements[number];
-                    self.progress[i] = Progress::Moved;
+                    self.progress[i] = Progress::Solved;
                     bodies.velocity[i] = *body;
                     bodies.motion[i] = Motion {
                         shift: moved.linear,
@@ -423,7 +425,7 @@ fn load_of(manifold: ManifoldRef, bodies: &Bodies, settings: &SubstepSettings) -
         (point.normal_impulse * row.diagonal).abs()
     };
     let velocities = manifold.points().iter().map(velocity);
-    let [a, b] = slots.map(|i| bodies.least_extent[i]);
+    let [a, b] = slots.map(|i| bodies.min_extent[i]);
     velocities.fold(weight, f32::max) / a.min(b)
 }
 
@@ -436,15 +438,15 @@ impl ContactSolver {
         bodies: &Bodies,
         settings: &SubstepSettings,
     ) -> bool {
-        self.is_set_aside.clear();
-        self.is_set_aside.resize(self.islands.list.len(), false);
+        self.is_deferred.clear();
+        self.is_deferred.resize(self.islands.list.len(), false);
         if !bodies.any_fracturable() || !self.islands.list.iter().any(is_large) {
             return false;
         }
         let mut rehearsal = std::mem::take(&mut self.rehearsal);
         let anybody = rehearsal.choose(&self.islands, manifolds, bodies, settings);
         if anybody {
-            let Rehearsal {
+            let BreakageProbe {
                 cast,
                 islands,
                 batch,
@@ -452,11 +454,11 @@ impl ContactSolver {
             } = &mut rehearsal;
             let takes_part = |slot: u32| cast[slot as usize] != breakage_probe::NONE;
             let moves = |slot: u32| bodies.velocity[slot as usize].inverse_mass > 0.0;
-            let is_open = |m: &ManifoldHead| {
+            let is_pending = |m: &ManifoldHead| {
                 let counts = |slot: u32| takes_part(slot) || !moves(slot);
                 counts(m.a) && counts(m.b) && (takes_part(m.a) || takes_part(m.b))
             };
-            islands.find(manifolds.heads(), bodies, is_open, None);
+            islands.find(manifolds.heads(), bodies, is_pending, None);
             islands.find_moving(|index| self.travel(index));
             for part in 0..islands.list.len() {
                 let slots = &islands.slots[islands.list[part].bodies.clone()];
@@ -472,27 +474,27 @@ impl ContactSolver {
                     team: None,
                     may_break: true,
                 };
-                batch.load(&step, part..part + 1, &self.demands[whole]);
+                batch.load(&step, part..part + 1, &self.requirements[whole]);
                 batch.tie(&self.bonded, manifolds);
                 batch.solve(manifolds, None);
                 if batch.is_broken {
                     batch.store_impulses(&mut manifolds.whole(), 0);
-                    self.is_set_aside[whole] = true;
+                    self.is_deferred[whole] = true;
                 }
             }
         }
         self.rehearsal = rehearsal;
-        self.wait_for_next_round(bodies);
-        self.is_set_aside.contains(&true)
+        self.defer_island_bodies(bodies);
+        self.is_deferred.contains(&true)
     }
 
     /// Notes that the bodies of islands that are set aside wait.
-    fn wait_for_next_round(&mut self, bodies: &Bodies) {
-        let islands = self.islands.list.iter().zip(&self.is_set_aside);
-        for (island, _) in islands.filter(|(_, is_set_aside)| **is_set_aside) {
+    fn defer_island_bodies(&mut self, bodies: &Bodies) {
+        let islands = self.islands.list.iter().zip(&self.is_deferred);
+        for (island, _) in islands.filter(|(_, is_deferred)| **is_deferred) {
             for &slot in &self.islands.slots[island.bodies.clone()] {
                 if bodies.velocity[slot as usize].inverse_mass > 0.0 {
-                    self.progress[slot as usize] = Progress::Waiting;
+                    self.progress[slot as usize] = Progress::Deferred;
                 }
             }
         }

@@ -1,6 +1,6 @@
 //! How bodies move that touch nothing.
 
-use crate::bodies::free_rotation::{SPINS, Spins};
+use crate::bodies::free_rotation::{FreeRotations, SPINS};
 use crate::bodies::solver_body::Motion;
 use crate::bodies::store::Bodies;
 use crate::math::rotate_by;
@@ -15,13 +15,13 @@ impl ContactSolver {
         let mut spinning = Spinning::default();
         for slot in 0..bodies.slots() as u32 {
             let i = slot as usize;
-            if self.progress[i] != Progress::Open || !bodies.is_moving(slot) {
+            if self.progress[i] != Progress::Pending || !bodies.is_moving(slot) {
                 continue;
             }
             let spin = bodies.spin(slot, step);
             let body = &mut bodies.velocity[i];
             let fall = if body.inverse_mass > 0.0 {
-                self.progress[i] = Progress::Moved;
+                self.progress[i] = Progress::Solved;
                 settings.gravity * step
             } else {
                 Vec3::ZERO
@@ -49,7 +49,7 @@ impl ContactSolver {
 #[derive(Default)]
 struct Spinning {
     slots: [u32; SPINS],
-    spins: Spins,
+    spins: FreeRotations,
 }
 
 impl Spinning {

@@ -1,8 +1,8 @@
-//! What islands ask of the sub-steps: how many, how many sweeps, and whether they must look out for blows.
+//! What islands ask of the sub-steps: how many, how many sweeps, and whether they must look out for impacts.
 
-use crate::solver::adaptivity::Demand;
+use crate::solver::adaptivity::IslandRequirements;
 use crate::solver::config::{Method, SolverConfig};
-use crate::solver::rows::soft_step::Feedback;
+use crate::solver::rows::soft_step::Bias;
 use crate::solver::rows::soft_step::Softness;
 use glam::Vec3;
 
@@ -31,7 +31,7 @@ impl SubstepSettings {
     ///
     /// A soft contact under a load that gives its effective mass the acceleration `a` gives way by `s = a h^2 / (h omega)^2`,
     /// which is to stay below the share [`SolverConfig::sag`] of an extent.
-    pub fn for_demand(&self, demand: &Demand) -> Self {
+    pub fn for_requirements(&self, demand: &IslandRequirements) -> Self {
         let config = &self.config;
         if config.method != Method::SoftStep {
             return *self;
@@ -43,8 +43,8 @@ impl SubstepSettings {
         Self::new(config, self.gravity, self.step())
     }
 
-    /// Number of parts that [`for_demand`](Self::for_demand) makes.
-    pub fn substeps_for(&self, demand: &Demand) -> u32 {
+    /// Number of parts that [`for_requirements`](Self::for_requirements) makes.
+    pub fn substeps_for(&self, demand: &IslandRequirements) -> u32 {
         let config = &self.config;
         if config.method != Method::SoftStep {
             return config.substeps;
@@ -71,15 +71,15 @@ impl SubstepSettings {
     }
 
     /// How overlap is pushed out.
-    pub fn feedback(&self) -> Feedback {
-        let rate = match self.config.method {
-            Method::SoftStep => self.softness().rate,
+    pub fn bias(&self) -> Bias {
+        let bias_rate = match self.config.method {
+            Method::SoftStep => self.softness().bias_rate,
             Method::Pgs | Method::Exact => self.config.baumgarte / self.h,
         };
-        Feedback {
-            h: self.h,
-            rate,
-            most: self.config.push_out_speed,
+        Bias {
+            substep_dt: self.h,
+            bias_rate,
+            max_bias_velocity: self.config.push_out_speed,
         }
     }
 

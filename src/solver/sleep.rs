@@ -5,8 +5,8 @@
 //! velocity and keeps its pose bit for bit; its pairs with sleeping and resting fixed bodies make no work.
 //!
 //! Two things wake an island: somebody changes one of its bodies, which [`Bodies`] notices in its setters and does at once;
-//! or something happens around it, which `rouse` and `wake_touched` find in the next step: a fixed
-//! body that bears it was changed or removed (*stirred*), gravity changed, or a body that moves came so close that they have
+//! or something happens around it, which `wake_disturbed` and `wake_touched` find in the next step: a fixed
+//! body that bears it was changed or removed (*changed*), gravity changed, or a body that moves came so close that they have
 //! a manifold. So no manifold that is solved ever joins a sleeping body.
 //!
 //! Islands are gone through in the order of their first manifolds, which is that of body ids; which islands sleep does
@@ -26,14 +26,14 @@ use glam::Vec3;
 
 /// Share of an island's weight that fixed bodies must bear: less than one, because impulses of a step are not exactly
 /// those of rest.
-const BORNE: f32 = 0.5;
+const MIN_SUPPORTED_SHARE: f32 = 0.5;
 
 /// Marks a slot that belongs to no island that may fall asleep.
 const NONE: u32 = u32::MAX;
 
 impl Bodies {
     /// Wakes what lost its support or its reason to rest since the last step. Before the contacts of a step are found.
-    pub(crate) fn rouse(&mut self, config: &SleepConfig, gravity: Vec3) {
+    pub(crate) fn wake_disturbed(&mut self, config: &SleepConfig, gravity: Vec3) {
         if !config.enabled && !self.sleep.is_on {
             return;
         }
@@ -42,12 +42,12 @@ impl Bodies {
         }
         self.sleep.is_on = config.enabled;
         self.sleep.gravity = gravity;
-        if self.sleep.stirred.is_empty() {
+        if self.sleep.changed.is_empty() {
             return;
         }
         for index in 0..self.sleep.supports.len() {
             let [fixed, body] = self.sleep.supports[index];
-            if self.sleep.is_stirred(fixed) && self.is_asleep(body) {
+            if self.sleep.is_changed(fixed) && self.is_asleep(body) {
                 self.wake(body);
             }
         }
@@ -81,11 +81,11 @@ impl Bodies {
     }
 
     /// Takes the multipliers of the bodies that woke back into the cache, and forgets what bore them while they slept.
-    pub(crate) fn unpark_woken(&mut self, cache: &mut ContactCache) {
+    pub(crate) fn resume_woken(&mut self, cache: &mut ContactCache) {
         let Self { sleep, status, .. } = self;
         if !sleep.woken.is_empty() {
             sleep.woken.sort_unstable();
-            cache.unpark(&sleep.woken);
+            cache.resume(&sleep.woken);
             sleep.woken.clear();
             sleep
                 .supports
@@ -96,7 +96,7 @@ impl Bodies {
     /// Whether a fixed body moves, or was changed since the last step.
     fn is_displaced(&self, slot: u32) -> bool {
         let body = &self.velocity[slot as usize];
-        body.linear != Vec3::ZERO || body.angular != Vec3::ZERO || self.sleep.is_stirred(slot)
+        body.linear != Vec3::ZERO || body.angular != Vec3::ZERO || self.sleep.is_changed(slot)
     }
 
     /// Wakes the sleeping bodies of `manifolds`, which were made for pairs that [need a look](Self::needs_look); whether there were
@@ -114,11 +114,11 @@ impl Bodies {
         self.sleep.asleep < before
     }
 
-    /// Ends the look for what must wake: everybody has seen what was stirred.
-    pub(crate) fn end_rouse(&mut self) {
+    /// Ends the look for what must wake: everybody has seen what was changed.
+    pub(crate) fn end_wake(&mut self) {
         let sleep = &mut self.sleep;
-        for slot in sleep.stirred.drain(..) {
-            sleep.is_stirred[slot as usize] = false;
+        for slot in sleep.changed.drain(..) {
+            sleep.is_changed[slot as usize] = false;
         }
     }
 
@@ -144,7 +144,7 @@ impl Bodies {
     fn is_slow(&self, slot: u32, config: &SleepConfig, gravity: f32) -> bool {
         let (body, r) = (&self.velocity[slot as usize], self.radius(slot));
         let speed_squared = body.linear.length_squared() + r * r * body.angular.length_squared();
-        let natural = gravity * self.least_extent[slot as usize];
+        let natural = gravity * self.min_extent[slot as usize];
         speed_squared <= config.speed * config.speed * natural
     }
 
@@ -155,8 +155,8 @@ impl Bodies {
         let turn = rest.rotation.inverse() * self.rotation[i];
         // The vector part has half the angle's length, for small angles.
         let way =
-            self.centre[i].distance(rest.centre) + 2.0 * self.radius(slot) * turn.xyz().length();
-        way <= config.drift * self.least_extent[i]
+            self.center[i].distance(rest.center) + 2.0 * self.radius(slot) * turn.xyz().length();
+        way <= config.drift * self.min_extent[i]
     }
 
     /// Puts islands to sleep that have been at rest for long enough, after a step of `h` seconds; `manifolds` are those that
@@ -185,8 +185,8 @@ impl Bodies {
             };
             if candidate.island == number {
                 next += 1;
-                let is_borne = candidate.borne >= BORNE * candidate.weight;
-                if is_borne && candidate.is_held && !candidate.is_carried {
+                let is_borne = candidate.supported_weight >= MIN_SUPPORTED_SHARE * candidate.weight;
+                if is_borne && candidate.has_support && !candidate.is_carried {
                     self.put_to_sleep(island.slots);
                 }
             }
@@ -241,8 +241,8 @@ impl Bodies {
             let on_b =
                 on_b.map(|p| p.normal_impulse * m.normal.dot(up) + p.friction_impulse.dot(up));
             let candidate = &mut self.sleep.candidates[index as usize];
-            candidate.borne += sign * on_b.sum::<f32>();
-            candidate.is_held = true;
+            candidate.supported_weight += sign * on_b.sum::<f32>();
+            candidate.has_support = true;
             candidate.is_carried |= is_displaced;
         }
     }
@@ -274,7 +274,7 @@ impl Bodies {
             };
             self.status[i] = Status::Asleep;
             self.sleep.asleep += 1;
-            self.sleep.turned.push((slot, self.ids[i]));
+            self.sleep.sleep_changes.push((slot, self.ids[i]));
             self.sleep.slept.push(self.ids[i]);
             match last {
                 NONE => first = slot,

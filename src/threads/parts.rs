@@ -3,7 +3,7 @@
 //! How a list is split depends on the scene only, never on who does which part, and what parts find is put together in
 //! their order: any number of threads gives the same bits.
 
-use crate::threads::team::{MOST_TASKS, Team};
+use crate::threads::team::{MAX_TASKS, Team};
 use std::sync::{Mutex, PoisonError};
 
 /// Parts from which a team is worth it. A part is about 10 us of work, as long as helpers take to come.
@@ -26,7 +26,7 @@ where
         let next = || take(&mut parts.lock().unwrap_or_else(PoisonError::into_inner));
         std::iter::from_fn(next).for_each(&work);
     };
-    team.run(team.threads().min(MOST_TASKS), &|thread| match thread {
+    team.run(team.threads().min(MAX_TASKS), &|thread| match thread {
         0 => run_all(I::next),
         _ => run_all(I::next_back),
     });
@@ -48,19 +48,19 @@ pub(crate) fn front_mut<'l, T>(list: &mut &'l mut [T], count: usize) -> &'l mut 
 
 /// Splits a list into pieces of the given sizes, from either end.
 #[derive(Debug)]
-pub(crate) struct Pieces<'l, T, S> {
+pub(crate) struct SizedParts<'l, T, S> {
     rest: &'l mut [T],
     sizes: S,
 }
 
-impl<'l, T, S> Pieces<'l, T, S> {
-    /// Pieces of `list`; `sizes` add up to its length.
+impl<'l, T, S> SizedParts<'l, T, S> {
+    /// SizedParts of `list`; `sizes` add up to its length.
     pub(crate) fn new(list: &'l mut [T], sizes: S) -> Self {
         Self { rest: list, sizes }
     }
 }
 
-impl<'l, T, S: Iterator<Item = usize>> Iterator for Pieces<'l, T, S> {
+impl<'l, T, S: Iterator<Item = usize>> Iterator for SizedParts<'l, T, S> {
     type Item = &'l mut [T];
 
     fn next(&mut self) -> Option<Self::Item> {
@@ -73,7 +73,7 @@ impl<'l, T, S: Iterator<Item = usize>> Iterator for Pieces<'l, T, S> {
     }
 }
 
-impl<T, S: DoubleEndedIterator<Item = usize>> DoubleEndedIterator for Pieces<'_, T, S> {
+impl<T, S: DoubleEndedIterator<Item = usize>> DoubleEndedIterator for SizedParts<'_, T, S> {
     fn next_back(&mut self) -> Option<Self::Item> {
         let size = self.sizes.next_back()?;
         let list = std::mem::take(&mut self.rest);
@@ -83,7 +83,7 @@ impl<T, S: DoubleEndedIterator<Item = usize>> DoubleEndedIterator for Pieces<'_,
     }
 }
 
-impl<T, S: ExactSizeIterator<Item = usize>> ExactSizeIterator for Pieces<'_, T, S> {}
+impl<T, S: ExactSizeIterator<Item = usize>> ExactSizeIterator for SizedParts<'_, T, S> {}
 
 #[cfg(test)]
 mod tests {
@@ -94,9 +94,9 @@ mod tests {
         let sizes = [3, 0, 2, 1, 4];
         let mut list: Vec<u32> = (0..10).collect();
         let mut front = list.clone();
-        let expected: Vec<_> = Pieces::new(&mut front, sizes.into_iter()).collect();
+        let expected: Vec<_> = SizedParts::new(&mut front, sizes.into_iter()).collect();
         for ends in 0..1 << sizes.len() {
-            let mut pieces = Pieces::new(&mut list, sizes.into_iter());
+            let mut pieces = SizedParts::new(&mut list, sizes.into_iter());
             let (mut first, mut last) = (Vec::new(), Vec::new());
             for turn in 0..sizes.len() {
                 assert_eq!(pieces.len(), sizes.len() - turn);

@@ -37,10 +37,10 @@ const PAUSES: u32 = 4;
 const LINGER: u32 = 400;
 
 /// Most parts that a list is cut into.
-pub const MOST_PARTS: usize = 8;
+pub const MAX_PARTS: usize = 8;
 
 /// Most tasks of a list.
-pub const MOST_TASKS: usize = 32;
+pub const MAX_TASKS: usize = 32;
 
 /// The team of the compute task pool.
 static TEAM: OnceLock<Team> = OnceLock::new();
@@ -132,7 +132,7 @@ impl Team {
 
     /// How many parts to cut a list of `count` elements into, if a part is to have `least` of them: one without a team.
     pub fn parts(team: Option<&Self>, count: usize, least: usize) -> usize {
-        let most = team.map_or(1, |team| team.threads().min(MOST_PARTS));
+        let most = team.map_or(1, |team| team.threads().min(MAX_PARTS));
         (count / least).clamp(1, most)
     }
 
@@ -155,7 +155,7 @@ impl Team {
             return parts.for_each(work);
         };
         // Filled where it is: to move it would take longer than a small part.
-        let mut list = SmallVec::<[Option<P>; MOST_TASKS]>::new();
+        let mut list = SmallVec::<[Option<P>; MAX_TASKS]>::new();
         list.extend(parts.map(Some));
         let shared = Shared::new(&mut list);
         // SAFETY: each task is done once, and touches its own part only.
@@ -171,7 +171,7 @@ impl Team {
     /// # Panics
     /// If there are more.
     pub fn run(&self, count: usize, tasks: Tasks<'_>) {
-        assert!(count <= MOST_TASKS, "a list has 32 tasks at most");
+        assert!(count <= MAX_TASKS, "a list has 32 tasks at most");
         if count <= 1 {
             return (0..count).for_each(tasks);
         }
@@ -228,7 +228,7 @@ impl Team {
         if open == 0 {
             return false;
         }
-        let own = (thread..MOST_TASKS).step_by(self.threads());
+        let own = (thread..MAX_TASKS).step_by(self.threads());
         let own = own.map(|task| open & 1 << task).find(|&bit| bit != 0);
         let task = own.unwrap_or(open).trailing_zeros();
         // The number of the list keeps this from taking a task of a later one.

@@ -12,7 +12,7 @@ fn areas(simulation: &Simulation) -> Vec<f32> {
 #[test]
 fn bricks_in_running_bond_share_half_a_bed_each_and_their_heads() {
     let (mut simulation, slots) = lintel(5, 6);
-    let made = simulation.bond_neighbours(&slots, 1e5);
+    let made = simulation.bond_neighbors(&slots, 1e5);
     assert_eq!(made, Ok(joints_of_lintel(5, 6)));
     let (head, half_bed) = (BRICK.y * BRICK.z, 0.5 * BRICK.x * BRICK.z);
     let row = |slot: u32| slots.iter().position(|&s| s == slot).map(|i| i / 6);
@@ -34,7 +34,7 @@ fn areas_do_not_depend_on_where_and_how_the_bodies_lie() {
             body
         });
         let (mut simulation, slots) = simulation(bodies);
-        assert_eq!(simulation.bond_neighbours(&slots, 1.0), Ok(1));
+        assert_eq!(simulation.bond_neighbors(&slots, 1.0), Ok(1));
         let area = areas(&simulation)[0];
         assert!((area - 0.75 * 0.5).abs() < 1e-3, "{area} m2 at {origin}");
     }
@@ -48,7 +48,7 @@ fn a_face_on_another_turned_about_the_normal_shares_an_octagon() {
     // The tangent of half the angle is sqrt 2 - 1.
     upper.pose.rotation = Quat::from_xyzw(0.0, 2.0_f32.sqrt() - 1.0, 0.0, 1.0).normalize();
     let (mut simulation, slots) = simulation([BodyDesc::dynamic(slab(), Vec3::ZERO), upper]);
-    assert_eq!(simulation.bond_neighbours(&slots, 1.0), Ok(1));
+    assert_eq!(simulation.bond_neighbors(&slots, 1.0), Ok(1));
     let expected = 2.0 * (2.0_f32.sqrt() - 1.0);
     let area = areas(&simulation)[0];
     assert!((area - expected).abs() < 1e-5, "{area} of {expected} m2");
@@ -67,7 +67,7 @@ fn edges_corners_gaps_and_tilted_faces_are_not_bonded() {
         let mut other = BodyDesc::dynamic(cube(), at);
         other.pose.rotation = turn;
         let (mut simulation, slots) = simulation([BodyDesc::dynamic(cube(), Vec3::ZERO), other]);
-        assert_eq!(simulation.bond_neighbours(&slots, 1.0), Ok(0), "{at}");
+        assert_eq!(simulation.bond_neighbors(&slots, 1.0), Ok(0), "{at}");
     }
 }
 
@@ -78,7 +78,7 @@ fn what_stands_on_the_ground_is_bonded_to_it_by_its_lower_face() {
         BodyDesc::dynamic(crate::scene::cube(), 0.5 * Vec3::Y),
         fixed(crate::scene::cube(), Vec3::new(5.0, 0.5, 0.0)),
     ]);
-    assert_eq!(simulation.bond_neighbours(&slots, 1.0), Ok(1));
+    assert_eq!(simulation.bond_neighbors(&slots, 1.0), Ok(1));
     let found: Vec<_> = simulation.bonds.iter().map(|(slots, _)| slots).collect();
     assert_eq!(found, [[slots[0], slots[1]]], "fixed ones need no bond");
     assert!((areas(&simulation)[0] - 1.0).abs() < 1e-6);

@@ -17,14 +17,14 @@ fn areas(simulation: &Simulation) -> Vec<f32> {
     areas
 }
 
-fn is_near(found: &[f32], wanted: &[f32]) -> bool {
-    let pairs = || found.iter().zip(wanted);
-    found.len() == wanted.len() && pairs().all(|(a, b)| (a - b).abs() < 1e-4)
+fn is_near(found: &[f32], target_velocity: &[f32]) -> bool {
+    let pairs = || found.iter().zip(target_velocity);
+    found.len() == target_velocity.len() && pairs().all(|(a, b)| (a - b).abs() < 1e-4)
 }
 
 /// A unit cube that hangs from a fixed one; its lower half, of which nothing holds the other, falls off.
 #[test]
-fn the_piece_that_lies_on_the_neighbour_has_the_whole_bond() {
+fn the_piece_that_lies_on_the_neighbor_has_the_whole_bond() {
     let bond = Bond::new(2.0 * WEIGHT, 1.0);
     let (mut simulation, slots) = chain(1, Vec3::NEG_Y, bond);
     let plane = Plane::through(Vec3::new(0.0, -1.1, 0.0), Vec3::Y);
@@ -36,7 +36,7 @@ fn the_piece_that_lies_on_the_neighbour_has_the_whole_bond() {
         bonds(&simulation)
     );
     let bodies = &simulation.bodies;
-    let mut heights: Vec<f32> = bodies.iter().map(|s| bodies.centre_of_mass(s).y).collect();
+    let mut heights: Vec<f32> = bodies.iter().map(|s| bodies.center_of_mass(s).y).collect();
     heights.sort_by(f32::total_cmp);
     assert!((heights[1] + 0.8).abs() < 2e-3, "{heights:?} m");
     assert!(
@@ -63,7 +63,7 @@ fn pieces_share_a_bond_by_their_areas_and_hold_what_it_held() {
     }
     let bodies = &simulation.bodies;
     for slot in bodies.iter().filter(|&slot| slot != slots[0]) {
-        let (at, (v, _)) = (bodies.centre_of_mass(slot), bodies.velocity(slot));
+        let (at, (v, _)) = (bodies.center_of_mass(slot), bodies.velocity(slot));
         assert!((at.y + 1.0).abs() < 2e-3, "{at} m");
         assert!(v.length() < 1e-3, "{v} m/s");
     }
@@ -79,15 +79,15 @@ fn bonds_between_two_bodies_that_are_cut_in_one_step_join_the_pieces_that_face_e
         simulation.slice(*slot, plane).expect("a body");
     }
     simulation.step(H);
-    let wanted = [0.4, 0.4, 0.4, 0.6, 0.6, 0.6];
+    let target_velocity = [0.4, 0.4, 0.4, 0.6, 0.6, 0.6];
     assert!(
-        is_near(&areas(&simulation), &wanted),
+        is_near(&areas(&simulation), &target_velocity),
         "{:?}",
         bonds(&simulation)
     );
     let bodies = &simulation.bodies;
     for ([a, b], _) in bonds(&simulation) {
-        let [x, y] = [a, b].map(|slot| bodies.centre_of_mass(slot).x);
+        let [x, y] = [a, b].map(|slot| bodies.center_of_mass(slot).x);
         let is_whole = [a, b]
             .iter()
             .any(|slot| [slots[0], slots[3]].contains(slot));
@@ -107,7 +107,7 @@ fn what_hangs_on_a_body_that_is_cut_hangs_on_the_pieces_that_touch_it() {
         simulation.slice(slots[1], plane).expect("a body");
         (0..60).for_each(|_| simulation.step(H));
         assert_eq!(simulation.bonds.len(), bonds);
-        simulation.bodies.centre_of_mass(slots[2]).y
+        simulation.bodies.center_of_mass(slots[2]).y
     };
     let held = height_after(Vec3::X, 4);
     assert!((held + 2.0).abs() < 1e-2, "{held} m");
@@ -121,7 +121,7 @@ fn energy(simulation: &Simulation) -> f64 {
     let is_dynamic = |&slot: &u32| bodies.kind(slot) == RigidBody::Dynamic;
     let of_body = |slot| {
         let mass = f64::from(bodies.mass(slot).mass);
-        let height = f64::from(bodies.centre_of_mass(slot).y);
+        let height = f64::from(bodies.center_of_mass(slot).y);
         bodies.kinetic_energy(slot) + mass * 9.81 * height
     };
     bodies.iter().filter(is_dynamic).map(of_body).sum()
@@ -158,10 +158,10 @@ fn break_a_beam(x: f32) -> (f64, usize) {
         BodyDesc {
             density: 450.0,
             fracturable: Some(Fracturable {
-                least_energy: 150.0,
+                min_energy: 150.0,
                 pattern: FracturePattern::Slabs { count: 2 },
                 toughness: 1e4,
-                most_pieces: 2,
+                max_pieces: 2,
                 generations: 2,
                 seed: i.into(),
                 ..Fracturable::with_strength(60.0)
@@ -178,7 +178,7 @@ fn break_a_beam(x: f32) -> (f64, usize) {
     };
     let (mut simulation, slots) = simulation(trestles.into_iter().chain(laths).chain([ball]));
     let laths = &slots[2..14];
-    simulation.bond_neighbours(laths, 2.5e6).expect("usable");
+    simulation.bond_neighbors(laths, 2.5e6).expect("usable");
     let made: Vec<_> = simulation.bonds.iter().map(|(s, b)| (s, *b)).collect();
     for ([a, b], bond) in made {
         let shear_strength = 7e6;

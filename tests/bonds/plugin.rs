@@ -53,12 +53,12 @@ fn entities_are_bonded_by_command_and_a_message_names_those_that_come_apart() {
 }
 
 #[test]
-fn neighbours_are_bonded_as_they_are_spawned_and_released_by_command() {
+fn neighbors_are_bonded_as_they_are_spawned_and_released_by_command() {
     let mut app = app();
     let entities = hanging(&mut app);
     app.world_mut()
         .commands()
-        .bond_neighbours(entities, 2.0 * WEIGHT);
+        .bond_neighbors(entities, 2.0 * WEIGHT);
     (0..30).for_each(|_| app.update());
     assert_eq!(app.world().resource::<Bonds>().len(), 1);
     app.world_mut().commands().unbond(entities[0], entities[1]);
@@ -91,7 +91,7 @@ fn bonds_that_cannot_be_made_are_warned_about() {
     let mut commands = app.world_mut().commands();
     commands.bond(upper, stranger, bond);
     commands.bond(upper, lower, Bond::new(-1.0, 1.0));
-    commands.bond_neighbours([upper, stranger], 1.0);
+    commands.bond_neighbors([upper, stranger], 1.0);
     app.update();
     let problems: Vec<_> = messages::<BodyWarning>(&mut app)
         .into_iter()
@@ -126,11 +126,9 @@ fn plugin_and_plain_step_agree_bit_for_bit_while_bonds_break() {
         slots.push(simulation.bodies.insert(desc).expect("usable"));
     }
     let strength = 12.0 * WEIGHT;
-    simulation
-        .bond_neighbours(&slots, strength)
-        .expect("usable");
+    simulation.bond_neighbors(&slots, strength).expect("usable");
     let all = entities.iter().copied();
-    app.world_mut().commands().bond_neighbours(all, strength);
+    app.world_mut().commands().bond_neighbors(all, strength);
     let mut broken = 0;
     for step in 0..60 {
         simulation.step(step_length().as_secs_f32());

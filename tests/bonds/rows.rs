@@ -1,7 +1,7 @@
 //! Bonded blocks against the rows they stand for: one sweep does what Gauss-Seidel does row by row.
 
 use crate::dice::Dice;
-use bevy_cleave::bodies::solver_body::Solid;
+use bevy_cleave::bodies::solver_body::BodyMass;
 use bevy_cleave::bodies::solver_body::SolverBody;
 use bevy_cleave::contact::manifolds::{Manifold, ManifoldHead};
 use bevy_cleave::contact::point::{ContactPoint, MAX_POINTS};
@@ -12,8 +12,8 @@ use bevy_cleave::solver::rows::contact_rows::PointRows;
 use bevy_cleave::solver::rows::pgs;
 use bevy_cleave::solver::rows::soft_step::Softness;
 use bevy_cleave::solver::wide::block::{Block, Point};
-use bevy_cleave::solver::wide::bond::Tie;
-use bevy_cleave::solver::wide::contacts::Contacts;
+use bevy_cleave::solver::wide::bond::BondConstraint;
+use bevy_cleave::solver::wide::contacts::ContactBlocks;
 use bevy_cleave::solver::wide::pass::Pass;
 use bevy_cleave::solver::wide::prepare::{Source, fill};
 use glam::{Mat3, Vec3};
@@ -23,7 +23,7 @@ use std::cell::Cell;
 struct Scene {
     blocks: Vec<Block>,
     points: Vec<Point>,
-    ties: Vec<Tie>,
+    bond_constraints: Vec<BondConstraint>,
     bodies: Vec<SolverBody>,
 }
 
@@ -66,7 +66,7 @@ impl Scene {
                 angular: dice.vector(-1.0, 1.0),
                 unused: 0.0,
             });
-            solids.push(Solid::new(inverse_mass, &inertia, 1.0));
+            solids.push(BodyMass::new(inverse_mass, &inertia, 1.0));
         }
         let manifolds: Vec<_> = (0..WIDTH as u32)
             .map(|i| any_manifold(&mut dice, 2 * i))
@@ -84,23 +84,23 @@ impl Scene {
             slop: 0.0,
         };
         fill(&mut blocks, &mut points, source, LaneWidth::One);
-        let mut ties = vec![Tie::default(); MAX_POINTS];
+        let mut bond_constraints = vec![BondConstraint::default(); MAX_POINTS];
         for lane in 0..WIDTH {
             if dice.below(2) == 0 {
                 continue;
             }
-            for (tie, point) in ties.iter_mut().zip(&mut points) {
+            for (tie, point) in bond_constraints.iter_mut().zip(&mut points) {
                 tie.adhesion.0[lane] = dice.in_range(0.01, 0.5);
                 tie.shear.0[lane] = dice.in_range(0.01, 0.5);
-                tie.wanted[0].0[lane] = dice.in_range(-0.2, 0.2);
-                tie.wanted[1].0[lane] = dice.in_range(-0.2, 0.2);
-                point.wanted.0[lane] = dice.in_range(-2.0, 0.5);
+                tie.target_velocity[0].0[lane] = dice.in_range(-0.2, 0.2);
+                tie.target_velocity[1].0[lane] = dice.in_range(-0.2, 0.2);
+                point.target_velocity.0[lane] = dice.in_range(-2.0, 0.5);
             }
         }
         Self {
             blocks,
             points,
-            ties,
+            bond_constraints,
             bodies,
         }
     }
@@ -108,7 +108,7 @@ impl Scene {
     fn rows(&self) -> Vec<PointRows> {
         let lanes = 0..WIDTH;
         let rows = lanes.flat_map(|lane| {
-            let points = self.points.iter().zip(&self.ties);
+            let points = self.points.iter().zip(&self.bond_constraints);
             points.map(move |(point, tie)| point.rows(lane, &self.blocks[0], Some(tie), 0.0))
         });
         rows.collect()
@@ -116,11 +116,11 @@ impl Scene {
 
     fn sweep(&mut self, friction: FrictionModel, width: LaneWidth) {
         let cells = Cell::from_mut(self.bodies.as_mut_slice()).as_slice_of_cells();
-        let mut contacts = Contacts {
+        let mut contacts = ContactBlocks {
             blocks: &self.blocks,
             points: &mut self.points,
             first_point: 0,
-            blows: &[],
+            impacts: &[],
             bodies: cells,
             displacements: &[],
             friction,
@@ -131,7 +131,7 @@ impl Scene {
             softness: Softness::HARD,
             measure: false,
         };
-        contacts.pass_tied(pass, &mut [], &mut self.ties);
+        contacts.pass_bonded(pass, &mut [], &mut self.bond_constraints);
     }
 }
 
@@ -173,16 +173,16 @@ fn lanes_without_a_bond_get_the_bits_that_they_get_among_contacts() {
     for seed in 0..50 {
         let mut tied = Scene::new(seed);
         let free: Vec<_> = (0..WIDTH)
-            .filter(|&lane| tied.ties[0].adhesion.0[lane] == 0.0)
+            .filter(|&lane| tied.bond_constraints[0].adhesion.0[lane] == 0.0)
             .collect();
         let mut plain = Scene::new(seed);
-        plain.ties = vec![Tie::default(); MAX_POINTS];
+        plain.bond_constraints = vec![BondConstraint::default(); MAX_POINTS];
         let cells = Cell::from_mut(plain.bodies.as_mut_slice()).as_slice_of_cells();
-        let mut contacts = Contacts {
+        let mut contacts = ContactBlocks {
             blocks: &plain.blocks,
             points: &mut plain.points,
             first_point: 0,
-            blows: &[],
+            impacts: &[],
             bodies: cells,
             displacements: &[],
             friction: FrictionModel::Disc,

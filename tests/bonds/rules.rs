@@ -37,7 +37,7 @@ fn strengths_and_areas_that_are_no_positive_numbers_are_refused() {
         );
         let error = refused(&mut simulation, Bond::new(1.0, bad));
         assert!(matches!(error, Err(BondError::Area { .. })), "{error:?}");
-        let error = simulation.bond_neighbours(&slots, bad);
+        let error = simulation.bond_neighbors(&slots, bad);
         assert!(
             matches!(error, Err(BondError::Strength { .. })),
             "{error:?}"
@@ -60,7 +60,7 @@ fn bodies_that_are_missing_the_same_or_both_fixed_are_not_bonded() {
         Err(BondError::NothingMoves)
     );
     assert_eq!(
-        simulation.bond_neighbours(&[a, 77], 1.0),
+        simulation.bond_neighbors(&[a, 77], 1.0),
         Err(BondError::NoBody)
     );
     simulation.bodies.remove(b);
@@ -76,7 +76,7 @@ fn a_bond_in_place_of_another_has_the_strength_of_the_new_one() {
     simulation.bond(slots[1], slots[0], strong).expect("usable");
     assert_eq!(simulation.bonds.len(), 1);
     assert_eq!(first_break(&mut simulation, 60), None);
-    assert_eq!(simulation.bond_neighbours(&slots, 0.5 * WEIGHT), Ok(1));
+    assert_eq!(simulation.bond_neighbors(&slots, 0.5 * WEIGHT), Ok(1));
     assert_eq!(simulation.bonds.len(), 1);
     assert_eq!(first_break(&mut simulation, 60), Some(vec![[0, 1]]));
 }
@@ -138,7 +138,7 @@ fn a_bond_holds_what_was_bonded_with_an_overlap_or_a_gap_where_it_is() {
         let bond = Bond::new(5.0 * WEIGHT, 1.0);
         simulation.bond(slots[0], slots[1], bond).expect("usable");
         assert_eq!(first_break(&mut simulation, 300), None);
-        let moved = simulation.bodies.centre_of_mass(slots[1]) - at;
+        let moved = simulation.bodies.center_of_mass(slots[1]) - at;
         assert!(moved.length() < 1e-4, "moved by {moved}");
     }
 }
@@ -157,7 +157,7 @@ fn a_bond_takes_back_what_is_a_little_off_and_lets_go_of_what_was_torn_away() {
         simulation.bodies.set_pose(slots[1], aside).expect("usable");
         (0..30).for_each(|_| simulation.step(H));
         assert_eq!(simulation.bonds.len(), usize::from(holds), "{shift} m off");
-        let off = simulation.bodies.centre_of_mass(slots[1]).x;
+        let off = simulation.bodies.center_of_mass(slots[1]).x;
         let is_back = off < 0.1 * shift;
         assert_eq!(
             is_back, holds,

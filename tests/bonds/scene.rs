@@ -30,7 +30,7 @@ pub(crate) fn simulation(bodies: impl IntoIterator<Item = BodyDesc>) -> (Simulat
     (simulation, slots)
 }
 
-/// Unit cubes side by side `along` a unit vector from the origin, the first one fixed, and bonds between neighbours.
+/// Unit cubes side by side `along` a unit vector from the origin, the first one fixed, and bonds between neighbors.
 pub(crate) fn chain(count: usize, along: Vec3, bond: Bond) -> (Simulation, Vec<u32>) {
     let bodies = (0..=count).map(|i| {
         let at = i as f32 * along;
@@ -91,20 +91,20 @@ pub(crate) fn lintel(rows: usize, columns: usize) -> (Simulation, Vec<u32>) {
     (simulation, slots[2..].to_vec())
 }
 
-/// Bonds of a [`lintel`]: one for each brick and its neighbour in the row, and two with the row above but for the ends.
+/// Bonds of a [`lintel`]: one for each brick and its neighbor in the row, and two with the row above but for the ends.
 pub(crate) fn joints_of_lintel(rows: usize, columns: usize) -> usize {
     rows * (columns - 1) + (rows - 1) * (2 * columns - 1)
 }
 
-/// Centres of bodies, m.
-pub(crate) fn centres(simulation: &Simulation, slots: &[u32]) -> Vec<Vec3> {
-    let centre = |&slot: &u32| simulation.bodies.centre_of_mass(slot);
-    slots.iter().map(centre).collect()
+/// Centers of bodies, m.
+pub(crate) fn centers(simulation: &Simulation, slots: &[u32]) -> Vec<Vec3> {
+    let center = |&slot: &u32| simulation.bodies.center_of_mass(slot);
+    slots.iter().map(center).collect()
 }
 
 /// The longest way that a body has gone from where it was, m.
 pub(crate) fn farthest(simulation: &Simulation, slots: &[u32], from: &[Vec3]) -> f32 {
-    let now = centres(simulation, slots);
+    let now = centers(simulation, slots);
     let ways = now.iter().zip(from).map(|(a, b)| a.distance(*b));
     ways.fold(0.0, f32::max)
 }

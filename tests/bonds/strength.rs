@@ -16,7 +16,7 @@ fn square(strength: f32) -> Bond {
 fn a_cube_hangs_by_a_bond_that_bears_its_weight_and_falls_from_one_that_does_not() {
     let (mut simulation, slots) = chain(1, -Vec3::Y, square(1.05 * WEIGHT));
     assert_eq!(first_break(&mut simulation, LONG), None);
-    let sag = -1.0 - simulation.bodies.centre_of_mass(slots[1]).y;
+    let sag = -1.0 - simulation.bodies.center_of_mass(slots[1]).y;
     assert!(sag.abs() < 1e-4, "{sag} m");
 
     let (mut simulation, slots) = chain(1, -Vec3::Y, square(0.9 * WEIGHT));
@@ -88,7 +88,7 @@ fn momenta(simulation: &Simulation, slots: &[u32]) -> [DVec3; 2] {
     slots.iter().fold([DVec3::ZERO; 2], |[p, l], &slot| {
         let mass = bodies.mass(slot);
         let (v, omega) = bodies.velocity(slot);
-        let at = bodies.centre_of_mass(slot).as_dvec3();
+        let at = bodies.center_of_mass(slot).as_dvec3();
         let part = f64::from(mass.mass) * v.as_dvec3();
         // A cube has the same moment about every axis.
         let spin = f64::from(mass.principal.x) * omega.as_dvec3();
@@ -115,7 +115,7 @@ fn turning_pair(omega: f32, strength: f32) -> (Simulation, Vec<u32>) {
 fn a_turning_pair_comes_apart_when_the_bond_cannot_bear_what_keeps_it_on_its_circle() {
     let omega = 2.0_f32;
     let needed = 1000.0 * 0.5 * omega * omega;
-    // Half as much again for the way back to the circle, see `ties`.
+    // Half as much again for the way back to the circle, see `bond_constraints`.
     let (mut simulation, slots) = turning_pair(omega, 1.6 * needed);
     assert_eq!(first_break(&mut simulation, LONG), None);
     let (_, w) = simulation.bodies.velocity(slots[0]);
@@ -125,7 +125,7 @@ fn a_turning_pair_comes_apart_when_the_bond_cannot_bear_what_keeps_it_on_its_cir
     let (mut simulation, slots) = turning_pair(omega, 0.9 * needed);
     assert!(first_break(&mut simulation, 60).is_some());
     (0..60).for_each(|_| simulation.step(H));
-    let [a, b] = [0, 1].map(|i| simulation.bodies.centre_of_mass(slots[i]));
+    let [a, b] = [0, 1].map(|i| simulation.bodies.center_of_mass(slots[i]));
     assert!(a.distance(b) > 1.5, "they fly apart: {}", a.distance(b));
 }
 

@@ -1,7 +1,7 @@
 //! Walls of bonded bricks.
 
 use crate::scene::{
-    H, bits, centres, chain, farthest, first_break, joints_of_lintel, lintel, simulation,
+    H, bits, centers, chain, farthest, first_break, joints_of_lintel, lintel, simulation,
 };
 use allocation_counter::measure;
 use bevy_cleave::prelude::*;
@@ -12,7 +12,7 @@ const MORTAR: f32 = 2e5;
 
 fn bonded_lintel(rows: usize, columns: usize, strength: f32) -> (Simulation, Vec<u32>) {
     let (mut simulation, slots) = lintel(rows, columns);
-    let made = simulation.bond_neighbours(&slots, strength);
+    let made = simulation.bond_neighbors(&slots, strength);
     assert_eq!(made, Ok(joints_of_lintel(rows, columns)));
     (simulation, slots)
 }
@@ -20,9 +20,9 @@ fn bonded_lintel(rows: usize, columns: usize, strength: f32) -> (Simulation, Vec
 #[test]
 fn a_bonded_wall_spans_a_gap_for_ten_seconds_without_sag_or_creep() {
     let (mut simulation, slots) = bonded_lintel(10, 10, MORTAR);
-    let start = centres(&simulation, &slots);
+    let start = centers(&simulation, &slots);
     assert_eq!(first_break(&mut simulation, 300), None);
-    let half_way = centres(&simulation, &slots);
+    let half_way = centers(&simulation, &slots);
     assert_eq!(first_break(&mut simulation, 300), None);
     let sag = farthest(&simulation, &slots, &start);
     assert!(sag < 1e-3, "{sag} m");
@@ -33,7 +33,7 @@ fn a_bonded_wall_spans_a_gap_for_ten_seconds_without_sag_or_creep() {
 #[test]
 fn without_bonds_the_same_wall_falls_into_the_gap() {
     let (mut simulation, slots) = lintel(10, 10);
-    let start = centres(&simulation, &slots);
+    let start = centers(&simulation, &slots);
     (0..120).for_each(|_| simulation.step(H));
     assert!(farthest(&simulation, &slots, &start) > 1.0);
 }
@@ -61,7 +61,7 @@ fn wall_and_ball(speed: f32) -> (Simulation, Vec<u32>) {
     ball.density = 200.0 / (4.0 / 3.0 * std::f32::consts::PI * 0.027);
     ball.linear_velocity = Vec3::new(0.0, 0.0, -speed);
     simulation.bodies.insert(ball).expect("usable");
-    let made = simulation.bond_neighbours(&slots, MORTAR);
+    let made = simulation.bond_neighbors(&slots, MORTAR);
     assert_eq!(made, Ok(joints_of_lintel(8, 8)));
     (simulation, slots)
 }
@@ -69,14 +69,14 @@ fn wall_and_ball(speed: f32) -> (Simulation, Vec<u32>) {
 #[test]
 fn a_ball_cracks_a_wall_along_its_bonds_and_the_pieces_come_apart() {
     let (mut simulation, slots) = wall_and_ball(20.0);
-    let start = centres(&simulation, &slots);
+    let start = centers(&simulation, &slots);
     let bonds = simulation.bonds.len();
     (0..120).for_each(|_| simulation.step(H));
     let broken = bonds - simulation.bonds.len();
     assert!(broken > 10, "{broken} of {bonds} bonds broke");
     assert!(!simulation.bonds.is_empty(), "part of the wall holds");
     assert!(simulation.fractures.done.is_empty(), "nothing was cut");
-    let ways = centres(&simulation, &slots).into_iter().zip(&start);
+    let ways = centers(&simulation, &slots).into_iter().zip(&start);
     let gone = ways
         .filter(|(now, then)| now.distance(**then) > 0.5)
         .count();
@@ -87,7 +87,7 @@ fn a_ball_cracks_a_wall_along_its_bonds_and_the_pieces_come_apart() {
         let (Some(p), Some(q)) = (first(a), first(b)) else {
             panic!("bonds join bricks");
         };
-        let [now_a, now_b] = [a, b].map(|slot| simulation.bodies.centre_of_mass(slot));
+        let [now_a, now_b] = [a, b].map(|slot| simulation.bodies.center_of_mass(slot));
         let stretch = (now_a.distance(now_b) - p.distance(q)).abs();
         assert!(stretch < 0.01, "a bond is stretched by {stretch} m");
     }
@@ -124,14 +124,14 @@ fn the_exact_method_finds_the_static_load_of_a_cantilever() {
     (0..120).for_each(|_| simulation.step(H));
     let error = simulation.report.error.expect("asked for").residual;
     assert!(error.relative < 1e-4, "{error:?}");
-    assert!(simulation.report.capped.is_empty());
+    assert!(simulation.report.unconverged.is_empty());
     let root = simulation.contacts.manifolds().get(0).expect("they touch");
     let moment: f32 = root
         .points()
         .iter()
         .map(|p| (p.anchor_a.y + 0.5) * -p.normal_impulse)
         .sum();
-    // About the lower edge of the face: three cubes with their centre 1.5 m from it.
+    // About the lower edge of the face: three cubes with their center 1.5 m from it.
     let expected = 3.0 * crate::scene::WEIGHT * 1.5 * H;
     assert!(
         (moment / expected - 1.0).abs() < 0.01,
@@ -185,7 +185,7 @@ fn simulation_in_flight() -> (Simulation, Vec<u32>) {
     });
     let (mut simulation, slots) = simulation(bodies);
     simulation.gravity = Gravity(Vec3::ZERO);
-    simulation.bond_neighbours(&slots, 1e6).expect("usable");
+    simulation.bond_neighbors(&slots, 1e6).expect("usable");
     (simulation, slots)
 }
 
@@ -204,7 +204,7 @@ fn a_bonded_stick_tumbles_as_one_body() {
     let change = energy(&simulation) / before - 1.0;
     assert!(change < 1e-3, "gains {change} of its energy");
     assert!(change > -0.2, "loses {change} of its energy in 5 s");
-    let at = centres(&simulation, &slots);
+    let at = centers(&simulation, &slots);
     let length = at[0].distance(at[3]);
     // None of the three bonds is stretched by what would break one.
     let most = 3.0 * bevy_cleave::fracture::bonds::BREAKING_SHARE;

@@ -93,9 +93,10 @@ pub(crate) fn assert_edge_is_bad(name: &str, mesh: &TriMesh, error: &MeshError) 
     );
     let number = |vertex: u32| mesh.topology()[vertex as usize];
     let [from, to] = [from, to].map(number);
-    let count = |wanted: [u32; 2]| {
+    let count = |target_velocity: [u32; 2]| {
         let all = mesh.triangles().iter().flat_map(|&t| edges(t));
-        all.filter(|edge| edge.map(number) == wanted).count()
+        all.filter(|edge| edge.map(number) == target_velocity)
+            .count()
     };
     let (along, against) = (count([from, to]), count([to, from]));
     match error {

@@ -11,7 +11,7 @@ fn breakable(strength: f32, pattern: FracturePattern, seed: usize) -> Option<Fra
         strength,
         pattern,
         seed: seed as u64,
-        least_volume: 1e-3,
+        min_volume: 1e-3,
         ..Default::default()
     })
 }
@@ -148,7 +148,7 @@ pub(crate) fn large_breaking() -> Vec<BodyDesc> {
 /// Bonds the cubes of [`large_breaking`] that lie in its upper layers.
 pub(crate) fn bond_corner(simulation: &mut Simulation, slots: &[u32]) {
     let upper = &slots[1 + 3 * SIDE * SIDE..1 + LAYERS * SIDE * SIDE];
-    let made = simulation.bond_neighbours(upper, 2e5);
+    let made = simulation.bond_neighbors(upper, 2e5);
     assert!(made.is_ok_and(|made| made > 500), "{made:?}");
 }
 
@@ -196,7 +196,7 @@ pub(crate) fn bonded_wall() -> Vec<BodyDesc> {
 /// Bonds the bricks of a [`bonded_wall`].
 pub(crate) fn bond_wall(simulation: &mut Simulation, slots: &[u32]) {
     let bricks = &slots[1..=7 * 8];
-    let made = simulation.bond_neighbours(bricks, 5e5);
+    let made = simulation.bond_neighbors(bricks, 5e5);
     assert!(made.is_ok_and(|made| made > 100), "{made:?}");
 }
 

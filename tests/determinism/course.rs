@@ -128,7 +128,7 @@ pub(crate) struct Events {
     pub(crate) moving: usize,
     /// Fastest body at the end of any step, m/s.
     pub(crate) top_speed: f32,
-    /// Lowest centre of mass at the end, m.
+    /// Lowest center of mass at the end, m.
     pub(crate) lowest: f32,
     /// Largest change of a body's angular velocity since the first step, rad/s.
     pub(crate) tumble: f32,
@@ -190,7 +190,7 @@ impl Watch {
             let speed = bodies.velocity(slot).0.length();
             self.events.speed = self.events.speed.max(speed);
             self.events.moving += usize::from(speed > 0.5);
-            self.events.lowest = self.events.lowest.min(bodies.centre_of_mass(slot).y);
+            self.events.lowest = self.events.lowest.min(bodies.center_of_mass(slot).y);
         }
         Hashes {
             state: hash_of_state(bodies, &slots),
@@ -309,7 +309,7 @@ impl Watch {
             hash.count(island.bodies.len());
             hash.count(island.contacts);
             hash.count(island.effort.sweeps as usize);
-            hash.count(usize::from(island.effort.hit_cap));
+            hash.count(usize::from(island.effort.is_unconverged));
         }
     }
 

@@ -103,7 +103,7 @@ impl Scene {
     pub(crate) fn config(self) -> SolverConfig {
         let mut config = SolverConfig::default();
         match self {
-            Self::BreakingPile => (config.max_substeps, config.spare_updates) = (8, 1000),
+            Self::BreakingPile => (config.max_substeps, config.max_extra_updates) = (8, 1000),
             Self::Sleep => config.sleep = SleepConfig::on(),
             Self::Paper => {
                 config = SolverConfig::paper();
@@ -114,8 +114,8 @@ impl Scene {
                 config.friction_model = FrictionModel::Box;
             }
             Self::Exact => config = SolverConfig::exact(),
-            Self::TowerKept | Self::HeapKept => config.order = ContactOrder::Kept,
-            Self::TowerColored | Self::HeapColored => config.order = ContactOrder::Coloured,
+            Self::TowerKept | Self::HeapKept => config.order = ContactOrder::Ordered,
+            Self::TowerColored | Self::HeapColored => config.order = ContactOrder::Colored,
             Self::SquareFriction => {
                 config.friction_model = FrictionModel::Box;
                 config.measure_error = true;

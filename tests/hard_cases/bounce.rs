@@ -5,7 +5,7 @@ use crate::support::{G, H, energy, kinetic_energy, momentum, run, simulation, st
 use bevy_cleave::prelude::*;
 use glam::Vec3;
 
-/// A cube, and an octahedron that stands on a corner: four contact points and one; with the height of its centre.
+/// A cube, and an octahedron that stands on a corner: four contact points and one; with the height of its center.
 fn bouncers() -> [(&'static str, ConvexMesh); 2] {
     let corners = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| [0.5 * axis, -0.5 * axis]);
     let octahedron = ConvexMesh::from_points(&corners.concat()).expect("valid size");
@@ -43,7 +43,7 @@ fn drop_from_one_metre(shape: &ConvexMesh, e: f32, seconds: f64) -> Bounces {
         simulation.step(H);
         let (v, omega) = simulation.bodies.velocity(1);
         let (height, speed) = (
-            f64::from(simulation.bodies.centre_of_mass(1).y) - 0.5,
+            f64::from(simulation.bodies.center_of_mass(1).y) - 0.5,
             f64::from(v.y),
         );
         if last_speed > 0.0 && speed <= 0.0 {

@@ -31,10 +31,10 @@ impl Range {
     }
 
     fn place(&self) -> Vec3 {
-        self.simulation.bodies.centre_of_mass(self.bullet)
+        self.simulation.bodies.center_of_mass(self.bullet)
     }
 
-    /// Whether the bullet's centre was ever beyond the middle of the wall within `steps`.
+    /// Whether the bullet's center was ever beyond the middle of the wall within `steps`.
     fn passes(&mut self, steps: usize) -> bool {
         (0..steps).any(|_| {
             self.simulation.step(H);

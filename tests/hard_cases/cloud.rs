@@ -48,7 +48,7 @@ fn totals(simulation: &Simulation) -> Totals {
         let (v, omega) = bodies.velocity(slot);
         let mass = bodies.mass(slot);
         let momentum = f64::from(mass.mass) * v.as_dvec3();
-        let orbit = bodies.centre_of_mass(slot).as_dvec3().cross(momentum);
+        let orbit = bodies.center_of_mass(slot).as_dvec3().cross(momentum);
         // Of a cube: one moment about all axes.
         let spin = f64::from(mass.principal.x) * omega.as_dvec3();
         totals.momentum += momentum;

@@ -40,7 +40,7 @@ fn stand(offset: Vec3) -> Outcome {
         bodies
             .iter()
             .skip(1)
-            .map(|b| bodies.centre_of_mass(b))
+            .map(|b| bodies.center_of_mass(b))
             .collect()
     };
     let farthest = |a: &[Vec3], b: &[Vec3]| {
@@ -112,9 +112,9 @@ fn slide(tilt_deg: f32, offset: Vec3) -> f32 {
     desc.pose.rotation = rotation;
     let slot = add(&mut simulation, desc);
     (0..60).for_each(|_| simulation.step(H));
-    let settled = simulation.bodies.centre_of_mass(slot);
+    let settled = simulation.bodies.center_of_mass(slot);
     (0..600).for_each(|_| simulation.step(H));
-    simulation.bodies.centre_of_mass(slot).distance(settled)
+    simulation.bodies.center_of_mass(slot).distance(settled)
 }
 
 /// Hard for the same reason: what sticks must not creep from rounding, what slides must not be held by it. The slope

@@ -10,7 +10,7 @@ use glam::{DVec3, Vec3};
 fn free_fall_is_exact() {
     let mut simulation = simulation([block(&cuboid(Vec3::ONE), Vec3::ZERO, 0.5)]);
     run(&mut simulation, 2.0);
-    let fallen = -f64::from(simulation.bodies.centre_of_mass(0).y);
+    let fallen = -f64::from(simulation.bodies.center_of_mass(0).y);
     let error = fallen / (2.0 * G) - 1.0;
     println!("case 3: fell {fallen:.5} m in 2 s, {error:+.1e}");
     assert!(error.abs() < 1e-5, "fell {fallen} m, not {} m", 2.0 * G);
@@ -25,7 +25,7 @@ fn projectile_is_exact() {
     let mut simulation = simulation([shot]);
     run(&mut simulation, 2.0);
     let exact = 2.0 * speed - 2.0 * G * DVec3::Y;
-    let error = (simulation.bodies.centre_of_mass(0).as_dvec3() - exact).length() / exact.length();
+    let error = (simulation.bodies.center_of_mass(0).as_dvec3() - exact).length() / exact.length();
     println!("case 3: projectile {error:.1e} off");
     assert!(error < 1e-5, "{error} off {exact}");
 }

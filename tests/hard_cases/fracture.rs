@@ -29,7 +29,7 @@ fn totals(simulation: &Simulation, about: DVec3) -> Totals {
         let frame = (bodies.pose(slot).rotation * mass.principal_frame).as_dquat();
         let axes = DMat3::from_quat(frame.normalize());
         let own = axes * DMat3::from_diagonal(mass.principal.as_dvec3()) * axes.transpose();
-        let d = bodies.centre_of_mass(slot).as_dvec3() - about;
+        let d = bodies.center_of_mass(slot).as_dvec3() - about;
         let (v, omega) = bodies.velocity(slot);
         let (v, omega) = (v.as_dvec3(), omega.as_dvec3());
         totals.mass += m;
@@ -66,13 +66,13 @@ fn body_cut_into_fifty_moving_pieces_loses_nothing() {
     desc.linear_velocity = Vec3::new(3.0, 1.0, -2.0);
     desc.angular_velocity = Vec3::new(2.0, -5.0, 1.0);
     let mut simulation = weightless([desc]);
-    let centre = simulation.bodies.centre_of_mass(0);
+    let center = simulation.bodies.center_of_mass(0);
     for _ in 0..10 {
-        let plane = Plane::through(centre + 0.2 * dice.vector(-1.0, 1.0), dice.direction());
+        let plane = Plane::through(center + 0.2 * dice.vector(-1.0, 1.0), dice.direction());
         simulation.slice(0, plane).expect("a body");
     }
     weigh(&mut simulation);
-    let about = centre.as_dvec3();
+    let about = center.as_dvec3();
     let before = totals(&simulation, about);
     let settings = simulation.settings(H);
     step::cut(
@@ -237,7 +237,7 @@ fn column() -> Simulation {
     simulation
 }
 
-/// Hard because it leaves two columns ten cubes high, one of them 0.3 of a cube thick: slender, but each with its centre
+/// Hard because it leaves two columns ten cubes high, one of them 0.3 of a cube thick: slender, but each with its center
 /// of mass over its base, so both stay within 5 mm.
 #[test]
 fn column_cut_by_a_vertical_plane_stays_as_two_columns() {

@@ -13,7 +13,7 @@ fn weightless() -> Simulation {
     }
 }
 
-/// Hard because feedback on an overlap of half a metre asks for 6 m/s (beta d / h), which is 18 J for each kilogram: an
+/// Hard because bias on an overlap of half a metre asks for 6 m/s (beta d / h), which is 18 J for each kilogram: an
 /// explosion. With a cap on the push-out speed they part in 0.5 m / cap + 0.1 s, and then stand.
 #[test]
 fn two_overlapping_cubes_part_at_the_push_out_speed_and_stand() {
@@ -28,7 +28,7 @@ fn two_overlapping_cubes_part_at_the_push_out_speed_and_stand() {
         let [a, b] = cubes.map(|slot| simulation.bodies.velocity(slot).0);
         speed = a.distance(b);
         fastest = fastest.max(speed);
-        let [a, b] = cubes.map(|slot| simulation.bodies.centre_of_mass(slot));
+        let [a, b] = cubes.map(|slot| simulation.bodies.center_of_mass(slot));
         if a.distance(b) > 0.99 {
             parted.get_or_insert(f32::from(step) * H);
         }
@@ -45,7 +45,7 @@ fn two_overlapping_cubes_part_at_the_push_out_speed_and_stand() {
     assert!(speed < 0.1, "go on at {speed} m/s");
 }
 
-/// The centres of 27 unit cubes half overlapped.
+/// The centers of 27 unit cubes half overlapped.
 fn lattice() -> impl Iterator<Item = Vec3> {
     (0..27_u8)
         .map(|i| 0.5 * Vec3::new(f32::from(i % 3), f32::from(i / 3 % 3), f32::from(i / 9)) - 0.5)
@@ -89,7 +89,7 @@ fn twenty_seven_overlapping_cubes_in_a_box_do_not_explode() {
     assert!(overlap < 0.02, "still {overlap} m of overlap");
     let within = cubes
         .iter()
-        .all(|&c| simulation.bodies.centre_of_mass(c).abs().max_element() < 2.0);
+        .all(|&c| simulation.bodies.center_of_mass(c).abs().max_element() < 2.0);
     assert!(within, "a cube left the box");
 }
 
@@ -122,7 +122,7 @@ fn row_squeezed_between_walls_stays_where_it_is() {
     let places = |simulation: &Simulation| -> Vec<Vec3> {
         cubes
             .iter()
-            .map(|&c| simulation.bodies.centre_of_mass(c))
+            .map(|&c| simulation.bodies.center_of_mass(c))
             .collect()
     };
     weigh(&mut simulation);

@@ -44,7 +44,7 @@ impl Rolling {
         (gain / (1.0 - self.kept * self.kept)).sqrt()
     }
 
-    /// How hard the edge is pressed along the line to the centre just before an impact, per unit of mass, m/s2. Negative
+    /// How hard the edge is pressed along the line to the center just before an impact, per unit of mass, m/s2. Negative
     /// means that the edge would have to pull, and that the body flies instead.
     fn least_pressure(&self) -> f64 {
         G * (self.slope + self.half_angle).cos() - self.limit_rate().powi(2)
@@ -65,7 +65,7 @@ impl Rolling {
                 way += self.side();
             }
         }
-        // The centre is ahead of the edge by sin(phi).
+        // The center is ahead of the edge by sin(phi).
         way + phi.sin() + self.half_angle.sin()
     }
 
@@ -125,11 +125,11 @@ fn rolling_prisms_settle_at_the_speeds_of_the_formula() {
         let exact = Rolling::new(sides, degrees);
         assert!(exact.least_pressure() > 0.0, "the formula holds: {exact:?}");
         let before = exact.limit_rate();
-        let wanted = [before, exact.kept * before, exact.side() / exact.period()];
+        let target_velocity = [before, exact.kept * before, exact.side() / exact.period()];
         let found = limit_cycle(sides, degrees);
-        let errors = [0, 1, 2].map(|i| found[i] / wanted[i] - 1.0);
+        let errors = [0, 1, 2].map(|i| found[i] / target_velocity[i] - 1.0);
         println!(
-            "case 15: {sides} sides at {degrees} degrees: before, after, speed {wanted:.5?}: {errors:+.4?} off"
+            "case 15: {sides} sides at {degrees} degrees: before, after, speed {target_velocity:.5?}: {errors:+.4?} off"
         );
         errors
     });
@@ -143,11 +143,11 @@ fn rolling_prisms_settle_at_the_speeds_of_the_formula() {
 #[test]
 fn prism_of_64_sides_rolls_almost_as_a_cylinder() {
     let mut simulation = simulation(rolling_prism(64, 10.0, 0.0));
-    let start = simulation.bodies.centre_of_mass(1);
+    let start = simulation.bodies.center_of_mass(1);
     for _ in 0..240 {
         simulation.step(STEP);
     }
-    let way = f64::from((simulation.bodies.centre_of_mass(1) - start).dot(downhill(10.0, 0.0)));
+    let way = f64::from((simulation.bodies.center_of_mass(1) - start).dot(downhill(10.0, 0.0)));
     let exact = Rolling::new(64, 10.0).way_from_rest(1.0);
     let error = way / exact - 1.0;
     println!(

@@ -21,14 +21,14 @@ fn stack(size: f32) -> Simulation {
 }
 
 /// How the cubes moved from their places in 600 steps of `h` (s), in units of `size`, and the deepest overlap.
-fn settle(size: f32, h: f32) -> (Vec<Vec3>, f32) {
+fn request_sleep(size: f32, h: f32) -> (Vec<Vec3>, f32) {
     let mut simulation = stack(size);
     let places = |simulation: &Simulation| -> Vec<Vec3> {
         let bodies = &simulation.bodies;
         bodies
             .iter()
             .skip(1)
-            .map(|b| bodies.centre_of_mass(b) / size)
+            .map(|b| bodies.center_of_mass(b) / size)
             .collect()
     };
     let before = places(&simulation);
@@ -50,11 +50,11 @@ fn farthest(moved: &[Vec3]) -> f32 {
 /// Sizes and steps are powers of two, so that scaling itself rounds nothing.
 #[test]
 fn stacks_of_all_sizes_are_one_problem_in_scaled_time() {
-    let (unit, overlap) = settle(1.0, H);
+    let (unit, overlap) = request_sleep(1.0, H);
     assert!(farthest(&unit) < 0.005, "moved {}", farthest(&unit));
     for root in [1.0 / 16.0, 1.0 / 8.0, 1.0 / 2.0, 2.0, 8.0, 16.0] {
         let size = root * root;
-        let (moved, deepest) = settle(size, root * H);
+        let (moved, deepest) = request_sleep(size, root * H);
         let apart = moved.iter().zip(&unit).map(|(a, b)| a.distance(*b));
         // An exact solver leaves the stack where it is.
         let apart = apart.fold(0.0, f32::max) / farthest(&unit).max(1e-6);
@@ -76,7 +76,7 @@ fn stacks_of_all_sizes_are_one_problem_in_scaled_time() {
 fn stacks_from_10_cm_to_100_m_stand_at_the_same_step() {
     let mut least = f32::INFINITY;
     for size in [100.0_f32, 10.0, 1.0, 0.1, 0.05, 0.02, 0.01] {
-        let (moved, deepest) = settle(size, H);
+        let (moved, deepest) = request_sleep(size, H);
         let moved = farthest(&moved);
         println!(
             "23 stack of 10, side {size} m, h 1/60: moved {moved:.2e} and overlaps {deepest:.2e} of the side"

@@ -11,7 +11,7 @@ fn stop(config: SolverConfig, heading: f64) -> f64 {
     run(&mut simulation, 3.0);
     let (v, _) = simulation.bodies.velocity(1);
     assert!(v.length() < 1e-3, "still slides at {v}");
-    let way = simulation.bodies.centre_of_mass(1) - 0.5 * Vec3::Y;
+    let way = simulation.bodies.center_of_mass(1) - 0.5 * Vec3::Y;
     f64::from(way.length())
 }
 

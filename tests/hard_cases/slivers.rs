@@ -41,14 +41,14 @@ fn crossed_pile(edges: Vec3, layers: u8) -> Simulation {
     simulation
 }
 
-/// Largest angular velocity (rad/s) of any body in 10 s, and how far any centre ended from its start, m.
+/// Largest angular velocity (rad/s) of any body in 10 s, and how far any center ended from its start, m.
 fn unrest(simulation: &mut Simulation) -> [f32; 2] {
     let places = |simulation: &Simulation| -> Vec<Vec3> {
         let bodies = &simulation.bodies;
         bodies
             .iter()
             .skip(1)
-            .map(|b| bodies.centre_of_mass(b))
+            .map(|b| bodies.center_of_mass(b))
             .collect()
     };
     let before = places(simulation);
@@ -106,7 +106,7 @@ fn drop(edges: Vec3) -> [f64; 2] {
         assert!(now.is_finite(), "energy {now}");
         most = most.max(now / before);
     }
-    let height = simulation.bodies.centre_of_mass(slot).y;
+    let height = simulation.bodies.center_of_mass(slot).y;
     [most, f64::from(height)]
 }
 

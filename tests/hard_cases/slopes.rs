@@ -18,7 +18,7 @@ fn slide(degrees: f64, heading: f64, seconds: f64) -> [(f64, f64); 2] {
     let down = downhill(degrees, heading);
     [1.0, seconds].map(|seconds| {
         run(&mut simulation, seconds);
-        let way = (simulation.bodies.centre_of_mass(1) - start).dot(down);
+        let way = (simulation.bodies.center_of_mass(1) - start).dot(down);
         let speed = simulation.bodies.velocity(1).0.dot(down);
         (f64::from(way), f64::from(speed))
     })
@@ -121,7 +121,7 @@ fn bar_in_a_groove_stops_where_two_inclined_faces_stop_it() {
     run(&mut simulation, 2.0);
     let config = SolverConfig::default();
     let exact = discrete_stop(3.0, 0.3 * G * 2.0_f64.sqrt(), substep(&config, H));
-    let place = simulation.bodies.centre_of_mass(2);
+    let place = simulation.bodies.center_of_mass(2);
     let error = f64::from(place.x) / exact - 1.0;
     println!(
         "case 16: stops after {:.5} m, {error:+.1e} of {exact:.5}; aside {:.1e} m",

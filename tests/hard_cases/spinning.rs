@@ -12,7 +12,7 @@ fn yaw(rotation: Quat) -> f64 {
 }
 
 /// A unit cube, mu 0.5, spinning about the vertical at 5 rad/s on the floor: braking in the first ten steps (rad/s2),
-/// turn until it stands (rad), and how far its centre went (m).
+/// turn until it stands (rad), and how far its center went (m).
 fn spin_down(friction_model: FrictionModel) -> [f64; 3] {
     let mut simulation = with_floor(0.5);
     simulation.config.friction_model = friction_model;
@@ -24,7 +24,7 @@ fn spin_down(friction_model: FrictionModel) -> [f64; 3] {
     let braking = (5.0 - omega(&simulation)) / (10.0 * f64::from(H));
     (0..50).for_each(|_| simulation.step(H));
     assert!(omega(&simulation).abs() < 1e-3, "still turning");
-    let drift = simulation.bodies.centre_of_mass(cube) - 0.5 * Vec3::Y;
+    let drift = simulation.bodies.center_of_mass(cube) - 0.5 * Vec3::Y;
     [
         braking,
         yaw(simulation.bodies.pose(cube).rotation),
@@ -46,14 +46,14 @@ fn spinning_cube_is_braked_at_its_four_corners() {
         (turn / 0.60067 - 1.0).abs() < 0.03,
         "{turn} rad instead of 0.60067"
     );
-    assert!(drift < 1e-3, "the centre went {drift} m");
+    assert!(drift < 1e-3, "the center went {drift} m");
 }
 
 /// Tilt of the disc of the next test, rad: 20 degrees.
 const TILT_RAD: f32 = 0.349_065_85;
 
 /// A 64-sided disc of radius 0.5 m that rolls steadily on its rim: lowest point at rest, precession
-/// `sqrt(4 g / (a sin tilt))` = 15.148 rad/s for a centre that stays where it is.
+/// `sqrt(4 g / (a sin tilt))` = 15.148 rad/s for a center that stays where it is.
 fn rolling_disc() -> (Simulation, u32) {
     let (radius, half_thickness) = (0.5, 0.005);
     let mut simulation = with_floor(1.0);

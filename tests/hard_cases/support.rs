@@ -111,7 +111,7 @@ pub(crate) fn energy(simulation: &Simulation) -> f64 {
     let bodies = &simulation.bodies;
     let potential = |slot: u32| {
         let weight = f64::from(bodies.mass(slot).mass) * simulation.gravity.0.as_dvec3();
-        -weight.dot(bodies.centre_of_mass(slot).as_dvec3())
+        -weight.dot(bodies.center_of_mass(slot).as_dvec3())
     };
     kinetic_energy(simulation) + movable(simulation).into_iter().map(potential).sum::<f64>()
 }
@@ -122,7 +122,7 @@ pub(crate) fn momentum(simulation: &Simulation, slot: u32) -> DVec3 {
     f64::from(bodies.mass(slot).mass) * bodies.velocity(slot).0.as_dvec3()
 }
 
-/// Angular momentum of one body about its centre of mass, world axes, kg m2/s.
+/// Angular momentum of one body about its center of mass, world axes, kg m2/s.
 pub(crate) fn spin(simulation: &Simulation, slot: u32) -> DVec3 {
     let bodies = &simulation.bodies;
     let mass = bodies.mass(slot);
@@ -134,8 +134,8 @@ pub(crate) fn spin(simulation: &Simulation, slot: u32) -> DVec3 {
 
 /// Angular momentum of one body about the world's origin, kg m2/s.
 pub(crate) fn angular_momentum(simulation: &Simulation, slot: u32) -> DVec3 {
-    let centre = simulation.bodies.centre_of_mass(slot).as_dvec3();
-    spin(simulation, slot) + centre.cross(momentum(simulation, slot))
+    let center = simulation.bodies.center_of_mass(slot).as_dvec3();
+    spin(simulation, slot) + center.cross(momentum(simulation, slot))
 }
 
 /// Distance that a body slides until friction stops it, by semi-implicit Euler with steps of `h` seconds:

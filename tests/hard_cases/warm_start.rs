@@ -83,7 +83,7 @@ fn known(bodies: &Bodies, m: &ManifoldHead, point: &ContactPoint) -> Known {
     let anchors = [point.anchor_a - half_gap, point.anchor_b + half_gap];
     let places = [0, 1].map(|k| {
         let to_body = bodies.pose(slots[k]).rotation.inverse();
-        rotate(to_body, anchors[k]) + bodies.mass(slots[k]).centre
+        rotate(to_body, anchors[k]) + bodies.mass(slots[k]).center
     });
     let features = [0, 1].map(|k| match bodies.convex(slots[k]) {
         Some(mesh) => feature_at(mesh.hull(), places[k]),
@@ -369,7 +369,7 @@ fn paper(sweeps: u32) -> SolverConfig {
     }
 }
 
-/// The default with `sweeps` sweeps in all: each sub-step has one with and one without position feedback.
+/// The default with `sweeps` sweeps in all: each sub-step has one with and one without position bias.
 fn soft(sweeps: u32) -> SolverConfig {
     SolverConfig {
         substeps: sweeps / 2,

@@ -188,7 +188,7 @@ pub(crate) fn check_part(part: &ConvexHull, root: f64) {
     let kept = VolumeIntegrals::of_hull(part);
     let fresh = volume_integrals(part.vertices(), part.triangles());
     assert!(kept.volume > 0.0 && kept.volume.is_finite());
-    // Both sums have roundings of numbers of the size of the part, or 64 times that; see `LEAST_SHARE`.
+    // Both sums have roundings of numbers of the size of the part, or 64 times that; see `MIN_SHARE`.
     let box_volume: f64 = part.aabb().extents().as_dvec3().to_array().iter().product();
     let size = f64::from(part.aabb().diagonal());
     let scale = kept.volume.max(box_volume);
@@ -210,9 +210,9 @@ pub(crate) fn check_part(part: &ConvexHull, root: f64) {
 /// point of the plane, about which the cap has no volume.
 fn volumes(hull: &ConvexHull, plane: &Plane) -> [f64; 2] {
     let normal = plane.normal.as_dvec3();
-    let centre = hull.aabb().centre().as_dvec3();
+    let center = hull.aabb().center().as_dvec3();
     let height = |p: DVec3| normal.dot(p) - f64::from(plane.offset);
-    let apex = centre - height(centre) / normal.length_squared() * normal;
+    let apex = center - height(center) / normal.length_squared() * normal;
     [-1.0, 1.0].map(|sign| {
         let mut six_volumes = 0.0;
         for corners in hull.triangles() {

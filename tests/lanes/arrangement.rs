@@ -1,52 +1,52 @@
-//! Arrangements are kept as long as nothing that they rest on changes, and domains that are solved side by side share no body.
+//! Arrangements are kept as long as nothing that they rest on changes, and subdomains that are solved side by side share no body.
 
 use crate::dice::Dice;
 use crate::properties::cases;
 use bevy_cleave::solver::config::ContactOrder;
-use bevy_cleave::solver::graph::indices::Place;
-use bevy_cleave::solver::graph::lane_assignment::{Arrangement, Joint, Rule};
-use bevy_cleave::solver::graph::partition::{Domains, leaves, stages};
+use bevy_cleave::solver::graph::indices::LaneSlot;
+use bevy_cleave::solver::graph::lane_assignment::{AssignmentRule, ContactEdge, LaneAssignment};
+use bevy_cleave::solver::graph::partition::{Partition, leaves, stages};
 use glam::Vec3;
 use proptest::prelude::*;
 use std::ops::Range;
 
-fn outcome(arrangement: &Arrangement) -> (Vec<Place>, Vec<Range<usize>>, Vec<u16>) {
+fn outcome(arrangement: &LaneAssignment) -> (Vec<LaneSlot>, Vec<Range<usize>>, Vec<u16>) {
     (
         arrangement.places().to_vec(),
-        arrangement.domains().collect(),
+        arrangement.subdomains().collect(),
         arrangement.points_of_blocks().to_vec(),
     )
 }
 
 /// A joint and its domain.
-type Sorted = (u32, Joint);
+type Sorted = (u32, ContactEdge);
 
-fn arrange(arrangement: &mut Arrangement, joints: &[Sorted], rule: Rule) {
-    let domains = joints.iter().map(|(domain, _)| *domain);
-    arrangement.arrange(domains, |at| joints[at].1, rule, None);
+fn arrange(arrangement: &mut LaneAssignment, joints: &[Sorted], rule: AssignmentRule) {
+    let subdomains = joints.iter().map(|(domain, _)| *domain);
+    arrangement.arrange(subdomains, |at| joints[at].1, rule, None);
 }
 
 fn random_joint(dice: &mut Dice, bodies: usize) -> Sorted {
     let a = dice.below(bodies);
     let b = (a + 1 + dice.below(bodies - 1)) % bodies;
     let is_fixed = dice.below(8) == 0;
-    let joint = Joint {
+    let joint = ContactEdge {
         bodies: [Some(a as u32), (!is_fixed).then_some(b as u32)],
         points: 1 + dice.below(4) as u32,
     };
     (dice.below(3) as u32, joint)
 }
 
-fn random_rule(dice: &mut Dice, bodies: usize) -> Rule {
+fn random_rule(dice: &mut Dice, bodies: usize) -> AssignmentRule {
     let orders = [
         ContactOrder::Automatic,
-        ContactOrder::Kept,
-        ContactOrder::Coloured,
+        ContactOrder::Ordered,
+        ContactOrder::Colored,
     ];
-    Rule {
+    AssignmentRule {
         order: orders[dice.below(3)],
         bodies,
-        domains: 3 + dice.below(2),
+        subdomains: 3 + dice.below(2),
     }
 }
 
@@ -61,10 +61,10 @@ proptest! {
         let count = dice.below(200);
         let mut joints: Vec<Sorted> = (0..count).map(|_| random_joint(&mut dice, bodies)).collect();
         let mut rule = random_rule(&mut dice, bodies);
-        let mut kept = Arrangement::default();
+        let mut kept = LaneAssignment::default();
         for _ in 0..12 {
             arrange(&mut kept, &joints, rule);
-            let mut fresh = Arrangement::default();
+            let mut fresh = LaneAssignment::default();
             arrange(&mut fresh, &joints, rule);
             prop_assert_eq!(outcome(&kept), outcome(&fresh));
             match dice.below(5) {
@@ -80,35 +80,35 @@ proptest! {
         }
     }
 
-    /// What different threads may solve at a time: no two manifolds in different domains of a stage share a body that moves.
+    /// What different threads may solve at a time: no two manifolds in different subdomains of a stage share a body that moves.
     /// Within a domain manifolds stay in their order, if that is asked for.
     #[test]
     fn domains_of_a_stage_share_no_body_and_keep_their_order(seed: u64) {
         let mut dice = Dice::new(seed);
         let bodies = 4 + dice.below(60);
         let is_fixed = |body: usize| body.is_multiple_of(7);
-        let centre = |body: usize| (!is_fixed(body)).then(|| dice.vector(-5.0, 5.0));
-        let centres: Vec<Option<Vec3>> = (0..bodies).map(centre).collect();
+        let center = |body: usize| (!is_fixed(body)).then(|| dice.vector(-5.0, 5.0));
+        let centers: Vec<Option<Vec3>> = (0..bodies).map(center).collect();
         let leaves = [1, 2, 4, 8][dice.below(4)];
-        let mut cuts = Domains::default();
-        cuts.cut(centres.len(), |i| centres[i], dice.vector(-1.0, 1.0), leaves, None);
+        let mut cuts = Partition::default();
+        cuts.cut(centers.len(), |i| centers[i], dice.vector(-1.0, 1.0), leaves, None);
         let joint = |_| {
             let a = dice.below(bodies);
             let pair = [a, (a + 1 + dice.below(bodies - 1)) % bodies].map(|body| body as u32);
             let movable = |body: u32| (!is_fixed(body as usize)).then_some(body);
-            let joint = Joint { bodies: pair.map(movable), points: 1 + dice.below(4) as u32 };
+            let joint = ContactEdge { bodies: pair.map(movable), points: 1 + dice.below(4) as u32 };
             (joint.bodies != [None; 2]).then(|| (cuts.of(pair), joint))
         };
         let joints: Vec<Sorted> = (0..200).filter_map(joint).collect();
-        let order = [ContactOrder::Kept, ContactOrder::Coloured][dice.below(2)];
-        let mut arrangement = Arrangement::default();
-        let domains = cuts.count();
-        arrange(&mut arrangement, &joints, Rule { order, bodies, domains });
+        let order = [ContactOrder::Ordered, ContactOrder::Colored][dice.below(2)];
+        let mut arrangement = LaneAssignment::default();
+        let subdomains = cuts.count();
+        arrange(&mut arrangement, &joints, AssignmentRule { order, bodies, subdomains });
         let (places, ranges, points) = outcome(&arrangement);
-        prop_assert_eq!(ranges.len(), domains);
+        prop_assert_eq!(ranges.len(), subdomains);
         prop_assert_eq!(ranges.iter().map(Range::len).sum::<usize>(), points.len());
         let first_of_stage = |domain: u32| {
-            let ends = stages(domains).scan(0, |end, count| {
+            let ends = stages(subdomains).scan(0, |end, count| {
                 *end += count;
                 Some(*end)
             });
@@ -124,7 +124,7 @@ proptest! {
                 let is_same = domain == other_domain;
                 prop_assert!(is_same || first_of_stage(*domain) != first_of_stage(*other_domain));
                 prop_assert!(earlier.block != place.block);
-                let keeps_order = order == ContactOrder::Kept && is_same;
+                let keeps_order = order == ContactOrder::Ordered && is_same;
                 prop_assert!(!keeps_order || earlier.block < place.block);
             }
         }
@@ -143,13 +143,13 @@ fn leaves_of_a_cloud_are_of_a_size_and_separators_small() {
         )
     };
     let mut jitter = |i: usize| at(i) + 0.2 * dice.vector(-1.0, 1.0);
-    let centres: Vec<Option<Vec3>> = (0..side * side * side).map(|i| Some(jitter(i))).collect();
-    let mut cuts = Domains::default();
-    cuts.cut(centres.len(), |i| centres[i], Vec3::NEG_Y, 4, None);
+    let centers: Vec<Option<Vec3>> = (0..side * side * side).map(|i| Some(jitter(i))).collect();
+    let mut cuts = Partition::default();
+    cuts.cut(centers.len(), |i| centers[i], Vec3::NEG_Y, 4, None);
     let mut sizes = [0; 7];
-    for i in 0..centres.len() as u32 {
+    for i in 0..centers.len() as u32 {
         sizes[cuts.of([i; 2]) as usize] += 1;
-        // The neighbours along x, y and z: the manifolds of a grid.
+        // The neighbors along x, y and z: the manifolds of a grid.
         for step in [1, 16, 256] {
             if (i / step) % 16 < 15 {
                 let domain = cuts.of([i, i + step]) as usize;

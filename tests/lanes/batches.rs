@@ -6,9 +6,9 @@ use bevy_cleave::bodies::solver_body::SolverBody;
 use bevy_cleave::contact::manifolds::{Manifold, ManifoldHead, Manifolds};
 use bevy_cleave::contact::point::MAX_POINTS;
 use bevy_cleave::prelude::*;
-use bevy_cleave::solver::adaptivity::Demand;
+use bevy_cleave::solver::adaptivity::IslandRequirements;
 use bevy_cleave::solver::batch::{Batch, Step};
-use bevy_cleave::solver::graph::indices::Place;
+use bevy_cleave::solver::graph::indices::LaneSlot;
 use bevy_cleave::solver::graph::islands::Islands;
 use bevy_cleave::solver::graph::partition::stages;
 use bevy_cleave::solver::settings::SubstepSettings;
@@ -53,17 +53,17 @@ fn joint(dice: &mut Dice, a: usize, b: usize) -> Manifold {
     }
 }
 
-/// Manifolds between neighbours of the grid, and between the first cube, which is fixed, and some of all leaves.
+/// Manifolds between neighbors of the grid, and between the first cube, which is fixed, and some of all leaves.
 fn grid_manifolds(dice: &mut Dice) -> Vec<Manifold> {
     let [x, y, z] = GRID;
     let mut manifolds = Vec::new();
     for i in 0..x * y * z {
-        let neighbours = [
+        let neighbors = [
             (1, i % x + 1 < x),
             (x, i / x % y + 1 < y),
             (x * y, i / (x * y) + 1 < z),
         ];
-        for (step, _) in neighbours.into_iter().filter(|(_, is_there)| *is_there) {
+        for (step, _) in neighbors.into_iter().filter(|(_, is_there)| *is_there) {
             manifolds.push(joint(dice, i, i + step));
         }
     }
@@ -78,7 +78,7 @@ type Names = ([[u32; 8]; 2], [u32; 8], Range<usize>);
 struct Outcome {
     slots: Vec<u32>,
     bodies: Vec<SolverBody>,
-    places: Vec<(u32, Place)>,
+    places: Vec<(u32, LaneSlot)>,
     domains: Vec<Range<usize>>,
     blocks: Vec<Names>,
     extents: Vec<f32>,
@@ -90,7 +90,7 @@ fn outcome(batch: &Batch) -> Outcome {
         slots: batch.layout.slots.clone(),
         bodies: batch.bodies.clone(),
         places: batch.layout.places.clone(),
-        domains: batch.layout.domains.clone(),
+        domains: batch.layout.subdomains.clone(),
         blocks: batch.blocks.iter().map(names).collect(),
         extents: batch.extents.clone(),
     }
@@ -115,7 +115,7 @@ fn names_are_right(batch: &Batch, manifolds: &Manifolds) -> bool {
 
 /// What threads may solve side by side: no body, fixed and idle ones among them, is in two domains of a stage.
 fn stages_share_no_body(batch: &Batch) -> bool {
-    let domains = &batch.layout.domains;
+    let domains = &batch.layout.subdomains;
     let mut first = 0;
     stages(domains.len()).all(|count| {
         let stage = &domains[first..first + count];
@@ -159,9 +159,9 @@ proptest! {
                 };
                 let mut fresh = Batch::default();
                 for batch in [&mut kept, &mut fresh] {
-                    batch.load(&step, largest..largest + 1, &Demand::default());
+                    batch.load(&step, largest..largest + 1, &IslandRequirements::default());
                 }
-                prop_assert!(kept.layout.domains.len() == 7);
+                prop_assert!(kept.layout.subdomains.len() == 7);
                 prop_assert_eq!(outcome(&kept), outcome(&fresh));
                 prop_assert!(names_are_right(&kept, &list));
                 prop_assert!(!has_team || stages_share_no_body(&kept));

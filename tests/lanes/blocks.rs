@@ -2,21 +2,21 @@
 
 use crate::WIDTHS;
 use crate::dice::Dice;
-use bevy_cleave::bodies::solver_body::Solid;
+use bevy_cleave::bodies::solver_body::BodyMass;
 use bevy_cleave::bodies::solver_body::SolverBody;
 use bevy_cleave::contact::manifolds::{Manifold, ManifoldHead};
 use bevy_cleave::contact::point::{ContactPoint, MAX_POINTS};
 use bevy_cleave::math::tangents;
 use bevy_cleave::simd::lanes::{F8, LaneWidth};
 use bevy_cleave::solver::config::FrictionModel;
-use bevy_cleave::solver::graph::indices::Place;
-use bevy_cleave::solver::graph::ordered_packing::{Filling, Schedule};
-use bevy_cleave::solver::rows::contact_rows::{PointRows, Side};
+use bevy_cleave::solver::graph::indices::LaneSlot;
+use bevy_cleave::solver::graph::ordered_packing::{OrderedPacking, Packer};
+use bevy_cleave::solver::rows::contact_rows::{PointRows, RowBody};
 use bevy_cleave::solver::rows::pgs;
-use bevy_cleave::solver::rows::soft_step::Feedback;
+use bevy_cleave::solver::rows::soft_step::Bias;
 use bevy_cleave::solver::rows::soft_step::Softness;
 use bevy_cleave::solver::wide::block::{Block, Point};
-use bevy_cleave::solver::wide::contacts::Contacts;
+use bevy_cleave::solver::wide::contacts::ContactBlocks;
 use bevy_cleave::solver::wide::pass::Pass;
 use bevy_cleave::solver::wide::prepare::{Source, fill};
 use glam::Mat3;
@@ -34,11 +34,11 @@ const HARD: Pass = Pass::Solve {
     measure: false,
 };
 
-/// Position feedback of a sub-step of an eighth of 1/60 s.
-const FEEDBACK: Feedback = Feedback {
-    h: 1.0 / 480.0,
-    rate: 30.0,
-    most: 3.0,
+/// Position bias of a sub-step of an eighth of 1/60 s.
+const FEEDBACK: Bias = Bias {
+    substep_dt: 1.0 / 480.0,
+    bias_rate: 30.0,
+    max_bias_velocity: 3.0,
 };
 
 /// Random contacts of random bodies.
@@ -46,7 +46,7 @@ struct Scene {
     manifolds: Vec<Manifold>,
     bodies: Vec<SolverBody>,
     /// With one more for the lanes that are not used.
-    solids: Vec<Solid>,
+    solids: Vec<BodyMass>,
 }
 
 impl Scene {
@@ -69,10 +69,14 @@ impl Scene {
                 angular: dice.vector(-1.0, 1.0),
                 unused: 0.0,
             });
-            solids.push(Solid::new(inverse_mass, &inertia, dice.in_range(0.3, 2.0)));
+            solids.push(BodyMass::new(
+                inverse_mass,
+                &inertia,
+                dice.in_range(0.3, 2.0),
+            ));
         }
         bodies.push(SolverBody::default());
-        solids.push(Solid::new(0.0, &Mat3::ZERO, 1.0));
+        solids.push(BodyMass::new(0.0, &Mat3::ZERO, 1.0));
         let manifolds = (0..3 * BODIES)
             .filter_map(|_| random_manifold(&mut dice))
             .collect();
@@ -88,7 +92,7 @@ impl Scene {
         let rows = self.manifolds.iter().flat_map(|manifold| {
             let pair = [manifold.a, manifold.b];
             let solids = pair.map(|body| &self.solids[body as usize]);
-            let sides = solids.map(|solid| Side {
+            let sides = solids.map(|solid| RowBody {
                 inverse_mass: solid.inverse_mass(),
                 inverse_inertia: solid.inverse_inertia(),
             });
@@ -134,7 +138,7 @@ fn random_manifold(dice: &mut Dice) -> Option<Manifold> {
 
 /// The scene in blocks.
 struct Blocks {
-    places: Vec<Place>,
+    places: Vec<LaneSlot>,
     blocks: Vec<Block>,
     points: Vec<Point>,
     bodies: Vec<SolverBody>,
@@ -144,13 +148,13 @@ struct Blocks {
 
 impl Blocks {
     fn new(scene: &Scene, friction: FrictionModel, width: LaneWidth) -> Self {
-        let mut schedule = Schedule::default();
+        let mut schedule = OrderedPacking::default();
         schedule.begin(scene.bodies.len());
         for m in &scene.manifolds {
             let moves = |body: &u32| scene.bodies[*body as usize].inverse_mass > 0.0;
             schedule.add([m.a, m.b].map(|body| Some(body).filter(moves)), m.count);
         }
-        let places: Vec<Place> = schedule.place().collect();
+        let places: Vec<LaneSlot> = schedule.place().collect();
         let mut blocks = Vec::new();
         let mut count = 0;
         for points in schedule
@@ -187,11 +191,11 @@ impl Blocks {
 
     /// Does a pass, with displacements where the pass looks at them.
     fn pass(&mut self, pass: Pass, displacements: &mut [SolverBody], last: &mut [[F8; 3]]) -> f32 {
-        let mut contacts = Contacts {
+        let mut contacts = ContactBlocks {
             blocks: &self.blocks,
             points: &mut self.points,
             first_point: 0,
-            blows: &[],
+            impacts: &[],
             bodies: Cell::from_mut(&mut self.bodies[..]).as_slice_of_cells(),
             displacements: Cell::from_mut(displacements).as_slice_of_cells(),
             friction: self.friction,
@@ -207,8 +211,8 @@ impl Blocks {
     }
 
     fn targets(&mut self, displacements: &mut [SolverBody]) {
-        let (feedback, first) = (FEEDBACK, true);
-        self.pass(Pass::Targets { feedback, first }, displacements, &mut []);
+        let (bias, first) = (FEEDBACK, true);
+        self.pass(Pass::UpdateBias { bias, first }, displacements, &mut []);
     }
 
     /// Points with their lanes, in the order of the manifolds.
@@ -227,38 +231,39 @@ impl Blocks {
     }
 
     /// Wanted velocities of all points in the order of the manifolds.
-    fn wanted(&self) -> impl Iterator<Item = f32> {
-        self.points().map(|(point, lane)| point.wanted.0[lane])
+    fn target_velocity(&self) -> impl Iterator<Item = f32> {
+        self.points()
+            .map(|(point, lane)| point.target_velocity.0[lane])
     }
 
     /// All that a sub-step does, in bits; targets are set by the first sweep, or by a pass of their own.
     fn bits_after_all_loops(&mut self, targets: Targets) -> Vec<u32> {
         let softness = Softness {
-            rate: 30.0,
+            bias_rate: 30.0,
             mass_scale: 0.9,
-            release: 0.1,
+            impulse_scale: 0.1,
         };
         let mut displacements: Vec<_> = self.bodies.iter().map(|body| scaled(body, 1e-2)).collect();
         let mut last = vec![[F8::default(); 3]; self.points.len()];
-        let (feedback, measure, weight) = (FEEDBACK, true, 0.5);
+        let (bias, measure, weight) = (FEEDBACK, true, 0.5);
         let mut do_pass = |pass| self.pass(pass, &mut displacements, &mut last);
         let (first, later) = (true, false);
         do_pass(Pass::Warm);
         let solved = match targets {
             Targets::ByFirstSweep => do_pass(Pass::SolveFirst {
-                feedback,
+                bias,
                 first,
                 softness,
                 measure,
             }),
             Targets::Before => {
-                do_pass(Pass::Targets { feedback, first });
+                do_pass(Pass::UpdateBias { bias, first });
                 do_pass(Pass::Solve { softness, measure })
             }
         };
         do_pass(Pass::Extrapolate { weight });
         let first = later;
-        do_pass(Pass::Targets { feedback, first });
+        do_pass(Pass::UpdateBias { bias, first });
         let relaxed = do_pass(Pass::Relax { measure });
         let bodies = self.bodies.iter().flat_map(|body| {
             let parts = [body.linear, body.angular];
@@ -266,8 +271,8 @@ impl Blocks {
         });
         let points = self.points.iter().flat_map(|point| {
             let lanes = [
-                point.wanted,
-                point.total,
+                point.target_velocity,
+                point.total_normal_impulse,
                 point.normal_mass,
                 point.tangent_mass,
             ];
@@ -282,7 +287,7 @@ impl Blocks {
     }
 }
 
-/// What sets the wanted velocities.
+/// What sets the target_velocity velocities.
 #[derive(Clone, Copy)]
 enum Targets {
     Before,
@@ -317,8 +322,8 @@ fn both(scene: &Scene, friction: FrictionModel, width: LaneWidth) -> (Rows, Bloc
     let mut blocks = Blocks::new(scene, friction, width);
     let mut at_rest = vec![SolverBody::default(); scene.bodies.len()];
     blocks.targets(&mut at_rest);
-    for (row, wanted) in rows.iter_mut().zip(blocks.wanted()) {
-        row.normal.wanted = wanted;
+    for (row, target_velocity) in rows.iter_mut().zip(blocks.target_velocity()) {
+        row.normal.target_velocity = target_velocity;
     }
     pgs::apply_impulses(&rows, &mut bodies);
     blocks.alone(Pass::Warm);

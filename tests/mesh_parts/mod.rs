@@ -21,8 +21,8 @@ pub(crate) fn joined<M: Borrow<TriMesh>>(parts: &[(M, bool)]) -> TriMesh {
 }
 
 /// A box about a point, m.
-pub(crate) fn cuboid(size: Vec3, centre: Vec3) -> TriMesh {
+pub(crate) fn cuboid(size: Vec3, center: Vec3) -> TriMesh {
     let hull = primitives::cuboid(size.x, size.y, size.z).unwrap();
-    let pose = Pose::new(centre, Quat::IDENTITY);
+    let pose = Pose::new(center, Quat::IDENTITY);
     hull.to_mesh().transformed(&pose)
 }

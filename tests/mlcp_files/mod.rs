@@ -7,7 +7,7 @@
 pub(crate) mod sweeps;
 
 use bevy_cleave::solver::exact;
-use bevy_cleave::solver::exact::problem::{Body, BodyProblem, Bounds, Contact, DenseProblem};
+use bevy_cleave::solver::exact::problem::{Body, Bounds, Contact, ContactProblem, DenseProblem};
 use bevy_cleave::solver::exact::{Certificate, ExactScratch};
 use serde_json::Value;
 use std::fs;
@@ -16,7 +16,7 @@ use std::path::Path;
 /// The problem of a file: with its bodies where the file has them, else as a matrix.
 #[derive(Clone)]
 pub(crate) enum Problem {
-    Bodies(BodyProblem),
+    Bodies(ContactProblem),
     Dense(DenseProblem),
 }
 
@@ -79,7 +79,7 @@ impl Problem {
                 }
                 for contact in &mut p.contacts {
                     contact.jacobian = contact.jacobian.map(|row| row.map(|j| j.map(f64::abs)));
-                    contact.wanted = [0.0; 3];
+                    contact.target_velocity = [0.0; 3];
                 }
                 p.w(&absolute)
             }
@@ -123,7 +123,7 @@ fn parse(file: &Value) -> File {
     let bounds = Bounds::Coupled(Default::default());
     let has_bodies = file["rows"].is_array();
     let problem = if has_bodies {
-        Problem::Bodies(BodyProblem {
+        Problem::Bodies(ContactProblem {
             bodies: list(&file["bodies"], parse_body),
             contacts: parse_contacts(file, &friction),
             bounds,
@@ -181,7 +181,7 @@ fn parse_contacts(file: &Value, friction: &[f64]) -> Vec<Contact> {
         .map(|((rows, bias), &friction)| Contact {
             bodies: [0, 1].map(|side| rows[0][side].as_u64().map(|i| i as u32)),
             jacobian: [0, 1, 2].map(|k| [six(&rows[k][2]), six(&rows[k][3])]),
-            wanted: [-bias[0], -bias[1], -bias[2]],
+            target_velocity: [-bias[0], -bias[1], -bias[2]],
             friction,
         })
         .collect()

@@ -5,7 +5,7 @@
 
 use super::{File, Reference};
 use bevy_cleave::solver::exact::problem::Bounds;
-use bevy_cleave::solver::rows::acceleration::{Contacts, Momentum};
+use bevy_cleave::solver::rows::acceleration::{ImpulseSystem, Momentum};
 use bevy_cleave::solver::rows::pgs;
 use bevy_cleave::solver::rows::pgs::ContactRows;
 use std::time::Instant;
@@ -123,7 +123,7 @@ impl<'a> State<'a> {
     }
 }
 
-impl Contacts for State<'_> {
+impl ImpulseSystem for State<'_> {
     type Real = f64;
     type Velocity = f64;
 

@@ -15,7 +15,7 @@ pub(crate) fn falling_and_breaking() -> Vec<BodyDesc> {
         pattern,
         seed,
         generations: 2,
-        least_volume: 1e-4,
+        min_volume: 1e-4,
         ..Default::default()
     };
     let shapes = [

@@ -122,8 +122,8 @@ pub(crate) fn sliding_box(mu: f32, speed: f32, heading: f64) -> Vec<BodyDesc> {
 /// A bar of square section, 1 m long, that slides with `speed` (m/s) along x in a groove of two planes at 90 degrees.
 pub(crate) fn v_groove(mu: f32, speed: f32) -> Vec<BodyDesc> {
     let side = 0.25_f32;
-    let centre = (2.0 * side * side).sqrt() * 0.5;
-    let mut bar = block(&cuboid(Vec3::new(1.0, side, side)), centre * Vec3::Y, mu);
+    let center = (2.0 * side * side).sqrt() * 0.5;
+    let mut bar = block(&cuboid(Vec3::new(1.0, side, side)), center * Vec3::Y, mu);
     let eighth_turn = std::f32::consts::FRAC_PI_4;
     bar.pose.rotation = Quat::from_rotation_x(eighth_turn);
     bar.linear_velocity = speed * Vec3::X;
@@ -161,8 +161,8 @@ pub(crate) fn arch(voussoirs: u32, thickness: f64, mu: f32) -> Vec<BodyDesc> {
             corner(i + 1, outer),
             corner(i + 1, inner),
         ];
-        let (shape, centre) = extruded(&corners, 0.5);
-        block(&shape, centre, mu)
+        let (shape, center) = extruded(&corners, 0.5);
+        block(&shape, center, mu)
     });
     std::iter::once(floor(mu)).chain(blocks).collect()
 }
@@ -230,12 +230,12 @@ fn card_mass() -> MassProperties {
 /// about the foot give the thrust there. For infinitely thin cards it is `tan(20) / 2` bare, `3 tan(20) / 4` loaded.
 pub(crate) fn card_house_friction(loaded: bool) -> f64 {
     let lean = DVec2::from_angle(CARD_LEAN.to_radians());
-    let centre = f64::from(card().1.x + card_mass().centre.x);
+    let center = f64::from(card().1.x + card_mass().center.x);
     let (foot, top) = (lean.y - CARD_STRIP, lean.x + CARD_STRIP);
     if loaded {
-        0.5 * ((foot - centre) + (foot - 2.0 * CARD_STRIP)) / top
+        0.5 * ((foot - center) + (foot - 2.0 * CARD_STRIP)) / top
     } else {
-        (foot - centre) / top
+        (foot - center) / top
     }
 }
 

@@ -204,9 +204,9 @@ pub(crate) fn last_face_area(hull: &ConvexHull) -> DVec3 {
 pub(crate) fn impact_on(hull: &ConvexHull, dice: &mut Dice) -> Impact {
     let face = &hull.faces()[dice.below(hull.faces().len())];
     let corners = hull.face_loop(face);
-    let centre: Vec3 = corners.iter().map(|&v| hull.vertices()[v as usize]).sum();
+    let center: Vec3 = corners.iter().map(|&v| hull.vertices()[v as usize]).sum();
     Impact {
-        point: centre / corners.len() as f32,
+        point: center / corners.len() as f32,
         normal: -face.plane.normal,
         impulse: 1.0,
         energy: 1.0,

@@ -18,7 +18,7 @@ pub(crate) struct Settings {
     pub(crate) sleeping: bool,
 }
 
-/// State of one body at the end of a step. Its origin is its centre of mass.
+/// State of one body at the end of a step. Its origin is its center of mass.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct State {
     pub(crate) pos: Vec3,

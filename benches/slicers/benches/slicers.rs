@@ -1,4 +1,4 @@
-//! Time per slice into two closed, capped halves: this crate beside others, on the same meshes and planes.
+//! Time per slice into two closed, unconverged halves: this crate beside others, on the same meshes and planes.
 //!
 //! Criterion times each engine alone. The table at the end is what the report has: all engines of a body take turns within
 //! a round, and the medians over the rounds are printed, so that on a machine that others use too the ratios hold. All

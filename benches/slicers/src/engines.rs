@@ -1,4 +1,4 @@
-//! The ways to slice a body into two closed, capped halves.
+//! The ways to slice a body into two closed, unconverged halves.
 
 use crate::bodies::Body;
 use bevy_cleave::geometry::{ConvexHull, TriMesh};
@@ -105,7 +105,7 @@ fn boolmesh_engine(mesh: &TriMesh) -> Engine<'_> {
     let body = boolmesh_of(mesh.positions(), mesh.triangles().iter().copied());
     let size = mesh.aabb().diagonal();
     Engine::new("boolmesh 0.2.2 (Manifold's port), f64: difference and intersection with a box", move |plane| {
-        let cutter = half_space(plane, mesh.aabb().centre(), size);
+        let cutter = half_space(plane, mesh.aabb().center(), size);
         let half = |operation| compute_boolean(black_box(&body), &cutter, operation).is_ok_and(|part| part.nf > 0);
         half(OpType::Subtract) & half(OpType::Intersect)
     })
@@ -117,10 +117,10 @@ fn boolmesh_of(positions: &[Vec3], triangles: impl Iterator<Item = [u32; 3]>) ->
     Manifold::new(&positions, &corners).expect("a manifold")
 }
 
-/// A box that has everything within `size` (m) of `centre` above the plane, and nothing below it.
-fn half_space(plane: &Plane, centre: Vec3, size: f32) -> Manifold {
+/// A box that has everything within `size` (m) of `center` above the plane, and nothing below it.
+fn half_space(plane: &Plane, center: Vec3, size: f32) -> Manifold {
     let [u, v] = tangents(plane.normal).map(|axis| 2.0 * size * axis);
-    let foot = centre - plane.distance(centre) * plane.normal;
+    let foot = center - plane.distance(center) * plane.normal;
     let base = [foot - u - v, foot + u - v, foot + u + v, foot - u + v];
     let top = base.map(|corner| corner + 4.0 * size * plane.normal);
     let sides = (0..4_u32).flat_map(|k| {

@@ -4,16 +4,18 @@ use crate::bodies::body::Shape;
 use crate::bodies::store::Bodies;
 use crate::collide::narrow_phase::relative_pose;
 use crate::collide::proxies::CONTACT_MARGIN;
-use crate::contact::body_manifold::BoundPatch;
-use crate::contact::local_manifold::Patch;
-use crate::contact::manifolds::{ManifoldHead, Writer};
+use crate::contact::body_manifold::BodyManifold;
+use crate::contact::local_manifold::LocalManifold;
+use crate::contact::manifolds::{ManifoldHead, ManifoldWriter};
 use crate::contact::narrow::half_space::examine_half_space;
 use crate::contact::narrow::sat::{distance_along, examine_hulls};
-use crate::contact::narrow::scratch::{Found, Hint, NarrowScratch};
+use crate::contact::narrow::scratch::{NarrowScratch, SatCache, SatResult};
 use crate::contact::pairs::broad_phase::Pair;
 use crate::contact::pairs::broad_phase::PairName;
-use crate::contact::pairs::recycle::{Pace, PairBody, Verdict, reach_of_test, smaller_extent};
-use crate::contact::pairs::store::Known;
+use crate::contact::pairs::recycle::{
+    MotionBound, PairBody, Recycle, reach_of_test, smaller_extent,
+};
+use crate::contact::pairs::store::PairStore;
 use crate::contact::pairs::touches::Touch;
 use crate::math::{Plane, Pose, rotate};
 use crate::simd::prefetch::prefetch;
@@ -30,7 +32,7 @@ const RUN: usize = 64;
 pub(crate) struct Scene<'s> {
     pub(crate) bodies: &'s Bodies,
     pub(crate) seen: &'s [PairBody],
-    pub(crate) paces: &'s [Pace],
+    pub(crate) paces: &'s [MotionBound],
     pub(crate) fall: f32,
 }
 
@@ -39,26 +41,26 @@ impl Scene<'_> {
         [&self.seen[pair.a as usize], &self.seen[pair.b as usize]]
     }
 
-    fn paces(&self, pair: Pair) -> [&Pace; 2] {
+    fn paces(&self, pair: Pair) -> [&MotionBound; 2] {
         [&self.paces[pair.a as usize], &self.paces[pair.b as usize]]
     }
 
     /// Bodies farther apart than this, m, cannot touch within the step, if they approach by no more than `approach`.
-    fn margin(&self, paces: [&Pace; 2], approach: f32) -> f32 {
+    fn margin(&self, paces: [&MotionBound; 2], approach: f32) -> f32 {
         CONTACT_MARGIN * smaller_extent(paces) + self.fall + approach
     }
 }
 
 /// A run of pairs that follow each other.
 #[derive(Debug, Default)]
-pub(crate) struct Part {
+pub(crate) struct PairRun {
     /// The least name of a pair that belongs to it.
     pub(crate) least: PairName,
     /// Its pairs, within those of the broad phase.
     pub(crate) pairs: Range<usize>,
     /// Whether there may be other pairs than are known.
     pub(crate) is_outdated: bool,
-    pub(crate) known: Known,
+    pub(crate) known: PairStore,
     scratch: NarrowScratch,
     /// Its pairs that touch: index within the part, and where.
     touching: Vec<[u32; 2]>,
@@ -66,7 +68,7 @@ pub(crate) struct Part {
     pub(crate) points: Range<u32>,
 }
 
-impl Part {
+impl PairRun {
     /// A part without pairs, to which those from this name on will belong.
     pub(crate) fn starting_at(least: PairName) -> Self {
         Self {
@@ -131,7 +133,7 @@ impl Part {
         let [a, b] = view.bodies;
         let approach = (b.travel - a.travel).length() + a.turning + b.turning;
         let margin = scene.margin(view.paces, approach);
-        let Verdict::Unknown(axis) = view.verdict(margin) else {
+        let Recycle::Unknown(axis) = view.verdict(margin) else {
             return;
         };
         let reach = reach_of_test(view.paces, margin);
@@ -144,15 +146,15 @@ impl Part {
             return;
         }
         let slots = [pair.a as usize, pair.b as usize];
-        let centres = slots.map(|i| bodies.mass[i].centre);
-        let hint = view.hint(&b_in_a, centres);
+        let centers = slots.map(|i| bodies.mass[i].center);
+        let hint = view.hint(&b_in_a, centers);
         match examine_pair(bodies, pair, b_in_a, reach, hint, &mut self.scratch) {
-            Found::Apart { axis, distance } => view.set_apart(axis, distance),
-            Found::Near(patch) => {
+            SatResult::Separated { axis, distance } => view.set_apart(axis, distance),
+            SatResult::Touching(patch) => {
                 let boxes = slots.map(|i| bodies.kd_box[i]);
                 let [a, b] = [pair.a, pair.b].map(|slot| bodies.info(slot));
                 let touch = Touch {
-                    patch: BoundPatch::new(&patch, b_in_a.rotation, centres, boxes),
+                    patch: BodyManifold::new(&patch, b_in_a.rotation, centers, boxes),
                     friction: a.friction.combined(&b.friction),
                     restitution: a.restitution.combined(&b.restitution),
                 };
@@ -163,7 +165,12 @@ impl Part {
     }
 
     /// Writes the manifolds of the pairs that touch.
-    pub(crate) fn write_manifolds(&self, scene: &Scene, pairs: &[Pair], mut writer: Writer<'_>) {
+    pub(crate) fn write_manifolds(
+        &self,
+        scene: &Scene,
+        pairs: &[Pair],
+        mut writer: ManifoldWriter<'_>,
+    ) {
         let touches = &self.known.touches;
         for (k, &[at, touch]) in self.touching.iter().enumerate() {
             if let Some(&[next, touch]) = self.touching.get(k + AHEAD) {
@@ -211,9 +218,9 @@ fn examine_pair(
     pair: Pair,
     b_in_a: Pose,
     reach: f32,
-    hint: Hint,
+    hint: SatCache,
     scratch: &mut NarrowScratch,
-) -> Found {
+) -> SatResult {
     match (&bodies.info(pair.a).shape, &bodies.info(pair.b).shape) {
         (Shape::Convex(a), Shape::Convex(b)) => {
             examine_hulls(a.hull(), b.hull(), b_in_a, reach, hint, scratch)
@@ -226,13 +233,13 @@ fn examine_pair(
             let a_in_b = relative_pose(bodies, pair.b, pair.a);
             let plane = Plane::through(a_in_b.position, rotate(a_in_b.rotation, a.normal));
             match examine_half_space(b.hull(), plane, a_in_b, reach, scratch) {
-                Found::Near(patch) => Found::Near(patch.swapped(&a_in_b)),
-                Found::Apart { distance, .. } => Found::Apart {
+                SatResult::Touching(patch) => SatResult::Touching(patch.swapped(&a_in_b)),
+                SatResult::Separated { distance, .. } => SatResult::Separated {
                     axis: a.normal,
                     distance,
                 },
             }
         }
-        (Shape::HalfSpace(_), Shape::HalfSpace(_)) => Found::Near(Patch::default()),
+        (Shape::HalfSpace(_), Shape::HalfSpace(_)) => SatResult::Touching(LocalManifold::default()),
     }
 }

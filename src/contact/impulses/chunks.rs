@@ -3,9 +3,9 @@
 //! Manifolds, pairs and entries are in the same order, so a run of manifolds goes with a run of pairs and a run of entries.
 
 use crate::contact::body_id::BodyId;
-use crate::contact::impulses::{CacheEntry, PairRecord, Table, bodies_of};
+use crate::contact::impulses::{CacheEntry, EntryTable, PairRecord, bodies_of};
 use crate::contact::manifolds::ManifoldHead;
-use crate::threads::parts::Pieces;
+use crate::threads::parts::SizedParts;
 use std::ops::Range;
 
 /// Manifolds of a part: some 10 us of work.
@@ -13,12 +13,12 @@ pub(crate) const MANIFOLDS_PER_PART: usize = 192;
 
 /// Where the parts of a table begin and end. From pass to pass most stay where they are.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Plan {
-    stretches: Vec<Stretch>,
+pub(crate) struct ChunkPlan {
+    stretches: Vec<ChunkRange>,
 }
 
 #[derive(Clone, Debug, Default)]
-struct Stretch {
+struct ChunkRange {
     manifolds: Range<usize>,
     pairs: Range<usize>,
     entries: Range<usize>,
@@ -26,14 +26,14 @@ struct Stretch {
 
 /// A part of a table.
 #[derive(Debug)]
-pub(crate) struct Share<'t> {
+pub(crate) struct Chunk<'t> {
     pub(crate) pairs: &'t [PairRecord],
     pub(crate) entries: &'t mut [CacheEntry],
     /// Index of the first entry in the table.
     first: usize,
 }
 
-impl Share<'_> {
+impl Chunk<'_> {
     /// Where the entries of a pair are within the part.
     pub(crate) fn range(&self, pair: &PairRecord) -> Range<usize> {
         let first = pair.first as usize - self.first;
@@ -41,11 +41,11 @@ impl Share<'_> {
     }
 }
 
-impl Plan {
+impl ChunkPlan {
     /// Splits `manifolds` and, where their pairs belong, `table`; every pair is in one part, even if there are no manifolds.
-    pub(crate) fn split(&mut self, table: &Table, manifolds: &[ManifoldHead], ids: &[BodyId]) {
+    pub(crate) fn split(&mut self, table: &EntryTable, manifolds: &[ManifoldHead], ids: &[BodyId]) {
         let count = manifolds.len().div_ceil(MANIFOLDS_PER_PART).max(1);
-        self.stretches.resize_with(count, Stretch::default);
+        self.stretches.resize_with(count, ChunkRange::default);
         let (mut pair, mut entry) = (0, 0);
         for (part, stretch) in self.stretches.iter_mut().enumerate() {
             let first = part * MANIFOLDS_PER_PART;
@@ -55,7 +55,7 @@ impl Plan {
             });
             let next = table.pairs.get(end_pair);
             let end_entry = next.map_or(table.entries.len(), |pair| pair.first as usize);
-            *stretch = Stretch {
+            *stretch = ChunkRange {
                 manifolds: first..end.min(manifolds.len()),
                 pairs: pair..end_pair,
                 entries: entry..end_entry,
@@ -74,16 +74,16 @@ impl Plan {
     /// The parts of the table.
     pub(crate) fn shares<'t>(
         &'t self,
-        table: &'t mut Table,
-    ) -> impl ExactSizeIterator<Item = Share<'t>> + DoubleEndedIterator + Send {
-        let Table { pairs, entries } = table;
+        table: &'t mut EntryTable,
+    ) -> impl ExactSizeIterator<Item = Chunk<'t>> + DoubleEndedIterator + Send {
+        let EntryTable { pairs, entries } = table;
         let sizes = self.stretches.iter().map(|part| part.entries.len());
-        let pieces = Pieces::new(entries, sizes);
+        let pieces = SizedParts::new(entries, sizes);
         let pairs: &[PairRecord] = pairs;
         self.stretches
             .iter()
             .zip(pieces)
-            .map(move |(part, entries)| Share {
+            .map(move |(part, entries)| Chunk {
                 pairs: &pairs[part.pairs.clone()],
                 entries,
                 first: part.entries.start,

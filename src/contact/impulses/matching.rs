@@ -1,7 +1,7 @@
 //! Finds the points of a step among the entries of the step before.
 
 use crate::contact::body_id::BodyId;
-use crate::contact::impulses::chunks::Share;
+use crate::contact::impulses::chunks::Chunk;
 use crate::contact::impulses::{
     CacheEntry, CacheStats, NEAR_SHARE, bodies_of, continues_as, is_exact,
 };
@@ -36,7 +36,7 @@ pub(crate) struct Matched {
 
 impl WarmStart<'_> {
     /// Fills the impulses of a run of manifolds.
-    pub(crate) fn run(&self, share: Share, run: Run) -> Matched {
+    pub(crate) fn run(&self, share: Chunk, run: Run) -> Matched {
         if self.any_taken {
             share
                 .entries
@@ -137,7 +137,7 @@ fn match_points(
         }
     }
     if matches[..points.len()].contains(&None) {
-        let mut couples = Couples::new(points, &matches, entries, measure);
+        let mut couples = MatchMatrix::new(points, &matches, entries, measure);
         while let Some((i, index)) = couples.take_closest() {
             take(&mut matches[i], entries, index);
             stats.near_hits += 1;
@@ -165,12 +165,12 @@ const MAX_FRESH: usize = 8;
 
 /// Distances between the points without entry and the fresh entries without point of one pair.
 #[derive(Debug)]
-struct Couples {
+struct MatchMatrix {
     /// Row: point; column: entry. `None`: taken, or not near.
     distances: [[Option<Distance>; MAX_FRESH]; MAX_POINTS],
 }
 
-impl Couples {
+impl MatchMatrix {
     fn new(
         points: &[ContactPoint],
         matches: &[Option<usize>],

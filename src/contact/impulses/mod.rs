@@ -15,7 +15,7 @@
 //! - impulses are scaled by the ratio of step lengths, since a resting contact's impulse is force times step;
 //! - the friction impulse is kept as a vector in A's frame and projected anew on the tangent plane.
 //!
-//! Share of points found, 60 Hz, unit cube (or 16-sided prism of radius 0.5 m) on a floor of 10 m with cells of
+//! Chunk of points found, 60 Hz, unit cube (or 16-sided prism of radius 0.5 m) on a floor of 10 m with cells of
 //! 5 x 10 mm, as `tests/contact_cache.rs` plays it:
 //!
 //! | motion | own codes only | with nearest cell |
@@ -37,7 +37,7 @@ mod matching;
 mod transfer;
 mod update;
 
-pub use transfer::{Family, Heir};
+pub use transfer::{Child, Split};
 
 use crate::contact::body_id::BodyId;
 use crate::contact::manifolds::{ManifoldHead, Manifolds};
@@ -47,10 +47,10 @@ use crate::math::rotate;
 use crate::threads::parts::{WORTH_HELP, run_parts};
 use crate::threads::team::Team;
 use bevy_ecs::resource::Resource;
-use chunks::Plan;
+use chunks::ChunkPlan;
 use glam::{Quat, Vec3};
 use matching::{Matched, WarmStart};
-use update::{Renewal, Solved};
+use update::{ChunkUpdate, Solved};
 
 /// An entry is evicted when it was not hit for more than this many steps.
 pub const MAX_AGE: u32 = 10;
@@ -112,12 +112,12 @@ impl PairRecord {
 
 /// Pairs sorted by bodies, and their entries one after the other.
 #[derive(Clone, Debug, Default)]
-struct Table {
+struct EntryTable {
     pairs: Vec<PairRecord>,
     entries: Vec<CacheEntry>,
 }
 
-impl Table {
+impl EntryTable {
     fn clear(&mut self) {
         self.pairs.clear();
         self.entries.clear();
@@ -143,7 +143,7 @@ impl Table {
     }
 
     /// Appends a pair of another table with its impulses scaled.
-    fn copy_pair(&mut self, other: &Table, pair: &PairRecord, scale: f32) {
+    fn copy_pair(&mut self, other: &EntryTable, pair: &PairRecord, scale: f32) {
         let first = self.entries.len();
         let entries = other.entries[pair.range()].iter();
         self.entries.extend(entries.map(|entry| CacheEntry {
@@ -173,7 +173,13 @@ fn ratio(to: f32, from: f32) -> f32 {
 }
 
 /// Moves the pairs of the bodies in `ids` (ascending) and scales their impulses. `spare` is for the use of this function.
-fn move_pairs(from: &mut Table, to: &mut Table, spare: &mut Table, ids: &[BodyId], scale: f32) {
+fn move_pairs(
+    from: &mut EntryTable,
+    to: &mut EntryTable,
+    spare: &mut EntryTable,
+    ids: &[BodyId],
+    scale: f32,
+) {
     let moves = |pair: &PairRecord| {
         let (a, b) = pair.bodies;
         ids.binary_search(&a).is_ok() || ids.binary_search(&b).is_ok()
@@ -212,7 +218,7 @@ pub struct CacheStats {
 }
 
 impl CacheStats {
-    /// Share of points that were warm started, 0 to 1; 1 if there were no points.
+    /// Chunk of points that were warm started, 0 to 1; 1 if there were no points.
     pub fn hit_rate(&self) -> f32 {
         if self.points == 0 {
             return 1.0;
@@ -233,20 +239,20 @@ impl CacheStats {
 /// Contact multipliers from step to step; see the [module](self).
 #[derive(Clone, Debug, Default, Resource)]
 pub struct ContactCache {
-    current: Table,
+    current: EntryTable,
     /// The table being written, and between steps a spare allocation.
-    next: Table,
+    next: EntryTable,
     /// Length of the step whose impulses are stored, s; 0 while there are none.
     h: f32,
     /// Pairs that neither age nor are matched, and the length of the step that their impulses belong to, s.
-    parked: Table,
+    parked: EntryTable,
     parked_h: f32,
     /// Whether an entry is marked as taken.
     any_taken: bool,
     /// How the work of the present pass is split, and what comes of each part.
-    plan: Plan,
+    plan: ChunkPlan,
     matched: Vec<Matched>,
-    renewals: Vec<Renewal>,
+    updates: Vec<ChunkUpdate>,
 }
 
 impl ContactCache {
@@ -297,8 +303,8 @@ impl ContactCache {
     }
 
     /// Sets aside all pairs of the bodies in `ids` (ascending): they neither age nor are matched until they are
-    /// [fetched](Self::unpark).
-    pub fn park(&mut self, ids: &[BodyId]) {
+    /// [fetched](Self::resume).
+    pub fn suspend(&mut self, ids: &[BodyId]) {
         if self.parked.pairs.is_empty() {
             self.parked_h = self.h;
         }
@@ -313,7 +319,7 @@ impl ContactCache {
     }
 
     /// Takes back the pairs of the bodies in `ids` (ascending) as if they had been stored by the last step.
-    pub fn unpark(&mut self, ids: &[BodyId]) {
+    pub fn resume(&mut self, ids: &[BodyId]) {
         if self.current.pairs.is_empty() {
             self.h = self.parked_h;
         }
@@ -406,26 +412,24 @@ impl ContactCache {
     }
 
     fn store(&mut self, team: Option<&Team>, solved: &Solved) {
-        let renewals = self.plan.one_each(&mut self.renewals);
+        let updates = self.plan.one_each(&mut self.updates);
         let parts = self.plan.shares(&mut self.current);
         let parts = parts.zip(self.plan.manifolds());
         run_parts(
             team,
-            renewals.iter_mut().zip(parts),
-            |(renewal, (share, range))| renewal.renew(share, &solved.part(range)),
+            updates.iter_mut().zip(parts),
+            |(update, (share, range))| update.update(share, &solved.part(range)),
         );
-        if renewals.iter().all(Renewal::is_in_place) {
+        if updates.iter().all(ChunkUpdate::is_in_place) {
             return;
         }
-        let writers = Renewal::writers(renewals, &mut self.next);
+        let writers = ChunkUpdate::writers(updates, &mut self.next);
         let parts = self.plan.shares(&mut self.current);
         let parts = parts.zip(self.plan.manifolds());
         run_parts(
             team,
             writers.zip(parts),
-            |((renewal, writer), (share, range))| {
-                renewal.write(&share, &solved.part(range), writer)
-            },
+            |((update, writer), (share, range))| update.write(&share, &solved.part(range), writer),
         );
         std::mem::swap(&mut self.current, &mut self.next);
     }

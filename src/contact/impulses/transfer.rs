@@ -5,7 +5,7 @@
 //! starts with its share of what they carried together. Points that are fewer than span a face stay as they are.
 
 use crate::contact::body_id::BodyId;
-use crate::contact::impulses::{CacheEntry, ContactCache, PairRecord, Table};
+use crate::contact::impulses::{CacheEntry, ContactCache, EntryTable, PairRecord};
 use crate::geometry::predicates::{length_scale, merge_tolerance};
 use crate::geometry::{ConvexHull, KdBox, KdCode};
 use crate::math::{Plane, rotate};
@@ -18,11 +18,11 @@ const SAME_FACE: f32 = 0.99996;
 const SPANNING: usize = 3;
 
 /// Most that a multiplier is raised by.
-const MOST_RAISE: f32 = 4.0;
+const MAX_RAISE: f32 = 4.0;
 
 /// A piece of a body that was cut.
 #[derive(Clone, Copy, Debug)]
-pub struct Heir<'a> {
+pub struct Child<'a> {
     /// The new body.
     pub id: BodyId,
     /// Origin of its frame in the parent's frame, m; the axes of both are the same.
@@ -35,7 +35,7 @@ pub struct Heir<'a> {
 
 /// A body that was cut, and its pieces.
 #[derive(Clone, Debug)]
-pub struct Family<'a> {
+pub struct Split<'a> {
     /// The body that is no more.
     pub parent: BodyId,
     /// `world_from_body` of the parent and of all pieces.
@@ -43,10 +43,10 @@ pub struct Family<'a> {
     /// The box that the parent's contact codes refer to.
     pub code_box: KdBox,
     /// The pieces.
-    pub heirs: Vec<Heir<'a>>,
+    pub heirs: Vec<Child<'a>>,
 }
 
-impl Family<'_> {
+impl Split<'_> {
     /// The piece that owns a point of the parent (parent's frame, m): the one that it is deepest in, or nearest to.
     fn owner(&self, point: Vec3) -> Option<usize> {
         let distance = |&i: &usize| self.heirs[i].height(point);
@@ -55,8 +55,12 @@ impl Family<'_> {
     }
 
     /// For the entries of one pair: which piece has each, and what its impulses are multiplied with.
-    fn shares(&self, entries: &[CacheEntry], codes: impl Fn(&CacheEntry) -> KdCode) -> Vec<Share> {
-        let point = |entry| self.code_box.decode_centre(codes(entry));
+    fn shares(
+        &self,
+        entries: &[CacheEntry],
+        codes: impl Fn(&CacheEntry) -> KdCode,
+    ) -> Vec<PieceShare> {
+        let point = |entry| self.code_box.decode_center(codes(entry));
         let owned = entries.iter().filter_map(|entry| {
             let point = point(entry);
             let is_in_use = entry.age == 0;
@@ -79,10 +83,10 @@ impl Family<'_> {
                 1.0
             }
         };
-        let shares = owned.iter().map(|&(heir, point, _)| Share {
+        let shares = owned.iter().map(|&(heir, point, _)| PieceShare {
             heir,
             point,
-            factor: factor(heir).min(MOST_RAISE),
+            factor: factor(heir).min(MAX_RAISE),
         });
         shares.collect()
     }
@@ -102,7 +106,7 @@ impl Family<'_> {
 
 /// What one piece gets of an entry.
 #[derive(Clone, Copy, Debug)]
-struct Share {
+struct PieceShare {
     heir: usize,
     /// The contact point, parent's frame, m.
     point: Vec3,
@@ -110,7 +114,7 @@ struct Share {
     factor: f32,
 }
 
-impl Heir<'_> {
+impl Child<'_> {
     /// Planes of its faces in the parent's frame.
     fn faces(&self) -> impl Iterator<Item = Plane> {
         self.hull.faces.iter().map(|face| Plane {
@@ -147,9 +151,9 @@ impl ContactCache {
     /// Hands the entries of bodies that were cut to their pieces. `rotation_of` tells `world_from_body` of any body that
     /// has entries; it is not asked for parents.
     ///
-    /// A point is known by its cell, so that it may be off by half a cell when its piece is looked for. Pieces have higher
+    /// A point is known by its cell, so that it may be off by half a cell when its piece is looked for. SizedParts have higher
     /// ids than all other bodies.
-    pub fn inherit(&mut self, families: &[Family], rotation_of: impl Fn(BodyId) -> Quat) {
+    pub fn transfer(&mut self, families: &[Split], rotation_of: impl Fn(BodyId) -> Quat) {
         let rotation = |id: BodyId| {
             let family = families.iter().find(|family| family.parent == id);
             family.map_or_else(|| rotation_of(id), |family| family.rotation)
@@ -183,7 +187,7 @@ impl ContactCache {
     }
 }
 
-impl Table {
+impl EntryTable {
     fn push_pair(&mut self, named: &[Named]) {
         let first = self.entries.len();
         self.entries.extend(named.iter().map(|(_, entry)| *entry));
@@ -193,10 +197,10 @@ impl Table {
 
 /// The entry of a pair of the parent as that of a pair of the piece that owns its point.
 fn pass_on(
-    family: &Family,
+    family: &Split,
     (a, b): (BodyId, BodyId),
     entry: &CacheEntry,
-    share: &Share,
+    share: &PieceShare,
     rotation_of: impl Fn(BodyId) -> Quat,
 ) -> Named {
     let (other, code_of_other) = if a == family.parent {

@@ -4,13 +4,13 @@
 //! noted, and if there are any, the parts are written anew, with these in their places.
 
 use crate::contact::body_id::BodyId;
-use crate::contact::impulses::chunks::Share;
+use crate::contact::impulses::chunks::Chunk;
 use crate::contact::impulses::{
-    CacheEntry, MAX_AGE, PairRecord, Table, bodies_of, continues_as, is_exact,
+    CacheEntry, EntryTable, MAX_AGE, PairRecord, bodies_of, continues_as, is_exact,
 };
 use crate::contact::manifolds::{ManifoldRef, Manifolds};
 use crate::contact::point::ContactPoint;
-use crate::threads::parts::{Pieces, front_mut};
+use crate::threads::parts::{SizedParts, front_mut};
 use glam::Quat;
 use std::ops::Range;
 
@@ -68,7 +68,7 @@ struct Change {
 
 /// What becomes of a part.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Renewal {
+pub(crate) struct ChunkUpdate {
     changes: Vec<Change>,
     /// Number of pairs and entries after the changes.
     pairs: usize,
@@ -77,9 +77,9 @@ pub(crate) struct Renewal {
     first: usize,
 }
 
-impl Renewal {
+impl ChunkUpdate {
     /// Renews the pairs that keep their entries, and notes the others.
-    pub(crate) fn renew(&mut self, share: Share, solved: &Solved) {
+    pub(crate) fn update(&mut self, share: Chunk, solved: &Solved) {
         self.changes.clear();
         (self.pairs, self.entries) = (share.pairs.len(), share.entries.len());
         let mut next = 0;
@@ -145,8 +145,9 @@ impl Renewal {
     /// Makes room in `table` for what the parts will be, and a writer for each.
     pub(crate) fn writers<'t>(
         parts: &'t mut [Self],
-        table: &'t mut Table,
-    ) -> impl ExactSizeIterator<Item = (&'t Self, Writer<'t>)> + DoubleEndedIterator + Send {
+        table: &'t mut EntryTable,
+    ) -> impl ExactSizeIterator<Item = (&'t Self, EntryWriter<'t>)> + DoubleEndedIterator + Send
+    {
         let (mut pairs, mut entries) = (0, 0);
         for part in parts.iter_mut() {
             part.first = entries;
@@ -156,11 +157,11 @@ impl Renewal {
         table.pairs.resize(pairs, PairRecord::default());
         table.entries.resize(entries, CacheEntry::default());
         let parts: &[Self] = parts;
-        let pairs = Pieces::new(&mut table.pairs, parts.iter().map(|part| part.pairs));
-        let entries = Pieces::new(&mut table.entries, parts.iter().map(|part| part.entries));
+        let pairs = SizedParts::new(&mut table.pairs, parts.iter().map(|part| part.pairs));
+        let entries = SizedParts::new(&mut table.entries, parts.iter().map(|part| part.entries));
         let pieces = parts.iter().zip(pairs.zip(entries));
         pieces.map(|(part, (pairs, entries))| {
-            let writer = Writer {
+            let writer = EntryWriter {
                 pairs: pairs.iter_mut(),
                 entries,
                 next: part.first,
@@ -170,7 +171,7 @@ impl Renewal {
     }
 
     /// Writes the part: the pairs that were renewed, and between them those that change.
-    pub(crate) fn write(&self, share: &Share, solved: &Solved, mut writer: Writer) {
+    pub(crate) fn write(&self, share: &Chunk, solved: &Solved, mut writer: EntryWriter) {
         let mut done = 0;
         for change in &self.changes {
             writer.copy(share, done..change.pair);
@@ -213,7 +214,7 @@ fn survives(entry: &CacheEntry, points: &[ContactPoint]) -> bool {
 
 /// Writes a part of a table.
 #[derive(Debug)]
-pub(crate) struct Writer<'t> {
+pub(crate) struct EntryWriter<'t> {
     /// Room that is left.
     pairs: std::slice::IterMut<'t, PairRecord>,
     entries: &'t mut [CacheEntry],
@@ -221,9 +222,9 @@ pub(crate) struct Writer<'t> {
     next: usize,
 }
 
-impl Writer<'_> {
+impl EntryWriter<'_> {
     /// Copies a run of pairs.
-    fn copy(&mut self, share: &Share, pairs: Range<usize>) {
+    fn copy(&mut self, share: &Chunk, pairs: Range<usize>) {
         let pairs = &share.pairs[pairs];
         let (Some(first), Some(last)) = (pairs.first(), pairs.last()) else {
             return;

@@ -3,7 +3,7 @@
 //! Choosing the incident face among those at the support vertex is ours; it makes the answer independent of how exact
 //! the axis is.
 
-use crate::contact::local_manifold::{Patch, PatchPoint};
+use crate::contact::local_manifold::{LocalManifold, LocalPoint};
 use crate::contact::narrow::edge_search::EdgeAxis;
 use crate::contact::narrow::scratch::{FaceAxis, NarrowScratch};
 use crate::contact::point::MAX_POINTS;
@@ -20,7 +20,7 @@ pub(crate) fn edge_patch(
     axis: &EdgeAxis,
     b_in_a: &Pose,
     scratch: &NarrowScratch,
-) -> Patch {
+) -> LocalManifold {
     let edge_a = a.edges()[axis.edges[0]]
         .vertices
         .map(|v| a.vertices()[v as usize]);
@@ -34,13 +34,13 @@ pub(crate) fn edge_patch(
     let slant = (on_b - on_a) - separation * axis.normal;
     let (middle, half_gap) = (0.5 * (on_a + on_b), 0.5 * separation * axis.normal);
     let (on_a, on_b) = (middle - half_gap, middle + half_gap);
-    let mut patch = Patch {
+    let mut patch = LocalManifold {
         normal: axis.normal,
-        steady: f32::INFINITY,
+        recycle_distance: f32::INFINITY,
         off_surface: 0.5 * slant.length(),
-        ..Patch::default()
+        ..LocalManifold::default()
     };
-    patch.push(PatchPoint {
+    patch.push(LocalPoint {
         on_a,
         on_b: b_in_a.inverse_transform_point(on_b),
         separation,
@@ -83,7 +83,7 @@ impl Clipping<'_> {
         axis: &FaceAxis,
         b_refers: bool,
         scratch: &mut NarrowScratch,
-    ) -> Patch {
+    ) -> LocalManifold {
         let reference = self.reference_plane(axis, b_refers, scratch);
         self.load_incident_face(axis, &reference, b_refers, scratch);
         let NarrowScratch {
@@ -99,13 +99,13 @@ impl Clipping<'_> {
         };
         let outline = hull.face_loop(&hull.faces()[axis.face]);
         let mut from = point(corners, outline[outline.len() - 1] as usize);
-        let mut steady = f32::INFINITY;
+        let mut recycle_distance = f32::INFINITY;
         let mut is_whole = true;
         for &to in outline {
             let to = point(corners, to as usize);
             let outward = (to - from).cross(reference.normal);
             let [nearest, highest] = heights(polygon, from, outward);
-            steady = steady.min(nearest / outward.length());
+            recycle_distance = recycle_distance.min(nearest / outward.length());
             if highest > 0.0 {
                 is_whole = false;
                 clip(polygon, from, to - from, outward, clipped);
@@ -113,15 +113,15 @@ impl Clipping<'_> {
             }
             from = to;
         }
-        let slide = if is_whole { steady } else { 0.0 };
-        steady = steady.min(shortest_edge(polygon));
+        let slide = if is_whole { recycle_distance } else { 0.0 };
+        recycle_distance = recycle_distance.min(shortest_edge(polygon));
         for corner in polygon.iter_mut() {
             corner.separation = reference.distance(corner.at);
         }
         polygon.retain(|corner| corner.separation <= self.margin);
         reduce(polygon, reference.normal, self.merge);
-        Patch {
-            steady,
+        LocalManifold {
+            recycle_distance,
             slide,
             ..self.patch(axis, &reference, b_refers, polygon)
         }
@@ -133,9 +133,9 @@ impl Clipping<'_> {
         axis: &FaceAxis,
         b_refers: bool,
         scratch: &NarrowScratch,
-    ) -> Patch {
+    ) -> LocalManifold {
         if axis.separation > 0.0 {
-            return Patch::default();
+            return LocalManifold::default();
         }
         let reference = self.reference_plane(axis, b_refers, scratch);
         let at = if b_refers {
@@ -149,7 +149,7 @@ impl Clipping<'_> {
             kind: CornerKind::Incident,
             leaves_on_cut: false,
         };
-        Patch {
+        LocalManifold {
             // The other point is in the plane of the face, and may be beside it.
             off_surface: f32::INFINITY,
             ..self.patch(axis, &reference, b_refers, &[vertex])
@@ -205,15 +205,15 @@ impl Clipping<'_> {
         reference: &Plane,
         b_refers: bool,
         points: &[Candidate],
-    ) -> Patch {
-        let mut patch = Patch {
+    ) -> LocalManifold {
+        let mut patch = LocalManifold {
             normal: if b_refers {
                 -reference.normal
             } else {
                 reference.normal
             },
             normal_in_b: b_refers.then_some(-axis.plane.normal),
-            ..Patch::default()
+            ..LocalManifold::default()
         };
         for corner in points.iter().take(MAX_POINTS) {
             let projected = corner.at - corner.separation * reference.normal;
@@ -228,7 +228,7 @@ impl Clipping<'_> {
                 CornerKind::Crossing(along) => (b_refers, along),
                 CornerKind::Reference => (b_refers, Vec3::ZERO),
             };
-            patch.push(PatchPoint {
+            patch.push(LocalPoint {
                 on_a,
                 on_b: self.b_in_a.inverse_transform_point(on_b),
                 separation: corner.separation,

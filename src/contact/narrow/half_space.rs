@@ -1,7 +1,7 @@
 //! Where a hull touches a half-space.
 
-use crate::contact::local_manifold::{Patch, PatchPoint};
-use crate::contact::narrow::scratch::{Found, MERGE, NarrowScratch};
+use crate::contact::local_manifold::{LocalManifold, LocalPoint};
+use crate::contact::narrow::scratch::{MERGE, NarrowScratch, SatResult};
 use crate::contact::reduce::{Candidate, CornerKind, reduce};
 use crate::geometry::ConvexHull;
 use crate::geometry::hull_lanes::lowest;
@@ -19,9 +19,9 @@ pub fn collide_half_space(
     b_in_a: Pose,
     margin: f32,
     scratch: &mut NarrowScratch,
-) -> Option<Patch> {
+) -> Option<LocalManifold> {
     match examine_half_space(hull, plane, b_in_a, margin, scratch) {
-        Found::Near(patch) if patch.count > 0 => Some(patch),
+        SatResult::Touching(patch) if patch.count > 0 => Some(patch),
         _ => None,
     }
 }
@@ -33,24 +33,24 @@ pub(crate) fn examine_half_space(
     b_in_a: Pose,
     margin: f32,
     scratch: &mut NarrowScratch,
-) -> Found {
-    let mut patch = Patch {
+) -> SatResult {
+    let mut patch = LocalManifold {
         normal: -plane.normal,
         normal_in_b: Some(-rotate(b_in_a.rotation.inverse(), plane.normal)),
-        steady: f32::INFINITY,
+        recycle_distance: f32::INFINITY,
         slide: f32::INFINITY,
-        ..Patch::default()
+        ..LocalManifold::default()
     };
     if !b_in_a.is_finite() || !margin.is_finite() {
-        return Found::Near(patch);
+        return SatResult::Touching(patch);
     }
     let (support, deepest) = lowest(hull.lanes.points.iter(), plane.normal);
     let distance = deepest - plane.offset;
     if !distance.is_finite() {
-        return Found::Near(patch);
+        return SatResult::Touching(patch);
     }
     if distance > margin {
-        return Found::Apart {
+        return SatResult::Separated {
             axis: -plane.normal,
             distance,
         };
@@ -76,7 +76,7 @@ pub(crate) fn examine_half_space(
     );
     reduce(candidates, plane.normal, MERGE * size);
     for vertex in candidates {
-        patch.push(PatchPoint {
+        patch.push(LocalPoint {
             on_a: vertex.at,
             on_b: b_in_a.inverse_transform_point(vertex.at - vertex.separation * plane.normal),
             separation: vertex.separation,
@@ -84,5 +84,5 @@ pub(crate) fn examine_half_space(
             along: Vec3::ZERO,
         });
     }
-    Found::Near(patch)
+    SatResult::Touching(patch)
 }

@@ -10,12 +10,12 @@
 
 pub use crate::contact::narrow::half_space::collide_half_space;
 use crate::contact::narrow::scratch::FaceAxis;
-use crate::contact::narrow::scratch::Found;
-use crate::contact::narrow::scratch::Hint;
 use crate::contact::narrow::scratch::MERGE;
 use crate::contact::narrow::scratch::NarrowScratch;
+use crate::contact::narrow::scratch::SatCache;
+use crate::contact::narrow::scratch::SatResult;
 
-use crate::contact::local_manifold::Patch;
+use crate::contact::local_manifold::LocalManifold;
 use crate::contact::narrow::clipping::{Clipping, edge_patch};
 use crate::contact::narrow::edge_search::best_edge_pair;
 use crate::geometry::ConvexHull;
@@ -43,9 +43,9 @@ pub fn collide_hulls(
     b_in_a: Pose,
     margin: f32,
     scratch: &mut NarrowScratch,
-) -> Option<Patch> {
-    match examine_hulls(a, b, b_in_a, margin, Hint::NONE, scratch) {
-        Found::Near(patch) if patch.count > 0 => Some(patch),
+) -> Option<LocalManifold> {
+    match examine_hulls(a, b, b_in_a, margin, SatCache::NONE, scratch) {
+        SatResult::Touching(patch) if patch.count > 0 => Some(patch),
         _ => None,
     }
 }
@@ -56,24 +56,24 @@ pub(crate) fn examine_hulls(
     b: &ConvexHull,
     b_in_a: Pose,
     margin: f32,
-    hint: Hint,
+    hint: SatCache,
     scratch: &mut NarrowScratch,
-) -> Found {
+) -> SatResult {
     if !b_in_a.is_finite() || !margin.is_finite() {
-        return Found::Near(Patch::default());
+        return SatResult::Touching(LocalManifold::default());
     }
     // The line through the middles of the two boxes separates most pairs that do not touch.
-    let middles = b_in_a.transform_point(b.aabb().centre()) - a.aabb().centre();
+    let middles = b_in_a.transform_point(b.aabb().center()) - a.aabb().center();
     if let Some(axis) = middles.try_normalize() {
         let distance = distance_along(a, b, &b_in_a, axis);
         if distance > margin {
-            return Found::Apart { axis, distance };
+            return SatResult::Separated { axis, distance };
         }
     }
     scratch.load(a, b, &b_in_a);
-    match Axes::find(a, b, middles, margin, hint, scratch) {
+    match SatAxes::find(a, b, middles, margin, hint, scratch) {
         Err(apart) => apart,
-        Ok(None) => Found::Near(Patch::default()),
+        Ok(None) => SatResult::Touching(LocalManifold::default()),
         Ok(Some(axes)) => axes.choose(a, b, &b_in_a, margin, hint, scratch),
     }
 }
@@ -88,12 +88,12 @@ pub(crate) fn distance_along(a: &ConvexHull, b: &ConvexHull, b_in_a: &Pose, axis
 
 /// The best faces of a pair that no face separates by more than the margin.
 #[derive(Debug)]
-struct Axes {
+struct SatAxes {
     face_a: FaceAxis,
     face_b: FaceAxis,
 }
 
-impl Axes {
+impl SatAxes {
     /// `Err` if a face separates the hulls, `None` if nothing is comparable. `middles` points from A's middle to B's.
     #[allow(
         clippy::result_large_err,
@@ -104,12 +104,12 @@ impl Axes {
         b: &ConvexHull,
         middles: Vec3,
         margin: f32,
-        hint: Hint,
+        hint: SatCache,
         scratch: &mut NarrowScratch,
-    ) -> Result<Option<Self>, Found> {
+    ) -> Result<Option<Self>, SatResult> {
         let [first_a, first_b] = hint.faces.map_or([None; 2], |faces| faces.map(Some));
         let face_a = best_face(a, &scratch.b_in_a, middles, first_a);
-        let apart = |axis: Vec3, face: &FaceAxis| Found::Apart {
+        let apart = |axis: Vec3, face: &FaceAxis| SatResult::Separated {
             axis,
             distance: face.separation,
         };
@@ -133,9 +133,9 @@ impl Axes {
         b: &ConvexHull,
         b_in_a: &Pose,
         margin: f32,
-        hint: Hint,
+        hint: SatCache,
         scratch: &mut NarrowScratch,
-    ) -> Found {
+    ) -> SatResult {
         let Self { face_a, face_b } = self;
         let (extent_a, extent_b) = (a.aabb().diagonal(), b.aabb().diagonal());
         let size = extent_a.min(extent_b);
@@ -171,13 +171,13 @@ impl Axes {
             .flatten();
         if let Some(edge) = edge {
             if edge.separation > margin {
-                return Found::Apart {
+                return SatResult::Separated {
                     axis: edge.normal,
                     distance: edge.separation,
                 };
             }
             if edge.separation > bar {
-                return Found::Near(edge_patch(a, b, &edge, b_in_a, scratch));
+                return SatResult::Touching(edge_patch(a, b, &edge, b_in_a, scratch));
             }
         }
         let contact = Clipping {
@@ -189,9 +189,9 @@ impl Axes {
         };
         let patch = contact.face_patch(face, b_refers, scratch);
         if patch.count > 0 {
-            return Found::Near(patch);
+            return SatResult::Touching(patch);
         }
-        Found::Near(match search(best_of_faces, scratch) {
+        SatResult::Touching(match search(best_of_faces, scratch) {
             Some(edge) if edge.separation <= margin => edge_patch(a, b, &edge, b_in_a, scratch),
             _ => contact.support_patch(face, b_refers, scratch),
         })
@@ -277,8 +277,8 @@ fn best_face(hull: &ConvexHull, points: &[Points4], towards: Vec3, first: Option
 #[cfg(test)]
 mod tests {
     use super::examine_hulls;
-    use crate::contact::body_manifold::BoundPatch;
-    use crate::contact::narrow::scratch::{Found, Hint, NarrowScratch};
+    use crate::contact::body_manifold::BodyManifold;
+    use crate::contact::narrow::scratch::{NarrowScratch, SatCache, SatResult};
     use crate::geometry::primitives::{cuboid, icosphere, regular_prism, wedge};
     use crate::math::Pose;
     use glam::{Quat, Vec3};
@@ -310,9 +310,11 @@ mod tests {
             let turn = Quat::from_vec4(vector(&mut random).extend(signed(&mut random)));
             let pose = Pose::new(0.8 * vector(&mut random), turn.normalize());
             let margin = 0.02;
-            let found = examine_hulls(a, b, pose, margin, Hint::NONE, &mut scratch);
-            let Found::Near(patch) = found else { continue };
-            let patch = BoundPatch::new(&patch, pose.rotation, [Vec3::ZERO; 2], [None; 2]);
+            let found = examine_hulls(a, b, pose, margin, SatCache::NONE, &mut scratch);
+            let SatResult::Touching(patch) = found else {
+                continue;
+            };
+            let patch = BodyManifold::new(&patch, pose.rotation, [Vec3::ZERO; 2], [None; 2]);
             let faces = Some(scratch.best_faces);
             let way = [0.1, 0.01, 1e-3, 1e-4][random.next_u32() as usize % 4];
             let spin = Quat::from_scaled_axis(way * vector(&mut random));
@@ -320,12 +322,12 @@ mod tests {
                 pose.position + way * vector(&mut random),
                 (spin * pose.rotation).normalize(),
             );
-            let hint = Hint {
+            let hint = SatCache {
                 faces,
                 ..patch.hint(&moved, [Vec3::ZERO; 2])
             };
             hinted[usize::from(hint.axis.is_some())] += usize::from(patch.count > 0);
-            let expected = examine_hulls(a, b, moved, margin, Hint::NONE, &mut scratch);
+            let expected = examine_hulls(a, b, moved, margin, SatCache::NONE, &mut scratch);
             let found = examine_hulls(a, b, moved, margin, hint, &mut scratch);
             assert_eq!(found, expected, "{a:?} {b:?} {moved:?} {hint:?}");
         }

@@ -1,6 +1,6 @@
 //! Buffers of the narrow phase, and what its parts tell each other.
 
-use crate::contact::local_manifold::Patch;
+use crate::contact::local_manifold::LocalManifold;
 use crate::contact::reduce::Candidate;
 use crate::geometry::ConvexHull;
 use crate::geometry::hull_lanes::{LANES, Points4, bounds, move_points};
@@ -79,21 +79,21 @@ pub(crate) struct FaceAxis {
     clippy::large_enum_variant,
     reason = "it is handed up at once, and never kept"
 )]
-pub(crate) enum Found {
+pub(crate) enum SatResult {
     /// The hulls are at least `distance` (m) apart, which is more than the margin, along `axis`.
-    Apart {
+    Separated {
         /// Unit vector from A to B, A's frame.
         axis: Vec3,
         /// Distance along it, m.
         distance: f32,
     },
     /// No axis separates by more than the margin. The patch may be empty, where two corners pass each other.
-    Near(Patch),
+    Touching(LocalManifold),
 }
 
 /// What is known of two hulls before they are tested. It changes the effort, never the answer.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Hint {
+pub(crate) struct SatCache {
     /// They are not farther apart than this, m.
     pub(crate) gap: f32,
     /// Unit vector from A to B, A's frame, that may separate better than any face.
@@ -102,7 +102,7 @@ pub(crate) struct Hint {
     pub(crate) faces: Option<[u32; 2]>,
 }
 
-impl Hint {
+impl SatCache {
     /// Nothing is known.
     pub(crate) const NONE: Self = Self {
         gap: f32::INFINITY,

@@ -76,7 +76,7 @@ pub struct Pair {
 
 /// A proxy with the box that is kept for it.
 #[derive(Clone, Copy, Debug)]
-struct Kept {
+struct Ordered {
     proxy: Proxy,
     /// For a box: the larger box. For a half-space: empty.
     fat: Aabb,
@@ -85,7 +85,7 @@ struct Kept {
 /// Finds pairs; lives as long as the world.
 #[derive(Clone, Default)]
 pub struct Broadphase {
-    kept: Vec<Option<Kept>>,
+    kept: Vec<Option<Ordered>>,
     tree: Bvh2,
     half_spaces: Vec<u32>,
     pairs: Vec<Pair>,
@@ -188,7 +188,7 @@ impl Broadphase {
         };
         match self.kept[slot] {
             Some(kept) if still_fits(&kept, &proxy, margin) => {
-                self.kept[slot] = Some(Kept { proxy, ..kept });
+                self.kept[slot] = Some(Ordered { proxy, ..kept });
             }
             Some(kept)
                 if matches!(kept.proxy.shape, ProxyShape::Box(_))
@@ -196,7 +196,7 @@ impl Broadphase {
             {
                 let fat = fat_box(&proxy, margin);
                 self.tree.move_primitive(tree_box(&fat), slot as u32);
-                self.kept[slot] = Some(Kept { proxy, fat });
+                self.kept[slot] = Some(Ordered { proxy, fat });
                 self.mark(slot);
             }
             old => {
@@ -221,7 +221,7 @@ impl Broadphase {
             }
             ProxyShape::HalfSpace(_) => self.half_spaces.push(slot as u32),
         }
-        self.kept[slot] = Some(Kept { proxy, fat });
+        self.kept[slot] = Some(Ordered { proxy, fat });
     }
 
     fn remove(&mut self, slot: usize) {
@@ -309,7 +309,7 @@ impl Broadphase {
 }
 
 /// Whether two bodies' kept boxes overlap and the bodies collide at all.
-fn may_touch(a: &Kept, b: &Kept) -> bool {
+fn may_touch(a: &Ordered, b: &Ordered) -> bool {
     let some_moves = a.proxy.kind == ProxyKind::Moving || b.proxy.kind == ProxyKind::Moving;
     some_moves
         && a.proxy.layers.interact(&b.proxy.layers)
@@ -328,7 +328,7 @@ fn reaches(b: &Aabb, plane: &Plane) -> bool {
 }
 
 /// Whether nothing about a body changed that its pairs depend on.
-fn still_fits(kept: &Kept, proxy: &Proxy, margin: f32) -> bool {
+fn still_fits(kept: &Ordered, proxy: &Proxy, margin: f32) -> bool {
     let same_body = kept.proxy.id == proxy.id
         && kept.proxy.kind == proxy.kind
         && kept.proxy.layers == proxy.layers;

@@ -5,7 +5,7 @@
 //! one tells. The state belongs to the pair and depends on nothing but how its two bodies moved.
 
 use crate::contact::body_manifold::BodyPlace;
-use crate::contact::narrow::scratch::Hint;
+use crate::contact::narrow::scratch::SatCache;
 use crate::contact::pairs::touches::NO_TOUCH;
 use crate::contact::pairs::touches::Touch;
 use crate::contact::pairs::touches::Touches;
@@ -32,9 +32,9 @@ const ROUNDING: f32 = 1e-6;
 pub(crate) struct PairBody {
     pub(crate) place: BodyPlace,
     pub(crate) rotation: Quat,
-    /// Largest distance of the surface from the centre of mass, m; infinite for a half-space.
+    /// Largest distance of the surface from the center of mass, m; infinite for a half-space.
     pub(crate) radius: f32,
-    /// How far the centre goes within the step, m.
+    /// How far the center goes within the step, m.
     pub(crate) travel: Vec3,
     /// How far a point of the body may turn within the step, m.
     pub(crate) turning: f32,
@@ -42,23 +42,23 @@ pub(crate) struct PairBody {
 
 /// What the quickest look at a pair needs of a body.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Pace {
+pub(crate) struct MotionBound {
     /// A bound of the way that any point of the body has gone since the first step, m.
     pub(crate) path: f64,
     /// How far a point of the body may go within the step, m.
     pub(crate) ahead: f32,
     /// Least extent of the hull's box, m; infinite for a half-space.
-    pub(crate) least_extent: f32,
+    pub(crate) min_extent: f32,
     /// Changes with the shape, mass or material of the body.
     pub(crate) version: u32,
     /// How often the path began anew.
-    lap: u32,
+    epoch: u32,
 }
 
 /// A path begins anew when it is longer than this, m: until then it is good to a nanometre.
 const LONGEST_PATH: f64 = 1e6;
 
-impl Pace {
+impl MotionBound {
     /// Adds to the path.
     pub(crate) fn walk(&mut self, way: f32) {
         self.path += f64::from(way);
@@ -66,14 +66,14 @@ impl Pace {
         let is_usable = self.path <= LONGEST_PATH;
         if !is_usable {
             self.path = 0.0;
-            self.lap = self.lap.wrapping_add(1);
+            self.epoch = self.epoch.wrapping_add(1);
         }
     }
 }
 
 /// What a pair's state is tied to: changes with either body, because all of these numbers only grow.
-fn epoch_of([a, b]: [&Pace; 2]) -> u32 {
-    let epoch = |pace: &Pace| pace.version.wrapping_add(pace.lap);
+fn epoch_of([a, b]: [&MotionBound; 2]) -> u32 {
+    let epoch = |pace: &MotionBound| pace.version.wrapping_add(pace.epoch);
     epoch(a).wrapping_add(epoch(b))
 }
 
@@ -81,7 +81,7 @@ impl PairBody {
     /// How far any point of the body can have moved since `before`, m.
     pub(crate) fn motion_since(&self, before: &Self) -> f32 {
         let turn = (self.rotation - before.rotation).length();
-        let shift = (self.place.centre - before.place.centre).length();
+        let shift = (self.place.center - before.place.center).length();
         // A half-space has no bound unless it does not turn.
         let turned = if turn > 0.0 {
             2.0 * self.radius * turn
@@ -94,17 +94,17 @@ impl PairBody {
 
 /// How the smaller body of a pair is seen from the larger one.
 #[derive(Clone, Copy, Debug, Default)]
-struct Sight {
-    /// Centre of mass of the smaller body, m.
-    centre: Vec3,
+struct RelativePose {
+    /// Center of mass of the smaller body, m.
+    center: Vec3,
     rotation: Quat,
 }
 
-impl Sight {
+impl RelativePose {
     fn of(a: &PairBody, b: &PairBody) -> Self {
         let (large, small) = if a.radius < b.radius { (b, a) } else { (a, b) };
         Self {
-            centre: large.place.turn.transpose() * (small.place.centre - large.place.centre),
+            center: large.place.turn.transpose() * (small.place.center - large.place.center),
             rotation: large.rotation.inverse() * small.rotation,
         }
     }
@@ -112,11 +112,11 @@ impl Sight {
     /// How the smaller body, of the given radius (m), has moved since `before`.
     ///
     /// A turn by the angle t moves a point by at most `2 r sin(t / 2)`; the quaternions differ by `2 sin(t / 4)`.
-    fn motion_since(&self, before: &Self, radius: f32) -> Motion {
+    fn motion_since(&self, before: &Self, radius: f32) -> PairMotion {
         let turn = (self.rotation - before.rotation).length();
-        let rounding = ROUNDING * (radius + self.centre.abs().element_sum());
-        Motion {
-            shift: self.centre - before.centre,
+        let rounding = ROUNDING * (radius + self.center.abs().element_sum());
+        PairMotion {
+            shift: self.center - before.center,
             rest: 2.0 * radius * turn + rounding,
         }
     }
@@ -124,14 +124,14 @@ impl Sight {
 
 /// How the smaller body of a pair has moved as seen from the larger one.
 #[derive(Clone, Copy, Debug)]
-struct Motion {
-    /// Of the centre of mass, m.
+struct PairMotion {
+    /// Of the center of mass, m.
     shift: Vec3,
     /// How far a point can have moved besides, m.
     rest: f32,
 }
 
-impl Motion {
+impl PairMotion {
     /// How far a point can have moved, m.
     fn length(&self) -> f32 {
         self.shift.length() + self.rest
@@ -145,7 +145,7 @@ impl Motion {
 
 /// Whether the last test of a pair still tells what is now.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Verdict {
+pub(crate) enum Recycle {
     /// It does.
     Holds,
     /// The pair must be tested again; if it was apart at the last test, along this axis (A's frame).
@@ -154,7 +154,7 @@ pub(crate) enum Verdict {
 
 /// How long what is known of a pair holds: all that the quick look reads, one pair after the other.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct PairTerm {
+pub(crate) struct RecycleTest {
     /// Sum of the bodies' paths at the last test, m.
     path: f64,
     /// How far the bodies may move against each other, m.
@@ -172,9 +172,9 @@ pub(crate) struct PairTerm {
     pub(crate) touch: u32,
 }
 
-const _: () = assert!(size_of::<PairTerm>() == 32);
+const _: () = assert!(size_of::<RecycleTest>() == 32);
 
-impl PairTerm {
+impl RecycleTest {
     /// Of a pair that was never tested, whose state is at this place.
     pub(crate) fn new(state: u32) -> Self {
         Self {
@@ -190,7 +190,7 @@ impl PairTerm {
 
     /// Whether what the last test found holds for bodies of the given paces, if contacts up to `margin` (m) matter: a quick
     /// look, which may say no for want of detail.
-    pub(crate) fn surely_holds(&self, paces: [&Pace; 2], margin: f32) -> bool {
+    pub(crate) fn surely_holds(&self, paces: [&MotionBound; 2], margin: f32) -> bool {
         let moved = (paces[0].path + paces[1].path - self.path) as f32;
         moved <= self.tolerance && moved + margin < self.limit && self.epoch == epoch_of(paces)
     }
@@ -202,7 +202,7 @@ impl PairTerm {
 pub(crate) struct PairState {
     /// Unit vector from A to B, A's frame, along which the bodies were apart.
     axis: Option<Vec3>,
-    sight: Sight,
+    sight: RelativePose,
     /// The faces of A and B that separated best.
     pub(crate) faces: [u32; 2],
 }
@@ -213,26 +213,26 @@ const _: () = assert!(size_of::<PairState>() == 64);
 #[derive(Debug)]
 pub(crate) struct PairView<'v> {
     pub(crate) bodies: [&'v PairBody; 2],
-    pub(crate) paces: [&'v Pace; 2],
-    pub(crate) term: &'v mut PairTerm,
+    pub(crate) paces: [&'v MotionBound; 2],
+    pub(crate) term: &'v mut RecycleTest,
     pub(crate) state: &'v mut PairState,
     pub(crate) touches: &'v mut Touches,
 }
 
 /// Up to which gap a test looks for points so that the patch holds for `margin` (m) until it is found anew: the pair may
 /// move by the tolerance, and the margin may grow by three times that as the bodies get faster.
-pub(crate) fn reach_of_test(paces: [&Pace; 2], margin: f32) -> f32 {
+pub(crate) fn reach_of_test(paces: [&MotionBound; 2], margin: f32) -> f32 {
     margin + 4.0 * RECYCLE * smaller_extent(paces)
 }
 
 /// Least extent of the smaller body, m.
-pub(crate) fn smaller_extent([a, b]: [&Pace; 2]) -> f32 {
-    a.least_extent.min(b.least_extent)
+pub(crate) fn smaller_extent([a, b]: [&MotionBound; 2]) -> f32 {
+    a.min_extent.min(b.min_extent)
 }
 
 impl PairView<'_> {
     /// What the last test says about the pair now, where bodies farther apart than `margin` (m) do not matter.
-    pub(crate) fn verdict(&mut self, margin: f32) -> Verdict {
+    pub(crate) fn verdict(&mut self, margin: f32) -> Recycle {
         let Self {
             term,
             state,
@@ -241,9 +241,9 @@ impl PairView<'_> {
         } = self;
         let [a, b] = self.bodies;
         if term.epoch != epoch_of(self.paces) {
-            return Verdict::Unknown(None);
+            return Recycle::Unknown(None);
         }
-        let sight = Sight::of(a, b);
+        let sight = RelativePose::of(a, b);
         let motion = sight.motion_since(&state.sight, a.radius.min(b.radius));
         let mut moved = motion.length();
         let most = SLIDE * smaller_extent(self.paces);
@@ -258,21 +258,21 @@ impl PairView<'_> {
         if moved <= term.tolerance && moved + margin < term.limit {
             // The way there and back does not count.
             term.path = self.paces[0].path + self.paces[1].path - f64::from(moved);
-            Verdict::Holds
+            Recycle::Holds
         } else {
-            Verdict::Unknown(state.axis)
+            Recycle::Unknown(state.axis)
         }
     }
 
-    /// What the last test says about the next one, if it found these shapes touching. `centres`: of mass, own frames, m.
-    pub(crate) fn hint(&self, b_in_a: &Pose, centres: [Vec3; 2]) -> Hint {
+    /// What the last test says about the next one, if it found these shapes touching. `centers`: of mass, own frames, m.
+    pub(crate) fn hint(&self, b_in_a: &Pose, centers: [Vec3; 2]) -> SatCache {
         let is_current = self.term.epoch == epoch_of(self.paces);
         match self.touches.of(self.term.touch) {
-            Some(Touch { patch, .. }) if patch.count > 0 && is_current => Hint {
+            Some(Touch { patch, .. }) if patch.count > 0 && is_current => SatCache {
                 faces: Some(self.state.faces),
-                ..patch.hint(b_in_a, centres)
+                ..patch.hint(b_in_a, centers)
             },
-            _ => Hint::NONE,
+            _ => SatCache::NONE,
         }
     }
 
@@ -287,14 +287,18 @@ impl PairView<'_> {
     pub(crate) fn set_near(&mut self, touch: Touch, reach: f32) {
         let [least, most] = [RECYCLE_UNSTEADY, RECYCLE].map(|s| s * smaller_extent(self.paces));
         let patch = &touch.patch;
-        self.note(patch.count, patch.steady.clamp(least, most), reach);
+        self.note(
+            patch.count,
+            patch.recycle_distance.clamp(least, most),
+            reach,
+        );
         self.state.axis = None;
         self.touches.set(&mut self.term.touch, touch);
     }
 
     fn note(&mut self, points: u32, tolerance: f32, limit: f32) {
         let [a, b] = self.paces;
-        *self.term = PairTerm {
+        *self.term = RecycleTest {
             path: a.path + b.path,
             tolerance,
             limit,
@@ -302,6 +306,6 @@ impl PairView<'_> {
             points,
             ..*self.term
         };
-        self.state.sight = Sight::of(self.bodies[0], self.bodies[1]);
+        self.state.sight = RelativePose::of(self.bodies[0], self.bodies[1]);
     }
 }

@@ -8,7 +8,7 @@ use crate::contact::body_id::BodyId;
 use crate::contact::pairs::broad_phase::Pair;
 use crate::contact::pairs::broad_phase::PairName;
 use crate::contact::pairs::broad_phase::name_of;
-use crate::contact::pairs::recycle::{Pace, PairBody, PairState, PairTerm, PairView};
+use crate::contact::pairs::recycle::{MotionBound, PairBody, PairState, PairView, RecycleTest};
 use crate::contact::pairs::touches::NO_TOUCH;
 use crate::contact::pairs::touches::Slab;
 use crate::contact::pairs::touches::Touch;
@@ -20,18 +20,18 @@ const DISORDER: usize = 8;
 
 /// What is known of a run of pairs.
 #[derive(Debug, Default)]
-pub(crate) struct Known {
+pub(crate) struct PairStore {
     names: Vec<PairName>,
-    pub(crate) terms: Vec<PairTerm>,
+    pub(crate) terms: Vec<RecycleTest>,
     states: Slab<PairState>,
     pub(crate) touches: Touches,
     new_names: Vec<PairName>,
-    new_terms: Vec<PairTerm>,
+    new_terms: Vec<RecycleTest>,
 }
 
-impl Known {
+impl PairStore {
     /// Asks for what a closer look at a pair reads.
-    pub(crate) fn prefetch(&self, term: &PairTerm) {
+    pub(crate) fn prefetch(&self, term: &RecycleTest) {
         prefetch(&self.states.list[term.state as usize]);
         if let Some(touch) = self.touches.of(term.touch) {
             prefetch(touch);
@@ -43,7 +43,7 @@ impl Known {
         &'v mut self,
         pair: usize,
         bodies: [&'v PairBody; 2],
-        paces: [&'v Pace; 2],
+        paces: [&'v MotionBound; 2],
     ) -> PairView<'v> {
         let term = &mut self.terms[pair];
         PairView {
@@ -66,7 +66,7 @@ impl Known {
         }
         self.new_terms.clear();
         let (states, touches) = (&mut self.states, &mut self.touches);
-        let mut forget = |states: &mut Slab<PairState>, term: &mut PairTerm| {
+        let mut forget = |states: &mut Slab<PairState>, term: &mut RecycleTest| {
             states.free.push(term.state);
             touches.end(&mut term.touch);
         };
@@ -77,7 +77,7 @@ impl Known {
             }
             let term = match old.next_if(|(old, _)| *old == name) {
                 Some((_, term)) => *term,
-                None => PairTerm::new(states.add(PairState::default())),
+                None => RecycleTest::new(states.add(PairState::default())),
             };
             self.new_terms.push(term);
         }
@@ -126,14 +126,14 @@ mod tests {
     #[test]
     fn places_of_pairs_that_are_gone_are_used_again() {
         let ids: Vec<BodyId> = (0..40).map(BodyId).collect();
-        let mut known = Known::default();
+        let mut known = PairStore::default();
         for round in 0..100_u32 {
             let pairs = (0..40).flat_map(|a| (a + 1..40).map(move |b| Pair { a, b }));
             // A third of all pairs, others in each round.
             let pairs: Vec<Pair> = pairs.filter(|p| (p.a * p.b + round) % 3 == 0).collect();
             known.follow(&pairs, &ids);
             for pair in (0..pairs.len()).filter(|pair| pair % 4 == 0) {
-                let Known { terms, touches, .. } = &mut known;
+                let PairStore { terms, touches, .. } = &mut known;
                 match round % 2 {
                     0 => touches.set(&mut terms[pair].touch, Touch::default()),
                     _ => touches.end(&mut terms[pair].touch),

@@ -1,6 +1,6 @@
 //! What is kept of pairs that touch.
 
-use crate::contact::body_manifold::BoundPatch;
+use crate::contact::body_manifold::BodyManifold;
 /// Of a pair that does not touch.
 pub(crate) const NO_TOUCH: u32 = u32::MAX;
 
@@ -9,7 +9,7 @@ pub(crate) const NO_TOUCH: u32 = u32::MAX;
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(align(64))]
 pub(crate) struct Touch {
-    pub(crate) patch: BoundPatch,
+    pub(crate) patch: BodyManifold,
     pub(crate) friction: f32,
     pub(crate) restitution: f32,
 }
@@ -33,7 +33,7 @@ impl<T> Slab<T> {
         self.list.len() as u32 - 1
     }
 
-    fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.list.len() - self.free.len()
     }
 }

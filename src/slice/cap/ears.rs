@@ -9,10 +9,10 @@ use glam::DVec2;
 
 /// A corner of a polygon and how the path turns there: left (`+1`), right (`-1`), or not (`0`).
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Turn {
+pub(crate) struct CornerTurn {
     corner: u32,
     turn: i32,
-    /// Place in the plane's frame, m.
+    /// LaneSlot in the plane's frame, m.
     point: DVec2,
 }
 
@@ -32,7 +32,7 @@ impl Filler<'_> {
     pub(super) fn clip_ears(&mut self, corners: impl Iterator<Item = u32>, orientation: f64) {
         let mut polygon = std::mem::take(&mut self.cap.polygon);
         polygon.clear();
-        polygon.extend(corners.map(|corner| Turn {
+        polygon.extend(corners.map(|corner| CornerTurn {
             corner,
             turn: 0,
             point: self.cap.point(corner),
@@ -53,30 +53,30 @@ impl Filler<'_> {
             let n = polygon.len();
             self.update_turn(&mut polygon, (ear + n - 1) % n, orientation);
             self.update_turn(&mut polygon, ear % n, orientation);
-            // Going on beyond the ear's neighbour spreads the ears around the loop, which keeps triangles from becoming
+            // Going on beyond the ear's neighbor spreads the ears around the loop, which keeps triangles from becoming
             // needles about one corner.
             start = (ear + 1) % n;
         }
         match polygon[..] {
             [
-                Turn { corner: a, .. },
-                Turn { corner: b, .. },
-                Turn { corner: c, .. },
+                CornerTurn { corner: a, .. },
+                CornerTurn { corner: b, .. },
+                CornerTurn { corner: c, .. },
             ] if a != b && b != c && c != a => {
                 self.cap.triangles.push([a, b, c]);
             }
-            _ => self.fill_by_centres(&polygon),
+            _ => self.fill_by_centers(&polygon),
         }
         self.cap.polygon = polygon;
     }
 
-    fn update_turn(&self, polygon: &mut [Turn], place: usize, orientation: f64) {
+    fn update_turn(&self, polygon: &mut [CornerTurn], place: usize, orientation: f64) {
         polygon[place].turn = self.cap.turn(around(polygon, place), orientation);
     }
 
     fn find_ear(
         &self,
-        polygon: &[Turn],
+        polygon: &[CornerTurn],
         start: usize,
         kind: Ear,
         orientation: f64,
@@ -92,9 +92,9 @@ impl Filler<'_> {
 
     /// Whether the corner at `place` can be cut off.
     ///
-    /// A loop that does not cross itself and reaches into a triangle of its neighbours has a corner there that is not
+    /// A loop that does not cross itself and reaches into a triangle of its neighbors has a corner there that is not
     /// convex, so only those are looked at.
-    fn is_ear(&self, polygon: &[Turn], place: usize, kind: Ear, orientation: f64) -> bool {
+    fn is_ear(&self, polygon: &[CornerTurn], place: usize, kind: Ear, orientation: f64) -> bool {
         match (kind, polygon[place].turn) {
             (Ear::Any, _) => return true,
             (Ear::Good, 1) | (Ear::Flat, 0 | 1) => {}
@@ -119,20 +119,20 @@ impl Filler<'_> {
     }
 
     /// The last resort: a new point in the middle of each simple loop of `polygon`, which no edge can have yet.
-    fn fill_by_centres(&mut self, polygon: &[Turn]) {
+    fn fill_by_centers(&mut self, polygon: &[CornerTurn]) {
         let mut path: Vec<u32> = Vec::new();
-        for &Turn { corner, .. } in polygon {
+        for &CornerTurn { corner, .. } in polygon {
             if let Some(place) = path.iter().position(|&c| c == corner) {
                 let closed = path.split_off(place);
-                self.fan_about_centre(&closed);
+                self.fan_about_center(&closed);
             }
             path.push(corner);
         }
-        self.fan_about_centre(&path);
+        self.fan_about_center(&path);
     }
 
     /// Joins all edges of a loop to a new point in its middle. Two edges that are each other's reverse need nothing.
-    pub(super) fn fan_about_centre(&mut self, ring: &[u32]) {
+    pub(super) fn fan_about_center(&mut self, ring: &[u32]) {
         if ring.len() < 3 {
             return;
         }
@@ -144,16 +144,16 @@ impl Filler<'_> {
         let mean = mean_vertex(around, number);
         let vertex = self.clip.old_vertices + self.clip.new.positions.len() as u32;
         mean.push_to(&mut self.clip.new);
-        let centre = self.cap.corners.len() as u32;
+        let center = self.cap.corners.len() as u32;
         self.add_corner(vertex, number);
         self.cap
             .triangles
-            .extend(edges(ring).map(|(a, b)| [a, b, centre]));
+            .extend(edges(ring).map(|(a, b)| [a, b, center]));
     }
 }
 
 /// The corners before, at and after `place`.
-fn around(polygon: &[Turn], place: usize) -> [u32; 3] {
+fn around(polygon: &[CornerTurn], place: usize) -> [u32; 3] {
     let n = polygon.len();
     let before = if place == 0 { n - 1 } else { place - 1 };
     let after = if place + 1 == n { 0 } else { place + 1 };

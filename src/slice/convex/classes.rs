@@ -52,7 +52,7 @@ pub(super) struct Classes {
     /// Vertices on the plane.
     pub(super) on_vertices: Vec<u32>,
     /// Edges with both ends on the plane.
-    pub(super) on_edges: Vec<OnEdge>,
+    pub(super) on_edges: Vec<PlaneEdge>,
     /// Faces with vertices on both sides.
     pub(super) cut_faces: Selection,
     /// Faces with vertices on the plane.
@@ -61,7 +61,7 @@ pub(super) struct Classes {
 
 /// An edge on the plane, and the parts that its two faces are in along it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct OnEdge {
+pub(super) struct PlaneEdge {
     pub(super) edge: u32,
     pub(super) parts: [u8; 2],
 }
@@ -125,7 +125,7 @@ impl Classes {
             let [end, _] = hull.edges[edge as usize].vertices;
             if sides[end as usize] == ON {
                 let parts = [0; 2];
-                self.on_edges.push(OnEdge { edge, parts });
+                self.on_edges.push(PlaneEdge { edge, parts });
             } else {
                 self.cut_edges.push(edge);
             }
@@ -193,7 +193,7 @@ impl Classes {
         }
         select::collect(&self.members, &mut self.member_bits);
         for index in 0..self.on_edges.len() {
-            let OnEdge { edge, .. } = self.on_edges[index];
+            let PlaneEdge { edge, .. } = self.on_edges[index];
             let edge = hull.edges[edge as usize];
             let [from, to] = edge.vertices;
             self.on_edges[index].parts = [

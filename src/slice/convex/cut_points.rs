@@ -8,7 +8,7 @@ use glam::Vec3;
 const LANES: usize = 4;
 
 /// One coordinate of a point on each edge.
-type Lanes<T> = [T; LANES];
+type Four<T> = [T; LANES];
 
 /// An edge of the hull with ends on both sides.
 #[derive(Clone, Copy, Debug)]
@@ -31,7 +31,7 @@ pub(super) fn find_cut_points(
     points: &mut Vec<Vec3>,
 ) {
     points.resize(edges.len(), Vec3::ZERO);
-    let cutting = Cutting {
+    let cutting = CutPointLoop {
         plane,
         vertices,
         edges,
@@ -40,14 +40,14 @@ pub(super) fn find_cut_points(
     run(wide, cutting);
 }
 
-struct Cutting<'a> {
+struct CutPointLoop<'a> {
     plane: &'a Plane,
     vertices: &'a [Vec3],
     edges: &'a [CutEdge],
     points: &'a mut [Vec3],
 }
 
-impl Loop for Cutting<'_> {
+impl Loop for CutPointLoop<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -93,7 +93,7 @@ fn cut_four(plane: &Plane, vertices: &[Vec3], edges: [&CutEdge; LANES]) -> [Vec3
 }
 
 #[inline(always)]
-fn doubles(points: &[Lanes<f32>; 3]) -> [Lanes<f64>; 3] {
+fn doubles(points: &[Four<f32>; 3]) -> [Four<f64>; 3] {
     let mut doubles = [[0.0; LANES]; 3];
     for axis in 0..3 {
         for l in 0..LANES {
@@ -105,7 +105,7 @@ fn doubles(points: &[Lanes<f32>; 3]) -> [Lanes<f64>; 3] {
 
 /// Signed distances from the plane, m.
 #[inline(always)]
-fn heights(plane: &Plane, [x, y, z]: &[Lanes<f64>; 3]) -> Lanes<f64> {
+fn heights(plane: &Plane, [x, y, z]: &[Four<f64>; 3]) -> Four<f64> {
     let [nx, ny, nz] = plane.normal.to_array().map(f64::from);
     let offset = f64::from(plane.offset);
     let mut heights = [0.0; LANES];

@@ -6,13 +6,13 @@ use crate::geometry::hull_lanes::box_of;
 use crate::geometry::wide::{Avx2, renumber, select_edges};
 use crate::geometry::{ConvexHull, Edge, Face};
 use crate::math::Plane;
-use crate::slice::convex::Irregular;
+use crate::slice::convex::IrregularCut;
 use crate::slice::convex::classes::{BELOW, Classes};
 use crate::slice::convex::numbers::PartNumbers;
 use crate::slice::convex::rim::Rim;
 
 /// All that the writing of one part needs.
-pub(super) struct Writer<'a> {
+pub(super) struct HullWriter<'a> {
     pub(super) hull: &'a ConvexHull,
     pub(super) classes: &'a Classes,
     pub(super) rim: &'a Rim,
@@ -24,9 +24,9 @@ pub(super) struct Writer<'a> {
     pub(super) wide: Option<Avx2>,
 }
 
-impl Writer<'_> {
+impl HullWriter<'_> {
     /// Writes the part; its moments stay to be found.
-    pub(super) fn write(&self, out: &mut ConvexHull) -> Result<(), Irregular> {
+    pub(super) fn write(&self, out: &mut ConvexHull) -> Result<(), IrregularCut> {
         self.write_vertices(out);
         self.write_faces(out)?;
         self.write_edges(out);
@@ -55,7 +55,7 @@ impl Writer<'_> {
     }
 
     /// Faces and their loops: those that the part has whole, pieces of those that are cut, and the cap.
-    fn write_faces(&self, out: &mut ConvexHull) -> Result<(), Irregular> {
+    fn write_faces(&self, out: &mut ConvexHull) -> Result<(), IrregularCut> {
         let whole = self.numbers.whole_faces.indices();
         let cut = self.classes.cut_faces.indices();
         let mut cap = Face {
@@ -84,10 +84,10 @@ impl Writer<'_> {
     }
 
     /// The loop of the cap, which fills the room that is left.
-    fn write_cap(&self, room: &mut [u32]) -> Result<(), Irregular> {
+    fn write_cap(&self, room: &mut [u32]) -> Result<(), IrregularCut> {
         let cap = &self.rim.cap;
         if room.len() != cap.len() {
-            return Err(Irregular);
+            return Err(IrregularCut);
         }
         room.copy_from_slice(cap);
         // Reversed about the same first corner: where vertices on the plane leave the cap uneven, both parts have it as the
@@ -149,7 +149,7 @@ struct LoopWriter<'a> {
 impl LoopWriter<'_> {
     /// Writes the first faces of a part: those with these indices, of a hull that has only triangles.
     ///
-    /// Kept apart, as the next, so that all that the loop needs stays in registers.
+    /// Ordered apart, as the next, so that all that the loop needs stays in registers.
     #[inline(never)]
     fn write_triangles(
         &mut self,
@@ -157,9 +157,9 @@ impl LoopWriter<'_> {
         triangles: &[[u32; 3]],
         indices: &[u32],
         out: &mut [Face],
-    ) -> Result<(), Irregular> {
+    ) -> Result<(), IrregularCut> {
         self.written = 3 * indices.len();
-        let room = self.room.get_mut(..self.written).ok_or(Irregular)?;
+        let room = self.room.get_mut(..self.written).ok_or(IrregularCut)?;
         let room = room.as_chunks_mut().0.iter_mut();
         let places = (0..).step_by(3);
         for (((&index, out), corners), first) in indices.iter().zip(out).zip(room).zip(places) {
@@ -180,7 +180,7 @@ impl LoopWriter<'_> {
         hull: &ConvexHull,
         indices: &[u32],
         out: &mut [Face],
-    ) -> Result<(), Irregular> {
+    ) -> Result<(), IrregularCut> {
         let (faces, loops) = (hull.faces.as_slice(), hull.loops.as_slice());
         for (&index, out) in indices.iter().zip(out) {
             let face = &faces[index as usize];
@@ -194,7 +194,7 @@ impl LoopWriter<'_> {
 
     /// Writes a face whose loop is the first `count` corners of a list.
     #[inline(always)]
-    fn write(&mut self, plane: Plane, from: &[u32], count: usize) -> Result<Face, Irregular> {
+    fn write(&mut self, plane: Plane, from: &[u32], count: usize) -> Result<Face, IrregularCut> {
         let first = self.written as u32;
         self.copy_corners(from, 0, count)?;
         Ok(Face {
@@ -206,7 +206,12 @@ impl LoopWriter<'_> {
 
     /// Writes `count` corners that begin at `first` in a list.
     #[inline(always)]
-    fn copy_corners(&mut self, from: &[u32], first: usize, count: usize) -> Result<(), Irregular> {
+    fn copy_corners(
+        &mut self,
+        from: &[u32],
+        first: usize,
+        count: usize,
+    ) -> Result<(), IrregularCut> {
         let to = self.written;
         if count <= USUAL_CORNERS
             && let Some(from) = from.get(first..first + USUAL_CORNERS)
@@ -224,10 +229,10 @@ impl LoopWriter<'_> {
 
 /// Copies the corners of a face that has many, or that is near the end of a list.
 #[inline(never)]
-fn copy_many_corners(from: &[u32], room: &mut [u32], written: usize) -> Result<(), Irregular> {
+fn copy_many_corners(from: &[u32], room: &mut [u32], written: usize) -> Result<(), IrregularCut> {
     let to = room
         .get_mut(written..written + from.len())
-        .ok_or(Irregular)?;
+        .ok_or(IrregularCut)?;
     to.copy_from_slice(from);
     Ok(())
 }

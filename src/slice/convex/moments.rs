@@ -11,34 +11,34 @@ use crate::geometry::ConvexHull;
 use crate::geometry::moments::{Fans, Moments};
 use crate::geometry::wide::Avx2;
 use crate::slice::convex::classes::Classes;
-use crate::slice::convex::numbers::Numbers;
-use crate::slice::convex::{HullHalves, Irregular};
+use crate::slice::convex::numbers::Renumbering;
+use crate::slice::convex::{HullHalves, IrregularCut};
 use glam::Vec3;
 use std::ops::Range;
 
 /// All that the moments of the parts follow from.
-pub(super) struct Summing<'a> {
+pub(super) struct HalfSum<'a> {
     pub(super) hull: &'a ConvexHull,
     pub(super) classes: &'a Classes,
-    pub(super) numbers: &'a Numbers,
+    pub(super) numbers: &'a Renumbering,
     pub(super) fans: &'a mut Fans,
     pub(super) wide: Option<Avx2>,
 }
 
 /// Share of what a part's box could hold below which its volume may be nothing but rounding: a part that is a plane's
 /// tolerance thick and wide still holds 1.6e-13, and sums of `f64` are off by some 1e-16.
-const LEAST_SHARE: f64 = 1e-14;
+const MIN_SHARE: f64 = 1e-14;
 
 /// Whether a part has a volume.
 fn is_body(part: &ConvexHull) -> bool {
     let extents = part.aabb.extents().as_dvec3();
     let [x, y, z] = extents.to_array();
-    part.moments.volume() > LEAST_SHARE * extents.length() * (x * y + y * z + z * x)
+    part.moments.volume() > MIN_SHARE * extents.length() * (x * y + y * z + z * x)
 }
 
-impl Summing<'_> {
+impl HalfSum<'_> {
     /// Finds the moments of both parts, and checks that each has a volume.
-    pub(super) fn find_moments(mut self, halves: &mut HullHalves) -> Result<(), Irregular> {
+    pub(super) fn find_moments(mut self, halves: &mut HullHalves) -> Result<(), IrregularCut> {
         let few = usize::from(halves.above.loops.len() < halves.below.loops.len());
         let cut = self.classes.cut_faces.len();
         if self.numbers.parts[1 - few].whole_faces.len() > cut {
@@ -51,7 +51,7 @@ impl Summing<'_> {
         if is_body(&halves.below) && is_body(&halves.above) {
             Ok(())
         } else {
-            Err(Irregular)
+            Err(IrregularCut)
         }
     }
 

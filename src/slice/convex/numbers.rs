@@ -1,8 +1,8 @@
 //! The numbers that a hull's vertices and faces have in the parts.
 
 use crate::geometry::ConvexHull;
-use crate::geometry::wide::{Avx2, EdgeTable};
-use crate::slice::convex::Irregular;
+use crate::geometry::wide::{Avx2, EdgeRenumbering};
+use crate::slice::convex::IrregularCut;
 use crate::slice::convex::classes::{BELOW, Classes};
 use crate::slice::convex::rim::Rim;
 use crate::slice::convex::select::{Selection, select_and_number};
@@ -10,7 +10,7 @@ use std::ops::Range;
 
 /// What each part has of everything, and under which numbers.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Numbers {
+pub(super) struct Renumbering {
     pub(super) parts: [PartNumbers; 2],
 }
 
@@ -24,7 +24,7 @@ pub(super) struct PartNumbers {
     first_face: usize,
     /// The hull's vertices that the part has.
     pub(super) vertices: Selection,
-    /// The hull's faces that the part has whole. Pieces of cut faces follow them, and then the cap.
+    /// The hull's faces that the part has whole. FacePieces of cut faces follow them, and then the cap.
     pub(super) whole_faces: Selection,
     /// How many faces the part has.
     faces: usize,
@@ -39,8 +39,8 @@ impl PartNumbers {
     }
 
     /// The same, and new numbers of the hull's faces and the cap.
-    pub(super) fn of_edges(&self) -> EdgeTable<'_> {
-        EdgeTable {
+    pub(super) fn of_edges(&self) -> EdgeRenumbering<'_> {
+        EdgeRenumbering {
             numbers: &self.table,
             first_face: self.first_face,
         }
@@ -98,8 +98,8 @@ impl PartNumbers {
     }
 }
 
-impl Numbers {
-    /// Numbers vertices and faces, and checks that both parts fulfil Euler's formula.
+impl Renumbering {
+    /// Renumbering vertices and faces, and checks that both parts fulfil Euler's formula.
     ///
     /// Each edge of a part has one face on either side, because it inherits them from the hull or is on the rim, which is one
     /// simple loop; so the formula says that the part is one closed surface without handles.
@@ -109,7 +109,7 @@ impl Numbers {
         classes: &Classes,
         rim: &Rim,
         wide: Option<Avx2>,
-    ) -> Result<(), Irregular> {
+    ) -> Result<(), IrregularCut> {
         let cuts = rim.points.len();
         for (part, numbers) in self.parts.iter_mut().enumerate() {
             numbers.count(hull, classes, cuts, part, wide);
@@ -119,7 +119,7 @@ impl Numbers {
             let on = classes.on_edges.iter().filter(|e| e.parts.contains(&mask));
             numbers.edges = classes.whole_edges[part].len() + on.count() + cuts + rim.chords.len();
             if vertices + numbers.faces != numbers.edges + 2 {
-                return Err(Irregular);
+                return Err(IrregularCut);
             }
         }
         Ok(())

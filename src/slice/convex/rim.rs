@@ -5,7 +5,7 @@
 use crate::geometry::wide::Avx2;
 use crate::geometry::{ConvexHull, Edge};
 use crate::math::Plane;
-use crate::slice::convex::Irregular;
+use crate::slice::convex::IrregularCut;
 use crate::slice::convex::classes::{ABOVE, BELOW, Classes, ON};
 use crate::slice::convex::cut_points::CutEdge;
 use crate::slice::convex::cut_points::find_cut_points;
@@ -87,12 +87,12 @@ impl Corners {
 
     #[cold]
     fn grow(&mut self) {
-        self.list.resize(2 * self.filled + LEAST_ROOM, NONE);
+        self.list.resize(2 * self.filled + MIN_ROOM, NONE);
     }
 }
 
 /// Corners that there is room for at the least.
-const LEAST_ROOM: usize = 64;
+const MIN_ROOM: usize = 64;
 
 impl Rim {
     /// One cut point for each cut edge.
@@ -137,7 +137,7 @@ impl Rim {
         &mut self,
         hull: &ConvexHull,
         classes: &Classes,
-    ) -> Result<(), Irregular> {
+    ) -> Result<(), IrregularCut> {
         let Self {
             chords,
             pieces,
@@ -176,7 +176,7 @@ impl Rim {
         &mut self,
         hull: &ConvexHull,
         classes: &Classes,
-    ) -> Result<(), Irregular> {
+    ) -> Result<(), IrregularCut> {
         self.next.clear();
         self.next
             .resize(hull.vertices.len() + self.points.len(), NONE);
@@ -187,7 +187,7 @@ impl Rim {
             *next = to;
             count += 1;
             start = from;
-            if is_free { Ok(()) } else { Err(Irregular) }
+            if is_free { Ok(()) } else { Err(IrregularCut) }
         };
         // The part below runs along a chord from its way up to its way down, and along an edge as its face there does.
         for &[up, down] in &self.chords {
@@ -214,7 +214,7 @@ impl Rim {
         if is_one_loop && !self.is_doubled(hull, classes) {
             Ok(())
         } else {
-            Err(Irregular)
+            Err(IrregularCut)
         }
     }
 
@@ -227,7 +227,7 @@ impl Rim {
 }
 
 /// The corners of the pieces below and above.
-type Pieces<'a> = [&'a mut Corners; 2];
+type FacePieces<'a> = [&'a mut Corners; 2];
 
 /// Divides one face between the parts, and gives the ends of its chord: where it goes up, and where it comes down.
 #[inline(always)]
@@ -235,8 +235,8 @@ fn divide(
     corners: &[u32],
     sides: &[u8],
     crossings: [u32; 2],
-    pieces: &mut Pieces<'_>,
-) -> Result<[u32; 2], Irregular> {
+    pieces: &mut FacePieces<'_>,
+) -> Result<[u32; 2], IrregularCut> {
     let divided = match *corners {
         [a, b, c] => divide_triangle([a, b, c], sides, crossings, pieces),
         _ => divide_off_plane(corners, sides, crossings, pieces),
@@ -245,19 +245,19 @@ fn divide(
 }
 
 /// Corners of a piece of a triangle: 0 to 2 are those of the triangle, [`UP`] and [`DOWN`] those of the chord.
-type Piece = [u8; 4];
+type FacePiece = [u8; 4];
 
 /// Where the triangle's loop goes up through the plane.
 const UP: u8 = 3;
 /// Where it comes down.
 const DOWN: u8 = 4;
 
-/// Pieces of a triangle below and above the plane, by which of its corners are below, the first one's bit the lowest. One of
+/// FacePieces of a triangle below and above the plane, by which of its corners are below, the first one's bit the lowest. One of
 /// the two has three corners, and its last one here means nothing.
 ///
 /// The piece below begins with the first corner below, as in [`divide_face`]: it decides along which diagonal the piece is
 /// read as triangles.
-static PIECES: [[Piece; 2]; 8] = [
+static PIECES: [[FacePiece; 2]; 8] = [
     UNDIVIDED,
     [[0, UP, DOWN, 0], [UP, 1, 2, DOWN]],
     [[1, UP, DOWN, 0], [UP, 2, 0, DOWN]],
@@ -269,7 +269,7 @@ static PIECES: [[Piece; 2]; 8] = [
 ];
 
 /// Of a triangle that has all corners on one side.
-const UNDIVIDED: [Piece; 2] = [[0; 4]; 2];
+const UNDIVIDED: [FacePiece; 2] = [[0; 4]; 2];
 
 /// Divides a triangle without a corner on the plane, as [`divide_face`] does. Nothing, and nothing done, for any other.
 ///
@@ -279,7 +279,7 @@ fn divide_triangle(
     [a, b, c]: [u32; 3],
     sides: &[u8],
     [up, down]: [u32; 2],
-    pieces: &mut Pieces<'_>,
+    pieces: &mut FacePieces<'_>,
 ) -> Option<[u32; 2]> {
     let [of_a, of_b, of_c] = [sides[a as usize], sides[b as usize], sides[c as usize]];
     if of_a.min(of_b).min(of_c) == ON || up == NONE || down == NONE {
@@ -309,7 +309,7 @@ fn divide_off_plane(
     corners: &[u32],
     sides: &[u8],
     [up, down]: [u32; 2],
-    [below, above]: &mut Pieces<'_>,
+    [below, above]: &mut FacePieces<'_>,
 ) -> Option<[u32; 2]> {
     let side = |place: usize| sides[corners[place] as usize];
     let count = corners.len();
@@ -339,17 +339,17 @@ fn divide_off_plane(
 /// Divides any face, as [`divide`] says.
 ///
 /// Walks around the loop from a vertex below. A vertex on the plane is a crossing if the next vertex off the plane is on
-/// the other side; otherwise it stays with its neighbours.
+/// the other side; otherwise it stays with its neighbors.
 #[inline(never)]
 fn divide_face(
     corners: &[u32],
     sides: &[u8],
     [up, down]: [u32; 2],
-    [below, above]: &mut Pieces<'_>,
-) -> Result<[u32; 2], Irregular> {
+    [below, above]: &mut FacePieces<'_>,
+) -> Result<[u32; 2], IrregularCut> {
     let side_of = |vertex: u32| sides[vertex as usize];
     let start = corners.iter().position(|&v| side_of(v) == BELOW);
-    let (before, after) = corners.split_at(start.ok_or(Irregular)?);
+    let (before, after) = corners.split_at(start.ok_or(IrregularCut)?);
     // One step beyond the loop, so that a crossing on the last edge is seen.
     let walk = after.iter().chain(before).chain(&after[..1]);
     let (mut is_above, mut crossings, mut chord) = (false, 0, [NONE; 2]);
@@ -367,7 +367,7 @@ fn divide_face(
                 (false, true) => down,
             };
             if cut == NONE || crossings == 2 {
-                return Err(Irregular);
+                return Err(IrregularCut);
             }
             below.push(cut);
             above.push(cut);
@@ -386,6 +386,6 @@ fn divide_face(
     if crossings == 2 {
         Ok(chord)
     } else {
-        Err(Irregular)
+        Err(IrregularCut)
     }
 }

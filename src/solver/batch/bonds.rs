@@ -2,9 +2,9 @@
 
 use crate::contact::manifolds::Manifolds;
 use crate::solver::batch::Batch;
-use crate::solver::graph::indices::Place;
+use crate::solver::graph::indices::LaneSlot;
 use crate::solver::wide::block::vector;
-use crate::solver::wide::bond::{BondedManifold, Tie};
+use crate::solver::wide::bond::{BondConstraint, BondedManifold};
 
 impl Batch {
     /// Ties those of its manifolds that are in the list, which is sorted by manifolds.
@@ -18,13 +18,14 @@ impl Batch {
             let Ok(at) = bonded.binary_search_by_key(&index, |bond| bond.manifold) else {
                 continue;
             };
-            self.ties.resize(self.points.len(), Tie::default());
+            self.bond_constraints
+                .resize(self.points.len(), BondConstraint::default());
             let bond = &bonded[at];
             let (block, lane) = (&self.blocks[place.block as usize], place.lane as usize);
             let points = manifolds.at(index as usize).points();
             for (k, (off, from)) in bond.displacement.iter().zip(points).enumerate() {
                 let at = block.points.start + k;
-                self.ties[at].load(lane, block, bond, *off, self.settings.h);
+                self.bond_constraints[at].load(lane, block, bond, *off, self.settings.h);
                 // Shear of a bond needs no friction, without which this was left out.
                 for (row, tangent) in block.tangents.iter().enumerate() {
                     let along = vector(tangent, lane).dot(share * from.friction_impulse);
@@ -35,8 +36,8 @@ impl Batch {
     }
 
     /// Notes in the list how far its bonds have given way.
-    pub fn judge_bonds(&self, bonded: &mut [BondedManifold]) {
-        if self.ties.is_empty() {
+    pub fn update_bond_damage(&self, bonded: &mut [BondedManifold]) {
+        if self.bond_constraints.is_empty() {
             return;
         }
         for &(index, place) in &self.layout.places {
@@ -47,14 +48,15 @@ impl Batch {
     }
 
     /// How far the farthest point of a manifold that bears all it can is off, m.
-    fn yielded(&self, place: Place) -> f32 {
+    fn yielded(&self, place: LaneSlot) -> f32 {
         let (block, lane) = (&self.blocks[place.block as usize], place.lane as usize);
         let displacements = block
             .pair(lane)
             .map(|body| &self.displacements[body as usize]);
         let model = self.settings.config.friction_model;
-        let of_point =
-            |at: usize| self.ties[at].yielded(lane, block, &self.points[at], displacements, model);
+        let of_point = |at: usize| {
+            self.bond_constraints[at].yielded(lane, block, &self.points[at], displacements, model)
+        };
         let points = block.points.clone().take(place.count as usize);
         points.map(of_point).fold(0.0, f32::max)
     }

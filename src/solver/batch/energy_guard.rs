@@ -1,4 +1,4 @@
-//! Contacts give no energy to an island, solved to the end or not.
+//! ContactBlocks give no energy to an island, solved to the end or not.
 //!
 //! What pushes overlap out of a sub-step is taken from the velocities again when the bodies have moved. Where sweeps end too
 //! early, as under a heavy body on light ones, part of it stays: a ball of 155 kg that a stack of laths of 2.4 kg had stopped
@@ -18,7 +18,7 @@ use crate::bodies::solver_body::SolverBody;
 use crate::solver::batch::Batch;
 use crate::solver::batch::layout::Member;
 use crate::solver::config::Method;
-use crate::solver::graph::bisection::MOST_LEAVES;
+use crate::solver::graph::bisection::MAX_LEAVES;
 use crate::threads::team::Team;
 use glam::Vec3;
 use std::ops::{Add, Range};
@@ -60,7 +60,7 @@ impl LinearSums {
         self.after += mass * now.linear * now.linear;
     }
 
-    pub(crate) fn total(&self) -> Sums {
+    pub(crate) fn total_normal_impulse(&self) -> Sums {
         let [with_gain, square, after] =
             [self.with_gain, self.square, self.after].map(|v| f64::from(v.element_sum()));
         Sums {
@@ -124,9 +124,9 @@ impl Batch {
         config.method == Method::SoftStep && config.relax_sweeps > 0
     }
 
-    /// Takes the impulses of an island, whose gains are known, times the share that adds no energy. `linear`: sums of linear
+    /// Takes the impulses of an island, whose contact_velocity_changes are known, times the share that adds no energy. `linear`: sums of linear
     /// motion alone.
-    pub(crate) fn keep_passive(&mut self, member: &Member, linear: Sums, team: Option<&Team>) {
+    pub(crate) fn guard_energy(&mut self, member: &Member, linear: Sums, team: Option<&Team>) {
         let speed = self.settings.gravity.length() * self.settings.step();
         let is_fine = linear.after <= SUSPICIOUS * linear.allowed(speed);
         if is_fine || !self.is_passive() || self.is_driven(member) {
@@ -141,7 +141,7 @@ impl Batch {
     /// Whether bodies that contacts do not move, but that move, may give energy.
     fn is_driven(&self, member: &Member) -> bool {
         let moves = |body: &SolverBody| body.linear != Vec3::ZERO || body.angular != Vec3::ZERO;
-        // Contacts move those in leaves.
+        // ContactBlocks move those in leaves.
         let leaves = self.layout.cuts.leaves();
         let first = leaves.last().map_or(member.bodies.start, |leaf| leaf.end);
         let mut bodies = self.bodies[first..member.bodies.end].iter();
@@ -153,8 +153,8 @@ impl Batch {
         if cuts.leaves().is_empty() {
             return self.sums_of(member.bodies.clone());
         }
-        let mut sums = [Sums::default(); MOST_LEAVES];
-        let parts = cuts.shares_of_bodies(member.bodies.len()).zip(&mut sums);
+        let mut sums = [Sums::default(); MAX_LEAVES];
+        let parts = cuts.slices_of_bodies(member.bodies.len()).zip(&mut sums);
         Team::each(team, parts, |(bodies, sums)| *sums = self.sums_of(bodies));
         sums.into_iter().fold(Sums::default(), Sums::add)
     }
@@ -162,7 +162,11 @@ impl Batch {
     fn sums_of(&self, bodies: Range<usize>) -> Sums {
         let mut sums = Sums::default();
         for i in bodies {
-            let (gain, now, solid) = (&self.scratch.gains[i], &self.bodies[i], &self.solids[i]);
+            let (gain, now, solid) = (
+                &self.scratch.contact_velocity_changes[i],
+                &self.bodies[i],
+                &self.solids[i],
+            );
             let mass = mass_of(now);
             sums.mass += f64::from(mass);
             let velocities = [gain.linear, now.linear];
@@ -179,8 +183,12 @@ impl Batch {
     }
 
     fn scale_impulses(&mut self, member: &Member, share: f32) {
-        let gains = &mut self.scratch.gains[member.bodies.clone()];
-        for (body, gain) in self.bodies[member.bodies.clone()].iter_mut().zip(gains) {
+        let contact_velocity_changes =
+            &mut self.scratch.contact_velocity_changes[member.bodies.clone()];
+        for (body, gain) in self.bodies[member.bodies.clone()]
+            .iter_mut()
+            .zip(contact_velocity_changes)
+        {
             body.linear -= (1.0 - share) * gain.linear;
             body.angular -= (1.0 - share) * gain.angular;
             gain.linear *= share;

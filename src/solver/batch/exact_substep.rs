@@ -1,7 +1,7 @@
 //! A sub-step by the exact method.
 
-use crate::bodies::solver_body::Solid;
-use crate::solver::adaptivity::Effort;
+use crate::bodies::solver_body::BodyMass;
+use crate::solver::adaptivity::SweepBudget;
 use crate::solver::batch::Batch;
 use crate::solver::config::SolverConfig;
 use crate::solver::exact;
@@ -13,7 +13,7 @@ use crate::solver::wide::pass::Pass;
 /// Sweeps where the exact method has no answer.
 const UNCERTIFIED_SWEEPS: u32 = 200;
 
-/// Velocity of position feedback, m/s, that is not worth taking out again.
+/// Velocity of position bias, m/s, that is not worth taking out again.
 const NEGLIGIBLE_SPEED: f32 = 1e-4;
 
 impl Batch {
@@ -25,14 +25,14 @@ impl Batch {
 
     /// Solves to rounding from the free velocities. What cannot be certified (there may be no solution with friction) is not
     /// used: sweeps, which never gain energy, have the word then.
-    pub(crate) fn solve_exactly(&mut self, config: &SolverConfig, effort: &mut Effort) {
+    pub(crate) fn solve_exactly(&mut self, config: &SolverConfig, effort: &mut SweepBudget) {
         let mut rows = std::mem::take(&mut self.scratch.rows);
         rows.clear();
         self.collect_rows(0..self.layout.places.len(), 0, &mut rows);
         let scratch = &mut self.scratch;
         scratch.rows = rows;
         scratch.inertia.clear();
-        let inertia = self.solids.iter().map(Solid::inverse_inertia);
+        let inertia = self.solids.iter().map(BodyMass::inverse_inertia);
         scratch.inertia.extend(inertia);
         let certificate = exact::solve(
             &mut scratch.rows,
@@ -53,7 +53,7 @@ impl Batch {
             self.pass(Pass::Solve { softness, measure }, None);
         }
         effort.sweeps += UNCERTIFIED_SWEEPS;
-        effort.hit_cap = true;
+        effort.is_unconverged = true;
     }
 
     fn take_impulses_of_rows(&mut self) {
@@ -71,20 +71,26 @@ impl Batch {
     }
 
     /// Solves the rows once more from the free velocities, with what they should have after the motion.
-    pub(crate) fn relax_exactly(&mut self, settings: &SubstepSettings, effort: &mut Effort) {
+    pub(crate) fn relax_exactly(&mut self, settings: &SubstepSettings, effort: &mut SweepBudget) {
         let mut difference = 0.0_f32;
         for (i, point) in self.points.iter_mut().enumerate() {
-            for (lane, wanted) in point.wanted.0.iter_mut().enumerate() {
-                let tie = self.ties.get_mut(i);
+            for (lane, target_velocity) in point.target_velocity.0.iter_mut().enumerate() {
+                let tie = self.bond_constraints.get_mut(i);
                 if let Some(tie) = tie.filter(|tie| tie.adhesion.0[lane] > 0.0) {
-                    difference = difference.max(tie.relax(lane, wanted));
+                    difference = difference.max(tie.relax(lane, target_velocity));
                     continue;
                 }
-                let rebound = self.blows.get(i).map_or(0.0, |blow| blow.rebound.0[lane]);
-                let relaxed =
-                    soft_step::relaxed_velocity(rebound, point.impulse[0].0[lane], *wanted);
-                difference = difference.max((*wanted - relaxed).abs());
-                *wanted = relaxed;
+                let rebound = self
+                    .impacts
+                    .get(i)
+                    .map_or(0.0, |impact| impact.rebound.0[lane]);
+                let relaxed = soft_step::relaxed_velocity(
+                    rebound,
+                    point.impulse[0].0[lane],
+                    *target_velocity,
+                );
+                difference = difference.max((*target_velocity - relaxed).abs());
+                *target_velocity = relaxed;
             }
         }
         if difference > NEGLIGIBLE_SPEED {

@@ -1,13 +1,13 @@
 //! Bodies that hit each other within a sub-step, and what becomes of the impulses of their contacts.
 //!
-//! The impulse that stops a body says nothing about the next sub-step; what its contacts bore before the blow does, and is
-//! what they are warm started from, as are contacts that the blow has gone through. All others keep what they have found. In
+//! The impulse that stops a body says nothing about the next sub-step; what its contacts bore before the impact does, and is
+//! what they are warm started from, as are contacts that the impact has gone through. All others keep what they have found. In
 //! a large pile something hits something in nearly every sub-step: if every contact of the island went back each time, none
 //! would ever get to bear its load; and if only those of the bodies that were hit did, what they stand on would push back
-//! with the blow in the next sub-step.
+//! with the impact in the next sub-step.
 
 use crate::solver::batch::{Batch, MovingManifold};
-use crate::solver::graph::indices::Place;
+use crate::solver::graph::indices::LaneSlot;
 use crate::solver::wide::block::{Point, vector};
 
 /// Whether bodies hit each other in a sub-step.
@@ -20,9 +20,9 @@ pub(crate) struct Hits {
 }
 
 impl Batch {
-    /// Finds the bodies that hit something faster than `threshold` (m/s) in this sub-step, whose wanted velocities are known,
+    /// Finds the bodies that hit something faster than `threshold` (m/s) in this sub-step, whose target_velocity velocities are known,
     /// and remembers the impulses of their contacts.
-    pub(crate) fn note_blows(&mut self, threshold: f32) -> Hits {
+    pub(crate) fn note_impacts(&mut self, threshold: f32) -> Hits {
         let mut is_hit = std::mem::take(&mut self.scratch.is_hit);
         is_hit.clear();
         is_hit.resize(self.bodies.len(), false);
@@ -35,7 +35,7 @@ impl Batch {
             }
         };
         for moving in self.moving.iter().filter(|m| self.hits(m, threshold)) {
-            note(moving.bodies, moving.clearance.is_some());
+            note(moving.bodies, moving.ccd_radius.is_some());
         }
         if self.has_restitution {
             let places = self.layout.places.iter().zip(&self.layout.pairs);
@@ -43,8 +43,8 @@ impl Batch {
             bouncing.for_each(|(_, pair)| note(*pair, false));
         }
         if hits.any {
-            for (point, blow) in self.points.iter().zip(&mut self.blows) {
-                blow.before = point.impulse;
+            for (point, impact) in self.points.iter().zip(&mut self.impacts) {
+                impact.before = point.impulse;
             }
         }
         self.scratch.is_hit = is_hit;
@@ -57,15 +57,17 @@ impl Batch {
         self.moving.iter().any(closes)
     }
 
-    /// Whether the two bodies close their gap so fast that the impulses between them are those of a blow.
+    /// Whether the two bodies close their gap so fast that the impulses between them are those of a impact.
     fn hits(&self, moving: &MovingManifold, threshold: f32) -> bool {
         let lane = moving.place.lane as usize;
-        self.closes(moving, |point| threshold.max(-point.wanted.0[lane]))
+        self.closes(moving, |point| {
+            threshold.max(-point.target_velocity.0[lane])
+        })
     }
 
     /// Whether a point of a manifold closes faster than `bound`, m/s.
     fn closes(&self, moving: &MovingManifold, bound: impl Fn(&Point) -> f32) -> bool {
-        let Place { block, lane, count } = moving.place;
+        let LaneSlot { block, lane, count } = moving.place;
         let (block, lane) = (&self.blocks[block as usize], lane as usize);
         let normal = vector(&block.normal, lane);
         let pair = moving.bodies.map(|b| &self.bodies[b as usize]);
@@ -74,27 +76,27 @@ impl Batch {
     }
 
     /// Whether a point of a manifold rebounds in this sub-step.
-    fn bounces(&self, place: Place) -> bool {
+    fn bounces(&self, place: LaneSlot) -> bool {
         let (block, lane) = (&self.blocks[place.block as usize], place.lane as usize);
-        let mut blows = self.blows[block.points.clone()][..place.count as usize].iter();
-        blows.any(|blow| blow.rebound.0[lane] > 0.0)
+        let mut impacts = self.impacts[block.points.clone()][..place.count as usize].iter();
+        impacts.any(|impact| impact.rebound.0[lane] > 0.0)
     }
 
-    /// Takes the impulses of a blow back to the remembered ones, without losing what they add to the total: those of the bodies
-    /// that were hit, and those that changed as if theirs had been, by `threshold` (m/s) at the point, because a blow goes on
+    /// Takes the impulses of a impact back to the remembered ones, without losing what they add to the total_normal_impulse: those of the bodies
+    /// that were hit, and those that changed as if theirs had been, by `threshold` (m/s) at the point, because a impact goes on
     /// through what stands behind.
-    pub(crate) fn forget_blows(&mut self, threshold: f32) {
+    pub(crate) fn restore_warm_start(&mut self, threshold: f32) {
         let is_hit = &self.scratch.is_hit;
         for block in &self.blocks {
             for lane in 0..block.used {
                 let is_of_hit = block.pair(lane).iter().any(|&body| is_hit[body as usize]);
                 for i in block.points.clone() {
-                    let (point, blow) = (&mut self.points[i], &self.blows[i]);
-                    let change = point.impulse[0].0[lane] - blow.before[0].0[lane];
+                    let (point, impact) = (&mut self.points[i], &self.impacts[i]);
+                    let change = point.impulse[0].0[lane] - impact.before[0].0[lane];
                     let is_struck = change.abs() > threshold * point.normal_mass.0[lane];
                     if is_of_hit || is_struck {
-                        point.total.0[lane] += change;
-                        for (now, before) in point.impulse.iter_mut().zip(&blow.before) {
+                        point.total_normal_impulse.0[lane] += change;
+                        for (now, before) in point.impulse.iter_mut().zip(&impact.before) {
                             now.0[lane] = before.0[lane];
                         }
                     }

@@ -1,4 +1,4 @@
-//! Who is where in a batch: numbers of bodies, places of manifolds, cuts into domains.
+//! Who is where in a batch: numbers of bodies, places of manifolds, cuts into subdomains.
 //!
 //! All of it follows from the islands and the cuts alone, so it is kept as long as these are the same; what bodies and
 //! manifolds hold is loaded into it in every step.
@@ -7,11 +7,11 @@ use crate::bodies::solver_body::SolverBody;
 use crate::bodies::store::Bodies;
 use crate::solver::config::ContactOrder;
 use crate::solver::config::Method;
-use crate::solver::graph::indices::Place;
+use crate::solver::graph::indices::LaneSlot;
 use crate::solver::graph::islands::{Island, Islands};
-use crate::solver::graph::lane_assignment::{Arrangement, Joint, Rule};
+use crate::solver::graph::lane_assignment::{AssignmentRule, ContactEdge, LaneAssignment};
 use crate::solver::graph::partition;
-use crate::solver::graph::partition::Domains;
+use crate::solver::graph::partition::Partition;
 use crate::solver::settings::SubstepSettings;
 use crate::solver::wide::block::{Block, Point};
 use crate::threads::parts::front_mut;
@@ -50,21 +50,21 @@ pub struct Layout {
     /// Numbers of the two bodies of each of its manifolds.
     pub(crate) pairs: Vec<[u32; 2]>,
     /// Its manifolds in the order of the islands: index and place.
-    pub places: Vec<(u32, Place)>,
-    /// Blocks of its [`domains`], in their order.
-    pub domains: Vec<Range<usize>>,
+    pub places: Vec<(u32, LaneSlot)>,
+    /// Blocks of its [`subdomains`], in their order.
+    pub subdomains: Vec<Range<usize>>,
     /// Of bodies that are copies, behind all others: which ones they copy.
     pub(crate) originals: Vec<u32>,
-    pub(crate) cuts: Domains,
-    arrangement: Arrangement,
+    pub(crate) cuts: Partition,
+    lane_assignment: LaneAssignment,
     origin: Option<Origin>,
-    /// By domain but the first one and fixed body: the number of its copy.
+    /// By subdomain but the first one and fixed body: the number of its copy.
     copies: Vec<Option<u32>>,
 }
 
 impl Layout {
     /// Numbers the bodies of the islands in `range`, unless the layout is theirs already; tells whether it is. If not, the
-    /// manifolds are still to be [placed](Self::place) and [named](Self::name). With a `team`, domains have their own copies of
+    /// manifolds are still to be [placed](Self::place) and [named](Self::name). With a `team`, subdomains have their own copies of
     /// fixed bodies.
     pub(crate) fn number(
         &mut self,
@@ -94,7 +94,7 @@ impl Layout {
         is_kept
     }
 
-    /// Cuts a large island into domains; whether that gave the same ones as before.
+    /// Cuts a large island into subdomains; whether that gave the same ones as before.
     fn cut(
         &mut self,
         island: &Island,
@@ -108,13 +108,13 @@ impl Layout {
             return self.cuts.keep_whole();
         }
         let slots = &islands.slots[island.bodies.clone()];
-        let centre = |number: usize| {
+        let center = |number: usize| {
             let slot = slots[number] as usize;
             let is_movable = bodies.velocity[slot].inverse_mass > 0.0;
-            is_movable.then(|| bodies.centre[slot])
+            is_movable.then(|| bodies.center[slot])
         };
         self.cuts
-            .cut(slots.len(), centre, settings.gravity, leaves, team)
+            .cut(slots.len(), center, settings.gravity, leaves, team)
     }
 
     fn number_islands(&mut self, islands: &Islands, range: Range<usize>) {
@@ -139,7 +139,7 @@ impl Layout {
         self.cuts.sort(&mut self.slots, &mut self.pairs);
     }
 
-    /// Gives each manifold of the islands in `range` a lane. `bodies`: by number, of which the last is idle, for the lanes that
+    /// Gives each manifold of the islands in `range` a lane. `bodies`: by number, of which the last is dummy, for the lanes that
     /// are not used.
     pub(crate) fn place(
         &mut self,
@@ -149,29 +149,29 @@ impl Layout {
         order: ContactOrder,
         team: Option<&Team>,
     ) {
-        let rule = Rule {
+        let rule = AssignmentRule {
             order,
             bodies: bodies.len(),
-            domains: self.cuts.count(),
+            subdomains: self.cuts.count(),
         };
         let of_batch = islands.list[range.start].manifolds.start..;
         let counts = &islands.counts[of_batch.clone()];
         let (cuts, pairs) = (&self.cuts, &self.pairs);
-        let domains = pairs.iter().map(|pair| cuts.of(*pair));
-        let joint = |at: usize| {
+        let subdomains = pairs.iter().map(|pair| cuts.of(*pair));
+        let edge = |at: usize| {
             let is_movable = |body: u32| bodies[body as usize].inverse_mass > 0.0;
-            Joint {
+            ContactEdge {
                 bodies: pairs[at].map(|body| is_movable(body).then_some(body)),
                 points: counts[at],
             }
         };
-        self.arrangement.arrange(domains, joint, rule, team);
-        let places = self.arrangement.places().iter().copied();
+        self.lane_assignment.arrange(subdomains, edge, rule, team);
+        let places = self.lane_assignment.places().iter().copied();
         let names = islands.manifolds[of_batch].iter().copied();
         self.places.clear();
         self.places.extend(names.zip(places));
-        self.domains.clear();
-        self.domains.extend(self.arrangement.domains());
+        self.subdomains.clear();
+        self.subdomains.extend(self.lane_assignment.subdomains());
     }
 
     /// Makes the blocks: names the bodies and manifolds of their lanes. What else they hold from another step is overwritten
@@ -182,14 +182,14 @@ impl Layout {
         points: &mut Vec<Point>,
         team: Option<&Team>,
     ) {
-        let idle = self.slots.len() as u32;
-        let counts = self.arrangement.points_of_blocks();
+        let dummy = self.slots.len() as u32;
+        let counts = self.lane_assignment.points_of_blocks();
         blocks.resize_with(counts.len(), Block::default);
         let has_copies = team.is_some();
         let (mut rest, mut end, mut first) = (&mut blocks[..], 0, 0);
-        let domains = self.domains.iter().enumerate();
-        let parts = domains.zip(self.arrangement.manifolds_of_domains());
-        let parts = parts.map(|((domain, blocks), manifolds)| {
+        let subdomains = self.subdomains.iter().enumerate();
+        let parts = subdomains.zip(self.lane_assignment.manifolds_of_subdomains());
+        let parts = parts.map(|((subdomain, blocks), manifolds)| {
             let counts = &counts[blocks.clone()];
             first = end;
             end += counts
@@ -203,7 +203,7 @@ impl Layout {
                 first_point: first,
                 manifolds,
                 // See `name_copies`.
-                idle: idle + if has_copies { domain as u32 } else { 0 },
+                dummy: dummy + if has_copies { subdomain as u32 } else { 0 },
             }
         });
         Team::each(team, parts, |part| part.name(&self.pairs, &self.places));
@@ -214,12 +214,12 @@ impl Layout {
         }
     }
 
-    /// Gives each domain its own copies of the fixed bodies and of the idle one, so that domains of a stage, which different
-    /// threads solve, write to different bodies. Those of the idle one come first, in the order of the domains.
+    /// Gives each subdomain its own copies of the fixed bodies and of the dummy one, so that subdomains of a stage, which different
+    /// threads solve, write to different bodies. Those of the dummy one come first, in the order of the subdomains.
     fn name_copies(&mut self, blocks: &mut [Block]) {
-        let (idle, first_fixed) = (self.slots.len() as u32, self.cuts.first_fixed());
-        let others = self.domains.len() - 1;
-        self.originals.extend(std::iter::repeat_n(idle, others));
+        let (dummy, first_fixed) = (self.slots.len() as u32, self.cuts.first_fixed());
+        let others = self.subdomains.len() - 1;
+        self.originals.extend(std::iter::repeat_n(dummy, others));
         if others == 0 {
             return;
         }
@@ -237,7 +237,7 @@ impl Layout {
             let copy = &mut self.copies[other * fixed + pair[side] as usize - first_fixed];
             let number = *copy.get_or_insert_with(|| {
                 self.originals.push(pair[side]);
-                idle + self.originals.len() as u32
+                dummy + self.originals.len() as u32
             });
             let block = &mut blocks[place.block as usize];
             block.bodies[side][place.lane as usize] = number;
@@ -246,14 +246,14 @@ impl Layout {
 
     /// The body itself, or the one that it is a copy of.
     pub fn original(&self, body: u32) -> u32 {
-        // The idle body comes between bodies and copies.
+        // The dummy body comes between bodies and copies.
         let first_copy = self.slots.len() + 1;
         let copy = (body as usize).checked_sub(first_copy);
         copy.map_or(body, |copy| self.originals[copy])
     }
 }
 
-/// The blocks of a domain that are to be named.
+/// The blocks of a subdomain that are to be named.
 struct Naming<'a> {
     /// The first of them within the batch.
     first_block: usize,
@@ -265,16 +265,16 @@ struct Naming<'a> {
     /// Its manifolds.
     manifolds: &'a [u32],
     /// Number of the body of lanes that are not used.
-    idle: u32,
+    dummy: u32,
 }
 
 impl Naming<'_> {
-    fn name(self, pairs: &[[u32; 2]], places: &[(u32, Place)]) {
+    fn name(self, pairs: &[[u32; 2]], places: &[(u32, LaneSlot)]) {
         let mut end = self.first_point;
         for (block, &count) in self.blocks.iter_mut().zip(self.counts) {
             let first = end;
             end += usize::from(count);
-            block.clear(self.idle, first..end);
+            block.clear(self.dummy, first..end);
         }
         for &at in self.manifolds {
             let (index, place) = places[at as usize];

@@ -1,6 +1,6 @@
 //! Islands that are solved together: their bodies, blocks of contacts and buffers, in one piece of memory each.
 //!
-//! A batch shares nothing that is written with any other, so batches are loaded and solved side by side. Large islands and
+//! A batch subdomain_slices nothing that is written with any other, so batches are loaded and solved side by side. Large islands and
 //! those in which bodies may hit each other have a batch of their own; calm small ones share one, which fills its lanes.
 
 mod bonds;
@@ -16,34 +16,34 @@ mod subdomain_slices;
 pub mod substep;
 mod warm_start;
 
-use crate::bodies::breaking::{BodyBlow, Limit};
-use crate::bodies::free_rotation::Spin;
-use crate::bodies::solver_body::Solid;
+use crate::bodies::breaking::{BreakingLimit, ImpactLoad};
+use crate::bodies::free_rotation::FreeRotation;
+use crate::bodies::solver_body::BodyMass;
 use crate::bodies::solver_body::SolverBody;
 use crate::bodies::store::Bodies;
 use crate::contact::manifolds::{Manifolds, Run};
 use crate::simd::lanes::F8;
-use crate::solver::adaptivity::{Demand, Effort};
+use crate::solver::adaptivity::{IslandRequirements, SweepBudget};
 use crate::solver::batch::layout::Layout;
 use crate::solver::batch::subdomain_slices::{parts_by_body, parts_of_blocks};
 use crate::solver::config::Method;
 use crate::solver::exact::ExactScratch;
-use crate::solver::graph::indices::Place;
+use crate::solver::graph::indices::LaneSlot;
 use crate::solver::graph::islands::{Islands, MovingPair};
-use crate::solver::rows::acceleration::Pace;
-use crate::solver::rows::contact_rows::{PointRows, Side};
+use crate::solver::rows::acceleration::AccelerationWeight;
+use crate::solver::rows::contact_rows::{PointRows, RowBody};
 use crate::solver::settings::SubstepSettings;
-use crate::solver::wide::block::{Block, Blow, Point};
-use crate::solver::wide::bond::Tie;
+use crate::solver::wide::block::{Block, Point, PointImpact};
+use crate::solver::wide::bond::BondConstraint;
 use crate::solver::wide::prepare::{Source, derive_stale, fill};
-use crate::solver::wide::reanchor::{Followers, Following, Start, Turn};
+use crate::solver::wide::reanchor::{AnchorStart, BodyRotation, ReanchoredBlock, ReanchoredBlocks};
 use crate::threads::parts::{front, front_mut};
-use crate::threads::team::{MOST_PARTS, Team};
+use crate::threads::team::{MAX_PARTS, Team};
 use glam::{Mat3, Quat};
 use std::ops::Range;
 
 /// Least pairs of a part of which a team finds the largest extent: each takes some 5 ns.
-const LEAST_PAIRS: usize = 1024;
+const MIN_PAIRS: usize = 1024;
 
 /// A body that turns, and its number within the batch.
 #[derive(Clone, Copy, Debug)]
@@ -53,7 +53,7 @@ pub struct TurningBody {
     /// `world_from_body` at the start of the step.
     pub start: Quat,
     /// Its rotation.
-    pub spin: Spin,
+    pub spin: FreeRotation,
     /// Inverse inertia tensor, body's axes, 1/(kg m2).
     pub inverse_inertia: Mat3,
 }
@@ -71,13 +71,13 @@ pub struct MovingManifold {
     /// Index of the manifold.
     pub manifold: u32,
     /// Where it is.
-    pub place: Place,
+    pub place: LaneSlot,
     /// Numbers of its bodies within the batch.
     pub bodies: [u32; 2],
     /// Which of the two bodies the contact points move with: 0 for A, 1 for B.
-    pub carrier: usize,
-    /// If the two may pass through each other in the step: half the least extent of the carrier, m.
-    pub clearance: Option<f32>,
+    pub anchor_body: usize,
+    /// If the two may pass through each other in the step: half the least extent of the anchor_body, m.
+    pub ccd_radius: Option<f32>,
 }
 
 /// What batches are loaded from.
@@ -91,7 +91,7 @@ pub struct Step<'a> {
     pub bodies: &'a Bodies,
     /// The sub-steps of an island that asks for nothing.
     pub settings: &'a SubstepSettings,
-    /// Who solves the domains of the batch together, if it is not for one thread.
+    /// Who solves the subdomains of the batch together, if it is not for one thread.
     pub team: Option<&'a Team>,
     /// Whether the solve is to be given up when a body is overloaded.
     pub may_break: bool,
@@ -109,30 +109,30 @@ pub struct Batch {
     /// Points of its blocks.
     pub points: Vec<Point>,
     /// Blows of its points; none if nothing can hit.
-    pub blows: Vec<Blow>,
+    pub impacts: Vec<PointImpact>,
     /// Bonds of its points; none if nothing is bonded.
-    pub ties: Vec<Tie>,
+    pub bond_constraints: Vec<BondConstraint>,
     /// Velocities of its bodies, of one that nothing happens to, for the lanes that are not used, and
     /// of the copies.
     pub bodies: Vec<SolverBody>,
-    /// Displacements of its bodies since the start of the step: centre (m) and rotation vector (rad).
+    /// Displacements of its bodies since the start of the step: center (m) and rotation vector (rad).
     pub displacements: Vec<SolverBody>,
     /// Masses and inertias of its bodies.
-    pub solids: Vec<Solid>,
+    pub solids: Vec<BodyMass>,
     /// Those of its bodies that turn.
     pub turning: Vec<TurningBody>,
     /// Those of its manifolds whose rows follow the motion.
     pub moving: Vec<MovingManifold>,
     /// Those of its blocks in which a manifold moves, ascending.
-    pub(crate) following: Vec<Following>,
+    pub(crate) reanchored: Vec<ReanchoredBlock>,
     /// Where the points of these were at the start of the step.
-    pub(crate) starts: Vec<Start>,
+    pub(crate) starts: Vec<AnchorStart>,
     /// By body: how it has turned since the start of the step, if any of its manifolds moves.
-    pub(crate) turns: Vec<Turn>,
+    pub(crate) turns: Vec<BodyRotation>,
     /// Those of its bodies that break under too large an impulse.
-    pub limits: Vec<Limit>,
+    pub limits: Vec<BreakingLimit>,
     /// Those of its bodies (by slot) that are overloaded, and what they were hit with.
-    pub overloaded: Vec<(u32, BodyBlow)>,
+    pub overloaded: Vec<(u32, ImpactLoad)>,
     /// Whether the solve is to be given up when a body is overloaded.
     pub may_break: bool,
     /// Whether the solve was given up because a body breaks; velocities and motions mean nothing then.
@@ -142,7 +142,7 @@ pub struct Batch {
     /// How it is solved.
     pub settings: SubstepSettings,
     /// What it took.
-    pub effort: Effort,
+    pub effort: SweepBudget,
     pub(crate) scratch: BatchScratch,
 }
 
@@ -150,11 +150,11 @@ pub struct Batch {
 #[derive(Debug, Default)]
 pub(crate) struct BatchScratch {
     /// By block: its number among those that follow.
-    pub(crate) follower: Vec<Option<u32>>,
+    pub(crate) reanchored_number: Vec<Option<u32>>,
     /// By body: whether its turn within the step matters to the rows.
-    pub(crate) is_followed: Vec<bool>,
+    pub(crate) is_reanchored: Vec<bool>,
     pub(crate) exact: ExactScratch,
-    pub(crate) pace: Pace<f32>,
+    pub(crate) acceleration: AccelerationWeight<f32>,
     /// Impulses and velocities of the sweep before.
     pub(crate) last_impulses: Vec<[F8; 3]>,
     pub(crate) last_bodies: Vec<SolverBody>,
@@ -167,7 +167,7 @@ pub(crate) struct BatchScratch {
     /// Inverse inertia tensors of a batch, for the exact method.
     pub(crate) inertia: Vec<Mat3>,
     /// By body: its velocities at the start of the sub-step, then what contacts have added to them; empty if that is not known.
-    pub(crate) gains: Vec<SolverBody>,
+    pub(crate) contact_velocity_changes: Vec<SolverBody>,
     /// Velocities without contact impulses.
     pub(crate) free: Vec<SolverBody>,
     /// By island, if a tolerance depends on it: square of the largest speed before contacts act in the sub-step, m2/s2.
@@ -175,12 +175,12 @@ pub(crate) struct BatchScratch {
     /// Velocities at the start of the step, if a body may break.
     pub(crate) start: Vec<SolverBody>,
     /// By body: what it was hit with.
-    pub(crate) blows: Vec<BodyBlow>,
+    pub(crate) impacts: Vec<ImpactLoad>,
 }
 
 impl Batch {
     /// Takes over the bodies and contacts of the islands in `range`, which ask for the same.
-    pub fn load(&mut self, step: &Step, range: Range<usize>, demand: &Demand) {
+    pub fn load(&mut self, step: &Step, range: Range<usize>, demand: &IslandRequirements) {
         let Step {
             islands,
             manifolds,
@@ -190,7 +190,7 @@ impl Batch {
             may_break,
         } = *step;
         self.clear();
-        self.settings = settings.for_demand(demand);
+        self.settings = settings.for_requirements(demand);
         let layout = &mut self.layout;
         let is_kept = layout.number(islands, range.clone(), bodies, &self.settings, team);
         self.load_bodies(bodies, team);
@@ -211,14 +211,15 @@ impl Batch {
             self.load_moving(&islands.moving[island.moving.clone()], first, bodies);
         }
         self.load_limits(bodies);
-        self.mark_following();
+        self.mark_reanchored();
         self.fill_blocks(manifolds, team);
         self.has_restitution = islands.list[range.clone()].iter().any(|i| i.bounces);
         if demand.can_hit || self.settings.config.method == Method::Exact {
-            self.blows.resize(self.points.len(), Blow::default());
+            self.impacts
+                .resize(self.points.len(), PointImpact::default());
         }
         let most_points = islands.list[range].iter().map(|i| i.points.len()).max();
-        self.effort = Effort::new(&self.settings.config, most_points.unwrap_or(0));
+        self.effort = SweepBudget::new(&self.settings.config, most_points.unwrap_or(0));
     }
 
     /// Makes the copies.
@@ -240,17 +241,20 @@ impl Batch {
             slop: config.slop,
         };
         let width = config.lane_width;
-        let (mut followers, mut starts) = (Followers::new(&self.following), &mut self.starts[..]);
+        let (mut reanchored, mut starts) = (
+            ReanchoredBlocks::new(&self.reanchored),
+            &mut self.starts[..],
+        );
         let (blocks, points) = (&mut self.blocks, &mut self.points);
-        let parts = parts_of_blocks(blocks, points, &self.layout.domains, team);
+        let parts = parts_of_blocks(blocks, points, &self.layout.subdomains, team);
         let parts = parts.map(|(blocks, points)| {
-            let following = followers.take(blocks.len());
-            let starts = front_mut(&mut starts, following.points());
-            (blocks, points, following, starts)
+            let reanchored = reanchored.take(blocks.len());
+            let starts = front_mut(&mut starts, reanchored.points());
+            (blocks, points, reanchored, starts)
         });
-        Team::each(team, parts, |(blocks, points, following, starts)| {
+        Team::each(team, parts, |(blocks, points, reanchored, starts)| {
             fill(blocks, points, source, width);
-            following.start(blocks, points, starts);
+            reanchored.start(blocks, points, starts);
         });
     }
 
@@ -258,24 +262,24 @@ impl Batch {
     pub(crate) fn derive_masses(&mut self, team: Option<&Team>) {
         let (solids, width) = (&self.solids, self.settings.config.lane_width);
         let (blocks, points) = (&mut self.blocks, &mut self.points);
-        let mut followers = Followers::new(&self.following);
-        let parts = parts_of_blocks(blocks, points, &self.layout.domains, team);
+        let mut reanchored = ReanchoredBlocks::new(&self.reanchored);
+        let parts = parts_of_blocks(blocks, points, &self.layout.subdomains, team);
         let parts = parts.map(|(blocks, points)| {
-            let following = followers.take(blocks.len());
-            (blocks, points, following)
+            let reanchored = reanchored.take(blocks.len());
+            (blocks, points, reanchored)
         });
-        Team::each(team, parts, |(blocks, points, following)| {
-            derive_stale(blocks, points, solids, following.blocks(), width);
+        Team::each(team, parts, |(blocks, points, reanchored)| {
+            derive_stale(blocks, points, solids, reanchored.blocks(), width);
         });
     }
 
     /// Lists the blocks, and marks the lanes and the bodies, of moving manifolds.
-    fn mark_following(&mut self) {
-        self.following.clear();
+    fn mark_reanchored(&mut self) {
+        self.reanchored.clear();
         if self.moving.is_empty() {
             return;
         }
-        let number = &mut self.scratch.follower;
+        let number = &mut self.scratch.reanchored_number;
         number.clear();
         number.resize(self.blocks.len(), None);
         for moving in &self.moving {
@@ -284,39 +288,39 @@ impl Batch {
         let mut points = 0;
         let named = (0..).zip(number.iter_mut().zip(&self.blocks));
         for (block, (number, named)) in named.filter(|(_, (number, _))| number.is_some()) {
-            *number = Some(self.following.len() as u32);
+            *number = Some(self.reanchored.len() as u32);
             let first = points;
             points += named.points.len() as u32;
-            self.following.push(Following {
+            self.reanchored.push(ReanchoredBlock {
                 block,
                 starts: [first, points],
-                ..Following::default()
+                ..ReanchoredBlock::default()
             });
         }
-        self.starts.resize(points as usize, Start::default());
+        self.starts.resize(points as usize, AnchorStart::default());
         for moving in &self.moving {
             let (place, lane) = (moving.place, moving.place.lane as usize);
             let Some(number) = number[place.block as usize] else {
                 continue;
             };
-            let following = &mut self.following[number as usize];
-            following.moves.0[lane] = 1.0;
-            following.on_b.0[lane] = f32::from(moving.carrier == 1);
+            let reanchored = &mut self.reanchored[number as usize];
+            reanchored.moves.0[lane] = 1.0;
+            reanchored.on_b.0[lane] = f32::from(moving.anchor_body == 1);
         }
-        let is_followed = &mut self.scratch.is_followed;
-        is_followed.clear();
+        let is_reanchored = &mut self.scratch.is_reanchored;
+        is_reanchored.clear();
         // Rows may name copies of fixed bodies.
-        is_followed.extend(self.bodies.iter().map(|body| body.inverse_mass == 0.0));
+        is_reanchored.extend(self.bodies.iter().map(|body| body.inverse_mass == 0.0));
         for body in self.moving.iter().flat_map(|moving| moving.bodies) {
-            is_followed[body as usize] = true;
+            is_reanchored[body as usize] = true;
         }
     }
 
     /// Forgets the step before, but not who is where.
     fn clear(&mut self) {
         self.extents.clear();
-        self.blows.clear();
-        self.ties.clear();
+        self.impacts.clear();
+        self.bond_constraints.clear();
         self.bodies.clear();
         self.displacements.clear();
         self.solids.clear();
@@ -327,12 +331,12 @@ impl Batch {
         self.is_broken = false;
     }
 
-    /// Copies the bodies, and adds an idle one.
+    /// Copies the bodies, and adds an dummy one.
     fn load_bodies(&mut self, bodies: &Bodies, team: Option<&Team>) {
         let (cuts, mut slots) = (&self.layout.cuts, &self.layout.slots[..]);
         self.bodies.resize(slots.len() + 1, SolverBody::default());
         self.solids
-            .resize(slots.len() + 1, Solid::new(0.0, &Mat3::ZERO, 1.0));
+            .resize(slots.len() + 1, BodyMass::new(0.0, &Mat3::ZERO, 1.0));
         let parts = parts_by_body(&mut self.bodies, cuts);
         let parts = parts.zip(parts_by_body(&mut self.solids, cuts));
         let parts = parts.map(|part| {
@@ -344,10 +348,10 @@ impl Batch {
             for (&slot, (body, solid)) in slots.iter().zip(copies) {
                 let i = slot as usize;
                 *body = bodies.velocity[i];
-                *solid = Solid::new(
+                *solid = BodyMass::new(
                     body.inverse_mass,
                     &bodies.inverse_inertia[i],
-                    bodies.least_extent[i],
+                    bodies.min_extent[i],
                 );
             }
         });
@@ -365,8 +369,8 @@ impl Batch {
             let [a, b] = pair.map(|number| solids[number as usize].extent());
             a.min(b)
         };
-        let size = Team::part_size(team, pairs.len(), LEAST_PAIRS);
-        let mut most = [0.0; MOST_PARTS];
+        let size = Team::part_size(team, pairs.len(), MIN_PAIRS);
+        let mut most = [0.0; MAX_PARTS];
         let parts = pairs.chunks(size).zip(&mut most);
         Team::each(team, parts, |(pairs, most)| {
             *most = pairs.iter().map(extent).fold(0.0, f32::max);
@@ -380,14 +384,14 @@ impl Batch {
             let (manifold, place) = self.layout.places[pair.at - first];
             let numbers = self.layout.pairs[pair.at - first];
             let slots = numbers.map(|number| self.layout.slots[number as usize] as usize);
-            let carrier = carrier(slots, bodies);
-            let extent = bodies.least_extent[slots[carrier]];
+            let anchor_body = anchor_body(slots, bodies);
+            let extent = bodies.min_extent[slots[anchor_body]];
             self.moving.push(MovingManifold {
                 manifold,
                 place,
                 bodies: numbers,
-                carrier,
-                clearance: pair.is_fast.then_some(0.5 * extent),
+                anchor_body,
+                ccd_radius: pair.is_fast.then_some(0.5 * extent),
             });
         }
     }
@@ -397,7 +401,7 @@ impl Batch {
         let step = self.settings.step();
         for number in self.layout.members[member].bodies.clone() {
             // Most do not, which is seen without a look at far memory.
-            if !Spin::is_noticeable(self.bodies[number].angular, step) {
+            if !FreeRotation::is_noticeable(self.bodies[number].angular, step) {
                 continue;
             }
             let slot = self.layout.slots[number];
@@ -418,8 +422,12 @@ impl Batch {
         for &(_, place) in &self.layout.places[places] {
             let (block, lane) = (&self.blocks[place.block as usize], place.lane as usize);
             for i in block.points.clone().take(place.count as usize) {
-                let rebound = self.blows.get(i).map_or(0.0, |blow| blow.rebound.0[lane]);
-                let mut point = self.points[i].rows(lane, block, self.ties.get(i), rebound);
+                let rebound = self
+                    .impacts
+                    .get(i)
+                    .map_or(0.0, |impact| impact.rebound.0[lane]);
+                let mut point =
+                    self.points[i].rows(lane, block, self.bond_constraints.get(i), rebound);
                 point.bodies = point
                     .bodies
                     .map(|body| self.layout.original(body) - first_body);
@@ -442,7 +450,7 @@ impl Batch {
     }
 
     /// `first`: index of the first manifold of the run.
-    fn store_places(&self, places: &[(u32, Place)], first: usize, run: &mut Run) {
+    fn store_places(&self, places: &[(u32, LaneSlot)], first: usize, run: &mut Run) {
         let substeps = self.settings.config.substeps;
         for &(index, place) in places {
             let block = &self.blocks[place.block as usize];
@@ -455,15 +463,15 @@ impl Batch {
 }
 
 /// What rows need to know of the body in a slot.
-pub(crate) fn side(bodies: &Bodies, slot: usize) -> Side {
-    Side {
+pub(crate) fn side(bodies: &Bodies, slot: usize) -> RowBody {
+    RowBody {
         inverse_mass: bodies.velocity[slot].inverse_mass,
         inverse_inertia: bodies.inverse_inertia[slot],
     }
 }
 
 /// Which of two bodies carries their contact points: the smaller one, whose corners they mostly are, if it can move.
-fn carrier(slots: [usize; 2], bodies: &Bodies) -> usize {
+fn anchor_body(slots: [usize; 2], bodies: &Bodies) -> usize {
     let size = slots.map(|i| {
         let is_movable = bodies.velocity[i].inverse_mass > 0.0;
         if is_movable {

@@ -1,6 +1,6 @@
 //! How the bodies of a batch move within a sub-step.
 
-use crate::bodies::free_rotation::{SPINS, Spins};
+use crate::bodies::free_rotation::{FreeRotations, SPINS};
 use crate::bodies::solver_body::SolverBody;
 use crate::contact::manifolds::Manifolds;
 use crate::contact::point::ContactPoint;
@@ -8,7 +8,7 @@ use crate::simd::lanes::LaneWidth;
 use crate::solver::batch::layout::{Layout, Member};
 use crate::solver::batch::subdomain_slices::{each_part, parts_by_body};
 use crate::solver::batch::{Batch, TurningBody};
-use crate::solver::graph::bisection::MOST_LEAVES;
+use crate::solver::graph::bisection::MAX_LEAVES;
 use crate::solver::settings::SubstepSettings;
 use crate::threads::parts::front_mut;
 use crate::threads::team::Team;
@@ -29,7 +29,7 @@ impl Batch {
             fastest.extend(asked.iter().map(|member| fastest_of(bodies(member))));
             return;
         }
-        let mut of_parts = [0.0; MOST_LEAVES];
+        let mut of_parts = [0.0; MAX_LEAVES];
         let parts = parts_by_body(&mut self.bodies, cuts).zip(&mut of_parts);
         Team::each(team, parts, |(bodies, fastest)| {
             fall(bodies, change);
@@ -58,32 +58,32 @@ impl Batch {
         if self.has_restitution {
             self.correct_flight(settings);
         }
-        self.keep_in_front(manifolds);
+        self.clamp_tunnelling(manifolds);
     }
 
-    /// Stops the centre of a fast body in front of the face that it was in front of.
+    /// Stops the center of a fast body in front of the face that it was in front of.
     ///
     /// The rows hold the points that were nearest at the start of the step. A thin body that hits with one corner turns at
     /// thousands of radians per second, and no frozen row sees the rest of it come round.
-    fn keep_in_front(&mut self, manifolds: &Manifolds) {
+    fn clamp_tunnelling(&mut self, manifolds: &Manifolds) {
         for moving in &self.moving {
-            let Some(clearance) = moving.clearance else {
+            let Some(ccd_radius) = moving.ccd_radius else {
                 continue;
             };
             let manifold = manifolds.at(moving.manifold as usize);
             let pair = moving.bodies;
             let [a, b] = pair.map(|body| self.displacements[body as usize].linear);
-            let away = [-manifold.normal, manifold.normal][moving.carrier];
+            let away = [-manifold.normal, manifold.normal][moving.anchor_body];
             let height = |point: &ContactPoint| {
-                let anchor = [point.anchor_a, point.anchor_b][moving.carrier];
+                let anchor = [point.anchor_a, point.anchor_b][moving.anchor_body];
                 0.5 * point.separation - away.dot(anchor)
             };
             let before = manifold.points().iter().map(height);
             let before = before.fold(f32::INFINITY, f32::min);
             let after = before + manifold.normal.dot(b - a);
-            let least = before.min(clearance);
+            let least = before.min(ccd_radius);
             if before > 0.0 && after < least {
-                let body = pair[moving.carrier] as usize;
+                let body = pair[moving.anchor_body] as usize;
                 self.displacements[body].linear += (least - after) * away;
             }
         }
@@ -126,7 +126,7 @@ impl Batch {
             &mut self.solids[..],
             &mut self.turning[..],
         );
-        let parts = self.layout.cuts.shares_of_bodies(count).map(|range| {
+        let parts = self.layout.cuts.slices_of_bodies(count).map(|range| {
             let spinning = rest.2.partition_point(|t| (t.body as usize) < range.end);
             (
                 range.start,
@@ -168,7 +168,7 @@ fn turn_together(
     h: f32,
     width: LaneWidth,
 ) {
-    let mut spins = Spins::default();
+    let mut spins = FreeRotations::default();
     for turning in turning.iter() {
         spins.push(turning.spin, bodies[turning.body as usize - first].angular);
     }

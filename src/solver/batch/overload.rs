@@ -1,6 +1,6 @@
 //! Bodies that break while a batch is being solved.
 
-use crate::bodies::breaking::{BodyBlow, Limit};
+use crate::bodies::breaking::{BreakingLimit, ImpactLoad};
 use crate::bodies::store::Bodies;
 use crate::solver::batch::Batch;
 use crate::solver::wide::block::vector;
@@ -13,7 +13,7 @@ impl Batch {
         }
         for (body, &slot) in (0..).zip(&self.layout.slots) {
             if let Some(limit) = bodies.limit(slot) {
-                self.limits.push(Limit { body, ..limit });
+                self.limits.push(BreakingLimit { body, ..limit });
             }
         }
         if !self.limits.is_empty() {
@@ -28,30 +28,30 @@ impl Batch {
         if self.limits.is_empty() {
             return false;
         }
-        let mut blows = std::mem::take(&mut self.scratch.blows);
-        blows.clear();
-        blows.resize(self.bodies.len(), BodyBlow::default());
+        let mut impacts = std::mem::take(&mut self.scratch.impacts);
+        impacts.clear();
+        impacts.resize(self.bodies.len(), ImpactLoad::default());
         for block in &self.blocks {
             for lane in 0..block.used {
                 let (pair, normal) = (block.pair(lane), vector(&block.normal, lane));
                 let start = pair.map(|body| &self.scratch.start[body as usize]);
                 for point in &self.points[block.points.clone()] {
-                    let impulse = point.total.0[lane] + point.impulse[0].0[lane];
+                    let impulse = point.total_normal_impulse.0[lane] + point.impulse[0].0[lane];
                     if impulse > 0.0 {
                         let speed = -point.normal_velocity(lane, normal, start);
                         pair.iter()
-                            .for_each(|&body| blows[body as usize].add(impulse, speed));
+                            .for_each(|&body| impacts[body as usize].add(impulse, speed));
                     }
                 }
             }
         }
         let overloaded = self.limits.iter().filter_map(|limit| {
-            let blow = blows[limit.body as usize];
-            let is_over = limit.is_exceeded_by(&blow);
-            is_over.then_some((self.layout.slots[limit.body as usize], blow))
+            let impact = impacts[limit.body as usize];
+            let is_over = limit.is_exceeded_by(&impact);
+            is_over.then_some((self.layout.slots[limit.body as usize], impact))
         });
         self.overloaded.extend(overloaded);
-        self.scratch.blows = blows;
+        self.scratch.impacts = impacts;
         !self.overloaded.is_empty()
     }
 }

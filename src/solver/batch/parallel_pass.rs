@@ -8,9 +8,9 @@ use crate::bodies::solver_body::SolverBody;
 use crate::simd::lanes::{F8, LaneWidth};
 use crate::simd::prefetch::prefetch;
 use crate::solver::config::FrictionModel;
-use crate::solver::wide::block::{Block, Blow, Point};
-use crate::solver::wide::bond::Tie;
-use crate::solver::wide::contacts::Contacts;
+use crate::solver::wide::block::{Block, Point, PointImpact};
+use crate::solver::wide::bond::BondConstraint;
+use crate::solver::wide::contacts::ContactBlocks;
 use crate::solver::wide::pass::Pass;
 use crate::threads::team::Shared;
 use std::ops::Range;
@@ -18,17 +18,17 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 /// What all parts of a pass read and write.
 ///
-/// [Domains](crate::solver::graph::partition) of one stage share no body: movable ones are in one leaf, and touched by the separators on the way
-/// up from it, one a stage; fixed ones have a copy in each domain (see [`Batch`](crate::solver::batch::Batch)). Each has its own
+/// [Partition](crate::solver::graph::partition) of one stage share no body: movable ones are in one leaf, and touched by the separators on the way
+/// up from it, one a stage; fixed ones have a copy in each subdomain (see [`Batch`](crate::solver::batch::Batch)). Each has its own
 /// blocks, and these their own points.
-pub(crate) struct Shift<'a> {
+pub(crate) struct ParallelPass<'a> {
     pub(crate) pass: Pass,
     pub(crate) blocks: &'a [Block],
     pub(crate) points: Shared<'a, Point>,
     /// Of the points; empty where nothing is bonded.
-    pub(crate) ties: Shared<'a, Tie>,
-    pub(crate) has_ties: bool,
-    pub(crate) blows: &'a [Blow],
+    pub(crate) bond_constraints: Shared<'a, BondConstraint>,
+    pub(crate) has_bonds: bool,
+    pub(crate) impacts: &'a [PointImpact],
     pub(crate) bodies: Shared<'a, SolverBody>,
     pub(crate) displacements: Shared<'a, SolverBody>,
     pub(crate) last: Shared<'a, [F8; 3]>,
@@ -39,7 +39,7 @@ pub(crate) struct Shift<'a> {
     pub(crate) change: AtomicU32,
 }
 
-impl Shift<'_> {
+impl ParallelPass<'_> {
     /// Asks for the velocities of the bodies of some blocks.
     pub(crate) fn prefetch_bodies(&self, blocks: Range<usize>) {
         // SAFETY: nothing is read or written.
@@ -50,7 +50,7 @@ impl Shift<'_> {
         }
     }
 
-    /// Does the pass for the blocks of a domain. Different threads must be given different domains of the same stage.
+    /// Does the pass for the blocks of a subdomain. Different threads must be given different subdomains of the same stage.
     pub(crate) fn run(&self, blocks: Range<usize>) {
         let blocks = &self.blocks[blocks];
         let [Some(first), Some(last)] = [blocks.first(), blocks.last()] else {
@@ -59,19 +59,19 @@ impl Shift<'_> {
         let range = first.points.start..last.points.end;
         let has_last = matches!(self.pass, Pass::Extrapolate { .. });
         let last_range = if has_last { range.clone() } else { 0..0 };
-        let blows = if self.blows.is_empty() {
-            self.blows
+        let impacts = if self.impacts.is_empty() {
+            self.impacts
         } else {
-            &self.blows[range.clone()]
+            &self.impacts[range.clone()]
         };
-        // SAFETY: points and their ties follow their blocks, and no other thread has these blocks; of the bodies, domains of
+        // SAFETY: points and their bond_constraints follow their blocks, and no other thread has these blocks; of the bodies, subdomains of
         // one stage write different ones, see above. Displacements are not written.
         let change = unsafe {
-            let mut contacts = Contacts {
+            let mut contacts = ContactBlocks {
                 blocks,
                 first_point: range.start,
                 points: self.points.part(range.clone()),
-                blows,
+                impacts,
                 bodies: self.bodies.cells(),
                 displacements: self.displacements.cells(),
                 friction: self.friction,
@@ -79,8 +79,8 @@ impl Shift<'_> {
                 is_far: self.is_far,
             };
             let last = self.last.part(last_range);
-            if self.has_ties {
-                contacts.pass_tied(self.pass, last, self.ties.part(range))
+            if self.has_bonds {
+                contacts.pass_bonded(self.pass, last, self.bond_constraints.part(range))
             } else {
                 contacts.pass(self.pass, last)
             }

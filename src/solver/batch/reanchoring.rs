@@ -2,10 +2,10 @@
 
 use crate::bodies::solver_body::SolverBody;
 use crate::math::rotate_by;
-use crate::solver::batch::subdomain_slices::shares;
+use crate::solver::batch::subdomain_slices::subdomain_slices;
 use crate::solver::batch::{Batch, TurningBody};
 use crate::solver::wide::block::points_of;
-use crate::solver::wide::reanchor::{Follow, Followers, Turn};
+use crate::solver::wide::reanchor::{BodyRotation, Reanchor, ReanchoredBlocks};
 use crate::threads::parts::{front, front_mut};
 use crate::threads::team::Team;
 use glam::Quat;
@@ -15,26 +15,27 @@ impl Batch {
     ///
     /// Manifolds of bodies that turn faster than `most` (rad/s) are left as they are: impulses that have acted along the old
     /// rows could not be taken back along the new ones.
-    pub(crate) fn follow_motion(&mut self, most: f32, team: Option<&Team>) {
+    pub(crate) fn reanchor(&mut self, most: f32, team: Option<&Team>) {
         if self.moving.is_empty() {
             return;
         }
         self.find_turns(most, team);
-        self.follow_blocks(team);
+        self.reanchor_blocks(team);
         self.derive_masses(team);
     }
 
     /// How each body of a moving manifold has turned since the start of the step, and each that is fixed.
     fn find_turns(&mut self, most: f32, team: Option<&Team>) {
-        self.turns.resize(self.bodies.len(), Turn::default());
+        self.turns
+            .resize(self.bodies.len(), BodyRotation::default());
         let mut rest = (
             &mut self.turns[..],
             &self.bodies[..],
             &self.displacements[..],
             &self.turning[..],
-            &self.scratch.is_followed[..],
+            &self.scratch.is_reanchored[..],
         );
-        let parts = self.layout.cuts.shares_of_bodies(self.bodies.len());
+        let parts = self.layout.cuts.slices_of_bodies(self.bodies.len());
         let parts = parts.map(|range| {
             let spinning = rest.3.partition_point(|t| (t.body as usize) < range.end);
             (
@@ -47,39 +48,45 @@ impl Batch {
             )
         });
         Team::each(team, parts, |part| {
-            let (first, turns, bodies, displacements, turning, is_followed) = part;
+            let (first, turns, bodies, displacements, turning, is_reanchored) = part;
             let mut turning = turning.iter().peekable();
             let bodies = bodies.iter().zip(displacements.iter());
-            let bodies = bodies.zip(is_followed.iter());
+            let bodies = bodies.zip(is_reanchored.iter());
             let turns = (first..).zip(turns.iter_mut().zip(bodies));
-            for (number, (turn, ((body, moved), is_followed))) in turns {
+            for (number, (turn, ((body, moved), is_reanchored))) in turns {
                 let spins = turning.next_if(|t| t.body == number);
-                if !is_followed {
+                if !is_reanchored {
                     continue;
                 }
                 let rotation = spins.map_or_else(|| small_turn(moved), TurningBody::turn);
-                *turn = Turn::new(rotation, body.angular.length() <= most);
+                *turn = BodyRotation::new(rotation, body.angular.length() <= most);
             }
         });
     }
 
-    fn follow_blocks(&mut self, team: Option<&Team>) {
+    fn reanchor_blocks(&mut self, team: Option<&Team>) {
         let width = self.settings.config.lane_width;
         let blocks = &self.blocks;
-        let (mut points, mut ties) = (&mut self.points[..], &mut self.ties[..]);
+        let (mut points, mut bond_constraints) =
+            (&mut self.points[..], &mut self.bond_constraints[..]);
         let (turns, displacements) = (&self.turns, &self.displacements);
-        let (mut followers, mut starts) = (Followers::new(&self.following), &self.starts[..]);
-        let shares = shares(&self.layout.domains, blocks.len(), team);
-        let parts = shares.map(|share| {
+        let (mut reanchored, mut starts) =
+            (ReanchoredBlocks::new(&self.reanchored), &self.starts[..]);
+        let subdomain_slices = subdomain_slices(&self.layout.subdomains, blocks.len(), team);
+        let parts = subdomain_slices.map(|share| {
             let of_points = points_of(&blocks[share.clone()]);
-            let ties_there = if ties.is_empty() { 0 } else { of_points.len() };
-            let following = followers.take(share.len());
-            Follow {
+            let ties_there = if bond_constraints.is_empty() {
+                0
+            } else {
+                of_points.len()
+            };
+            let reanchored = reanchored.take(share.len());
+            Reanchor {
                 blocks: &blocks[share],
-                following,
+                reanchored,
                 points: front_mut(&mut points, of_points.len()),
-                ties: front_mut(&mut ties, ties_there),
-                starts: front(&mut starts, following.points()),
+                bond_constraints: front_mut(&mut bond_constraints, ties_there),
+                starts: front(&mut starts, reanchored.points()),
                 turns,
                 displacements,
             }

@@ -1,6 +1,6 @@
-//! Lists cut along the domains of a batch, for a team of threads.
+//! Lists cut along the subdomains of a batch, for a team of threads.
 
-use crate::solver::graph::partition::Domains;
+use crate::solver::graph::partition::Partition;
 use crate::solver::wide::block::points_of;
 use crate::solver::wide::block::{Block, Point};
 use crate::threads::parts::front_mut;
@@ -8,7 +8,7 @@ use crate::threads::team::Team;
 use std::ops::Range;
 
 /// The ranges that a team works on at a time; all of `0..count` at once without one.
-pub(crate) fn shares(
+pub(crate) fn subdomain_slices(
     ranges: &[Range<usize>],
     count: usize,
     team: Option<&Team>,
@@ -21,15 +21,15 @@ pub(crate) fn shares(
 /// Parts of a list by body, one for each leaf.
 pub(crate) fn parts_by_body<'a, T>(
     mut list: &'a mut [T],
-    cuts: &Domains,
+    cuts: &Partition,
 ) -> impl Iterator<Item = &'a mut [T]> {
-    let shares = cuts.shares_of_bodies(list.len());
-    shares.map(move |share| front_mut(&mut list, share.len()))
+    let subdomain_slices = cuts.slices_of_bodies(list.len());
+    subdomain_slices.map(move |share| front_mut(&mut list, share.len()))
 }
 
 /// Does `work` on what two lists hold of the bodies of each part, all at once where there are no leaves.
 pub(crate) fn each_part<A: Send, B: Send>(
-    cuts: &Domains,
+    cuts: &Partition,
     team: Option<&Team>,
     lists: (&mut [A], &mut [B]),
     work: impl Fn(&mut [A], &mut [B]) + Sync,
@@ -46,10 +46,10 @@ pub(crate) fn each_part<A: Send, B: Send>(
 pub(crate) fn parts_of_blocks<'a>(
     mut blocks: &'a mut [Block],
     mut points: &'a mut [Point],
-    domains: &'a [Range<usize>],
+    subdomains: &'a [Range<usize>],
     team: Option<&Team>,
 ) -> impl Iterator<Item = (&'a mut [Block], &'a mut [Point])> {
-    shares(domains, blocks.len(), team).map(move |share| {
+    subdomain_slices(subdomains, blocks.len(), team).map(move |share| {
         let blocks = front_mut(&mut blocks, share.len());
         let points = front_mut(&mut points, points_of(blocks).len());
         (blocks, points)

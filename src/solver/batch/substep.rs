@@ -8,7 +8,7 @@
 //! for each sub-step of h seconds:
 //!   v += h g
 //!   warm start                 the impulses of the sub-step before
-//!   solve                      s -> wanted velocities, compliance, rebounds; then impulses
+//!   solve                      s -> target_velocity velocities, compliance, rebounds; then impulses
 //!   q += h v
 //!   relax                      takes the velocity that pushed overlap out from the bodies again; impacts rebound
 //!   passive                    where that was not all, no energy stays
@@ -16,19 +16,19 @@
 
 use crate::bodies::solver_body::SolverBody;
 use crate::contact::manifolds::Manifolds;
-use crate::solver::adaptivity::Effort;
+use crate::solver::adaptivity::SweepBudget;
 use crate::solver::batch::layout::Layout;
-use crate::solver::batch::parallel_pass::Shift;
+use crate::solver::batch::parallel_pass::ParallelPass;
 use crate::solver::batch::subdomain_slices::{each_part, parts_of_blocks};
 use crate::solver::batch::{Batch, BatchScratch};
 use crate::solver::config::{Method, SolverConfig};
-use crate::solver::graph::indices::Place;
+use crate::solver::graph::indices::LaneSlot;
 use crate::solver::graph::partition;
-use crate::solver::rows::soft_step::Feedback;
+use crate::solver::rows::soft_step::Bias;
 use crate::solver::rows::soft_step::Softness;
 use crate::solver::settings::SubstepSettings;
 use crate::solver::wide::block::{Point, vector};
-use crate::solver::wide::contacts::{Contacts, cells};
+use crate::solver::wide::contacts::{ContactBlocks, cells};
 use crate::solver::wide::pass::Pass;
 use crate::threads::parts::front_mut;
 use crate::threads::team::{Shared, Team};
@@ -43,8 +43,8 @@ const MOVING_TOLERANCE: f32 = 0.01;
 /// The same where bodies hit each other that may pass through each other in the step: what is left of their speeds is large.
 const FAST_TOLERANCE: f32 = 1e-4;
 
-/// Turn within a sub-step, rad, up to which rows that have been solved may be pointed anew.
-const MOST_TURN: f32 = 0.05;
+/// BodyRotation within a sub-step, rad, up to which rows that have been solved may be pointed anew.
+const MAX_TURN: f32 = 0.05;
 
 /// Bytes that a core's second-level cache keeps of what is gone through again and again; most have 512 KiB to 2 MiB.
 const NEAR_CACHE: usize = 1 << 19;
@@ -52,11 +52,11 @@ const NEAR_CACHE: usize = 1 << 19;
 /// What one sweep does.
 #[derive(Clone, Copy, Debug)]
 enum SweepKind {
-    /// With position feedback.
+    /// With position bias.
     Solve(Softness),
-    /// The same, where wanted velocities are to be set on the way.
+    /// The same, where target_velocity velocities are to be set on the way.
     SolveFrom {
-        feedback: Feedback,
+        bias: Bias,
         first: bool,
         softness: Softness,
     },
@@ -70,10 +70,10 @@ impl Batch {
         let settings = &{ self.settings };
         let mut effort = self.effort;
         let effort = &mut effort;
-        self.forget_gains();
+        self.forget_contact_velocity_changes();
         for substep in 0..settings.config.substeps {
             if substep > 0 {
-                self.follow_with_gains(team);
+                self.reanchor_with_contact_velocity_changes(team);
             }
             effort.begin(settings.config.substeps - substep);
             self.apply_gravity(settings, team);
@@ -96,7 +96,7 @@ impl Batch {
 
     /// Whether bodies may hit each other.
     fn can_hit(&self) -> bool {
-        !self.blows.is_empty()
+        !self.impacts.is_empty()
     }
 
     /// Whether nothing hits anything in this sub-step, so that targets need not be known before the warm start.
@@ -106,16 +106,16 @@ impl Batch {
         config.method != Method::Exact && !(self.can_hit() && may_hit())
     }
 
-    /// Does a pass over all contacts, several domains at a time if there is a team; returns the largest velocity change if it
+    /// Does a pass over all contacts, several subdomains at a time if there is a team; returns the largest velocity change if it
     /// measures.
     pub fn pass(&mut self, pass: Pass, team: Option<&Team>) -> f32 {
         let is_far = self.is_far();
         let Some(team) = team else {
-            let mut contacts = Contacts {
+            let mut contacts = ContactBlocks {
                 blocks: &self.blocks,
                 points: &mut self.points,
                 first_point: 0,
-                blows: &self.blows,
+                impacts: &self.impacts,
                 bodies: cells(&mut self.bodies),
                 displacements: cells(&mut self.displacements),
                 friction: self.settings.config.friction_model,
@@ -123,10 +123,10 @@ impl Batch {
                 is_far,
             };
             let last = &mut self.scratch.last_impulses;
-            return if self.ties.is_empty() {
+            return if self.bond_constraints.is_empty() {
                 contacts.pass(pass, last)
             } else {
-                contacts.pass_tied(pass, last, &mut self.ties)
+                contacts.pass_bonded(pass, last, &mut self.bond_constraints)
             };
         };
         self.pass_with(pass, team, is_far)
@@ -139,13 +139,13 @@ impl Batch {
 
     fn pass_with(&mut self, pass: Pass, team: &Team, is_far: bool) -> f32 {
         let config = &self.settings.config;
-        let work = Shift {
+        let work = ParallelPass {
             pass,
             blocks: &self.blocks,
             points: Shared::new(&mut self.points),
-            has_ties: !self.ties.is_empty(),
-            ties: Shared::new(&mut self.ties),
-            blows: &self.blows,
+            has_bonds: !self.bond_constraints.is_empty(),
+            bond_constraints: Shared::new(&mut self.bond_constraints),
+            impacts: &self.impacts,
             bodies: Shared::new(&mut self.bodies),
             displacements: Shared::new(&mut self.displacements),
             last: Shared::new(&mut self.scratch.last_impulses),
@@ -155,10 +155,10 @@ impl Batch {
             change: AtomicU32::new(0),
         };
         let mut first = 0;
-        for count in partition::stages(self.layout.domains.len()) {
-            let stage = &self.layout.domains[first..first + count];
-            team.run(count, &|domain| {
-                let blocks = stage[domain].clone();
+        for count in partition::stages(self.layout.subdomains.len()) {
+            let stage = &self.layout.subdomains[first..first + count];
+            team.run(count, &|subdomain| {
+                let blocks = stage[subdomain].clone();
                 // Half of what a separator joins was written by another thread.
                 if first > 0 {
                     work.prefetch_bodies(blocks.clone());
@@ -175,28 +175,28 @@ impl Batch {
         &mut self,
         first: bool,
         manifolds: &Manifolds,
-        effort: &mut Effort,
+        effort: &mut SweepBudget,
         team: Option<&Team>,
     ) {
         let settings = &{ self.settings };
         let config = &settings.config;
         let tolerance = self.tolerance(config, MOVING_TOLERANCE, 0.0);
-        let feedback = settings.feedback();
+        let bias = settings.bias();
         let softness = settings.softness();
         let mut solve = SweepKind::SolveFrom {
-            feedback,
+            bias,
             first,
             softness,
         };
-        if config.sweeps == 0 || !self.ties.is_empty() {
-            self.pass(Pass::Targets { feedback, first }, team);
+        if config.sweeps == 0 || !self.bond_constraints.is_empty() {
+            self.pass(Pass::UpdateBias { bias, first }, team);
             solve = SweepKind::Solve(softness);
         }
         self.warm_start(team);
         self.sweep(config.sweeps, solve, tolerance, effort, team);
         self.move_bodies(settings, manifolds, team);
         self.relax(settings, tolerance, effort, team);
-        self.note_gains(team);
+        self.note_contact_velocity_changes(team);
     }
 
     /// From targets to the relaxed velocities of a sub-step.
@@ -204,13 +204,13 @@ impl Batch {
         &mut self,
         first: bool,
         manifolds: &Manifolds,
-        effort: &mut Effort,
+        effort: &mut SweepBudget,
         team: Option<&Team>,
     ) {
         let settings = &{ self.settings };
         let config = &settings.config;
         let fastest = self.set_targets(settings, first, team);
-        let hits = self.note_blows(settings.config.restitution_threshold);
+        let hits = self.note_impacts(settings.config.restitution_threshold);
         let share = if hits.any_fast {
             FAST_TOLERANCE
         } else {
@@ -227,21 +227,21 @@ impl Batch {
         }
         self.move_bodies(settings, manifolds, team);
         if hits.any {
-            // What follows acts where the bodies are now: blows are large enough to matter for the angular momentum.
-            self.follow_motion(MOST_TURN / settings.h, team);
+            // What follows acts where the bodies are now: impacts are large enough to matter for the angular momentum.
+            self.reanchor(MAX_TURN / settings.h, team);
         }
         self.relax(settings, tolerance, effort, team);
-        self.note_gains(team);
+        self.note_contact_velocity_changes(team);
         if hits.any {
-            self.forget_blows(config.restitution_threshold);
-            self.forget_gains();
+            self.restore_warm_start(config.restitution_threshold);
+            self.forget_contact_velocity_changes();
         }
     }
 
-    /// Fills the wanted velocities; returns the fastest rebound, scaled to a size of 1 m, m/s.
+    /// Fills the target_velocity velocities; returns the fastest rebound, scaled to a size of 1 m, m/s.
     fn set_targets(&mut self, settings: &SubstepSettings, first: bool, team: Option<&Team>) -> f32 {
-        let feedback = settings.feedback();
-        self.pass(Pass::Targets { feedback, first }, team);
+        let bias = settings.bias();
+        self.pass(Pass::UpdateBias { bias, first }, team);
         let mut fastest = 0.0_f32;
         if self.has_restitution {
             for i in 0..self.layout.places.len() {
@@ -260,7 +260,7 @@ impl Batch {
     ///
     /// A point hits if the free motion closes its gap `s` within the sub-step. The speed at that moment follows from
     /// energy: `v^2 = v_0^2 + 2 a s` with the acceleration `a` of the gap. It leaves with `e v` from where the gap is closed.
-    fn set_rebounds(&mut self, place: Place, settings: &SubstepSettings) -> f32 {
+    fn set_rebounds(&mut self, place: LaneSlot, settings: &SubstepSettings) -> f32 {
         let SubstepSettings {
             config, gravity, h, ..
         } = settings;
@@ -269,7 +269,7 @@ impl Batch {
         let [a, b] = block.pair(lane).map(|b| &self.bodies[b as usize]);
         let falls = |body: &SolverBody| f32::from(u8::from(body.inverse_mass > 0.0));
         let acceleration = -normal.dot(*gravity) * (falls(b) - falls(a));
-        let gap = |point: &Point| (-point.wanted.0[lane] * h).max(0.0);
+        let gap = |point: &Point| (-point.target_velocity.0[lane] * h).max(0.0);
         let speed = |point: &Point| -point.normal_velocity(lane, normal, [a, b]);
         let hits = |point: &Point, h: f32| {
             let speed = speed(point);
@@ -277,7 +277,7 @@ impl Batch {
         };
         let first = block.points.start;
         let range = first..first + place.count as usize;
-        let (points, blows) = (&mut self.points[range.clone()], &mut self.blows[range]);
+        let (points, impacts) = (&mut self.points[range.clone()], &mut self.impacts[range]);
         // Corners of a face that all but lie at one height hit together, or the face would start to rock.
         let reach = if points.iter().any(|point| hits(point, *h)) {
             2.0 * h
@@ -285,16 +285,16 @@ impl Batch {
             0.0
         };
         let mut fastest = 0.0_f32;
-        for (point, blow) in points.iter_mut().zip(blows) {
-            blow.rebound.0[lane] = 0.0;
+        for (point, impact) in points.iter_mut().zip(impacts) {
+            impact.rebound.0[lane] = 0.0;
             if hits(point, reach) {
                 let before = speed(point) - acceleration * h;
                 let squared = before * before + 2.0 * acceleration * gap(point);
                 let rebound = restitution * squared.max(0.0).sqrt();
-                blow.rebound.0[lane] = rebound;
+                impact.rebound.0[lane] = rebound;
                 fastest = fastest.max(rebound * block.speed_scale.0[lane]);
                 if config.relax_sweeps == 0 {
-                    point.wanted.0[lane] = point.wanted.0[lane].max(rebound);
+                    point.target_velocity.0[lane] = point.target_velocity.0[lane].max(rebound);
                 }
             }
         }
@@ -305,7 +305,7 @@ impl Batch {
         &mut self,
         settings: &SubstepSettings,
         tolerance: Option<f32>,
-        effort: &mut Effort,
+        effort: &mut SweepBudget,
         team: Option<&Team>,
     ) {
         let config = &settings.config;
@@ -331,13 +331,13 @@ impl Batch {
         least: u32,
         kind: SweepKind,
         tolerance: Option<f32>,
-        effort: &mut Effort,
+        effort: &mut SweepBudget,
         team: Option<&Team>,
     ) {
         let config = self.settings.config;
         let most = config.max_sweeps.min(least + effort.share());
         let (mut change, mut done) = (0.0, 0);
-        self.scratch.pace.restart();
+        self.scratch.acceleration.restart();
         while done < least || tolerance.is_some_and(|t| change > t) && done < most {
             let is_extra = done >= least;
             if is_extra {
@@ -347,11 +347,11 @@ impl Batch {
             let measure = tolerance.is_some() && done >= least;
             let pass = match kind {
                 SweepKind::SolveFrom {
-                    feedback,
+                    bias,
                     first,
                     softness,
                 } if done == 1 => Pass::SolveFirst {
-                    feedback,
+                    bias,
                     first,
                     softness,
                     measure,
@@ -363,7 +363,7 @@ impl Batch {
             };
             change = self.pass(pass, team);
             if is_extra {
-                self.scratch.pace.note(change);
+                self.scratch.acceleration.note(change);
             }
         }
         effort.note(done, done - least, tolerance.is_some_and(|t| change > t));
@@ -372,19 +372,21 @@ impl Batch {
     /// Moves impulses and velocities on in the direction of their last change, or remembers them for the next time.
     fn go_on(&mut self, team: Option<&Team>) {
         let BatchScratch {
-            pace,
+            acceleration,
             last_impulses,
             last_bodies,
             ..
         } = &mut self.scratch;
-        let Layout { cuts, domains, .. } = &self.layout;
+        let Layout {
+            cuts, subdomains, ..
+        } = &self.layout;
         last_bodies.resize(self.bodies.len(), SolverBody::default());
         let bodies = (&mut self.bodies[..], &mut last_bodies[..]);
-        let Some(weight) = pace.weight() else {
+        let Some(weight) = acceleration.weight() else {
             each_part(cuts, team, bodies, |now, last| last.copy_from_slice(now));
             last_impulses.resize(self.points.len(), Default::default());
             let mut last = &mut last_impulses[..];
-            let parts = parts_of_blocks(&mut self.blocks, &mut self.points, domains, team);
+            let parts = parts_of_blocks(&mut self.blocks, &mut self.points, subdomains, team);
             let parts = parts.map(|(_, points)| (front_mut(&mut last, points.len()), points));
             Team::each(team, parts, |(last, now)| {
                 for (last, now) in last.iter_mut().zip(now) {

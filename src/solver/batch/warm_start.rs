@@ -15,7 +15,7 @@ use crate::simd::lanes::run;
 use crate::solver::batch::Batch;
 use crate::solver::batch::energy_guard::{LinearSums, Sums};
 use crate::solver::batch::subdomain_slices::{each_part, parts_by_body};
-use crate::solver::graph::bisection::MOST_LEAVES;
+use crate::solver::graph::bisection::MAX_LEAVES;
 use crate::solver::wide::bias::Warm;
 use crate::solver::wide::contacts::cells;
 use crate::solver::wide::pass::Pass;
@@ -27,44 +27,54 @@ const BLOCKS_PER_FOLLOWING: usize = 8;
 impl Batch {
     /// Gives the bodies what the impulses of the sub-step before are worth.
     pub(crate) fn warm_start(&mut self, team: Option<&Team>) {
-        if self.scratch.gains.is_empty() {
+        if self.scratch.contact_velocity_changes.is_empty() {
             // A single sub-step whose energy is not bounded has no use for them.
             if self.settings.config.substeps > 1 || self.is_passive() {
-                self.scratch.gains.extend_from_slice(&self.bodies);
+                self.scratch
+                    .contact_velocity_changes
+                    .extend_from_slice(&self.bodies);
             }
             self.pass(Pass::Warm, team);
             return;
         }
-        let lists = (&mut self.bodies[..], &mut self.scratch.gains[..]);
-        each_part(&self.layout.cuts, team, lists, |bodies, gains| {
-            for (body, gain) in bodies.iter_mut().zip(gains.iter_mut()) {
-                let begin = *body;
-                body.linear += gain.linear;
-                body.angular += gain.angular;
-                *gain = begin;
-            }
-        });
+        let lists = (
+            &mut self.bodies[..],
+            &mut self.scratch.contact_velocity_changes[..],
+        );
+        each_part(
+            &self.layout.cuts,
+            team,
+            lists,
+            |bodies, contact_velocity_changes| {
+                for (body, gain) in bodies.iter_mut().zip(contact_velocity_changes.iter_mut()) {
+                    let begin = *body;
+                    body.linear += gain.linear;
+                    body.angular += gain.angular;
+                    *gain = begin;
+                }
+            },
+        );
     }
 
     /// Ends a sub-step that began with a [warm start](Self::warm_start): finds what contacts have given to the bodies, which
     /// is no [energy](crate::solver::batch::energy_guard).
-    pub(crate) fn note_gains(&mut self, team: Option<&Team>) {
-        if self.scratch.gains.is_empty() {
+    pub(crate) fn note_contact_velocity_changes(&mut self, team: Option<&Team>) {
+        if self.scratch.contact_velocity_changes.is_empty() {
             return;
         }
         let members = std::mem::take(&mut self.layout.members);
         if let ([member], [_, ..]) = (&members[..], self.layout.cuts.leaves()) {
             let linear = self.note_gains_of_leaves(team);
-            self.keep_passive(member, linear, team);
+            self.guard_energy(member, linear, team);
         } else {
-            // Behind their bodies there is only the idle one, which gains nothing.
+            // Behind their bodies there is only the dummy one, which contact_velocity_changes nothing.
             for member in &members {
                 let bodies = member.bodies.clone();
-                let linear = note_gains(
-                    &mut self.scratch.gains[bodies.clone()],
+                let linear = note_contact_velocity_changes(
+                    &mut self.scratch.contact_velocity_changes[bodies.clone()],
                     &self.bodies[bodies],
                 );
-                self.keep_passive(member, linear.total(), team);
+                self.guard_energy(member, linear.total_normal_impulse(), team);
             }
         }
         self.layout.members = members;
@@ -72,46 +82,50 @@ impl Batch {
 
     fn note_gains_of_leaves(&mut self, team: Option<&Team>) -> Sums {
         let cuts = &self.layout.cuts;
-        let parts =
-            parts_by_body(&mut self.scratch.gains, cuts).zip(parts_by_body(&mut self.bodies, cuts));
-        let mut sums = [LinearSums::default(); MOST_LEAVES];
+        let parts = parts_by_body(&mut self.scratch.contact_velocity_changes, cuts)
+            .zip(parts_by_body(&mut self.bodies, cuts));
+        let mut sums = [LinearSums::default(); MAX_LEAVES];
         let sums = &mut sums[..cuts.leaves().len()];
-        Team::each(team, parts.zip(&mut *sums), |((gains, bodies), sums)| {
-            *sums = note_gains(gains, bodies);
-        });
-        let sums = sums.iter().map(LinearSums::total);
+        Team::each(
+            team,
+            parts.zip(&mut *sums),
+            |((contact_velocity_changes, bodies), sums)| {
+                *sums = note_contact_velocity_changes(contact_velocity_changes, bodies);
+            },
+        );
+        let sums = sums.iter().map(LinearSums::total_normal_impulse);
         sums.reduce(|a, b| a + b).unwrap_or_default()
     }
 
     /// Has the contacts asked at the next warm start, because their impulses are no longer what the sub-step found.
-    pub(crate) fn forget_gains(&mut self) {
-        self.scratch.gains.clear();
+    pub(crate) fn forget_contact_velocity_changes(&mut self) {
+        self.scratch.contact_velocity_changes.clear();
     }
 
-    /// [Points](Self::follow_motion) the rows of moving manifolds anew, between two sub-steps.
-    pub(crate) fn follow_with_gains(&mut self, team: Option<&Team>) {
+    /// [Points](Self::reanchor) the rows of moving manifolds anew, between two sub-steps.
+    pub(crate) fn reanchor_with_contact_velocity_changes(&mut self, team: Option<&Team>) {
         if self.moving.is_empty() {
             return;
         }
-        if BLOCKS_PER_FOLLOWING * self.following.len() > self.blocks.len() {
-            self.forget_gains();
+        if BLOCKS_PER_FOLLOWING * self.reanchored.len() > self.blocks.len() {
+            self.forget_contact_velocity_changes();
         }
         self.add_to_gains(-1.0);
-        self.follow_motion(f32::INFINITY, team);
+        self.reanchor(f32::INFINITY, team);
         self.add_to_gains(1.0);
     }
 
-    /// Adds `share` times what the impulses of following blocks are worth to the gains, if these are known.
+    /// Adds `share` times what the impulses of reanchored blocks are worth to the contact_velocity_changes, if these are known.
     fn add_to_gains(&mut self, share: f32) {
-        if self.scratch.gains.is_empty() {
+        if self.scratch.contact_velocity_changes.is_empty() {
             return;
         }
-        let following = self.following.iter();
+        let reanchored = self.reanchored.iter();
         let warm = Warm {
-            blocks: following.map(|following| &self.blocks[following.block as usize]),
+            blocks: reanchored.map(|reanchored| &self.blocks[reanchored.block as usize]),
             points: &self.points,
             first_point: 0,
-            bodies: cells(&mut self.scratch.gains),
+            bodies: cells(&mut self.scratch.contact_velocity_changes),
             share,
         };
         run(self.settings.config.lane_width, warm);
@@ -119,9 +133,12 @@ impl Batch {
 }
 
 /// Turns velocities at the start of a sub-step into what has been added since.
-fn note_gains(gains: &mut [SolverBody], bodies: &[SolverBody]) -> LinearSums {
+fn note_contact_velocity_changes(
+    contact_velocity_changes: &mut [SolverBody],
+    bodies: &[SolverBody],
+) -> LinearSums {
     let mut sums = LinearSums::default();
-    for (gain, body) in gains.iter_mut().zip(bodies) {
+    for (gain, body) in contact_velocity_changes.iter_mut().zip(bodies) {
         gain.linear = body.linear - gain.linear;
         gain.angular = body.angular - gain.angular;
         sums.add(body, gain);

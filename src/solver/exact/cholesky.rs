@@ -1,7 +1,7 @@
 //! Cholesky factor of a sparse symmetric matrix of 6 x 6 blocks, one block row per body.
 //!
 //! The pattern is the graph of bodies joined by contacts. It is analysed once per problem: bodies are eliminated in the
-//! order of least degree (ties: lower index), which also gives the pattern of the factor. The numbers are then factored
+//! order of least degree (bond_constraints: lower index), which also gives the pattern of the factor. The numbers are then factored
 //! as often as needed, one block column after the other. Nothing depends on the machine: plain multiplications and
 //! additions in a fixed order.
 //!
@@ -16,22 +16,22 @@ use std::collections::BinaryHeap;
 pub(crate) const WIDTH: usize = 6;
 
 /// 6 x 6 numbers, column after column.
-pub(crate) type Block = [f64; WIDTH * WIDTH];
+pub(crate) type DenseBlock = [f64; WIDTH * WIDTH];
 
-const ZERO: Block = [0.0; WIDTH * WIDTH];
+const ZERO: DenseBlock = [0.0; WIDTH * WIDTH];
 
 /// Lower triangle of the matrix, overwritten by its factor `L` with `L L^T = H`.
 #[derive(Debug, Default)]
 pub(crate) struct BlockCholesky {
     /// Diagonal blocks in the order of elimination; after [`factor`](Self::factor) with the reciprocals of the pivots.
-    diagonal: Vec<Block>,
+    diagonal: Vec<DenseBlock>,
     /// Where each block column starts in `rows` and `blocks`; one more entry than columns.
     starts: Vec<u32>,
-    /// Block rows of the blocks below the diagonal, ascending within each column.
+    /// DenseBlock rows of the blocks below the diagonal, ascending within each column.
     rows: Vec<u32>,
     /// The blocks below the diagonal.
-    blocks: Vec<Block>,
-    /// Place of each body in the order of elimination.
+    blocks: Vec<DenseBlock>,
+    /// LaneSlot of each body in the order of elimination.
     place: Vec<u32>,
     graph: Graph,
 }
@@ -39,8 +39,8 @@ pub(crate) struct BlockCholesky {
 /// Scratch of the analysis.
 #[derive(Debug, Default)]
 struct Graph {
-    /// Neighbours of each node that are not yet eliminated, ascending; of an eliminated one: those it had then.
-    neighbours: Vec<Vec<u32>>,
+    /// Neighbors of each node that are not yet eliminated, ascending; of an eliminated one: those it had then.
+    neighbors: Vec<Vec<u32>>,
     /// (degree, node), some out of date.
     queue: BinaryHeap<Reverse<(u32, u32)>>,
     order: Vec<u32>,
@@ -49,29 +49,29 @@ struct Graph {
 
 impl Graph {
     fn build(&mut self, nodes: usize, edges: impl Iterator<Item = [u32; 2]>) {
-        self.neighbours.iter_mut().for_each(Vec::clear);
-        if self.neighbours.len() < nodes {
-            self.neighbours.resize_with(nodes, Vec::new);
+        self.neighbors.iter_mut().for_each(Vec::clear);
+        if self.neighbors.len() < nodes {
+            self.neighbors.resize_with(nodes, Vec::new);
         }
         for [a, b] in edges {
-            self.neighbours[a as usize].push(b);
-            self.neighbours[b as usize].push(a);
+            self.neighbors[a as usize].push(b);
+            self.neighbors[b as usize].push(a);
         }
         self.queue.clear();
-        for (node, list) in self.neighbours[..nodes].iter_mut().enumerate() {
+        for (node, list) in self.neighbors[..nodes].iter_mut().enumerate() {
             list.sort_unstable();
             list.dedup();
             self.queue.push(Reverse((list.len() as u32, node as u32)));
         }
     }
 
-    /// Eliminates all nodes; `order` lists them, `neighbours` holds the pattern of the factor's columns.
+    /// Eliminates all nodes; `order` lists them, `neighbors` holds the pattern of the factor's columns.
     fn eliminate(&mut self, place: &mut [u32]) {
         const OPEN: u32 = u32::MAX;
         place.fill(OPEN);
         self.order.clear();
         while let Some(Reverse((degree, node))) = self.queue.pop() {
-            let list = &mut self.neighbours[node as usize];
+            let list = &mut self.neighbors[node as usize];
             if place[node as usize] != OPEN || list.len() != degree as usize {
                 continue;
             }
@@ -79,12 +79,12 @@ impl Graph {
             self.order.push(node);
             let clique = std::mem::take(list);
             for &other in &clique {
-                let list = &mut self.neighbours[other as usize];
+                let list = &mut self.neighbors[other as usize];
                 merge_without(list, &clique, [node, other], &mut self.merged);
                 std::mem::swap(list, &mut self.merged);
                 self.queue.push(Reverse((list.len() as u32, other)));
             }
-            self.neighbours[node as usize] = clique;
+            self.neighbors[node as usize] = clique;
         }
     }
 }
@@ -120,7 +120,7 @@ impl BlockCholesky {
         self.rows.clear();
         for &node in &self.graph.order {
             let first = self.rows.len();
-            let column = &self.graph.neighbours[node as usize];
+            let column = &self.graph.neighbors[node as usize];
             self.rows
                 .extend(column.iter().map(|&n| self.place[n as usize]));
             self.rows[first..].sort_unstable();
@@ -132,7 +132,7 @@ impl BlockCholesky {
         self.blocks.resize(self.rows.len(), ZERO);
     }
 
-    /// Place of a body in the order of elimination: the block row of its unknowns.
+    /// LaneSlot of a body in the order of elimination: the block row of its unknowns.
     pub(crate) fn place(&self, node: u32) -> u32 {
         self.place[node as usize]
     }
@@ -239,7 +239,7 @@ fn write(x: &mut [f64], k: usize, values: &[f64; WIDTH]) {
 }
 
 #[inline]
-fn add_product(block: &mut Block, x: &[f64; WIDTH], y: &[f64; WIDTH]) {
+fn add_product(block: &mut DenseBlock, x: &[f64; WIDTH], y: &[f64; WIDTH]) {
     for (column, factor) in block.chunks_exact_mut(WIDTH).zip(y) {
         (0..WIDTH).for_each(|r| column[r] += x[r] * factor);
     }
@@ -247,7 +247,7 @@ fn add_product(block: &mut Block, x: &[f64; WIDTH], y: &[f64; WIDTH]) {
 
 /// `block -= left right^T`.
 #[inline]
-fn subtract_product(block: &mut Block, left: &Block, right: &Block) {
+fn subtract_product(block: &mut DenseBlock, left: &DenseBlock, right: &DenseBlock) {
     for c in 0..WIDTH {
         let mut column: [f64; WIDTH] = std::array::from_fn(|r| block[c * WIDTH + r]);
         for k in 0..WIDTH {
@@ -261,7 +261,7 @@ fn subtract_product(block: &mut Block, left: &Block, right: &Block) {
 /// Cholesky factor in the lower triangle, with the reciprocals of the pivots on the diagonal.
 ///
 /// All pivots of a matrix that is at least the identity are at least 1; less can only be rounding.
-fn factor_block(block: &mut Block) {
+fn factor_block(block: &mut DenseBlock) {
     for c in 0..WIDTH {
         let inverse = 1.0 / block[c * WIDTH + c].max(1.0).sqrt();
         block[c * WIDTH + c] = inverse;
@@ -279,7 +279,7 @@ fn factor_block(block: &mut Block) {
 
 /// `block <- block L^-T`.
 #[inline]
-fn divide_by_transposed(block: &mut Block, lower: &Block) {
+fn divide_by_transposed(block: &mut DenseBlock, lower: &DenseBlock) {
     for c in 0..WIDTH {
         let mut column: [f64; WIDTH] = std::array::from_fn(|r| block[c * WIDTH + r]);
         for k in 0..c {
@@ -292,7 +292,7 @@ fn divide_by_transposed(block: &mut Block, lower: &Block) {
 }
 
 /// `x <- L^-1 x`.
-fn solve_lower(lower: &Block, x: &mut [f64; WIDTH]) {
+fn solve_lower(lower: &DenseBlock, x: &mut [f64; WIDTH]) {
     for c in 0..WIDTH {
         x[c] *= lower[c * WIDTH + c];
         for r in c + 1..WIDTH {
@@ -302,7 +302,7 @@ fn solve_lower(lower: &Block, x: &mut [f64; WIDTH]) {
 }
 
 /// `x <- L^-T x`.
-fn solve_upper(lower: &Block, x: &mut [f64; WIDTH]) {
+fn solve_upper(lower: &DenseBlock, x: &mut [f64; WIDTH]) {
     for c in (0..WIDTH).rev() {
         for r in c + 1..WIDTH {
             x[c] -= lower[c * WIDTH + r] * x[r];
@@ -350,18 +350,18 @@ mod tests {
     #[test]
     fn factor_solves_what_the_dense_matrix_says() {
         let (mut sparse, dense) = ring(9);
-        let wanted: Vec<f64> = (0..dense.len())
+        let target_velocity: Vec<f64> = (0..dense.len())
             .map(|i| (i * i % 17) as f64 - 8.0)
             .collect();
         let mut x: Vec<f64> = dense
             .iter()
-            .map(|row| row.iter().zip(&wanted).map(|(a, b)| a * b).sum())
+            .map(|row| row.iter().zip(&target_velocity).map(|(a, b)| a * b).sum())
             .collect();
         sparse.factor();
         sparse.solve(&mut x);
         let worst = x
             .iter()
-            .zip(&wanted)
+            .zip(&target_velocity)
             .map(|(a, b)| (a - b).abs())
             .fold(0.0, f64::max);
         assert!(worst < 1e-10, "worst error {worst:e}");

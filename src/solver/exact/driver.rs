@@ -2,7 +2,7 @@
 
 use crate::solver::exact::interior::Interior;
 use crate::solver::exact::newton::Polish;
-use crate::solver::exact::rows::{Law, Rows};
+use crate::solver::exact::rows::{ExactRows, Law};
 use crate::solver::exact::velocity::VelocitySpace;
 use crate::solver::exact::{CERTIFIED, Certificate};
 
@@ -27,7 +27,7 @@ const APPROACH_STEPS: u32 = 25;
 /// Updates of the bounds that do not improve the residual after which another start is tried.
 const IDLE_UPDATES: u32 = 15;
 /// Factorisations from one start.
-const MOST_FACTORS: u32 = 500;
+const MAX_FACTORS: u32 = 500;
 /// Residual above which the multipliers are worth nothing: no solution exists, or none was found.
 const LOST: f64 = 1e-2;
 
@@ -36,7 +36,7 @@ const LOST: f64 = 1e-2;
 pub(crate) struct Driver {
     interior: Interior,
     polish: Polish,
-    centre: Vec<f64>,
+    center: Vec<f64>,
     /// The best multipliers with bounds that agree, and their residual.
     coupled: Vec<f64>,
     coupled_residual: f64,
@@ -47,7 +47,7 @@ impl Driver {
     pub(crate) fn solve(
         &mut self,
         space: &mut impl VelocitySpace,
-        rows: &mut Rows,
+        rows: &mut ExactRows,
         lambda: &mut [f64],
     ) -> Certificate {
         rows.follow(lambda);
@@ -75,7 +75,7 @@ impl Driver {
     fn solve_frozen(
         &mut self,
         space: &mut impl VelocitySpace,
-        rows: &mut Rows,
+        rows: &mut ExactRows,
         lambda: &mut [f64],
     ) {
         if self.polish.residual <= GOOD_START {
@@ -85,13 +85,13 @@ impl Driver {
                 return;
             }
         }
-        self.centre.clear();
-        self.centre.extend_from_slice(lambda);
+        self.center.clear();
+        self.center.extend_from_slice(lambda);
         self.interior
-            .begin(rows, &mut self.centre, space.dimension());
+            .begin(rows, &mut self.center, space.dimension());
         let mut handover = FIRST_GAP;
         for _ in 0..INTERIOR_STEPS {
-            let gap = self.interior.advance(space, rows, &mut self.centre);
+            let gap = self.interior.advance(space, rows, &mut self.center);
             self.polish.factors += 1;
             self.polish.forget_factor();
             if gap.is_nan() {
@@ -100,7 +100,7 @@ impl Driver {
             if gap > handover {
                 continue;
             }
-            lambda.copy_from_slice(&self.centre);
+            lambda.copy_from_slice(&self.center);
             rows.project(lambda);
             self.polish.run(space, rows, lambda, GOAL);
             if self.polish.residual <= CERTIFIED || gap <= LAST_GAP {
@@ -115,7 +115,7 @@ impl Driver {
     fn solve_coupled(
         &mut self,
         space: &mut impl VelocitySpace,
-        rows: &mut Rows,
+        rows: &mut ExactRows,
         lambda: &mut [f64],
     ) {
         self.coupled.clear();
@@ -138,12 +138,12 @@ impl Driver {
     fn update_bounds(
         &mut self,
         space: &mut impl VelocitySpace,
-        rows: &mut Rows,
+        rows: &mut ExactRows,
         lambda: &mut [f64],
     ) {
-        let (mut best, mut idle) = (f64::INFINITY, 0);
-        let most = self.polish.factors + MOST_FACTORS;
-        while idle < IDLE_UPDATES && self.polish.factors < most {
+        let (mut best, mut dummy) = (f64::INFINITY, 0);
+        let most = self.polish.factors + MAX_FACTORS;
+        while dummy < IDLE_UPDATES && self.polish.factors < most {
             rows.follow(lambda);
             rows.project(lambda);
             self.polish.restart(space, rows, lambda);
@@ -155,7 +155,7 @@ impl Driver {
             if residual <= COUPLED_GOAL {
                 return;
             }
-            idle = if residual < 0.99 * best { 0 } else { idle + 1 };
+            dummy = if residual < 0.99 * best { 0 } else { dummy + 1 };
             best = best.min(residual);
             let goal = GOAL.max(NEAR * NEAR * residual);
             self.polish.run(space, rows, lambda, goal);
@@ -170,20 +170,20 @@ impl Driver {
     fn approach_coupled(
         &mut self,
         space: &mut impl VelocitySpace,
-        rows: &mut Rows,
+        rows: &mut ExactRows,
         lambda: &mut [f64],
     ) {
-        self.centre.clear();
-        self.centre.extend_from_slice(lambda);
+        self.center.clear();
+        self.center.extend_from_slice(lambda);
         self.interior
-            .begin(rows, &mut self.centre, space.dimension());
+            .begin(rows, &mut self.center, space.dimension());
         for _ in 0..APPROACH_STEPS {
-            let gap = self.interior.advance(space, rows, &mut self.centre);
-            self.interior.follow(rows, &mut self.centre);
+            let gap = self.interior.advance(space, rows, &mut self.center);
+            self.interior.follow(rows, &mut self.center);
             self.polish.factors += 1;
             self.polish.forget_factor();
             if gap <= FIRST_GAP {
-                lambda.copy_from_slice(&self.centre);
+                lambda.copy_from_slice(&self.center);
                 return;
             }
         }
@@ -193,7 +193,7 @@ impl Driver {
     fn fall_back(
         &mut self,
         space: &mut impl VelocitySpace,
-        rows: &mut Rows,
+        rows: &mut ExactRows,
         lambda: &mut [f64],
     ) -> f64 {
         // Without friction first; then with bounds from the normal multipliers of the round before.

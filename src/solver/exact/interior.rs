@@ -26,7 +26,7 @@
 //! Mehrotra, "On the Implementation of a Primal-Dual Interior Point Method", SIAM J. Optim. 2(4), 1992; Nocedal and
 //! Wright, "Numerical Optimization", 2006, chapter 16.6.
 
-use crate::solver::exact::rows::{Law, Rows, Weight};
+use crate::solver::exact::rows::{ExactRows, Law, Weight};
 use crate::solver::exact::velocity::{VelocitySpace, add, dot, zeros};
 
 /// Largest `D` in units of effective masses, so that enough digits are left in the linear systems.
@@ -36,7 +36,7 @@ const TO_BOUND: f64 = 0.99;
 /// Share of half the width of its bounds by which a row is inside them at the start.
 const START_MARGIN: f64 = 0.1;
 /// Least share of `mu` that a step aims at.
-const LEAST_CENTRING: f64 = 1e-6;
+const MIN_CENTRING: f64 = 1e-6;
 
 /// Distances, multipliers and the direction of the step.
 #[derive(Debug, Default)]
@@ -64,7 +64,7 @@ pub(crate) struct Interior {
 
 impl Interior {
     /// Starts near `lambda`, which is moved inside its bounds. `dimension`: number of velocity coordinates.
-    pub(crate) fn begin(&mut self, rows: &Rows, lambda: &mut [f64], dimension: usize) {
+    pub(crate) fn begin(&mut self, rows: &ExactRows, lambda: &mut [f64], dimension: usize) {
         for list in [
             &mut self.p,
             &mut self.q,
@@ -100,7 +100,7 @@ impl Interior {
     }
 
     /// A row is as far inside as an impulse of mean energy, or a share of the width between its bounds.
-    fn start_row(&mut self, rows: &Rows, lambda: &mut [f64], i: usize, mu: f64) {
+    fn start_row(&mut self, rows: &ExactRows, lambda: &mut [f64], i: usize, mu: f64) {
         let (lo, hi) = (rows.lo[i], rows.hi[i]);
         let margin = (mu * rows.compliance[i])
             .sqrt()
@@ -120,7 +120,7 @@ impl Interior {
     pub(crate) fn advance(
         &mut self,
         space: &mut impl VelocitySpace,
-        rows: &Rows,
+        rows: &ExactRows,
         lambda: &mut [f64],
     ) -> f64 {
         space.effect(lambda, &mut self.y, &mut self.w);
@@ -133,9 +133,9 @@ impl Interior {
         let (gap, count) = self.gap(rows, lambda, 0.0);
         self.find_step(space, rows, lambda, 0.0);
         let share = self.gap(rows, lambda, self.step_length(rows, lambda)).0 / gap;
-        let centring = (share * share * share).clamp(LEAST_CENTRING, 1.0);
+        let centering = (share * share * share).clamp(MIN_CENTRING, 1.0);
         self.note_second_order(rows, lambda);
-        self.find_step(space, rows, lambda, centring * gap / count);
+        self.find_step(space, rows, lambda, centering * gap / count);
         let length = self.step_length(rows, lambda);
         self.move_by(rows, lambda, length);
         space.impulses(lambda, &mut self.y);
@@ -144,7 +144,7 @@ impl Interior {
     }
 
     /// Sum and number of the complementarity products after going `length` along the step.
-    fn gap(&self, rows: &Rows, lambda: &[f64], length: f64) -> (f64, f64) {
+    fn gap(&self, rows: &ExactRows, lambda: &[f64], length: f64) -> (f64, f64) {
         let (mut sum, mut count) = (0.0, 0.0);
         for i in rows.singles() {
             let change = length * self.step[i];
@@ -166,7 +166,7 @@ impl Interior {
     }
 
     /// `D = Sigma^-1`, no larger than [`STIFFEST`] allows.
-    fn set_weights(&mut self, rows: &Rows, lambda: &[f64]) {
+    fn set_weights(&mut self, rows: &ExactRows, lambda: &[f64]) {
         let single = |i: usize| {
             let sigma = over(self.s[i], self.p[i]) + over(self.u[i], self.q[i]);
             over(1.0, sigma + rows.diagonal[i] / STIFFEST)
@@ -199,7 +199,7 @@ impl Interior {
     }
 
     /// The step that aims at complementarity products of `mu`.
-    fn find_step(&mut self, space: &impl VelocitySpace, rows: &Rows, lambda: &[f64], mu: f64) {
+    fn find_step(&mut self, space: &impl VelocitySpace, rows: &ExactRows, lambda: &[f64], mu: f64) {
         for i in rows.singles() {
             let lower = over(mu - self.second_p[i], self.p[i]);
             let upper = over(mu - self.second_q[i], self.q[i]);
@@ -235,7 +235,7 @@ impl Interior {
         weigh(&self.weights, per_contact, &self.right, &mut self.step);
     }
 
-    fn note_second_order(&mut self, rows: &Rows, lambda: &[f64]) {
+    fn note_second_order(&mut self, rows: &ExactRows, lambda: &[f64]) {
         for i in rows.singles() {
             self.second_p[i] = self.step[i] * self.step_s[i];
             self.second_q[i] = -self.step[i] * self.step_u[i];
@@ -247,7 +247,7 @@ impl Interior {
     }
 
     /// How far the step may go, at most 1.
-    fn step_length(&self, rows: &Rows, lambda: &[f64]) -> f64 {
+    fn step_length(&self, rows: &ExactRows, lambda: &[f64]) -> f64 {
         let mut length: f64 = 1.0 / TO_BOUND;
         let mut keep_positive = |value: f64, change: f64| {
             if value > 0.0 && change < 0.0 {
@@ -277,7 +277,7 @@ impl Interior {
         length * TO_BOUND
     }
 
-    fn move_by(&mut self, rows: &Rows, lambda: &mut [f64], length: f64) {
+    fn move_by(&mut self, rows: &ExactRows, lambda: &mut [f64], length: f64) {
         for i in rows.singles() {
             if self.p[i] <= 0.0 {
                 continue;
@@ -303,7 +303,7 @@ impl Interior {
 
     /// Takes the friction bounds from the normal multipliers, and scales the friction multipliers with them, so that they
     /// stay as far inside as they were. For coupled rows, after each step.
-    pub(crate) fn follow(&mut self, rows: &mut Rows, lambda: &mut [f64]) {
+    pub(crate) fn follow(&mut self, rows: &mut ExactRows, lambda: &mut [f64]) {
         let d = rows.per_contact;
         for c in 0..rows.friction.len() {
             let (first, tangents) = (c * d, c * d + 1..(c + 1) * d);

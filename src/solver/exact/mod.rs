@@ -32,8 +32,8 @@ use blocks::{BodySpace, FIXED, MassRoot};
 use dense::DenseSpace;
 use driver::Driver;
 use glam::{Mat3, Vec3};
-use problem::{BodyProblem, Bounds, DenseProblem};
-use rows::{Law, Rows};
+use problem::{Bounds, ContactProblem, DenseProblem};
+use rows::{ExactRows, Law};
 use velocity::{VelocitySpace, zeros};
 
 /// Residual up to which a solution is certified.
@@ -55,7 +55,7 @@ pub struct Certificate {
 #[derive(Debug, Default)]
 pub struct ExactScratch {
     space: BodySpace,
-    rows: Rows,
+    rows: ExactRows,
     driver: Driver,
     lambda: Vec<f64>,
     velocities: Vec<f64>,
@@ -101,7 +101,7 @@ pub fn solve(
 
 /// Solves a problem with bodies; `lambda` (N s, three rows per contact) is the start and the answer.
 pub fn solve_bodies(
-    problem: &BodyProblem,
+    problem: &ContactProblem,
     lambda: &mut [f64],
     scratch: &mut ExactScratch,
 ) -> Certificate {
@@ -153,7 +153,7 @@ pub fn solve_dense(
     scratch.driver.solve(&mut space, rows, lambda)
 }
 
-fn begin(rows: &mut Rows, per_contact: usize, bounds: &Bounds) {
+fn begin(rows: &mut ExactRows, per_contact: usize, bounds: &Bounds) {
     match bounds {
         Bounds::Frozen { lo, hi } => {
             rows.begin(per_contact, Law::Frozen);
@@ -217,9 +217,9 @@ impl ExactScratch {
             for ((row, sides), diagonal) in rows.iter().zip(&jacobian).zip(diagonal) {
                 let terms = sides.iter().zip(&velocities);
                 let terms = terms.flat_map(|(j, v)| j.iter().zip(v).map(|(j, v)| j * v));
-                let wanted = f64::from(row.wanted);
-                let free = terms.clone().sum::<f64>() - wanted;
-                let magnitude = terms.map(f64::abs).sum::<f64>() + wanted.abs();
+                let target_velocity = f64::from(row.target_velocity);
+                let free = terms.clone().sum::<f64>() - target_velocity;
+                let magnitude = terms.map(f64::abs).sum::<f64>() + target_velocity.abs();
                 self.rows.push(free, magnitude, diagonal);
                 self.lambda.push(f64::from(row.impulse));
             }
@@ -228,7 +228,7 @@ impl ExactScratch {
         }
         self.rows.finish();
         for (lo, point) in self.rows.lo.iter_mut().step_by(3).zip(points) {
-            *lo = f64::from(point.least_normal());
+            *lo = f64::from(point.min_normal());
         }
     }
 

@@ -26,7 +26,7 @@
 //! Qi and Sun, "A Nonsmooth Version of Newton's Method", 1993; Alart and Curnier, "A Mixed Formulation for Frictional
 //! Contact Problems Prone to Newton like Solution Methods", 1991.
 
-use crate::solver::exact::rows::{Rows, Weight};
+use crate::solver::exact::rows::{ExactRows, Weight};
 use crate::solver::exact::velocity::{VelocitySpace, add, dot, zeros};
 
 /// Ratio of penalty to effective mass that a polish starts with.
@@ -77,7 +77,7 @@ pub(crate) struct Polish {
 
 impl Polish {
     /// Takes over another problem with `lambda` as its best multipliers.
-    pub(crate) fn begin(&mut self, space: &impl VelocitySpace, rows: &Rows, lambda: &[f64]) {
+    pub(crate) fn begin(&mut self, space: &impl VelocitySpace, rows: &ExactRows, lambda: &[f64]) {
         let (n, dimension) = (lambda.len(), space.dimension());
         [&mut self.w, &mut self.moved, &mut self.ahead]
             .into_iter()
@@ -96,7 +96,7 @@ impl Polish {
     }
 
     /// Makes `lambda` the best multipliers, whatever was there before; the bounds may have changed.
-    pub(crate) fn restart(&mut self, space: &impl VelocitySpace, rows: &Rows, lambda: &[f64]) {
+    pub(crate) fn restart(&mut self, space: &impl VelocitySpace, rows: &ExactRows, lambda: &[f64]) {
         self.best.clear();
         self.best.extend_from_slice(lambda);
         self.residual = self.evaluate(space, rows, lambda);
@@ -111,7 +111,7 @@ impl Polish {
     pub(crate) fn evaluate(
         &mut self,
         space: &impl VelocitySpace,
-        rows: &Rows,
+        rows: &ExactRows,
         lambda: &[f64],
     ) -> f64 {
         space.effect(lambda, &mut self.impulse, &mut self.w);
@@ -123,7 +123,7 @@ impl Polish {
     pub(crate) fn run(
         &mut self,
         space: &mut impl VelocitySpace,
-        rows: &Rows,
+        rows: &ExactRows,
         lambda: &mut [f64],
         goal: f64,
     ) {
@@ -137,9 +137,9 @@ impl Polish {
                 self.residual = residual;
                 self.best.copy_from_slice(lambda);
             }
-            let idle = rho >= RHO_MAX && residual > PAYS * last;
+            let dummy = rho >= RHO_MAX && residual > PAYS * last;
             let hopeless = residual > HOPELESS * last || residual.is_nan();
-            if residual <= goal || idle || hopeless {
+            if residual <= goal || dummy || hopeless {
                 return;
             }
             last = residual;
@@ -151,7 +151,7 @@ impl Polish {
     pub(crate) fn stiff_springs(
         &mut self,
         space: &mut impl VelocitySpace,
-        rows: &Rows,
+        rows: &ExactRows,
         lambda: &mut [f64],
     ) {
         lambda.fill(0.0);
@@ -164,7 +164,7 @@ impl Polish {
     fn minimise(
         &mut self,
         space: &mut impl VelocitySpace,
-        rows: &Rows,
+        rows: &ExactRows,
         lambda: &[f64],
         rho: f64,
         steps: u32,
@@ -195,7 +195,7 @@ impl Polish {
     }
 
     /// `lambda+`, `D` and the gradient at `y`.
-    fn refresh(&mut self, space: &impl VelocitySpace, rows: &Rows, lambda: &[f64], rho: f64) {
+    fn refresh(&mut self, space: &impl VelocitySpace, rows: &ExactRows, lambda: &[f64], rho: f64) {
         for (i, wish) in self.next.iter_mut().enumerate() {
             *wish = lambda[i] - rho * rows.compliance[i] * (self.w[i] + self.moved[i]);
         }
@@ -214,7 +214,7 @@ impl Polish {
     }
 
     /// How far to go along `step`: near to where the derivative of the convex function changes its sign, at most 1.
-    fn line_search(&mut self, rows: &Rows, lambda: &[f64], rho: f64) -> f64 {
+    fn line_search(&mut self, rows: &ExactRows, lambda: &[f64], rho: f64) -> f64 {
         let at_start = dot(&self.step, &self.gradient);
         let (along, square) = (dot(&self.step, &self.y), dot(&self.step, &self.step));
         let mut derivative = |alpha: f64| {

@@ -26,7 +26,7 @@ pub enum Bounds {
 pub struct Body {
     /// 1 / mass, 1/kg.
     pub inverse_mass: f64,
-    /// Inverse inertia about the centre of mass in the axes of the rows, 1/(kg m2).
+    /// Inverse inertia about the center of mass in the axes of the rows, 1/(kg m2).
     pub inverse_inertia: [[f64; 3]; 3],
     /// Linear (m/s) and angular (rad/s) velocity without contacts: `v*`.
     pub velocity: [f64; 6],
@@ -40,14 +40,14 @@ pub struct Contact {
     /// For each row the six entries of `J` of the first body and those of the second.
     pub jacobian: [[[f64; 6]; 2]; 3],
     /// Wanted velocity `u` of each row, m/s.
-    pub wanted: [f64; 3],
+    pub target_velocity: [f64; 3],
     /// Coefficient of friction.
     pub friction: f64,
 }
 
 /// A problem with its bodies.
 #[derive(Clone, Debug, PartialEq)]
-pub struct BodyProblem {
+pub struct ContactProblem {
     /// The bodies.
     pub bodies: Vec<Body>,
     /// The contacts.
@@ -59,7 +59,7 @@ pub struct BodyProblem {
 /// A problem as a matrix.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DenseProblem {
-    /// Rows per contact: 3, or 2 for plane problems.
+    /// ExactRows per contact: 3, or 2 for plane problems.
     pub rows_per_contact: usize,
     /// `A`, row by row, symmetric and positive semidefinite.
     pub a: Vec<f64>,
@@ -71,7 +71,7 @@ pub struct DenseProblem {
     pub bounds: Bounds,
 }
 
-impl BodyProblem {
+impl ContactProblem {
     /// `J v - u` of all rows for the velocities `v` of the bodies.
     fn constraint_velocities(&self, v: &[[f64; 6]]) -> Vec<f64> {
         let rows = self.contacts.iter().flat_map(|contact| {
@@ -80,7 +80,7 @@ impl BodyProblem {
                 let velocity: f64 = sides
                     .filter_map(|(body, j)| body.map(|i| dot(j, &v[i as usize])))
                     .sum();
-                velocity - contact.wanted[k]
+                velocity - contact.target_velocity[k]
             })
         });
         rows.collect()
@@ -101,7 +101,7 @@ impl BodyProblem {
         let sum: f64 = terms
             .flat_map(|(v, j)| v.iter().zip(j).map(|(v, j)| (v * j).abs()))
             .sum();
-        sum + contact.wanted[k].abs()
+        sum + contact.target_velocity[k].abs()
     }
 
     /// `w = J (v* + M^-1 J^T lambda) - u`, m/s.

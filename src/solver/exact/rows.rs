@@ -18,8 +18,8 @@ pub(crate) enum Law {
 
 /// What the solver must know of the rows besides `A`.
 #[derive(Debug, Default)]
-pub(crate) struct Rows {
-    /// Rows per contact: 3 or 2.
+pub(crate) struct ExactRows {
+    /// ExactRows per contact: 3 or 2.
     pub(crate) per_contact: usize,
     pub(crate) law: Law,
     /// `-b`.
@@ -70,7 +70,7 @@ impl Weight {
     }
 }
 
-impl Rows {
+impl ExactRows {
     /// Empties the rows for another problem.
     pub(crate) fn begin(&mut self, per_contact: usize, law: Law) {
         (self.per_contact, self.law) = (per_contact, law);
@@ -119,7 +119,7 @@ impl Rows {
         self.friction[contact] * normal.max(0.0) + self.cohesion[contact]
     }
 
-    /// Rows that are bounded by themselves.
+    /// ExactRows that are bounded by themselves.
     pub(crate) fn singles(&self) -> impl Iterator<Item = usize> + use<> {
         let step = if self.law == Law::Disc {
             self.per_contact

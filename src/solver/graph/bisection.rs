@@ -1,23 +1,23 @@
-//! Halves of halves of a cloud of bodies, cut by planes across its axes.
+//! Bisection of halves of a cloud of bodies, cut by planes across its axes.
 //!
 //! Each level takes two passes over the bodies: one counts them by slab of their half, one puts them on their side of the cut and
 //! measures the new halves. Parts of the bodies are gone through side by side; counts and boxes come out the same however
 //! many parts there are.
 
 use crate::threads::parts::front_mut;
-use crate::threads::team::{MOST_PARTS, Team};
+use crate::threads::team::{MAX_PARTS, Team};
 use glam::Vec3;
 use smallvec::SmallVec;
 
 /// Most leaves.
-pub(crate) const MOST_LEAVES: usize = 16;
+pub(crate) const MAX_LEAVES: usize = 16;
 
 /// Places for a cut along an axis. Odd, so that none is in the middle, where symmetric structures have bodies that rounding
 /// would move across.
 const SLABS: usize = 61;
 
 /// Least bodies of a part, some 3 us of a pass.
-const LEAST_PART: usize = 512;
+const MIN_PART: usize = 512;
 
 /// The bodies of a half, and the cut through it.
 #[derive(Clone, Copy, Debug)]
@@ -44,21 +44,21 @@ impl Default for Half {
 }
 
 impl Half {
-    fn contain(&mut self, centre: Vec3) {
-        self.min = self.min.min(centre);
-        self.max = self.max.max(centre);
+    fn contain(&mut self, center: Vec3) {
+        self.min = self.min.min(center);
+        self.max = self.max.max(center);
     }
 
-    /// Across the longest way. Cuts along gravity are preferred: within a domain, a sweep carries support up.
+    /// Across the longest way. Cuts along gravity are preferred: within a subdomain, a sweep carries support up.
     fn choose_axis(&mut self, gravity: Vec3) {
         let along = gravity.normalize_or_zero().abs();
         let way = (self.max - self.min) * (Vec3::ONE - 0.5 * along);
         self.axis = way.max_position();
     }
 
-    fn slab_of(&self, centre: Vec3) -> usize {
+    fn slab_of(&self, center: Vec3) -> usize {
         let (from, to) = (self.min[self.axis], self.max[self.axis]);
-        let share = (centre[self.axis] - from) / (to - from);
+        let share = (center[self.axis] - from) / (to - from);
         ((SLABS as f32 * share) as usize).min(SLABS - 1)
     }
 
@@ -78,42 +78,42 @@ impl Half {
 }
 
 /// The halves of a level; what is behind them is not used.
-type Level = [Half; MOST_LEAVES];
+type Level = [Half; MAX_LEAVES];
 
 /// A body that is sorted into halves.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sorted {
-    /// Its centre, m, if contacts move it.
-    centre: Option<Vec3>,
+    /// Its center, m, if contacts move it.
+    center: Option<Vec3>,
     half: u8,
     slab: u8,
 }
 
 /// Some of the bodies, and what is known of them alone.
-struct Part<'a> {
+struct BisectionPart<'a> {
     first: usize,
     bodies: &'a mut [Sorted],
     level: Level,
 }
 
-impl Part<'_> {
-    fn load(&mut self, centre: impl Fn(usize) -> Option<Vec3>) {
+impl BisectionPart<'_> {
+    fn load(&mut self, center: impl Fn(usize) -> Option<Vec3>) {
         for (number, body) in (self.first..).zip(&mut *self.bodies) {
             *body = Sorted {
-                centre: centre(number),
+                center: center(number),
                 ..Sorted::default()
             };
-            if let Some(centre) = body.centre {
-                self.level[0].contain(centre);
+            if let Some(center) = body.center {
+                self.level[0].contain(center);
             }
         }
     }
 
     fn count(&mut self, level: &Level) {
         for body in &mut *self.bodies {
-            if let Some(centre) = body.centre {
+            if let Some(center) = body.center {
                 let half = body.half as usize;
-                let slab = level[half].slab_of(centre);
+                let slab = level[half].slab_of(center);
                 self.level[half].counts[slab] += 1;
                 body.slab = slab as u8;
             }
@@ -123,10 +123,10 @@ impl Part<'_> {
     fn halve(&mut self, level: &Level) {
         self.level = Level::default();
         for body in &mut *self.bodies {
-            if let Some(centre) = body.centre {
+            if let Some(center) = body.center {
                 let is_second = usize::from(body.slab) >= level[body.half as usize].slab;
                 body.half = 2 * body.half + u8::from(is_second);
-                self.level[body.half as usize].contain(centre);
+                self.level[body.half as usize].contain(center);
             }
         }
     }
@@ -134,24 +134,24 @@ impl Part<'_> {
 
 /// Bodies in halves of halves; buffers are reused.
 #[derive(Debug, Default)]
-pub(crate) struct Halves {
+pub(crate) struct Bisection {
     bodies: Vec<Sorted>,
 }
 
-impl Halves {
-    /// Cuts `count` bodies into `leaves` leaves by their centres of mass, m; those that contacts do not move have none. Which
+impl Bisection {
+    /// Cuts `count` bodies into `leaves` leaves by their centers of mass, m; those that contacts do not move have none. Which
     /// leaf each body is in: for these the number of leaves.
     pub(crate) fn cut(
         &mut self,
         count: usize,
-        centre: impl Fn(usize) -> Option<Vec3> + Sync,
+        center: impl Fn(usize) -> Option<Vec3> + Sync,
         gravity: Vec3,
         leaves: usize,
         team: Option<&Team>,
     ) -> impl Iterator<Item = u8> {
         self.bodies.resize(count, Sorted::default());
         let mut parts = self.parts(team);
-        Team::each(team, parts.iter_mut(), |part| part.load(&centre));
+        Team::each(team, parts.iter_mut(), |part| part.load(&center));
         for depth in 0..leaves.ilog2() {
             let mut level = Level::default();
             let halves = &mut level[..1 << depth];
@@ -173,15 +173,15 @@ impl Halves {
             Team::each(team, parts.iter_mut(), |part| part.halve(&level));
         }
         drop(parts);
-        let leaf = move |body: &Sorted| body.centre.map_or(leaves as u8, |_| body.half);
+        let leaf = move |body: &Sorted| body.center.map_or(leaves as u8, |_| body.half);
         self.bodies.iter().map(leaf)
     }
 
-    fn parts(&mut self, team: Option<&Team>) -> SmallVec<[Part<'_>; MOST_PARTS]> {
+    fn parts(&mut self, team: Option<&Team>) -> SmallVec<[BisectionPart<'_>; MAX_PARTS]> {
         let count = self.bodies.len();
-        let size = Team::part_size(team, count, LEAST_PART);
+        let size = Team::part_size(team, count, MIN_PART);
         let mut rest = &mut self.bodies[..];
-        let parts = (0..count).step_by(size).map(|first| Part {
+        let parts = (0..count).step_by(size).map(|first| BisectionPart {
             first,
             bodies: front_mut(&mut rest, size.min(count - first)),
             level: Level::default(),

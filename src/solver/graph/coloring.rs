@@ -1,36 +1,36 @@
-//! Manifolds in blocks by colour: those of one colour share no body, so that their order does not matter.
+//! Manifolds in blocks by color: those of one color share no body, so that their order does not matter.
 //!
-//! A block takes as many rows as its largest manifold has points. So the manifolds of a colour are put into blocks by number
+//! A block takes as many rows as its largest manifold has points. So the manifolds of a color are put into blocks by number
 //! of points, the largest first: a pile, whose manifolds have one point or two as often as four, fills its lanes.
 
 use crate::contact::point::MAX_POINTS;
 use crate::simd::lanes::WIDTH;
-use crate::solver::graph::indices::Place;
-use crate::solver::graph::ordered_packing::Filling;
+use crate::solver::graph::indices::LaneSlot;
+use crate::solver::graph::ordered_packing::Packer;
 
-/// Colours, as bits of a mask; a manifold that finds none free gets a block of its own, behind all others.
-const COLOURS: usize = 31;
+/// Colors, as bits of a mask; a manifold that finds none free gets a block of its own, behind all others.
+const COLORS: usize = 31;
 
 /// A manifold that is to be placed.
 #[derive(Clone, Copy, Debug)]
-struct Coloured {
-    /// Its colour; that behind the last one if none was free.
-    colour: u8,
+struct Colored {
+    /// Its color; that behind the last one if none was free.
+    color: u8,
     /// Number of its points.
     points: u8,
 }
 
-/// Colours manifolds and places them; buffers are reused.
+/// Colors manifolds and places them; buffers are reused.
 #[derive(Debug, Default)]
-pub struct Colouring {
-    /// By body: the colours of its manifolds.
+pub struct Coloring {
+    /// By body: the colors of its manifolds.
     taken: Vec<u32>,
-    manifolds: Vec<Coloured>,
+    manifolds: Vec<Colored>,
     /// By block: points of its largest manifold.
     points: Vec<u16>,
 }
 
-impl Filling for Colouring {
+impl Packer for Coloring {
     fn begin(&mut self, bodies: usize) {
         self.taken.clear();
         self.taken.resize(bodies, 0);
@@ -41,37 +41,37 @@ impl Filling for Colouring {
     fn add(&mut self, bodies: [Option<u32>; 2], count: u32) {
         let bodies = || bodies.into_iter().flatten().map(|body| body as usize);
         let taken = bodies().fold(0, |taken, body| taken | self.taken[body]);
-        let colour = (!taken).trailing_zeros() as usize;
-        if colour < COLOURS {
+        let color = (!taken).trailing_zeros() as usize;
+        if color < COLORS {
             for body in bodies() {
-                self.taken[body] |= 1 << colour;
+                self.taken[body] |= 1 << color;
             }
         }
-        self.manifolds.push(Coloured {
-            colour: colour.min(COLOURS) as u8,
+        self.manifolds.push(Colored {
+            color: color.min(COLORS) as u8,
             points: count as u8,
         });
     }
 
-    fn place(&mut self) -> impl Iterator<Item = Place> {
+    fn place(&mut self) -> impl Iterator<Item = LaneSlot> {
         let mut next = first_lanes(&self.manifolds);
         let Self {
             manifolds, points, ..
         } = self;
         manifolds.drain(..).map(
-            move |Coloured {
-                      colour,
+            move |Colored {
+                      color,
                       points: count,
                   }| {
-                let next = &mut next[usize::from(colour)][usize::from(count)];
+                let next = &mut next[usize::from(color)][usize::from(count)];
                 let (block, lane) = (*next / WIDTH, *next % WIDTH);
-                let is_alone = usize::from(colour) == COLOURS;
+                let is_alone = usize::from(color) == COLORS;
                 *next += if is_alone { WIDTH } else { 1 };
                 if points.len() <= block {
                     points.resize(block + 1, 0);
                 }
                 points[block] = points[block].max(u16::from(count));
-                Place {
+                LaneSlot {
                     block: block as u32,
                     lane: lane as u16,
                     count: u16::from(count),
@@ -85,16 +85,16 @@ impl Filling for Colouring {
     }
 }
 
-/// By colour and number of points: the first of all lanes that such a manifold gets.
-fn first_lanes(manifolds: &[Coloured]) -> [[usize; MAX_POINTS + 1]; COLOURS + 1] {
-    let mut lanes = [[0; MAX_POINTS + 1]; COLOURS + 1];
+/// By color and number of points: the first of all lanes that such a manifold gets.
+fn first_lanes(manifolds: &[Colored]) -> [[usize; MAX_POINTS + 1]; COLORS + 1] {
+    let mut lanes = [[0; MAX_POINTS + 1]; COLORS + 1];
     for manifold in manifolds {
-        lanes[usize::from(manifold.colour)][usize::from(manifold.points)] += 1;
+        lanes[usize::from(manifold.color)][usize::from(manifold.points)] += 1;
     }
     let mut end = 0_usize;
-    for (colour, counts) in lanes.iter_mut().enumerate() {
+    for (color, counts) in lanes.iter_mut().enumerate() {
         end = end.next_multiple_of(WIDTH);
-        let size = if colour == COLOURS { WIDTH } else { 1 };
+        let size = if color == COLORS { WIDTH } else { 1 };
         for count in counts.iter_mut().rev() {
             let first = end;
             end += size * std::mem::replace(count, first);

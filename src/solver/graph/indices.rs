@@ -2,7 +2,7 @@
 
 /// Where a manifold is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Place {
+pub struct LaneSlot {
     /// Its block.
     pub block: u32,
     /// Its lane.

@@ -6,7 +6,7 @@
 
 use crate::bodies::store::Bodies;
 use crate::contact::manifolds::ManifoldHead;
-use crate::solver::graph::relative_motion::Travel;
+use crate::solver::graph::relative_motion::RelativeMotion;
 use crate::threads::parts::run_parts;
 use crate::threads::team::Team;
 use std::ops::Range;
@@ -16,7 +16,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 const NONE: u32 = u32::MAX;
 
 /// Least manifolds of a part whose links are made: each takes some 10 ns.
-const LEAST_LINKS: usize = 512;
+const MIN_LINKS: usize = 512;
 
 /// One group.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -58,7 +58,7 @@ struct Link {
 }
 
 impl Link {
-    fn new(manifold: &ManifoldHead, bodies: &Bodies, is_open: bool) -> Self {
+    fn new(manifold: &ManifoldHead, bodies: &Bodies, is_pending: bool) -> Self {
         let (a, b) = (manifold.a, manifold.b);
         let moves = [a, b].map(|slot| bodies.velocity[slot as usize].inverse_mass > 0.0);
         let of = match moves {
@@ -68,9 +68,9 @@ impl Link {
         };
         Self {
             bodies: [a, b],
-            of: if is_open { of } else { NONE },
+            of: if is_pending { of } else { NONE },
             points: manifold.count as u16,
-            joins: is_open && moves == [true; 2],
+            joins: is_pending && moves == [true; 2],
             bounces: manifold.restitution > 0.0,
         }
     }
@@ -113,13 +113,13 @@ pub struct Islands {
 }
 
 impl Islands {
-    /// Finds the islands of those of `manifolds`, which hold slots of `bodies`, that `is_open` tells. Manifolds of two fixed
+    /// Finds the islands of those of `manifolds`, which hold slots of `bodies`, that `is_pending` tells. Manifolds of two fixed
     /// bodies are left out.
     pub fn find(
         &mut self,
         manifolds: &[ManifoldHead],
         bodies: &Bodies,
-        is_open: impl Fn(&ManifoldHead) -> bool + Sync,
+        is_pending: impl Fn(&ManifoldHead) -> bool + Sync,
         team: Option<&Team>,
     ) {
         self.new_links.resize(manifolds.len(), Link::default());
@@ -127,11 +127,11 @@ impl Islands {
         let is_as_many = old_links.len() == manifolds.len();
         // Other points, and other islands.
         let [have_changed, are_new] = [0; 2].map(|_| AtomicBool::new(!is_as_many));
-        let size = Team::part_size(team, manifolds.len(), LEAST_LINKS);
+        let size = Team::part_size(team, manifolds.len(), MIN_LINKS);
         let parts = self.new_links.chunks_mut(size).zip(manifolds.chunks(size));
         run_parts(team, parts.enumerate(), |(part, (links, manifolds))| {
             for (link, manifold) in links.iter_mut().zip(manifolds) {
-                *link = Link::new(manifold, bodies, is_open(manifold));
+                *link = Link::new(manifold, bodies, is_pending(manifold));
             }
             let first = part * size;
             let old = old_links.get(first..first + links.len());
@@ -184,7 +184,7 @@ impl Islands {
     }
 
     /// Finds the manifolds whose rows follow the motion of their bodies; `travel` tells how these move, by index of a manifold.
-    pub fn find_moving(&mut self, travel: impl Fn(u32) -> Travel) {
+    pub fn find_moving(&mut self, travel: impl Fn(u32) -> RelativeMotion) {
         self.moving.clear();
         for island in &mut self.list {
             let first = self.moving.len();

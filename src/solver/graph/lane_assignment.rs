@@ -1,66 +1,66 @@
-//! Where the manifolds of a batch are, kept from step to step while the same bodies touch at as many points.
+//! Where the manifolds of a batch are, ordered from step to step while the same bodies touch at as many points.
 //!
-//! Domains are placed each for itself, and only those in which something has changed: in a large heap some contact comes or
-//! goes in every step, but in most of its domains none does.
+//! Partition are placed each for itself, and only those in which something has changed: in a large heap some contact comes or
+//! goes in every step, but in most of its subdomains none does.
 
 use crate::simd::lanes::WIDTH;
 use crate::solver::config::ContactOrder;
-use crate::solver::graph::coloring::Colouring;
-use crate::solver::graph::indices::Place;
-use crate::solver::graph::ordered_packing::{Filling, Schedule};
+use crate::solver::graph::coloring::Coloring;
+use crate::solver::graph::indices::LaneSlot;
+use crate::solver::graph::ordered_packing::{OrderedPacking, Packer};
 use crate::threads::team::Team;
 use std::ops::Range;
 
 /// A manifold as a schedule sees it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Joint {
+pub struct ContactEdge {
     /// Numbers of its bodies, of those that contacts move.
     pub bodies: [Option<u32>; 2],
     /// Number of its points.
     pub points: u32,
 }
 
-/// What an arrangement is made by.
+/// What an lane_assignment is made by.
 #[derive(Clone, Copy, Debug)]
-pub struct Rule {
+pub struct AssignmentRule {
     /// How manifolds are put into blocks.
     pub order: ContactOrder,
     /// Number of bodies.
     pub bodies: usize,
-    /// Number of domains.
-    pub domains: usize,
+    /// Number of subdomains.
+    pub subdomains: usize,
 }
 
 /// Places of manifolds; buffers are reused.
 #[derive(Debug, Default)]
-pub struct Arrangement {
-    /// By manifold: its [domain](crate::solver::graph::partition).
-    domain: Vec<u8>,
-    /// Manifolds, domain by domain, and where those of each domain end.
+pub struct LaneAssignment {
+    /// By manifold: its [subdomain](crate::solver::graph::partition).
+    subdomain: Vec<u8>,
+    /// Manifolds, subdomain by subdomain, and where those of each subdomain end.
     order: Vec<u32>,
     ends: Vec<usize>,
     /// Those that there are, and perhaps more.
-    domains: Vec<Domain>,
+    subdomains: Vec<Subdomain>,
     outcome: Outcome,
 }
 
-/// A domain, and two ways to place its manifolds in blocks of its own.
+/// A subdomain, and two ways to place its manifolds in blocks of its own.
 #[derive(Debug, Default)]
-struct Domain {
-    joints: Vec<Joint>,
+struct Subdomain {
+    edges: Vec<ContactEdge>,
     /// Those that are to be.
-    new_joints: Vec<Joint>,
-    kept: Way<Schedule>,
-    coloured: Way<Colouring>,
+    new_edges: Vec<ContactEdge>,
+    ordered: PackedSubdomain<OrderedPacking>,
+    colored: PackedSubdomain<Coloring>,
 }
 
-/// A way to place the manifolds of a domain.
+/// A way to place the manifolds of a subdomain.
 #[derive(Debug, Default)]
-struct Way<F> {
+struct PackedSubdomain<F> {
     filling: F,
     /// By manifold.
-    places: Vec<Place>,
-    /// Whether these are those of the present joints.
+    places: Vec<LaneSlot>,
+    /// Whether these are those of the present edges.
     is_made: bool,
 }
 
@@ -68,49 +68,49 @@ struct Way<F> {
 #[derive(Debug, Default)]
 struct Outcome {
     /// By manifold.
-    places: Vec<Place>,
+    places: Vec<LaneSlot>,
     /// By block: points of its largest manifold.
     points: Vec<u16>,
-    /// By domain: the end of its blocks.
+    /// By subdomain: the end of its blocks.
     ends: Vec<usize>,
 }
 
-impl Arrangement {
-    /// Places manifolds, of which none is joined to the same body twice: `domains` are theirs, and `joint` tells what a schedule
+impl LaneAssignment {
+    /// Places manifolds, of which none is joined to the same body twice: `subdomains` are theirs, and `edge` tells what a schedule
     /// sees of each.
     pub fn arrange(
         &mut self,
-        domains: impl Iterator<Item = u32>,
-        joint: impl Fn(usize) -> Joint + Sync,
-        rule: Rule,
+        subdomains: impl Iterator<Item = u32>,
+        edge: impl Fn(usize) -> ContactEdge + Sync,
+        rule: AssignmentRule,
         team: Option<&Team>,
     ) {
-        self.sort_by_domain(domains, rule.domains);
-        self.load_domains(joint, team);
-        let is_coloured = match rule.order {
-            ContactOrder::Kept => false,
-            ContactOrder::Coloured => true,
+        self.sort_by_subdomain(subdomains, rule.subdomains);
+        self.load_subdomains(edge, team);
+        let is_colored = match rule.order {
+            ContactOrder::Ordered => false,
+            ContactOrder::Colored => true,
             ContactOrder::Automatic => {
                 let least = self.order.len().div_ceil(WIDTH);
                 self.place(false, rule.bodies, team) > 2 * least
             }
         };
-        self.place(is_coloured, rule.bodies, team);
-        self.join(is_coloured);
+        self.place(is_colored, rule.bodies, team);
+        self.join(is_colored);
     }
 
     /// Places of the manifolds, in their order.
-    pub fn places(&self) -> &[Place] {
+    pub fn places(&self) -> &[LaneSlot] {
         &self.outcome.places
     }
 
-    /// Blocks of the domains.
-    pub fn domains(&self) -> impl Iterator<Item = Range<usize>> {
+    /// Blocks of the subdomains.
+    pub fn subdomains(&self) -> impl Iterator<Item = Range<usize>> {
         ranges(&self.outcome.ends)
     }
 
-    /// Manifolds of the domains.
-    pub fn manifolds_of_domains(&self) -> impl Iterator<Item = &[u32]> {
+    /// Manifolds of the subdomains.
+    pub fn manifolds_of_subdomains(&self) -> impl Iterator<Item = &[u32]> {
         ranges(&self.ends).map(|range| &self.order[range])
     }
 
@@ -119,65 +119,68 @@ impl Arrangement {
         &self.outcome.points
     }
 
-    /// Lists the manifolds of each domain in their order.
-    fn sort_by_domain(&mut self, domains: impl Iterator<Item = u32>, count: usize) {
-        self.domain.clear();
-        self.domain.extend(domains.map(|domain| domain as u8));
-        self.order.resize(self.domain.len(), 0);
+    /// Lists the manifolds of each subdomain in their order.
+    fn sort_by_subdomain(&mut self, subdomains: impl Iterator<Item = u32>, count: usize) {
+        self.subdomain.clear();
+        self.subdomain
+            .extend(subdomains.map(|subdomain| subdomain as u8));
+        self.order.resize(self.subdomain.len(), 0);
         self.ends.clear();
         self.ends.resize(count, 0);
-        for domain in &self.domain {
-            self.ends[*domain as usize] += 1;
+        for subdomain in &self.subdomain {
+            self.ends[*subdomain as usize] += 1;
         }
         let mut first = 0;
         for end in &mut self.ends {
             first += std::mem::replace(end, first);
         }
-        for (index, domain) in (0..).zip(&self.domain) {
-            let end = &mut self.ends[*domain as usize];
+        for (index, subdomain) in (0..).zip(&self.subdomain) {
+            let end = &mut self.ends[*subdomain as usize];
             self.order[*end] = index;
             *end += 1;
         }
     }
 
-    /// Gives each domain its joints.
-    fn load_domains(&mut self, joint: impl Fn(usize) -> Joint + Sync, team: Option<&Team>) {
-        let count = self.ends.len().max(self.domains.len());
-        self.domains.resize_with(count, Domain::default);
-        let of_domains = ranges(&self.ends).map(|range| &self.order[range]);
-        let parts = self.domains.iter_mut().zip(of_domains);
-        Team::each(team, parts, |(domain, order)| {
-            domain.load(order.iter().map(|&at| joint(at as usize)));
+    /// Gives each subdomain its edges.
+    fn load_subdomains(&mut self, edge: impl Fn(usize) -> ContactEdge + Sync, team: Option<&Team>) {
+        let count = self.ends.len().max(self.subdomains.len());
+        self.subdomains.resize_with(count, Subdomain::default);
+        let of_subdomains = ranges(&self.ends).map(|range| &self.order[range]);
+        let parts = self.subdomains.iter_mut().zip(of_subdomains);
+        Team::each(team, parts, |(subdomain, order)| {
+            subdomain.load(order.iter().map(|&at| edge(at as usize)));
         });
     }
 
-    /// Places the manifolds of all domains in one way; returns the number of blocks.
-    fn place(&mut self, is_coloured: bool, bodies: usize, team: Option<&Team>) -> usize {
-        let domains = &mut self.domains[..self.ends.len()];
-        Team::each(team, domains.iter_mut(), |domain| {
-            domain.place(is_coloured, bodies);
+    /// Places the manifolds of all subdomains in one way; returns the number of blocks.
+    fn place(&mut self, is_colored: bool, bodies: usize, team: Option<&Team>) -> usize {
+        let subdomains = &mut self.subdomains[..self.ends.len()];
+        Team::each(team, subdomains.iter_mut(), |subdomain| {
+            subdomain.place(is_colored, bodies);
         });
-        let blocks = domains.iter().map(|domain| domain.placed(is_coloured).1);
+        let blocks = subdomains
+            .iter()
+            .map(|subdomain| subdomain.placed(is_colored).1);
         blocks.map(<[u16]>::len).sum()
     }
 
-    /// Puts the blocks of the domains one behind the other.
-    fn join(&mut self, is_coloured: bool) {
+    /// Puts the blocks of the subdomains one behind the other.
+    fn join(&mut self, is_colored: bool) {
         let Outcome {
             places,
             points,
             ends,
         } = &mut self.outcome;
-        places.resize(self.order.len(), Place::default());
+        places.resize(self.order.len(), LaneSlot::default());
         points.clear();
         ends.clear();
         let mut order = self.order.iter();
-        for domain in &self.domains[..self.ends.len()] {
-            let (of_manifolds, of_blocks) = domain.placed(is_coloured);
+        for subdomain in &self.subdomains[..self.ends.len()] {
+            let (of_manifolds, of_blocks) = subdomain.placed(is_colored);
             let first = points.len() as u32;
             for (place, &at) in of_manifolds.iter().zip(&mut order) {
                 let block = first + place.block;
-                places[at as usize] = Place { block, ..*place };
+                places[at as usize] = LaneSlot { block, ..*place };
             }
             points.extend_from_slice(of_blocks);
             ends.push(points.len());
@@ -191,55 +194,55 @@ fn ranges(ends: &[usize]) -> impl Iterator<Item = Range<usize>> {
     firsts.zip(ends).map(|(first, end)| *first..*end)
 }
 
-impl Domain {
-    /// Takes its joints over; what is known of them is kept if they are the same.
-    fn load(&mut self, joints: impl Iterator<Item = Joint>) {
-        self.new_joints.clear();
-        self.new_joints.extend(joints);
-        if self.joints == self.new_joints {
+impl Subdomain {
+    /// Takes its edges over; what is known of them is ordered if they are the same.
+    fn load(&mut self, edges: impl Iterator<Item = ContactEdge>) {
+        self.new_edges.clear();
+        self.new_edges.extend(edges);
+        if self.edges == self.new_edges {
             return;
         }
-        std::mem::swap(&mut self.joints, &mut self.new_joints);
+        std::mem::swap(&mut self.edges, &mut self.new_edges);
         // So that a scene that was as large before allocates nothing, whichever of the two lists it is in then.
-        self.new_joints.clear();
-        self.new_joints.reserve(self.joints.len());
-        (self.kept.is_made, self.coloured.is_made) = (false, false);
+        self.new_edges.clear();
+        self.new_edges.reserve(self.edges.len());
+        (self.ordered.is_made, self.colored.is_made) = (false, false);
     }
 
-    fn place(&mut self, is_coloured: bool, bodies: usize) {
-        if is_coloured {
-            self.coloured.make(&self.joints, bodies);
+    fn place(&mut self, is_colored: bool, bodies: usize) {
+        if is_colored {
+            self.colored.make(&self.edges, bodies);
         } else {
-            self.kept.make(&self.joints, bodies);
+            self.ordered.make(&self.edges, bodies);
         }
     }
 
     /// Places of its manifolds and, of each block, the points of its largest manifold.
-    fn placed(&self, is_coloured: bool) -> (&[Place], &[u16]) {
-        if is_coloured {
-            self.coloured.placed()
+    fn placed(&self, is_colored: bool) -> (&[LaneSlot], &[u16]) {
+        if is_colored {
+            self.colored.placed()
         } else {
-            self.kept.placed()
+            self.ordered.placed()
         }
     }
 }
 
-impl<F: Filling> Way<F> {
-    /// Places the manifolds of joints between `bodies` bodies, unless that is done.
-    fn make(&mut self, joints: &[Joint], bodies: usize) {
+impl<F: Packer> PackedSubdomain<F> {
+    /// Places the manifolds of edges between `bodies` bodies, unless that is done.
+    fn make(&mut self, edges: &[ContactEdge], bodies: usize) {
         if self.is_made {
             return;
         }
         self.is_made = true;
         self.filling.begin(bodies);
-        for joint in joints {
-            self.filling.add(joint.bodies, joint.points);
+        for edge in edges {
+            self.filling.add(edge.bodies, edge.points);
         }
         self.places.clear();
         self.places.extend(self.filling.place());
     }
 
-    fn placed(&self) -> (&[Place], &[u16]) {
+    fn placed(&self) -> (&[LaneSlot], &[u16]) {
         (&self.places, self.filling.points_of_blocks())
     }
 }

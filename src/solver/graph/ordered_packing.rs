@@ -1,17 +1,17 @@
 //! Manifolds in blocks in their order: a sweep does what it would do one manifold after the other.
 //!
 //! Only manifolds that share a body need to keep their order. So blocks are filled one after the other with manifolds all of
-//! whose earlier neighbours are in blocks before, as instructions of a program are scheduled; and because a block takes as
+//! whose earlier neighbors are in blocks before, as instructions of a program are scheduled; and because a block takes as
 //! many rows as its largest manifold has points, with manifolds of as many points as long as eight of them are ready. A
-//! pile, half of whose manifolds have one point, fills 97 % of its lanes, where the first free lane behind all neighbours
+//! pile, half of whose manifolds have one point, fills 97 % of its lanes, where the first free lane behind all neighbors
 //! would fill 55 %.
 
 use crate::contact::point::MAX_POINTS;
 use crate::simd::lanes::WIDTH;
-use crate::solver::graph::indices::Place;
+use crate::solver::graph::indices::LaneSlot;
 
 /// A way to put manifolds into blocks.
-pub trait Filling {
+pub trait Packer {
     /// Forgets the manifolds and blocks. `bodies` is how many bodies there are.
     fn begin(&mut self, bodies: usize);
 
@@ -19,7 +19,7 @@ pub trait Filling {
     fn add(&mut self, bodies: [Option<u32>; 2], count: u32);
 
     /// Places the manifolds that were added; returns their places in the order in which they came.
-    fn place(&mut self) -> impl Iterator<Item = Place>;
+    fn place(&mut self) -> impl Iterator<Item = LaneSlot>;
 
     /// Of each block, the points of its largest manifold.
     fn points_of_blocks(&self) -> &[u16];
@@ -30,22 +30,22 @@ const NONE: u32 = u32::MAX;
 
 /// A manifold that is to be placed.
 #[derive(Clone, Copy, Debug)]
-struct Waiting {
+struct UnplacedManifold {
     /// For each of its bodies the next manifold that joins it.
     next: [u32; 2],
     /// For how many earlier manifolds it waits.
     waits: u8,
     /// Number of its points.
     points: u8,
-    place: Place,
+    place: LaneSlot,
 }
 
 /// Places manifolds in their order; buffers are reused.
 #[derive(Debug, Default)]
-pub struct Schedule {
+pub struct OrderedPacking {
     /// By body: the last manifold that joins it, times two, plus which of its bodies that is.
     last: Vec<u32>,
-    manifolds: Vec<Waiting>,
+    manifolds: Vec<UnplacedManifold>,
     /// By number of points: manifolds that wait for none, as they came to that, and how many of them are placed.
     ready: [Vec<u32>; MAX_POINTS + 1],
     placed: [usize; MAX_POINTS + 1],
@@ -53,7 +53,7 @@ pub struct Schedule {
     points: Vec<u16>,
 }
 
-impl Filling for Schedule {
+impl Packer for OrderedPacking {
     fn begin(&mut self, bodies: usize) {
         self.last.clear();
         self.last.resize(bodies, NONE);
@@ -62,11 +62,11 @@ impl Filling for Schedule {
     }
 
     fn add(&mut self, bodies: [Option<u32>; 2], count: u32) {
-        let mut manifold = Waiting {
+        let mut manifold = UnplacedManifold {
             next: [NONE; 2],
             waits: 0,
             points: count as u8,
-            place: Place::default(),
+            place: LaneSlot::default(),
         };
         let index = self.manifolds.len() as u32;
         for (side, body) in bodies.into_iter().enumerate() {
@@ -81,7 +81,7 @@ impl Filling for Schedule {
         self.manifolds.push(manifold);
     }
 
-    fn place(&mut self) -> impl Iterator<Item = Place> {
+    fn place(&mut self) -> impl Iterator<Item = LaneSlot> {
         self.ready.iter_mut().for_each(Vec::clear);
         self.placed = [0; MAX_POINTS + 1];
         for (index, manifold) in (0..).zip(&self.manifolds) {
@@ -100,7 +100,7 @@ impl Filling for Schedule {
     }
 }
 
-impl Schedule {
+impl OrderedPacking {
     /// The number of points of which most manifolds are ready or, if of none there are enough for a block, the largest one.
     fn most_ready(&self) -> Option<usize> {
         let ready = |points: usize| self.ready[points].len() - self.placed[points];
@@ -126,7 +126,7 @@ impl Schedule {
         }
         for (lane, &index) in taken[..used].iter().enumerate() {
             let manifold = &mut self.manifolds[index as usize];
-            manifold.place = Place {
+            manifold.place = LaneSlot {
                 block,
                 lane: lane as u16,
                 count: u16::from(manifold.points),

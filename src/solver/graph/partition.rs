@@ -1,4 +1,4 @@
-//! A large island cut into domains, so that several threads sweep over it at a time without touching each other's bodies.
+//! A large island cut into subdomains, so that several threads sweep over it at a time without touching each other's bodies.
 //!
 //! Bodies are halved by planes, and the halves again. What joins two bodies of one leaf belongs to it, what crosses a cut
 //! belongs to the separator there:
@@ -9,28 +9,28 @@
 //! stage 2         separator 01|23                  alone
 //! ```
 //!
-//! A sweep goes through the domains in this order on any number of threads: which domains there are follows from the scene
-//! alone. Each domain keeps the order of its manifolds. A thread keeps to its leaves, whose data stay in its cache; stages of
-//! a colouring would hand half of all bodies to the other core dozens of times per sweep.
+//! A sweep goes through the subdomains in this order on any number of threads: which subdomains there are follows from the scene
+//! alone. Each subdomain keeps the order of its manifolds. A thread keeps to its leaves, whose data stay in its cache; stages of
+//! a coloring would hand half of all bodies to the other core dozens of times per sweep.
 
-use crate::solver::graph::bisection::{Halves, MOST_LEAVES};
+use crate::solver::graph::bisection::{Bisection, MAX_LEAVES};
 use crate::threads::team::Team;
 use glam::Vec3;
 use std::ops::Range;
 
 /// Least manifolds of a leaf, on average: some 50 us of a sweep, a hundred times what threads need to meet. A cut costs
 /// structures precision, for support gets across it once per sweep only, so there are no more of them than pay.
-pub const LEAST_MANIFOLDS: usize = 2000;
+pub const MIN_MANIFOLDS: usize = 2000;
 
 /// Number of leaves of an island with `manifolds` manifolds: a power of two.
 pub fn leaves(manifolds: usize) -> usize {
-    let most = (manifolds / LEAST_MANIFOLDS).clamp(1, MOST_LEAVES);
+    let most = (manifolds / MIN_MANIFOLDS).clamp(1, MAX_LEAVES);
     1 << most.ilog2()
 }
 
 /// Which bodies are in which leaf; buffers are reused.
 #[derive(Debug, Default)]
-pub struct Domains {
+pub struct Partition {
     /// Bodies of the leaves, once they are [sorted](Self::sort).
     leaves: Vec<Range<usize>>,
     /// By number of a body; for those that contacts do not move, the number of leaves.
@@ -41,10 +41,10 @@ pub struct Domains {
     /// By old number of a body: its new one.
     renamed: Vec<u32>,
     old_slots: Vec<u32>,
-    halves: Halves,
+    halves: Bisection,
 }
 
-impl Domains {
+impl Partition {
     /// Leaves all bodies together; whether that is what was done before.
     pub fn keep_whole(&mut self) -> bool {
         let is_same = self.leaves.is_empty();
@@ -52,26 +52,26 @@ impl Domains {
         is_same
     }
 
-    /// Cuts `count` bodies into `leaves` leaves, more than one, by their centres of mass, m; those that contacts do not move
+    /// Cuts `count` bodies into `leaves` leaves, more than one, by their centers of mass, m; those that contacts do not move
     /// have none, and are in no leaf. Whether they were cut the same way before; then they keep the numbers that
     /// [`sort`](Self::sort) gave them.
     pub fn cut(
         &mut self,
         count: usize,
-        centre: impl Fn(usize) -> Option<Vec3> + Sync,
+        center: impl Fn(usize) -> Option<Vec3> + Sync,
         gravity: Vec3,
         leaves: usize,
         team: Option<&Team>,
     ) -> bool {
         self.new_leaf.clear();
-        let leaf_by_body = self.halves.cut(count, centre, gravity, leaves, team);
+        let leaf_by_body = self.halves.cut(count, center, gravity, leaves, team);
         self.new_leaf.extend(leaf_by_body);
         if !self.leaves.is_empty() && self.new_leaf == self.old_leaf {
             return true;
         }
         std::mem::swap(&mut self.new_leaf, &mut self.old_leaf);
         self.leaf.clone_from(&self.old_leaf);
-        let mut ends = [0; MOST_LEAVES + 1];
+        let mut ends = [0; MAX_LEAVES + 1];
         for leaf in &self.leaf {
             ends[*leaf as usize] += 1;
         }
@@ -90,7 +90,7 @@ impl Domains {
         if self.leaves.is_empty() {
             return;
         }
-        let mut next = [0; MOST_LEAVES + 1];
+        let mut next = [0; MAX_LEAVES + 1];
         for (next, leaf) in next.iter_mut().zip(&self.leaves) {
             *next = leaf.start as u32;
         }
@@ -119,7 +119,7 @@ impl Domains {
     }
 
     /// Parts of `count` bodies that a team works on at a time: the leaves, of which the last has the rest with it.
-    pub(crate) fn shares_of_bodies(&self, count: usize) -> impl Iterator<Item = Range<usize>> {
+    pub(crate) fn slices_of_bodies(&self, count: usize) -> impl Iterator<Item = Range<usize>> {
         let (last, others) = match self.leaves.split_last() {
             Some((last, others)) => (last.start..count, others),
             None => (0..count, &[][..]),
@@ -132,7 +132,7 @@ impl Domains {
         self.leaves.last().map_or(0, |leaf| leaf.end)
     }
 
-    /// The domain of a manifold of these bodies, of which contacts move one at least.
+    /// The subdomain of a manifold of these bodies, of which contacts move one at least.
     pub fn of(&self, bodies: [u32; 2]) -> u32 {
         if self.leaves.is_empty() {
             return 0;
@@ -145,19 +145,19 @@ impl Domains {
             [_, true] => [a, a],
             _ => [a, b],
         };
-        // The stage that brings both together; before it come `n + n / 2 + ...` domains.
+        // The stage that brings both together; before it come `n + n / 2 + ...` subdomains.
         let stage = u32::BITS - (a ^ b).leading_zeros();
         2 * count - ((2 * count) >> stage) + (a >> stage)
     }
 
-    /// Number of domains.
+    /// Number of subdomains.
     pub fn count(&self) -> usize {
         (2 * self.leaves.len()).max(2) - 1
     }
 }
 
-/// Number of domains of each stage of an island with `domains` domains.
-pub fn stages(domains: usize) -> impl Iterator<Item = usize> {
-    let leaves = domains.div_ceil(2);
+/// Number of subdomains of each stage of an island with `subdomains` subdomains.
+pub fn stages(subdomains: usize) -> impl Iterator<Item = usize> {
+    let leaves = subdomains.div_ceil(2);
     (0..=leaves.ilog2()).map(move |stage| leaves >> stage)
 }

@@ -2,27 +2,27 @@
 
 use crate::bodies::store::Bodies;
 
-/// Turn within a step (rad) from which the rows of a body's contacts follow it.
+/// BodyRotation within a step (rad) from which the rows of a body's contacts follow it.
 const TURN: f32 = 0.01;
 
-/// Travel of two bodies against each other within a step, as a share of the smaller one's least extent, from which the
+/// RelativeMotion of two bodies against each other within a step, as a share of the smaller one's least extent, from which the
 /// rows of their contact follow it.
 const TRAVEL: f32 = 0.02;
 
 /// How two bodies move against each other in a step.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Travel {
+pub struct RelativeMotion {
     /// So far that the rows between them must follow.
     pub is_noticeable: bool,
     /// Farther than both are thick: they may pass through each other.
     pub is_fast: bool,
 }
 
-impl Travel {
+impl RelativeMotion {
     /// Of the bodies in two slots; `step`, s.
     pub fn of(bodies: &Bodies, slots: [usize; 2], step: f32) -> Self {
         let [a, b] = slots.map(|i| &bodies.velocity[i]);
-        let extents = slots.map(|i| bodies.least_extent[i]);
+        let extents = slots.map(|i| bodies.min_extent[i]);
         // Squares, so that no root has to be taken for each manifold of the scene.
         let square = |x: f32| x * x;
         let spin = a.angular.length_squared().max(b.angular.length_squared());

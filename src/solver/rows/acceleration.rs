@@ -1,6 +1,6 @@
 //! Gauss-Seidel sweeps with momentum: Nesterov's accelerated gradients with a sweep in place of the gradient step.
 //!
-//! A sweep alone takes away the errors between neighbours at once, those that stretch over many contacts slowly: what it
+//! A sweep alone takes away the errors between neighbors at once, those that stretch over many contacts slowly: what it
 //! changes then points the same way sweep after sweep. So each sweep starts from impulses that have gone on in that
 //! direction,
 //!
@@ -35,7 +35,7 @@ use std::ops::{Add, Div};
 
 /// Largest weight of the momentum. Without a bound up to 5 more of 100 problems from files are solved in 32 to 128 sweeps; but
 /// columns on their way to rest, where each sub-step is a slightly different problem, took up to a fifth more sweeps.
-const MOST_WEIGHT: f32 = 0.7;
+const MAX_WEIGHT: f32 = 0.7;
 
 /// What momentum calculates with.
 pub trait Number: Real + Add<Output = Self> + Div<Output = Self> + PartialOrd + From<f32> {}
@@ -45,7 +45,7 @@ impl<T: Real + Add<Output = T> + Div<Output = T> + PartialOrd + From<f32>> Numbe
 /// A problem that is solved by sweeps over its contacts: impulses and the velocities that follow from them.
 ///
 /// The same method runs in single precision on the bodies of a step and in double precision on problems from files.
-pub trait Contacts {
+pub trait ImpulseSystem {
     /// The numbers it calculates with.
     type Real: Number;
     /// A velocity, or those of a body.
@@ -72,19 +72,19 @@ pub struct Momentum<T, V> {
     impulses: Vec<[T; 3]>,
     /// The velocities with them.
     velocities: Vec<V>,
-    pace: Pace<T>,
+    pace: AccelerationWeight<T>,
 }
 
 /// How far the momentum has grown.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Pace<T> {
+pub struct AccelerationWeight<T> {
     /// `k`, counted anew from every restart.
     kept: u16,
     /// What the last sweep changed.
     change: T,
 }
 
-impl<T: Number> Pace<T> {
+impl<T: Number> AccelerationWeight<T> {
     /// Forgets the sweeps before.
     pub fn restart(&mut self) {
         self.kept = 0;
@@ -93,7 +93,7 @@ impl<T: Number> Pace<T> {
     /// Weight `beta_k` of the momentum before the next sweep; `None` where there is none yet.
     pub fn weight(&self) -> Option<T> {
         let k = T::from(f32::from(self.kept));
-        (self.kept > 0).then(|| (k / (k + T::from(3.0))).min(T::from(MOST_WEIGHT)))
+        (self.kept > 0).then(|| (k / (k + T::from(3.0))).min(T::from(MAX_WEIGHT)))
     }
 
     /// Takes note of the largest velocity change of a sweep.
@@ -111,7 +111,7 @@ impl<T: Number, V: Copy> Momentum<T, V> {
     }
 
     /// One sweep, from where the last ones were going; returns the largest velocity change of a row.
-    pub fn sweep<C: Contacts<Real = T, Velocity = V>>(&mut self, contacts: &mut C) -> T {
+    pub fn sweep<C: ImpulseSystem<Real = T, Velocity = V>>(&mut self, contacts: &mut C) -> T {
         match self.pace.weight() {
             None => self.remember(contacts),
             Some(weight) => self.extrapolate(contacts, weight),
@@ -121,7 +121,7 @@ impl<T: Number, V: Copy> Momentum<T, V> {
         change
     }
 
-    fn remember<C: Contacts<Real = T, Velocity = V>>(&mut self, contacts: &mut C) {
+    fn remember<C: ImpulseSystem<Real = T, Velocity = V>>(&mut self, contacts: &mut C) {
         self.impulses.clear();
         let impulses = (0..contacts.count()).map(|i| contacts.impulses(i));
         self.impulses.extend(impulses);
@@ -131,7 +131,11 @@ impl<T: Number, V: Copy> Momentum<T, V> {
 
     /// Moves the impulses on in the direction of their last change. The velocities are linear in them, so they move on alike;
     /// only where impulses are clipped do the rows have to be looked at.
-    fn extrapolate<C: Contacts<Real = T, Velocity = V>>(&mut self, contacts: &mut C, weight: T) {
+    fn extrapolate<C: ImpulseSystem<Real = T, Velocity = V>>(
+        &mut self,
+        contacts: &mut C,
+        weight: T,
+    ) {
         for (velocity, last) in contacts.velocities().iter_mut().zip(&mut self.velocities) {
             let now = *velocity;
             *velocity = C::ahead(now, *last, weight);
@@ -161,7 +165,7 @@ pub struct PointContacts<'a, F> {
     pub sweep: F,
 }
 
-impl<F: FnMut(&mut [PointRows], &mut [SolverBody]) -> f32> Contacts for PointContacts<'_, F> {
+impl<F: FnMut(&mut [PointRows], &mut [SolverBody]) -> f32> ImpulseSystem for PointContacts<'_, F> {
     type Real = f32;
     type Velocity = SolverBody;
 
@@ -189,7 +193,7 @@ impl<F: FnMut(&mut [PointRows], &mut [SolverBody]) -> f32> Contacts for PointCon
     #[inline]
     fn place(&mut self, contact: usize, wish: [f32; 3]) {
         let point = &mut self.rows[contact];
-        let normal = wish[0].max(point.least_normal());
+        let normal = wish[0].max(point.min_normal());
         let radius = point.friction_bound(normal);
         let wished = Vec2::new(wish[1], wish[2]);
         let tangents = match self.friction_model {

@@ -1,4 +1,4 @@
-//! Contacts as rows of the problem: Jacobian, wanted velocity, diagonal of `A`.
+//! Contacts as rows of the problem: Jacobian, target_velocity velocity, diagonal of `A`.
 //!
 //! A row constrains the velocity of B against A at a point along a unit direction `d`:
 //!
@@ -10,8 +10,8 @@
 //! ```
 //!
 //! - `d`: the contact normal from A to B, or one of two tangents; world axes
-//! - `r_A`, `r_B`: from each centre of mass to the contact point; world axes, m
-//! - `I_A`, `I_B`: inertia about the centre of mass; world axes, kg m2
+//! - `r_A`, `r_B`: from each center of mass to the contact point; world axes, m
+//! - `I_A`, `I_B`: inertia about the center of mass; world axes, kg m2
 //!
 //! An impulse `lambda` (N s) along the row changes `v_B` by `+lambda d / m_B`, `omega_B` by `+lambda I_B^-1 (r_B x d)`,
 //! and A by the opposite: `M^-1 J^T lambda`.
@@ -43,14 +43,14 @@ pub struct Row {
     /// `1 / A_ii`, or 0 if nothing can move; kg. The effective mass.
     pub effective_mass: f32,
     /// `u`: the velocity the row should have, m/s.
-    pub wanted: f32,
+    pub target_velocity: f32,
     /// `lambda`: impulse along the row, N s.
     pub impulse: f32,
 }
 
 impl Row {
-    /// The row along `direction` at the ends of two anchors (from each centre of mass, world axes, m).
-    pub fn new(direction: Vec3, anchors: [Vec3; 2], sides: [Side; 2]) -> Self {
+    /// The row along `direction` at the ends of two anchors (from each center of mass, world axes, m).
+    pub fn new(direction: Vec3, anchors: [Vec3; 2], sides: [RowBody; 2]) -> Self {
         let [a, b] = sides;
         let [angular_a, angular_b] = anchors.map(|anchor| anchor.cross(direction));
         let (turn_a, turn_b) = (a.inverse_inertia * angular_a, b.inverse_inertia * angular_b);
@@ -65,7 +65,7 @@ impl Row {
             turn_b,
             diagonal,
             effective_mass,
-            wanted: 0.0,
+            target_velocity: 0.0,
             impulse: 0.0,
         }
     }
@@ -89,10 +89,10 @@ impl Row {
 
 /// What a row needs to know of a body.
 #[derive(Clone, Copy, Debug)]
-pub struct Side {
+pub struct RowBody {
     /// 1 / mass, 1/kg.
     pub inverse_mass: f32,
-    /// About the centre of mass, world axes, 1/(kg m2).
+    /// About the center of mass, world axes, 1/(kg m2).
     pub inverse_inertia: Mat3,
 }
 
@@ -123,7 +123,7 @@ pub struct PointRows {
     /// Normal velocity that the point should have after the bodies have moved; 0 if it does not rebound, m/s.
     pub rebound: f32,
     /// Sum of the normal impulses of the sub-steps that are over, N s.
-    pub total: f32,
+    pub total_normal_impulse: f32,
 }
 
 impl PointRows {
@@ -136,7 +136,7 @@ impl PointRows {
         manifold: &ManifoldHead,
         point: &ContactPoint,
         bodies: [u32; 2],
-        sides: [Side; 2],
+        sides: [RowBody; 2],
         extent: f32,
         slop: f32,
     ) -> Self {
@@ -152,7 +152,7 @@ impl PointRows {
             slop: slop * extent,
             speed_scale: 1.0 / extent.sqrt(),
             rebound: 0.0,
-            total: 0.0,
+            total_normal_impulse: 0.0,
         };
         rows.set_geometry(manifold.normal, [point.anchor_a, point.anchor_b], sides);
         rows.normal.impulse = point.normal_impulse;
@@ -165,12 +165,12 @@ impl PointRows {
         rows
     }
 
-    /// Points the rows along the normal and its tangents at the ends of the anchors; wanted velocity and impulses stay.
+    /// Points the rows along the normal and its tangents at the ends of the anchors; target_velocity velocity and impulses stay.
     /// Without friction and bond the tangents are left empty.
-    pub fn set_geometry(&mut self, normal: Vec3, anchors: [Vec3; 2], sides: [Side; 2]) {
+    pub fn set_geometry(&mut self, normal: Vec3, anchors: [Vec3; 2], sides: [RowBody; 2]) {
         let geometry = |row: &mut Row, direction| {
             *row = Row {
-                wanted: row.wanted,
+                target_velocity: row.target_velocity,
                 impulse: row.impulse,
                 ..Row::new(direction, anchors, sides)
             };
@@ -196,7 +196,7 @@ impl PointRows {
 
     /// Lower bound of the normal impulse, N s.
     #[inline]
-    pub fn least_normal(&self) -> f32 {
+    pub fn min_normal(&self) -> f32 {
         // Not `-adhesion`, which would be the other zero where there is no bond.
         0.0 - self.adhesion
     }

@@ -72,14 +72,14 @@ pub trait ContactRows {
     fn has_friction(&self) -> bool;
     /// Impulse of a row, N s.
     fn impulse(&self, row: usize) -> Self::Real;
-    /// Velocity along a row at present, m/s; of a tangent, less the wanted one.
+    /// Velocity along a row at present, m/s; of a tangent, less the target_velocity one.
     fn velocity(&self, row: usize) -> Self::Real;
     /// `1 / A_ii`, kg.
     fn effective_mass(&self, row: usize) -> Self::Real;
     /// Where the normal impulse should be if it had no bound, N s.
     fn normal_wish(&self) -> Self::Real;
     /// Lower bound of the normal impulse, N s: zero unless it may pull.
-    fn least_normal(&self) -> Self::Real {
+    fn min_normal(&self) -> Self::Real {
         Self::Real::ZERO
     }
     /// Bounds of a tangent's impulse, N s.
@@ -130,7 +130,7 @@ pub fn relax<C: ContactRows>(contact: &mut C, friction: impl Fn(&mut C) -> C::Re
         change = friction(contact);
     }
     let wish = contact.normal_wish();
-    let least = contact.least_normal();
+    let least = contact.min_normal();
     contact.move_to(0, wish.max(least)).max(change)
 }
 
@@ -201,7 +201,7 @@ impl ContactRows for PointOnBodies<'_> {
         let velocity = self.row(row).velocity(self.a, self.b);
         match row {
             0 => velocity,
-            row => velocity - self.point.tangents[row - 1].wanted,
+            row => velocity - self.point.tangents[row - 1].target_velocity,
         }
     }
 
@@ -213,12 +213,12 @@ impl ContactRows for PointOnBodies<'_> {
     #[inline]
     fn normal_wish(&self) -> f32 {
         let row = &self.point.normal;
-        row.impulse - (self.velocity(0) - row.wanted) * row.effective_mass
+        row.impulse - (self.velocity(0) - row.target_velocity) * row.effective_mass
     }
 
     #[inline]
-    fn least_normal(&self) -> f32 {
-        self.point.least_normal()
+    fn min_normal(&self) -> f32 {
+        self.point.min_normal()
     }
 
     #[inline]

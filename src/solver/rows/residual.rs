@@ -84,7 +84,7 @@ impl ResidualSum {
         let normal = &point.normal;
         let impulse = f64::from(normal.impulse);
         let w = f64::from(normal.velocity(a, b) - wanted_velocity(point, config));
-        let least = f64::from(point.least_normal());
+        let least = f64::from(point.min_normal());
         let r = mlcp::natural_map(impulse, w, f64::from(normal.diagonal), least, f64::INFINITY);
         self.natural_map += r * r;
         self.approach = self.approach.max(-w);
@@ -127,11 +127,15 @@ impl ResidualSum {
 /// The normal velocity that the last word on a point was about, m/s.
 fn wanted_velocity(point: &PointRows, config: &SolverConfig) -> f32 {
     if !is_relaxed(config) {
-        point.normal.wanted
+        point.normal.target_velocity
     } else if point.is_bonded() {
         0.0
     } else {
-        soft_step::relaxed_velocity(point.rebound, point.normal.impulse, point.normal.wanted)
+        soft_step::relaxed_velocity(
+            point.rebound,
+            point.normal.impulse,
+            point.normal.target_velocity,
+        )
     }
 }
 
@@ -140,11 +144,11 @@ fn wanted_slip(point: &PointRows, row: &Row, config: &SolverConfig) -> f32 {
     if point.is_bonded() && is_relaxed(config) {
         0.0
     } else {
-        row.wanted
+        row.target_velocity
     }
 }
 
-/// Whether the last sweep was one without position feedback.
+/// Whether the last sweep was one without position bias.
 fn is_relaxed(config: &SolverConfig) -> bool {
     config.method == Method::SoftStep && config.relax_sweeps > 0
 }

@@ -1,18 +1,18 @@
-//! Soft contacts, and a sweep without position feedback once the bodies have moved.
+//! Soft contacts, and a sweep without position bias once the bodies have moved.
 //!
 //! An overlapping contact is a spring of natural frequency `omega` and damping ratio `zeta` on the effective mass of its
-//! row, integrated implicitly over the sub-step `h`. That is the row of the problem with a compliance on the diagonal:
+//! row, integrated implicitly over the sub-step `substep_dt`. That is the row of the problem with a compliance on the diagonal:
 //!
 //! ```text
-//! a1 = 2 zeta + h omega,  a2 = h omega a1
+//! a1 = 2 zeta + substep_dt omega,  a2 = substep_dt omega a1
 //! w = J v - u + gamma lambda,  gamma = A_ii / a2,  u = (omega / a1) overlap
 //! ```
 //!
-//! so that overlap is pushed out at a rate which every stack can bear, whatever its height. The velocity that does so
+//! so that overlap is pushed out at a bias_rate which every stack can bear, whatever its height. The velocity that does so
 //! would stay with the bodies; sweeps after the motion, hard and with `u = 0`, take it out again and leave the impulses
 //! that the bodies need to rest.
 //!
-//! The frequency is a share of the sub-step rate without an upper limit: a limit bounds how high a stack can be.
+//! The frequency is a share of the sub-step bias_rate without an upper limit: a limit bounds how high a stack can be.
 //!
 //! # References
 //! Catto, "Soft Constraints", GDC 2011; Catto, "Solver2D", 2024 (soft contacts, relax sweep); Macklin et al., "Small Steps
@@ -24,53 +24,57 @@ use crate::solver::config::SolverConfig;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Softness {
     /// Share of the overlap that is pushed out per second, 1/s.
-    pub rate: f32,
+    pub bias_rate: f32,
     /// `a2 / (1 + a2)`: share of the effective mass that a sweep uses.
     pub mass_scale: f32,
     /// `1 / (1 + a2)`: share of the impulse that a sweep lets go.
-    pub release: f32,
+    pub impulse_scale: f32,
 }
 
 impl Softness {
     /// No compliance: the rows of the paper.
     pub const HARD: Self = Self {
-        rate: 0.0,
+        bias_rate: 0.0,
         mass_scale: 1.0,
-        release: 0.0,
+        impulse_scale: 0.0,
     };
 
-    /// The coefficients for sub-steps of `h` seconds.
-    pub fn new(config: &SolverConfig, h: f32) -> Self {
+    /// The coefficients for sub-steps of `substep_dt` seconds.
+    pub fn new(config: &SolverConfig, substep_dt: f32) -> Self {
         let h_omega = std::f32::consts::TAU * config.contact_frequency;
         let a1 = 2.0 * config.damping_ratio + h_omega;
         let a2 = h_omega * a1;
         Self {
-            rate: if a1 > 0.0 { h_omega / (h * a1) } else { 0.0 },
+            bias_rate: if a1 > 0.0 {
+                h_omega / (substep_dt * a1)
+            } else {
+                0.0
+            },
             mass_scale: a2 / (1.0 + a2),
-            release: 1.0 / (1.0 + a2),
+            impulse_scale: 1.0 / (1.0 + a2),
         }
     }
 }
 
 /// The normal velocity that a point should have after the bodies have moved, m/s.
-pub fn relaxed_velocity(rebound: f32, impulse: f32, wanted: f32) -> f32 {
+pub fn relaxed_velocity(rebound: f32, impulse: f32, target_velocity: f32) -> f32 {
     if rebound > 0.0 {
         rebound
     } else if impulse > 0.0 {
         // Pushed, so it has arrived.
         0.0
     } else {
-        wanted.min(0.0)
+        target_velocity.min(0.0)
     }
 }
 
-/// How position feedback is computed; see [`soft_step`](crate::solver::rows::soft_step).
+/// How position bias is computed; see [`soft_step`](crate::solver::rows::soft_step).
 #[derive(Clone, Copy, Debug)]
-pub struct Feedback {
+pub struct Bias {
     /// Length of the sub-step, s.
-    pub h: f32,
+    pub substep_dt: f32,
     /// Share of the overlap that is pushed out per second, 1/s.
-    pub rate: f32,
+    pub bias_rate: f32,
     /// Fastest speed at which that happens, m/s.
-    pub most: f32,
+    pub max_bias_velocity: f32,
 }

@@ -1,38 +1,38 @@
-//! What comes before the sweeps of a sub-step: targets and warm start. Targets may also be set on the way, by the first
+//! What comes before the sweeps of a sub-step: targets and warm start. UpdateBias may also be set on the way, by the first
 //! sweep, which has all that they follow from at hand.
 
 use crate::bodies::solver_body::SolverBody;
 use crate::simd::lanes::{Kernel, Lanes};
 use crate::simd::prefetch::prefetch;
 use crate::simd::vec3::V3;
-use crate::solver::rows::soft_step::Feedback;
+use crate::solver::rows::soft_step::Bias;
 use crate::solver::wide::block::{Block, Point, load_anchors};
-use crate::solver::wide::body_pair::{Frame, Masses, Pair, load_three};
-use crate::solver::wide::bond::{RATE, Tie};
-use crate::solver::wide::contacts::Contacts;
+use crate::solver::wide::body_pair::{BodyPair, Frame, Masses, load_three};
+use crate::solver::wide::bond::{BondConstraint, RATE};
+use crate::solver::wide::contacts::ContactBlocks;
 use std::cell::Cell;
 
-/// Sets the wanted velocities; see [`Pass::Targets`](crate::solver::wide::pass::Pass::Targets).
-pub(crate) struct Targets<'a, 'c, const TIED: bool> {
-    pub(crate) contacts: &'a mut Contacts<'c>,
-    pub(crate) ties: &'a mut [Tie],
-    pub(crate) feedback: Feedback,
+/// Sets the target_velocity velocities; see [`Pass::UpdateBias`](crate::solver::wide::pass::Pass::UpdateBias).
+pub(crate) struct UpdateBias<'a, 'c, const BONDED: bool> {
+    pub(crate) contacts: &'a mut ContactBlocks<'c>,
+    pub(crate) bond_constraints: &'a mut [BondConstraint],
+    pub(crate) bias: Bias,
     pub(crate) first: bool,
 }
 
-impl<const TIED: bool> Kernel for Targets<'_, '_, TIED> {
+impl<const BONDED: bool> Kernel for UpdateBias<'_, '_, BONDED> {
     type Output = f32;
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> f32 {
-        let Contacts {
+        let ContactBlocks {
             blocks,
             points,
             first_point,
             displacements,
             ..
         } = self.contacts;
-        let aim = Aim::<L>::new(displacements, &self.feedback, self.first);
+        let aim = BiasTargets::<L>::new(displacements, &self.bias, self.first);
         for block in blocks.iter() {
             let start = block.points.start - *first_point;
             let range = start..start + block.points.len();
@@ -41,17 +41,17 @@ impl<const TIED: bool> Kernel for Targets<'_, '_, TIED> {
             for point in points.iter_mut() {
                 aim.at(&of_block, &load_anchors(point), point);
             }
-            if TIED {
-                let ties = &mut self.ties[range];
-                tie_targets::<L>(block, points, ties, displacements, &self.feedback);
+            if BONDED {
+                let bond_constraints = &mut self.bond_constraints[range];
+                bond_targets::<L>(block, points, bond_constraints, displacements, &self.bias);
             }
         }
         0.0
     }
 }
 
-/// What the wanted velocities follow from, besides the contacts.
-pub(crate) struct Aim<'a, L> {
+/// What the target_velocity velocities follow from, besides the contacts.
+pub(crate) struct BiasTargets<'a, L> {
     displacements: &'a [Cell<SolverBody>],
     rate: L,
     most: L,
@@ -67,23 +67,19 @@ const FAR_BODIES: usize = 6144;
 
 /// What of it is the same for all points of a block.
 pub(crate) struct BlockAim<L> {
-    moved: Pair<L>,
+    moved: BodyPair<L>,
     normal: V3<L>,
     slop: L,
 }
 
-impl<'a, L: Lanes> Aim<'a, L> {
+impl<'a, L: Lanes> BiasTargets<'a, L> {
     #[inline(always)]
-    pub(crate) fn new(
-        displacements: &'a [Cell<SolverBody>],
-        feedback: &Feedback,
-        first: bool,
-    ) -> Self {
+    pub(crate) fn new(displacements: &'a [Cell<SolverBody>], bias: &Bias, first: bool) -> Self {
         Self {
             displacements,
-            rate: L::splat(feedback.rate),
-            most: L::splat(feedback.most),
-            closing: L::splat(-1.0 / feedback.h),
+            rate: L::splat(bias.bias_rate),
+            most: L::splat(bias.max_bias_velocity),
+            closing: L::splat(-1.0 / bias.substep_dt),
             first,
             is_far: displacements.len() >= FAR_BODIES,
         }
@@ -102,13 +98,13 @@ impl<'a, L: Lanes> Aim<'a, L> {
     #[inline(always)]
     pub(crate) fn of_block(&self, block: &Block) -> BlockAim<L> {
         BlockAim {
-            moved: Pair::gather(self.displacements, block),
+            moved: BodyPair::gather(self.displacements, block),
             normal: V3::load(&block.normal),
             slop: L::load(&block.slop),
         }
     }
 
-    /// Sets the wanted velocity of a point; of a sub-step that is not the first, the impulse of the one before goes to the total.
+    /// Sets the target_velocity velocity of a point; of a sub-step that is not the first, the impulse of the one before goes to the total_normal_impulse.
     #[inline(always)]
     pub(crate) fn at(&self, of_block: &BlockAim<L>, anchors: &[V3<L>; 2], point: &mut Point) {
         let zero = L::splat(0.0);
@@ -117,40 +113,44 @@ impl<'a, L: Lanes> Aim<'a, L> {
         let overlap = zero - gap - of_block.slop;
         let push = (self.rate * overlap.max(zero)).min(self.most);
         gap.if_above(zero, gap * self.closing, push)
-            .store(&mut point.wanted);
+            .store(&mut point.target_velocity);
         if !self.first {
-            let total = L::load(&point.total) + L::load(&point.impulse[0]);
-            total.store(&mut point.total);
+            let total_normal_impulse =
+                L::load(&point.total_normal_impulse) + L::load(&point.impulse[0]);
+            total_normal_impulse.store(&mut point.total_normal_impulse);
         }
     }
 }
 
-/// Targets of bonded lanes: what has opened, been pressed in or slid goes back.
+/// UpdateBias of bonded lanes: what has opened, been pressed in or slid goes back.
 #[inline(always)]
-fn tie_targets<L: Lanes>(
+fn bond_targets<L: Lanes>(
     block: &Block,
     points: &mut [Point],
-    ties: &mut [Tie],
+    bond_constraints: &mut [BondConstraint],
     displacements: &[Cell<SolverBody>],
-    feedback: &Feedback,
+    bias: &Bias,
 ) {
-    let moved = Pair::<L>::gather(displacements, block);
+    let moved = BodyPair::<L>::gather(displacements, block);
     let frame = Frame::<L>::load(block);
-    let (zero, rate) = (L::splat(0.0), L::splat(RATE * feedback.rate));
-    let (most, least) = (L::splat(feedback.most), L::splat(-feedback.most));
+    let (zero, rate) = (L::splat(0.0), L::splat(RATE * bias.bias_rate));
+    let (most, least) = (
+        L::splat(bias.max_bias_velocity),
+        L::splat(-bias.max_bias_velocity),
+    );
     let back = |way: L| (zero - rate * way).min(most).max(least);
-    for (point, tie) in points.iter_mut().zip(ties) {
+    for (point, tie) in points.iter_mut().zip(bond_constraints) {
         let adhesion = L::load(&tie.adhesion);
         let shift = moved.relative(&load_anchors(point));
         let gap = L::load(&point.separation) + frame.normal.dot(shift);
         adhesion
-            .if_above(zero, back(gap), L::load(&point.wanted))
-            .store(&mut point.wanted);
+            .if_above(zero, back(gap), L::load(&point.target_velocity))
+            .store(&mut point.target_velocity);
         for k in 0..2 {
             let slide = L::load(&tie.slide[k]) + frame.tangents[k].dot(shift);
             adhesion
                 .if_above(zero, back(slide), zero)
-                .store(&mut tie.wanted[k]);
+                .store(&mut tie.target_velocity[k]);
         }
     }
 }
@@ -194,7 +194,7 @@ fn warm_start<L: Lanes>(block: &Block, points: &[Point], bodies: &[Cell<SolverBo
             angular[1].plus(anchors[1].cross(impulse)),
         ];
     }
-    let mut pair = Pair::<L>::gather(bodies, block);
+    let mut pair = BodyPair::<L>::gather(bodies, block);
     let [of_a, of_b] = angular;
     let angular = [of_a.times(share), of_b.times(share)];
     pair.apply(&Masses::load(block), linear.times(share), angular);

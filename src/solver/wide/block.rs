@@ -1,4 +1,4 @@
-//! Contacts in lanes: blocks of eight manifolds that share no body which contacts move.
+//! ContactBlocks in lanes: blocks of eight manifolds that share no body which contacts move.
 //!
 //! The rows of a point are those of [`rows`](crate::solver::rows::contact_rows), but only what a sweep needs is kept: with the velocity of B
 //! against A at the point, `dv`, and `K = sum 1/m - r^ I^-1 r^` of both bodies, an impulse `P` at the point changes it by
@@ -6,7 +6,7 @@
 //! `t . K n`, and the bodies get the sum of both. That is what solving one row after the other comes to, in half the work.
 //!
 //! Manifolds are put into blocks so that those which share a body keep their order ([`schedule`](crate::solver::graph::ordered_packing)): the sweep
-//! over blocks does exactly what the sweep over manifolds in their order would do, whatever the number of lanes. Colouring,
+//! over blocks does exactly what the sweep over manifolds in their order would do, whatever the number of lanes. Coloring,
 //! which fills blocks better in narrow structures by giving up the order, lets a pyramid of 30 rows creep by 18 cm where this
 //! one moves by 3 cm (4 sub-steps): an order from the ground up carries support through a whole stack in one sweep.
 
@@ -14,7 +14,7 @@ use crate::bodies::solver_body::SolverBody;
 use crate::contact::point::ContactPoint;
 use crate::simd::lanes::{F8, Lanes, WIDTH};
 use crate::simd::vec3::V3;
-use crate::solver::rows::contact_rows::Side;
+use crate::solver::rows::contact_rows::RowBody;
 use glam::{Mat3, Vec3};
 use std::ops::Range;
 
@@ -27,7 +27,7 @@ pub(crate) const FAR: f32 = 1e18;
 /// What the points of eight manifolds share.
 #[derive(Clone, Debug)]
 pub struct Block {
-    /// Numbers of the bodies A and B.
+    /// ReadRow of the bodies A and B.
     pub bodies: [[u32; WIDTH]; 2],
     /// Its points: each is the same one of all eight manifolds.
     pub points: Range<usize>,
@@ -56,7 +56,7 @@ pub struct Block {
 /// One point of each manifold of a block. Unused lanes have no mass and get no impulse.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Point {
-    /// From the centres of mass of A and B to the point, world axes, m.
+    /// From the centers of mass of A and B to the point, world axes, m.
     pub anchors: [[F8; 3]; 2],
     /// Gap along the normal less what displacements of the bodies add to it, m.
     pub separation: F8,
@@ -69,17 +69,17 @@ pub struct Point {
     /// Along the normal and both tangents, N s.
     pub impulse: [F8; 3],
     /// Normal velocity that the point should have, m/s.
-    pub wanted: F8,
+    pub target_velocity: F8,
     /// Sum of the normal impulses of the sub-steps that are over, N s.
-    pub total: F8,
+    pub total_normal_impulse: F8,
 }
 
 /// What a point needs where bodies hit each other.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Blow {
+pub struct PointImpact {
     /// Normal velocity after the bodies have moved; 0 if the point does not rebound, m/s.
     pub rebound: F8,
-    /// Impulses before the blow, N s.
+    /// Impulses before the impact, N s.
     pub before: [F8; 3],
 }
 
@@ -117,8 +117,8 @@ pub fn set_vector(lanes: &mut [F8; 3], lane: usize, value: Vec3) {
 
 impl Block {
     /// Empties the lanes: all refer to a body that nothing happens to.
-    pub fn clear(&mut self, idle: u32, points: Range<usize>) {
-        self.bodies = [[idle; WIDTH]; 2];
+    pub fn clear(&mut self, dummy: u32, points: Range<usize>) {
+        self.bodies = [[dummy; WIDTH]; 2];
         self.manifolds = [NO_MANIFOLD; WIDTH];
         self.points = points;
         self.used = 0;
@@ -131,16 +131,16 @@ impl Block {
         self.used += 1;
     }
 
-    /// Numbers of the two bodies of a lane.
+    /// ReadRow of the two bodies of a lane.
     pub fn pair(&self, lane: usize) -> [u32; 2] {
         self.bodies.map(|side| side[lane])
     }
 
     /// Masses and inertias of a lane.
-    pub fn sides(&self, lane: usize) -> [Side; 2] {
+    pub fn sides(&self, lane: usize) -> [RowBody; 2] {
         [0, 1].map(|k| {
             let [xx, yy, zz, xy, xz, yz] = self.inverse_inertia[k].map(|lanes| lanes.0[lane]);
-            Side {
+            RowBody {
                 inverse_mass: self.inverse_mass[k].0[lane],
                 inverse_inertia: Mat3::from_cols(
                     Vec3::new(xx, xy, xz),
@@ -168,7 +168,7 @@ impl Point {
         let [d1, d2] = &block.tangents;
         point.normal_impulse = n * normal;
         point.friction_impulse = n * (vector(d1, lane) * t1 + vector(d2, lane) * t2);
-        point.total_impulse = self.total.0[lane] + normal;
+        point.total_impulse = self.total_normal_impulse.0[lane] + normal;
     }
 }
 

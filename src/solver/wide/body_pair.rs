@@ -1,20 +1,20 @@
 //! Two bodies and the frame of their contact in each lane.
 
 use crate::bodies::solver_body::SolverBody;
-use crate::simd::lanes::{F8, Lanes, Numbers};
+use crate::simd::lanes::{F8, Lanes, ReadRow};
 use crate::simd::vec3::V3;
 use crate::solver::config::FrictionModel;
 use crate::solver::wide::block::Block;
 use std::cell::Cell;
 
 /// Two bodies in each lane.
-pub(crate) struct Pair<L> {
+pub(crate) struct BodyPair<L> {
     columns: [[L; 8]; 2],
 }
 
-impl<L: Lanes> Pair<L> {
+impl<L: Lanes> BodyPair<L> {
     #[inline(always)]
-    pub(crate) fn gather<N: Numbers>(bodies: &[N], block: &Block) -> Self {
+    pub(crate) fn gather<N: ReadRow>(bodies: &[N], block: &Block) -> Self {
         let [a, b] = &block.bodies;
         Self {
             columns: [L::gather(bodies, a), L::gather(bodies, b)],
@@ -71,7 +71,7 @@ impl<L: Lanes> Pair<L> {
         self.apply(masses, impulse, angular);
     }
 
-    /// Adds an impulse on B, and its opposite on A, with the angular impulses about the centres of mass.
+    /// Adds an impulse on B, and its opposite on A, with the angular impulses about the centers of mass.
     #[inline(always)]
     pub(crate) fn apply(&mut self, masses: &Masses<L>, impulse: V3<L>, angular: [V3<L>; 2]) {
         let turn_a = symmetric(&masses.inertia[0], angular[0]);
@@ -127,7 +127,7 @@ impl<L: Lanes> Masses<L> {
     }
 }
 
-/// The product of a symmetric matrix (entries as in [`Solid`](crate::bodies::solver_body::Solid)) and a vector.
+/// The product of a symmetric matrix (entries as in [`BodyMass`](crate::bodies::solver_body::BodyMass)) and a vector.
 #[inline(always)]
 fn symmetric<L: Lanes>(m: &[L; 6], v: V3<L>) -> V3<L> {
     let ([xx, yy, zz, xy, xz, yz], [x, y, z]) = (*m, v.0);

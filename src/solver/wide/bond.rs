@@ -3,7 +3,7 @@
 //! A bonded point has the three rows of a contact with other bounds, `lambda_n >= -adhesion` and
 //! `|lambda_t| <= mu max(lambda_n, 0) + shear`, and wants to be where it was when the bond was made: along the normal and the
 //! tangents, what it has moved by goes back as softly as overlap does; see [`soft_step`](crate::solver::rows::soft_step). A sweep after
-//! the motion holds it still. So a bond below its strength is a fixed joint of up to four points.
+//! the motion holds it still. So a bond below its strength is a fixed edge of up to four points.
 //!
 //! A point that bears all it can gives way at that load, and has given way for good once it is farther off than what the
 //! maker of the bond allows: a cohesive zone of constant stress. What an iteration on its way to the solution does to a bond
@@ -11,7 +11,7 @@
 //!
 //! Where bonded bodies turn about each other, going back to the circle that they leave along its tangents in each sub-step
 //! takes half as much impulse as staying on it, so such a bond needs 1.5 times the strength that its load alone would. With a
-//! reserve for position feedback beyond the strength, walls near their strength crept instead.
+//! reserve for position bias beyond the strength, walls near their strength crept instead.
 //!
 //! # References
 //! Dugdale, "Yielding of steel sheets containing slits", J. Mech. Phys. Solids 8, 1960 (the cohesive zone); Catto, "Soft
@@ -59,7 +59,7 @@ pub fn is_new_bond(bonded: &[BondedManifold], manifold: u32) -> bool {
 
 /// What a point needs where manifolds are bonded; all zero in lanes of those that are not.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Tie {
+pub struct BondConstraint {
     /// Largest tensile impulse of a sub-step, N s.
     pub adhesion: F8,
     /// What friction may be beyond `mu lambda_n` in a sub-step, N s.
@@ -69,10 +69,10 @@ pub struct Tie {
     /// How far B is off along the tangents, less what displacements of the bodies add to it, m.
     pub slide: [F8; 2],
     /// Velocities along the tangents that the point should have, m/s.
-    pub wanted: [F8; 2],
+    pub target_velocity: [F8; 2],
 }
 
-impl Tie {
+impl BondConstraint {
     /// Ties a lane; `h` is the length of a sub-step, s.
     pub(crate) fn load(
         &mut self,
@@ -90,13 +90,13 @@ impl Tie {
         }
     }
 
-    /// Has the bond of a lane hold still, where it was to go back; returns the largest change of a wanted velocity, m/s.
+    /// Has the bond of a lane hold still, where it was to go back; returns the largest change of a target_velocity velocity, m/s.
     /// `normal`: the one along the normal.
     pub fn relax(&mut self, lane: usize, normal: &mut f32) -> f32 {
         let [t1, t2] = self
-            .wanted
+            .target_velocity
             .each_mut()
-            .map(|wanted| std::mem::take(&mut wanted.0[lane]).abs());
+            .map(|target_velocity| std::mem::take(&mut target_velocity.0[lane]).abs());
         std::mem::take(normal).abs().max(t1).max(t2)
     }
 
@@ -130,31 +130,34 @@ impl Tie {
     }
 }
 
-/// What the impulses of a point are kept within, in each lane. Without `TIED` there are no bonds, and nothing of them is computed.
-pub(crate) struct Bounds<L, const TIED: bool> {
+/// What the impulses of a point are kept within, in each lane. Without `BONDED` there are no bonds, and nothing of them is computed.
+pub(crate) struct ImpulseBounds<L, const BONDED: bool> {
     friction: L,
     adhesion: L,
     shear: L,
     /// Along the tangents, m/s.
-    pub(crate) wanted: [L; 2],
+    pub(crate) target_velocity: [L; 2],
 }
 
-impl<L: Lanes, const TIED: bool> Bounds<L, TIED> {
+impl<L: Lanes, const BONDED: bool> ImpulseBounds<L, BONDED> {
     #[inline(always)]
-    pub(crate) fn load(friction: L, tie: Option<&Tie>) -> Self {
+    pub(crate) fn load(friction: L, tie: Option<&BondConstraint>) -> Self {
         let zero = L::splat(0.0);
-        match tie.filter(|_| TIED) {
+        match tie.filter(|_| BONDED) {
             Some(tie) => Self {
                 friction,
                 adhesion: L::load(&tie.adhesion),
                 shear: L::load(&tie.shear),
-                wanted: [L::load(&tie.wanted[0]), L::load(&tie.wanted[1])],
+                target_velocity: [
+                    L::load(&tie.target_velocity[0]),
+                    L::load(&tie.target_velocity[1]),
+                ],
             },
             None => Self {
                 friction,
                 adhesion: zero,
                 shear: zero,
-                wanted: [zero; 2],
+                target_velocity: [zero; 2],
             },
         }
     }
@@ -163,7 +166,7 @@ impl<L: Lanes, const TIED: bool> Bounds<L, TIED> {
     #[inline(always)]
     pub(crate) fn normal(&self, wish: L) -> L {
         let zero = L::splat(0.0);
-        if TIED {
+        if BONDED {
             wish.max(zero - self.adhesion)
         } else {
             wish.max(zero)
@@ -173,7 +176,7 @@ impl<L: Lanes, const TIED: bool> Bounds<L, TIED> {
     /// Bound of friction with a normal impulse.
     #[inline(always)]
     pub(crate) fn radius(&self, normal: L) -> L {
-        if TIED {
+        if BONDED {
             self.friction * normal.max(L::splat(0.0)) + self.shear
         } else {
             self.friction * normal
@@ -183,7 +186,7 @@ impl<L: Lanes, const TIED: bool> Bounds<L, TIED> {
     /// `yes` in bonded lanes, else `no`.
     #[inline(always)]
     pub(crate) fn if_bonded(&self, yes: L, no: L) -> L {
-        if TIED {
+        if BONDED {
             self.adhesion.if_above(L::splat(0.0), yes, no)
         } else {
             no

@@ -3,12 +3,12 @@
 use crate::bodies::solver_body::SolverBody;
 use crate::simd::lanes::LaneWidth;
 use crate::solver::config::FrictionModel;
-use crate::solver::wide::block::{Block, Blow, Point};
+use crate::solver::wide::block::{Block, Point, PointImpact};
 use std::cell::Cell;
 
 /// What all loops run over.
 #[derive(Debug)]
-pub struct Contacts<'a> {
+pub struct ContactBlocks<'a> {
     /// Blocks of manifolds.
     pub blocks: &'a [Block],
     /// Points of the blocks.
@@ -16,7 +16,7 @@ pub struct Contacts<'a> {
     /// What the blocks call the first of these points.
     pub first_point: usize,
     /// Blows of the points; empty where nothing hits.
-    pub blows: &'a [Blow],
+    pub impacts: &'a [PointImpact],
     /// Velocities that the numbers in the blocks refer to.
     pub bodies: &'a [Cell<SolverBody>],
     /// Displacements of the bodies since the start of the step.

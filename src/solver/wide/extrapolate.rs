@@ -2,24 +2,24 @@
 
 use crate::simd::lanes::{F8, Kernel, Lanes};
 use crate::solver::wide::block::load_anchors;
-use crate::solver::wide::body_pair::{Frame, Masses, Pair, load_three, project, store_three};
-use crate::solver::wide::bond::{Bounds, Tie};
-use crate::solver::wide::contacts::Contacts;
+use crate::solver::wide::body_pair::{BodyPair, Frame, Masses, load_three, project, store_three};
+use crate::solver::wide::bond::{BondConstraint, ImpulseBounds};
+use crate::solver::wide::contacts::ContactBlocks;
 
 /// Moves the impulses on; see [`Pass::Extrapolate`](crate::solver::wide::pass::Pass::Extrapolate).
-pub(crate) struct Extrapolate<'a, 'c, const TIED: bool> {
-    pub(crate) contacts: &'a mut Contacts<'c>,
-    pub(crate) ties: &'a [Tie],
+pub(crate) struct Extrapolate<'a, 'c, const BONDED: bool> {
+    pub(crate) contacts: &'a mut ContactBlocks<'c>,
+    pub(crate) bond_constraints: &'a [BondConstraint],
     pub(crate) last: &'a mut [[F8; 3]],
     pub(crate) weight: f32,
 }
 
-impl<const TIED: bool> Kernel for Extrapolate<'_, '_, TIED> {
+impl<const BONDED: bool> Kernel for Extrapolate<'_, '_, BONDED> {
     type Output = f32;
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> f32 {
-        let Contacts {
+        let ContactBlocks {
             blocks,
             points,
             first_point,
@@ -31,7 +31,7 @@ impl<const TIED: bool> Kernel for Extrapolate<'_, '_, TIED> {
         for block in blocks.iter() {
             let (frame, masses) = (Frame::<L>::load(block), Masses::load(block));
             let friction = L::load(&block.friction);
-            let mut pair = Pair::<L>::gather(bodies, block);
+            let mut pair = BodyPair::<L>::gather(bodies, block);
             let start = block.points.start - *first_point;
             for i in start..start + block.points.len() {
                 let (point, last) = (&mut points[i], &mut self.last[i]);
@@ -42,7 +42,8 @@ impl<const TIED: bool> Kernel for Extrapolate<'_, '_, TIED> {
                     now[1] + weight * (now[1] - before[1]),
                     now[2] + weight * (now[2] - before[2]),
                 ];
-                let bounds = Bounds::<L, TIED>::load(friction, self.ties.get(i));
+                let bounds =
+                    ImpulseBounds::<L, BONDED>::load(friction, self.bond_constraints.get(i));
                 let normal = bounds.normal(wish[0]);
                 let [t1, t2] = project(*model, [wish[1], wish[2]], bounds.radius(normal));
                 let new = [normal, t1, t2];

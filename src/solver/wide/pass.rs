@@ -1,27 +1,27 @@
 //! Passes over blocks of eight manifolds: what is done to all contacts, and which kernel does it.
 
 use crate::simd::lanes::{F8, run};
-use crate::solver::rows::soft_step::{Feedback, Softness};
-use crate::solver::wide::bias::{Targets, Warm};
-use crate::solver::wide::bond::Tie;
-use crate::solver::wide::contacts::Contacts;
+use crate::solver::rows::soft_step::{Bias, Softness};
+use crate::solver::wide::bias::{UpdateBias, Warm};
+use crate::solver::wide::bond::BondConstraint;
+use crate::solver::wide::contacts::ContactBlocks;
 use crate::solver::wide::extrapolate::Extrapolate;
-use crate::solver::wide::sweep::{Relax, Solve, SolveFirst, Sweep};
+use crate::solver::wide::sweep::{RelaxKernel, SolveFirstKernel, SolveKernel, Sweep};
 
 /// What is done to all contacts.
 #[derive(Clone, Copy, Debug)]
 pub enum Pass {
-    /// Sets the wanted velocities from the displacements of the bodies since the start of the step. Of a sub-step that is not
-    /// the `first`, the impulses of the one before are added to the total.
-    Targets {
+    /// Sets the target_velocity velocities from the displacements of the bodies since the start of the step. Of a sub-step that is not
+    /// the `first`, the impulses of the one before are added to the total_normal_impulse.
+    UpdateBias {
         /// How overlap is pushed out.
-        feedback: Feedback,
+        bias: Bias,
         /// Whether the step begins.
         first: bool,
     },
     /// Adds `M^-1 J^T lambda` of the impulses found in the points to the velocities: the warm start.
     Warm,
-    /// One sweep with position feedback, friction before the normal. With `measure`, tells the largest velocity change of a row
+    /// One sweep with position bias, friction before the normal. With `measure`, tells the largest velocity change of a row
     /// in units of its [speed scale](crate::solver::rows::contact_rows::PointRows::speed_scale), else 0.
     Solve {
         /// Compliance.
@@ -29,11 +29,11 @@ pub enum Pass {
         /// Whether to measure.
         measure: bool,
     },
-    /// [`Targets`](Self::Targets) and the first [`Solve`](Self::Solve) in one go through the contacts, with the same outcome;
+    /// [`UpdateBias`](Self::UpdateBias) and the first [`Solve`](Self::Solve) in one go through the contacts, with the same outcome;
     /// not where there are bonds.
     SolveFirst {
         /// How overlap is pushed out.
-        feedback: Feedback,
+        bias: Bias,
         /// Whether the step begins.
         first: bool,
         /// Compliance.
@@ -41,7 +41,7 @@ pub enum Pass {
         /// Whether to measure.
         measure: bool,
     },
-    /// One sweep without position feedback, the normal before friction. Points that are pushed stop, others may close their
+    /// One sweep without position bias, the normal before friction. Points that are pushed stop, others may close their
     /// gap, impacts rebound.
     Relax {
         /// As in [`Solve`](Self::Solve).
@@ -56,27 +56,37 @@ pub enum Pass {
     },
 }
 
-impl Contacts<'_> {
+impl ContactBlocks<'_> {
     /// Does a pass; returns the largest velocity change if it is measured, else 0. `last`: where the impulses were before an
     /// extrapolation, and then where they are; of no use to other passes.
     pub fn pass(&mut self, pass: Pass, last: &mut [[F8; 3]]) -> f32 {
         self.run::<false>(pass, last, &mut [])
     }
 
-    /// Does a pass with bonds: `ties` are those of the points.
-    pub fn pass_tied(&mut self, pass: Pass, last: &mut [[F8; 3]], ties: &mut [Tie]) -> f32 {
-        self.run::<true>(pass, last, ties)
+    /// Does a pass with bonds: `bond_constraints` are those of the points.
+    pub fn pass_bonded(
+        &mut self,
+        pass: Pass,
+        last: &mut [[F8; 3]],
+        bond_constraints: &mut [BondConstraint],
+    ) -> f32 {
+        self.run::<true>(pass, last, bond_constraints)
     }
 
-    fn run<const TIED: bool>(&mut self, pass: Pass, last: &mut [[F8; 3]], ties: &mut [Tie]) -> f32 {
+    fn run<const BONDED: bool>(
+        &mut self,
+        pass: Pass,
+        last: &mut [[F8; 3]],
+        bond_constraints: &mut [BondConstraint],
+    ) -> f32 {
         let width = self.width;
         let contacts = self;
         match pass {
-            Pass::Targets { feedback, first } => {
-                let targets = Targets::<TIED> {
+            Pass::UpdateBias { bias, first } => {
+                let targets = UpdateBias::<BONDED> {
                     contacts,
-                    ties,
-                    feedback,
+                    bond_constraints,
+                    bias,
                     first,
                 };
                 run(width, targets)
@@ -92,45 +102,45 @@ impl Contacts<'_> {
                 run(width, warm)
             }
             Pass::SolveFirst {
-                feedback,
+                bias,
                 first,
                 softness,
                 measure,
             } => {
-                debug_assert!(!TIED, "bonds have targets of their own");
+                debug_assert!(!BONDED, "bonds have targets of their own");
                 let sweep = Sweep::<false> {
                     contacts,
-                    ties: &mut [],
+                    bond_constraints: &mut [],
                     measure,
                 };
-                let solve = SolveFirst {
+                let solve = SolveFirstKernel {
                     sweep,
                     softness,
-                    feedback,
+                    bias,
                     first,
                 };
                 run(width, solve)
             }
             Pass::Solve { softness, measure } => {
-                let sweep = Sweep::<TIED> {
+                let sweep = Sweep::<BONDED> {
                     contacts,
-                    ties,
+                    bond_constraints,
                     measure,
                 };
-                run(width, Solve(sweep, softness))
+                run(width, SolveKernel(sweep, softness))
             }
             Pass::Relax { measure } => {
-                let sweep = Sweep::<TIED> {
+                let sweep = Sweep::<BONDED> {
                     contacts,
-                    ties,
+                    bond_constraints,
                     measure,
                 };
-                run(width, Relax(sweep))
+                run(width, RelaxKernel(sweep))
             }
             Pass::Extrapolate { weight } => {
-                let extrapolate = Extrapolate::<TIED> {
+                let extrapolate = Extrapolate::<BONDED> {
                     contacts,
-                    ties,
+                    bond_constraints,
                     last,
                     weight,
                 };

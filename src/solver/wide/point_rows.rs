@@ -2,11 +2,17 @@
 
 use crate::solver::rows::contact_rows::PointRows;
 use crate::solver::wide::block::{Block, Point, vector};
-use crate::solver::wide::bond::Tie;
+use crate::solver::wide::bond::BondConstraint;
 
 impl Point {
     /// The point of a lane as rows.
-    pub fn rows(&self, lane: usize, block: &Block, tie: Option<&Tie>, rebound: f32) -> PointRows {
+    pub fn rows(
+        &self,
+        lane: usize,
+        block: &Block,
+        tie: Option<&BondConstraint>,
+        rebound: f32,
+    ) -> PointRows {
         let anchors = [0, 1].map(|k| vector(&self.anchors[k], lane));
         let mut rows = PointRows {
             bodies: block.pair(lane),
@@ -16,16 +22,16 @@ impl Point {
             slop: block.slop.0[lane],
             speed_scale: block.speed_scale.0[lane],
             rebound,
-            total: self.total.0[lane],
+            total_normal_impulse: self.total_normal_impulse.0[lane],
             adhesion: tie.map_or(0.0, |tie| tie.adhesion.0[lane]),
             shear: tie.map_or(0.0, |tie| tie.shear.0[lane]),
             ..PointRows::default()
         };
         rows.set_geometry(vector(&block.normal, lane), anchors, block.sides(lane));
         rows.set_impulses(self.impulse.map(|lanes| lanes.0[lane]));
-        rows.normal.wanted = self.wanted.0[lane];
+        rows.normal.target_velocity = self.target_velocity.0[lane];
         for (k, row) in rows.tangents.iter_mut().enumerate() {
-            row.wanted = tie.map_or(0.0, |tie| tie.wanted[k].0[lane]);
+            row.target_velocity = tie.map_or(0.0, |tie| tie.target_velocity[k].0[lane]);
         }
         rows
     }

@@ -1,6 +1,6 @@
 //! From manifolds to lanes: what blocks hold at the start of a step, and the masses that follow from where bodies are.
 
-use crate::bodies::solver_body::Solid;
+use crate::bodies::solver_body::BodyMass;
 use crate::contact::manifolds::Manifolds;
 use crate::contact::point::{ContactPoint, MAX_POINTS};
 use crate::simd::lanes::{F8, Kernel, LaneWidth, Lanes, WIDTH, run};
@@ -22,7 +22,7 @@ pub struct Source<'a> {
     /// All manifolds of the step.
     pub manifolds: &'a Manifolds,
     /// By number of a body.
-    pub solids: &'a [Solid],
+    pub solids: &'a [BodyMass],
     /// Part of the impulses of the last step that a sub-step starts from.
     pub share: f32,
     /// Overlap that is left alone, as a share of the least extent.
@@ -44,7 +44,7 @@ pub fn fill(blocks: &mut [Block], points: &mut [Point], source: Source<'_>, widt
 pub(crate) fn derive_stale(
     blocks: &mut [Block],
     points: &mut [Point],
-    solids: &[Solid],
+    solids: &[BodyMass],
     stale: impl Iterator<Item = usize>,
     width: LaneWidth,
 ) {
@@ -150,8 +150,8 @@ fn fill_block<L: Lanes>(block: &mut Block, points: &mut [Point], source: &Source
         friction
             .if_above(zero, f2, zero)
             .store(&mut point.impulse[2]);
-        zero.store(&mut point.wanted);
-        zero.store(&mut point.total);
+        zero.store(&mut point.target_velocity);
+        zero.store(&mut point.total_normal_impulse);
     }
 }
 
@@ -172,7 +172,7 @@ fn tangents<L: Lanes>(n: V3<L>) -> [V3<L>; 2] {
 struct Derive<'a, S> {
     blocks: &'a mut [Block],
     points: &'a mut [Point],
-    solids: &'a [Solid],
+    solids: &'a [BodyMass],
     stale: S,
 }
 
@@ -215,11 +215,11 @@ fn derive<L: Lanes>(block: &Block, points: &mut [Point]) {
 
 /// Copies masses and inertias of the bodies into a block; returns their least extents.
 #[inline(always)]
-fn load_masses<L: Lanes>(block: &mut Block, solids: &[Solid]) -> [L; 2] {
+fn load_masses<L: Lanes>(block: &mut Block, solids: &[BodyMass]) -> [L; 2] {
     let mut extents = [L::splat(0.0); 2];
-    for (side, least_extent) in extents.iter_mut().enumerate() {
+    for (side, min_extent) in extents.iter_mut().enumerate() {
         let [xx, yy, zz, xy, xz, yz, mass, extent] = L::gather(solids, &block.bodies[side]);
-        *least_extent = extent;
+        *min_extent = extent;
         mass.store(&mut block.inverse_mass[side]);
         let six = &mut block.inverse_inertia[side];
         xx.store(&mut six[0]);

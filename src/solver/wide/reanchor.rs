@@ -1,27 +1,27 @@
 //! Contact points that follow the motion of their bodies within a step.
 //!
-//! Contacts are found once per step. Where bodies move fast against each other, or turn, the rows of later sub-steps must
-//! point at where the contact points are by then. A contact point stays at its place on one of its bodies, the carrier, and
-//! both bodies see the impulse there, or it would change the total angular momentum. The gap is what lies between the two
+//! ContactBlocks are found once per step. Where bodies move fast against each other, or turn, the rows of later sub-steps must
+//! point at where the contact points are by then. A contact point stays at its place on one of its bodies, the anchor_body, and
+//! both bodies see the impulse there, or it would change the total_normal_impulse angular momentum. The gap is what lies between the two
 //! anchors, each turned with its own body.
 //!
 //! A manifold tells the middle between the two surfaces. That is no place of a body as long as there is a gap: metres from a
 //! splinter in flight, it would sweep around with the splinter's spin and hit what the splinter does not. So what is carried
-//! is the point of the carrier's surface, half a gap away.
+//! is the point of the anchor_body's surface, half a gap away.
 
 use crate::bodies::solver_body::SolverBody;
-use crate::simd::lanes::{F8, Kernel, LaneWidth, Lanes, Numbers, run};
+use crate::simd::lanes::{F8, Kernel, LaneWidth, Lanes, ReadRow, run};
 use crate::simd::vec3::V3;
 use crate::solver::wide::block::points_of;
 use crate::solver::wide::block::{Block, FAR, Point, load_anchors};
-use crate::solver::wide::body_pair::{Frame, Pair};
-use crate::solver::wide::bond::Tie;
+use crate::solver::wide::body_pair::{BodyPair, Frame};
+use crate::solver::wide::bond::BondConstraint;
 use crate::threads::parts::front;
 use glam::Quat;
 
 /// A block of which some lanes follow, so that its masses and couplings change within the step.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Following {
+pub(crate) struct ReanchoredBlock {
     /// Its index.
     pub(crate) block: u32,
     /// Its points, within the starts of all that follow.
@@ -34,27 +34,27 @@ pub(crate) struct Following {
 
 /// Blocks that follow, ascending, which are taken off part by part with the blocks.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Followers<'a> {
-    rest: &'a [Following],
+pub(crate) struct ReanchoredBlocks<'a> {
+    rest: &'a [ReanchoredBlock],
     /// Index of the next block.
     block: usize,
 }
 
-impl<'a> Followers<'a> {
-    pub(crate) fn new(following: &'a [Following]) -> Self {
+impl<'a> ReanchoredBlocks<'a> {
+    pub(crate) fn new(reanchored: &'a [ReanchoredBlock]) -> Self {
         Self {
-            rest: following,
+            rest: reanchored,
             block: 0,
         }
     }
 
     /// Those of the next `blocks` blocks.
-    pub(crate) fn take(&mut self, blocks: usize) -> FollowingPart<'a> {
+    pub(crate) fn take(&mut self, blocks: usize) -> ReanchoredPart<'a> {
         let first_block = self.block;
         self.block += blocks;
         let end = self.block;
         let count = self.rest.partition_point(|f| (f.block as usize) < end);
-        FollowingPart {
+        ReanchoredPart {
             first_block,
             list: front(&mut self.rest, count),
         }
@@ -63,13 +63,13 @@ impl<'a> Followers<'a> {
 
 /// Some of the blocks that follow.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct FollowingPart<'a> {
+pub(crate) struct ReanchoredPart<'a> {
     /// The first block of the part that they are of.
     first_block: usize,
-    list: &'a [Following],
+    list: &'a [ReanchoredBlock],
 }
 
-impl<'a> FollowingPart<'a> {
+impl<'a> ReanchoredPart<'a> {
     /// Indices of the blocks within their part.
     pub(crate) fn blocks(self) -> impl Iterator<Item = usize> + 'a {
         let first = self.first_block;
@@ -85,23 +85,23 @@ impl<'a> FollowingPart<'a> {
     }
 
     /// Notes where the points of these blocks, which are among `blocks`, are at the start of the step.
-    pub(crate) fn start(self, blocks: &[Block], points: &[Point], starts: &mut [Start]) {
+    pub(crate) fn start(self, blocks: &[Block], points: &[Point], starts: &mut [AnchorStart]) {
         let first = points_of(blocks).start;
         let points_there = self.blocks().flat_map(|block| blocks[block].points.clone());
         for (start, point) in starts.iter_mut().zip(points_there) {
-            *start = Start::of(&points[point - first]);
+            *start = AnchorStart::of(&points[point - first]);
         }
     }
 }
 
 /// A point at the start of the step.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Start {
+pub(crate) struct AnchorStart {
     anchors: [[F8; 3]; 2],
     separation: F8,
 }
 
-impl Start {
+impl AnchorStart {
     /// The place of a point that has not moved yet.
     pub(crate) fn of(point: &Point) -> Self {
         Self {
@@ -113,16 +113,16 @@ impl Start {
 
 /// How a body has turned since the start of the step: the quaternion x, y, z, w, then 1 if its points may follow, else 0.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Turn(F8);
+pub(crate) struct BodyRotation(F8);
 
-impl Turn {
+impl BodyRotation {
     pub(crate) fn new(rotation: Quat, may_follow: bool) -> Self {
         let [x, y, z, w] = rotation.to_array();
         Self(F8([x, y, z, w, f32::from(may_follow), 0.0, 0.0, 0.0]))
     }
 }
 
-impl Numbers for Turn {
+impl ReadRow for BodyRotation {
     #[inline(always)]
     fn numbers(&self) -> [f32; 8] {
         self.0.0
@@ -130,54 +130,54 @@ impl Numbers for Turn {
 }
 
 /// Some blocks, and all that is about their points.
-pub(crate) struct Follow<'a> {
+pub(crate) struct Reanchor<'a> {
     pub(crate) blocks: &'a [Block],
-    pub(crate) following: FollowingPart<'a>,
+    pub(crate) reanchored: ReanchoredPart<'a>,
     pub(crate) points: &'a mut [Point],
     /// Empty where nothing is bonded.
-    pub(crate) ties: &'a mut [Tie],
+    pub(crate) bond_constraints: &'a mut [BondConstraint],
     /// Of the points of those blocks that follow.
-    pub(crate) starts: &'a [Start],
-    pub(crate) turns: &'a [Turn],
+    pub(crate) starts: &'a [AnchorStart],
+    pub(crate) turns: &'a [BodyRotation],
     pub(crate) displacements: &'a [SolverBody],
 }
 
-impl Follow<'_> {
+impl Reanchor<'_> {
     pub(crate) fn run(&mut self, width: LaneWidth) {
-        if self.ties.is_empty() {
-            run(width, Tied::<false>(self));
+        if self.bond_constraints.is_empty() {
+            run(width, Bonded::<false>(self));
         } else {
-            run(width, Tied::<true>(self));
+            run(width, Bonded::<true>(self));
         }
     }
 }
 
-struct Tied<'p, 'a, const TIED: bool>(&'p mut Follow<'a>);
+struct Bonded<'p, 'a, const BONDED: bool>(&'p mut Reanchor<'a>);
 
-impl<const TIED: bool> Kernel for Tied<'_, '_, TIED> {
+impl<const BONDED: bool> Kernel for Bonded<'_, '_, BONDED> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Follow {
+        let Reanchor {
             blocks,
-            following,
+            reanchored,
             points,
-            ties,
+            bond_constraints,
             starts,
             turns,
             displacements,
         } = self.0;
         let first = points_of(blocks).start;
         let mut starts = starts.iter();
-        for (at, following) in following.blocks().zip(following.list) {
+        for (at, reanchored) in reanchored.blocks().zip(reanchored.list) {
             let block = &blocks[at];
-            let carried = Carried::<L>::load(block, following, turns, displacements);
+            let carried = AnchorMotion::<L>::load(block, reanchored, turns, displacements);
             let of_block = block.points.start - first..block.points.end - first;
             for (i, start) in of_block.zip(&mut starts) {
                 let (follows, between) = carried.follow(start, &mut points[i]);
-                if TIED {
-                    carried.follow_tie(&mut ties[i], &points[i], follows, &between);
+                if BONDED {
+                    carried.reanchor_bond(&mut bond_constraints[i], &points[i], follows, &between);
                 }
             }
         }
@@ -185,37 +185,37 @@ impl<const TIED: bool> Kernel for Tied<'_, '_, TIED> {
 }
 
 /// The bodies of a block, with how they have moved and turned since the start of the step.
-struct Carried<L> {
+struct AnchorMotion<L> {
     frame: Frame<L>,
-    moved: Pair<L>,
+    moved: BodyPair<L>,
     turns: [[V3<L>; 3]; 2],
     /// 1 in lanes whose points follow.
     moves: L,
     on_b: L,
 }
 
-impl<L: Lanes> Carried<L> {
+impl<L: Lanes> AnchorMotion<L> {
     #[inline(always)]
     fn load(
         block: &Block,
-        following: &Following,
-        turns: &[Turn],
+        reanchored: &ReanchoredBlock,
+        turns: &[BodyRotation],
         displacements: &[SolverBody],
     ) -> Self {
         let [a, b] = &block.bodies;
         let (a, b) = (L::gather(turns, a), L::gather(turns, b));
         Self {
             frame: Frame::load(block),
-            moved: Pair::gather(displacements, block),
+            moved: BodyPair::gather(displacements, block),
             turns: [matrix(&a), matrix(&b)],
-            moves: L::load(&following.moves) * a[4] * b[4],
-            on_b: L::load(&following.on_b),
+            moves: L::load(&reanchored.moves) * a[4] * b[4],
+            on_b: L::load(&reanchored.on_b),
         }
     }
 
     /// Moves a point; returns in which lanes it is there and follows, and how far B has gone against A there, m.
     #[inline(always)]
-    fn follow(&self, start: &Start, point: &mut Point) -> (L, V3<L>) {
+    fn follow(&self, start: &AnchorStart, point: &mut Point) -> (L, V3<L>) {
         let (zero, normal) = (L::splat(0.0), &self.frame.normal);
         let gap = L::load(&start.separation);
         let follows = L::splat(FAR).if_above(gap, self.moves, zero);
@@ -247,7 +247,7 @@ impl<L: Lanes> Carried<L> {
 
     /// Bonded lanes: how far B is off along the tangents, less what displacements add to it.
     #[inline(always)]
-    fn follow_tie(&self, tie: &mut Tie, point: &Point, follows: L, between: &V3<L>) {
+    fn reanchor_bond(&self, tie: &mut BondConstraint, point: &Point, follows: L, between: &V3<L>) {
         let anchors = load_anchors(point);
         for k in 0..2 {
             let tangent = self.frame.tangents[k];
@@ -296,11 +296,11 @@ fn turned<L: Lanes>(columns: &[V3<L>; 3], v: V3<L>) -> V3<L> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Follow, Followers, Following, Start, Turn};
+    use super::{AnchorStart, BodyRotation, Reanchor, ReanchoredBlock, ReanchoredBlocks};
     use crate::bodies::solver_body::SolverBody;
     use crate::simd::lanes::{LaneWidth, WIDTH};
     use crate::solver::wide::block::{Block, FAR, Point, set_vector, vector};
-    use crate::solver::wide::bond::Tie;
+    use crate::solver::wide::bond::BondConstraint;
     use glam::{Mat3, Quat, Vec3};
     use rand_core::Rng;
     use rand_pcg::Pcg32;
@@ -327,19 +327,25 @@ mod tests {
     }
 
     /// A block of manifolds with one to three points; the last lane does not follow, and every other one stays on B.
-    fn block(random: &mut Pcg32, bodies: u32) -> (Block, Vec<Point>, Vec<Tie>, Following) {
-        let (mut block, mut following) = (Block::default(), Following::default());
+    fn block(
+        random: &mut Pcg32,
+        bodies: u32,
+    ) -> (Block, Vec<Point>, Vec<BondConstraint>, ReanchoredBlock) {
+        let (mut block, mut reanchored) = (Block::default(), ReanchoredBlock::default());
         block.points = 0..3;
-        let (mut points, mut ties) = (vec![Point::default(); 3], vec![Tie::default(); 3]);
+        let (mut points, mut bond_constraints) = (
+            vec![Point::default(); 3],
+            vec![BondConstraint::default(); 3],
+        );
         for lane in 0..WIDTH {
             block.put(lane, 0, [0; 2].map(|_: u32| random.next_u32() % bodies));
             set_vector(&mut block.normal, lane, direction(random).normalize());
             for k in 0..2 {
                 set_vector(&mut block.tangents[k], lane, direction(random));
             }
-            following.moves.0[lane] = f32::from(u8::from(lane + 1 < WIDTH));
-            following.on_b.0[lane] = (lane % 2) as f32;
-            for (k, (point, tie)) in points.iter_mut().zip(&mut ties).enumerate() {
+            reanchored.moves.0[lane] = f32::from(u8::from(lane + 1 < WIDTH));
+            reanchored.on_b.0[lane] = (lane % 2) as f32;
+            for (k, (point, tie)) in points.iter_mut().zip(&mut bond_constraints).enumerate() {
                 point.separation.0[lane] = if k <= lane % 3 { signed(random) } else { FAR };
                 for anchor in &mut point.anchors {
                     set_vector(anchor, lane, direction(random));
@@ -347,7 +353,7 @@ mod tests {
                 tie.start[0].0[lane] = signed(random);
             }
         }
-        (block, points, ties, following)
+        (block, points, bond_constraints, reanchored)
     }
 
     /// The definition: anchors on A and B, gap and first slide of a point that has followed.
@@ -375,18 +381,18 @@ mod tests {
         let mut random = Pcg32::new(3, 5);
         for round in 0..300 {
             let (moved, turns) = bodies(&mut random, 5);
-            let lanes_of = |turn: &Quat, is_slow| Turn::new(*turn, is_slow);
-            let turn_rows: Vec<Turn> = (0..5).map(|i| lanes_of(&turns[i], i < 4)).collect();
-            let (block, before, ties, following) = block(&mut random, 5);
-            let starts: Vec<Start> = before.iter().map(Start::of).collect();
-            let (mut points, mut new_ties) = (before.clone(), ties.clone());
+            let lanes_of = |turn: &Quat, is_slow| BodyRotation::new(*turn, is_slow);
+            let turn_rows: Vec<BodyRotation> = (0..5).map(|i| lanes_of(&turns[i], i < 4)).collect();
+            let (block, before, bond_constraints, reanchored) = block(&mut random, 5);
+            let starts: Vec<AnchorStart> = before.iter().map(AnchorStart::of).collect();
+            let (mut points, mut new_ties) = (before.clone(), bond_constraints.clone());
             let width = [LaneWidth::Widest, LaneWidth::Four, LaneWidth::One][round % 3];
-            let following = [following];
-            let mut follow = Follow {
+            let reanchored = [reanchored];
+            let mut follow = Reanchor {
                 blocks: std::slice::from_ref(&block),
-                following: Followers::new(&following).take(1),
+                reanchored: ReanchoredBlocks::new(&reanchored).take(1),
                 points: &mut points,
-                ties: &mut new_ties,
+                bond_constraints: &mut new_ties,
                 starts: &starts,
                 turns: &turn_rows,
                 displacements: &moved,
@@ -401,7 +407,10 @@ mod tests {
                     let gap = before[k].separation.0[lane];
                     if stays || gap == FAR {
                         assert_eq!((new, point.separation.0[lane]), (anchors, gap));
-                        assert_eq!(new_ties[k].slide[0].0[lane], ties[k].slide[0].0[lane]);
+                        assert_eq!(
+                            new_ties[k].slide[0].0[lane],
+                            bond_constraints[k].slide[0].0[lane]
+                        );
                         continue;
                     }
                     let bodies = pair.map(|body| &moved[body]);
@@ -417,7 +426,8 @@ mod tests {
                     assert_eq!(point.separation.0[lane], expected);
                     let tangent = vector(&block.tangents[0], lane);
                     let shift = point.normal_velocity(lane, tangent, bodies);
-                    let expected = ties[k].start[0].0[lane] + tangent.dot(between) - shift;
+                    let expected =
+                        bond_constraints[k].start[0].0[lane] + tangent.dot(between) - shift;
                     assert_eq!(new_ties[k].slide[0].0[lane], expected);
                 }
             }

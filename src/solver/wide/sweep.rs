@@ -3,18 +3,18 @@
 //! Projected Gauss-Seidel on velocities, as [`pgs`](crate::solver::rows::pgs) states it row by row: a point gets the impulses that make
 //! its own velocity right while all others rest, clipped to their bounds.
 //!
-//! Kernels come twice: for points that only push, and with `TIED` for blocks some of whose lanes are [bonded](crate::solver::wide::bond).
+//! Kernels come twice: for points that only push, and with `BONDED` for blocks some of whose lanes are [bonded](crate::solver::wide::bond).
 
 use crate::simd::lanes::{F8, Kernel, Lanes};
 use crate::simd::prefetch::prefetch;
 use crate::solver::config::FrictionModel;
-use crate::solver::rows::soft_step::Feedback;
+use crate::solver::rows::soft_step::Bias;
 use crate::solver::rows::soft_step::Softness;
-use crate::solver::wide::bias::Aim;
+use crate::solver::wide::bias::BiasTargets;
 use crate::solver::wide::block::{Point, load_anchors};
-use crate::solver::wide::body_pair::{Frame, Masses, Pair, load_three, project, store_three};
-use crate::solver::wide::bond::{Bounds, Tie};
-use crate::solver::wide::contacts::Contacts;
+use crate::solver::wide::body_pair::{BodyPair, Frame, Masses, load_three, project, store_three};
+use crate::solver::wide::bond::{BondConstraint, ImpulseBounds};
+use crate::solver::wide::contacts::ContactBlocks;
 
 /// How many blocks and points ahead of a sweep they are asked for: some 200 ns, in which far memory answers.
 const AHEAD: [usize; 2] = [3, 6];
@@ -23,21 +23,25 @@ const AHEAD: [usize; 2] = [3, 6];
 const BODIES_AHEAD: usize = 2;
 
 /// What the two sweeps have in common.
-pub(crate) struct Sweep<'a, 'c, const TIED: bool> {
-    pub(crate) contacts: &'a mut Contacts<'c>,
-    pub(crate) ties: &'a mut [Tie],
+pub(crate) struct Sweep<'a, 'c, const BONDED: bool> {
+    pub(crate) contacts: &'a mut ContactBlocks<'c>,
+    pub(crate) bond_constraints: &'a mut [BondConstraint],
     pub(crate) measure: bool,
 }
 
-impl<const TIED: bool> Sweep<'_, '_, TIED> {
-    /// Solves each point of each block by a rule, after its wanted velocity has been set if there is an `aim`.
+impl<const BONDED: bool> Sweep<'_, '_, BONDED> {
+    /// Solves each point of each block by a rule, after its target_velocity velocity has been set if there is an `aim`.
     #[inline(always)]
-    fn each_point<L: Lanes, R: Rule<L>>(self, rule: &R, aim: Option<&Aim<'_, L>>) -> f32 {
-        let Contacts {
+    fn each_point<L: Lanes, R: PointUpdate<L>>(
+        self,
+        rule: &R,
+        aim: Option<&BiasTargets<'_, L>>,
+    ) -> f32 {
+        let ContactBlocks {
             blocks,
             points,
             first_point,
-            blows,
+            impacts,
             bodies,
             friction: model,
             is_far,
@@ -54,7 +58,7 @@ impl<const TIED: bool> Sweep<'_, '_, TIED> {
             }
             let (frame, masses) = (Frame::<L>::load(block), Masses::load(block));
             let friction = L::load(&block.friction);
-            let mut pair = Pair::<L>::gather(bodies, block);
+            let mut pair = BodyPair::<L>::gather(bodies, block);
             let aim = aim.map(|aim| (aim, aim.of_block(block)));
             let mut change = zero;
             let start = block.points.start - *first_point;
@@ -68,18 +72,18 @@ impl<const TIED: bool> Sweep<'_, '_, TIED> {
                     aim.at(of_block, &anchors, point);
                 }
                 let velocity = pair.relative(&anchors);
-                let mut state = State::<L, TIED> {
+                let mut state = State::<L, BONDED> {
                     velocity: [
                         frame.normal.dot(velocity),
                         frame.tangents[0].dot(velocity),
                         frame.tangents[1].dot(velocity),
                     ],
                     impulse: load_three(&point.impulse),
-                    rebound: match blows.get(i) {
-                        Some(blow) => L::load(&blow.rebound),
+                    rebound: match impacts.get(i) {
+                        Some(impact) => L::load(&impact.rebound),
                         None => zero,
                     },
-                    bounds: Bounds::load(friction, self.ties.get(i)),
+                    bounds: ImpulseBounds::load(friction, self.bond_constraints.get(i)),
                     model: *model,
                     point,
                 };
@@ -112,18 +116,18 @@ fn largest_change<L: Lanes>(point: &Point, delta: [L; 3]) -> L {
 }
 
 /// A point that is being solved.
-struct State<'p, L, const TIED: bool> {
+struct State<'p, L, const BONDED: bool> {
     /// Along normal and tangents, m/s.
     velocity: [L; 3],
     /// Along normal and tangents, N s.
     impulse: [L; 3],
     rebound: L,
-    bounds: Bounds<L, TIED>,
+    bounds: ImpulseBounds<L, BONDED>,
     model: FrictionModel,
     point: &'p Point,
 }
 
-impl<L: Lanes, const TIED: bool> State<'_, L, TIED> {
+impl<L: Lanes, const BONDED: bool> State<'_, L, BONDED> {
     /// Moves the normal impulse to `wish`, or to its bound; returns the change.
     #[inline(always)]
     fn move_normal(&mut self, wish: L) -> L {
@@ -152,7 +156,7 @@ impl<L: Lanes, const TIED: bool> State<'_, L, TIED> {
     }
 }
 
-/// By how much an impulse along one of normal and tangents changes what is wanted along the other, `mass` of which a change
+/// By how much an impulse along one of normal and tangents changes what is target_velocity along the other, `mass` of which a change
 /// of velocity asks for.
 ///
 /// This is multiplied while the first impulse is still waited for: the second one then follows from it by two operations.
@@ -163,36 +167,36 @@ fn load_coupling<L: Lanes>(point: &Point, mass: L) -> [L; 2] {
 }
 
 /// What a sweep does to a point.
-trait Rule<L> {
+trait PointUpdate<L> {
     /// Changes the impulses of a point; returns by how much.
-    fn solve<const TIED: bool>(&self, state: &mut State<'_, L, TIED>) -> [L; 3];
+    fn solve<const BONDED: bool>(&self, state: &mut State<'_, L, BONDED>) -> [L; 3];
 }
 
-/// With position feedback, friction before the normal.
-struct Feeding<L> {
+/// With position bias, friction before the normal.
+struct SolveWithBias<L> {
     mass_scale: L,
     keep: L,
 }
 
-impl<L: Lanes> Feeding<L> {
+impl<L: Lanes> SolveWithBias<L> {
     #[inline(always)]
     fn new(softness: Softness) -> Self {
         Self {
             mass_scale: L::splat(softness.mass_scale),
-            keep: L::splat(1.0 - softness.release),
+            keep: L::splat(1.0 - softness.impulse_scale),
         }
     }
 
     /// Friction that stops the point or, where it is bonded, takes it back as softly as the normal does.
     #[inline(always)]
-    fn friction<const TIED: bool>(&self, state: &State<'_, L, TIED>) -> [L; 2] {
+    fn friction<const BONDED: bool>(&self, state: &State<'_, L, BONDED>) -> [L; 2] {
         let stopping = state.stopping_friction();
-        if !TIED {
+        if !BONDED {
             return stopping;
         }
         let mass = L::load(&state.point.tangent_mass);
         let back = |k: usize| {
-            let correction = (state.velocity[k + 1] - state.bounds.wanted[k]) * mass;
+            let correction = (state.velocity[k + 1] - state.bounds.target_velocity[k]) * mass;
             self.keep * state.impulse[k + 1] - self.mass_scale * correction
         };
         [
@@ -202,19 +206,19 @@ impl<L: Lanes> Feeding<L> {
     }
 }
 
-impl<L: Lanes> Rule<L> for Feeding<L> {
+impl<L: Lanes> PointUpdate<L> for SolveWithBias<L> {
     #[inline(always)]
-    fn solve<const TIED: bool>(&self, state: &mut State<'_, L, TIED>) -> [L; 3] {
+    fn solve<const BONDED: bool>(&self, state: &mut State<'_, L, BONDED>) -> [L; 3] {
         let (one, below_zero) = (L::splat(1.0), L::splat(-f32::MIN_POSITIVE));
         let friction = self.friction(state);
-        let wanted = L::load(&state.point.wanted);
+        let target_velocity = L::load(&state.point.target_velocity);
         let mass = L::load(&state.point.normal_mass);
         // A gap is to be closed at a negative velocity; only what overlaps gives way, or what is bonded.
-        let overlaps = state.bounds.if_bonded(one, wanted);
+        let overlaps = state.bounds.if_bonded(one, target_velocity);
         let scale = overlaps.if_above(below_zero, self.mass_scale, one);
         let keep = overlaps.if_above(below_zero, self.keep, one);
         let per_speed = scale * mass;
-        let alone = keep * state.impulse[0] - (state.velocity[0] - wanted) * per_speed;
+        let alone = keep * state.impulse[0] - (state.velocity[0] - target_velocity) * per_speed;
         let [from_t1, from_t2] = load_coupling(state.point, per_speed);
         let [t1, t2] = state.move_tangents(friction);
         let wish = alone - (from_t1 * t1 + from_t2 * t2);
@@ -222,15 +226,15 @@ impl<L: Lanes> Rule<L> for Feeding<L> {
     }
 }
 
-/// Without position feedback. The normal impulse falls by what pushed overlap out; friction must not keep the bound that
+/// Without position bias. The normal impulse falls by what pushed overlap out; friction must not keep the bound that
 /// came with it, so it comes second.
-struct Settling;
+struct RelaxPoint;
 
-impl<L: Lanes> Rule<L> for Settling {
+impl<L: Lanes> PointUpdate<L> for RelaxPoint {
     #[inline(always)]
-    fn solve<const TIED: bool>(&self, state: &mut State<'_, L, TIED>) -> [L; 3] {
+    fn solve<const BONDED: bool>(&self, state: &mut State<'_, L, BONDED>) -> [L; 3] {
         let zero = L::splat(0.0);
-        let closing = L::load(&state.point.wanted).min(zero);
+        let closing = L::load(&state.point.target_velocity).min(zero);
         let may_close = state.impulse[0].if_above(zero, zero, closing);
         let at_rest = state.bounds.if_bonded(zero, may_close);
         let target = state.rebound.if_above(zero, state.rebound, at_rest);
@@ -244,46 +248,46 @@ impl<L: Lanes> Rule<L> for Settling {
     }
 }
 
-pub(crate) struct Solve<'a, 'c, const TIED: bool>(
-    pub(crate) Sweep<'a, 'c, TIED>,
+pub(crate) struct SolveKernel<'a, 'c, const BONDED: bool>(
+    pub(crate) Sweep<'a, 'c, BONDED>,
     pub(crate) Softness,
 );
 
-impl<const TIED: bool> Kernel for Solve<'_, '_, TIED> {
+impl<const BONDED: bool> Kernel for SolveKernel<'_, '_, BONDED> {
     type Output = f32;
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> f32 {
-        self.0.each_point::<L, _>(&Feeding::new(self.1), None)
+        self.0.each_point::<L, _>(&SolveWithBias::new(self.1), None)
     }
 }
 
-pub(crate) struct SolveFirst<'a, 'c> {
+pub(crate) struct SolveFirstKernel<'a, 'c> {
     pub(crate) sweep: Sweep<'a, 'c, false>,
     pub(crate) softness: Softness,
-    pub(crate) feedback: Feedback,
+    pub(crate) bias: Bias,
     pub(crate) first: bool,
 }
 
-impl Kernel for SolveFirst<'_, '_> {
+impl Kernel for SolveFirstKernel<'_, '_> {
     type Output = f32;
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> f32 {
         let displacements = self.sweep.contacts.displacements;
-        let aim = Aim::<L>::new(displacements, &self.feedback, self.first);
-        let rule = Feeding::new(self.softness);
+        let aim = BiasTargets::<L>::new(displacements, &self.bias, self.first);
+        let rule = SolveWithBias::new(self.softness);
         self.sweep.each_point::<L, _>(&rule, Some(&aim))
     }
 }
 
-pub(crate) struct Relax<'a, 'c, const TIED: bool>(pub(crate) Sweep<'a, 'c, TIED>);
+pub(crate) struct RelaxKernel<'a, 'c, const BONDED: bool>(pub(crate) Sweep<'a, 'c, BONDED>);
 
-impl<const TIED: bool> Kernel for Relax<'_, '_, TIED> {
+impl<const BONDED: bool> Kernel for RelaxKernel<'_, '_, BONDED> {
     type Output = f32;
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> f32 {
-        self.0.each_point::<L, _>(&Settling, None)
+        self.0.each_point::<L, _>(&RelaxPoint, None)
     }
 }

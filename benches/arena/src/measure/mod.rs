@@ -208,7 +208,7 @@ impl<'s> Meter<'s> {
             Truth::Settle { .. } => self.report.pen_mean,
             Truth::Fall => (last[1].pos - first[1].pos - 0.5 * g * t * t).length(),
             Truth::Slide => self.slide(),
-            Truth::Spin => {
+            Truth::FreeRotation => {
                 let exact = free_rotation(&self.mass[0].1, &first[0], t);
                 last[0].rot.angle_between(exact)
             }

@@ -53,7 +53,7 @@ fn chart(scene: &str, rows: &[&Row], engines: &[String]) -> Chart {
     };
     let series = engines.iter().enumerate().map(|(i, engine)| Series {
         name: engine.clone(),
-        colour: PALETTE[i % PALETTE.len()],
+        color: PALETTE[i % PALETTE.len()],
         mark: Some(if OURS.contains(&engine.as_str()) {
             Mark::Circle
         } else {

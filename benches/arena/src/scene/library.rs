@@ -45,7 +45,7 @@ pub(crate) fn build(spec: &str) -> Option<Scene> {
     Some(scene)
 }
 
-/// Wall of unit boxes, `base` wide, with gaps between neighbours in a row.
+/// Wall of unit boxes, `base` wide, with gaps between neighbors in a row.
 fn pyramid(base: usize) -> Scene {
     let mut s = Scene::on_ground("pyramid", Truth::Rest { fell: 0.5 });
     let cube = s.boxed(Vec3::splat(0.5));
@@ -190,14 +190,14 @@ fn slope(name: &str, offset: f32, truth: Truth) -> Scene {
 
 /// Torque-free rotation about the unstable axis.
 fn spin() -> Scene {
-    let mut s = Scene::new("spin", Truth::Spin);
+    let mut s = Scene::new("spin", Truth::FreeRotation);
     s.gravity = Vec3::ZERO;
     let shape = s.boxed(vec3(0.5, 0.1, 0.25));
     s.add(shape, Vec3::ZERO).angvel = vec3(0.02, 0.01, 5.0);
     s
 }
 
-/// Two hulls collide off-centre in empty space.
+/// Two hulls collide off-center in empty space.
 fn collide() -> Scene {
     let mut s = Scene::new("collide", Truth::Isolated);
     s.gravity = Vec3::ZERO;

@@ -9,7 +9,7 @@ use glam::{Quat, Vec3, vec3};
 use parry3d_f64::shape::SharedShape;
 use random::Rng;
 
-/// A convex hull whose centre of mass is the local origin.
+/// A convex hull whose center of mass is the local origin.
 pub(crate) struct Shape {
     pub(crate) points: Vec<Vec3>,
     /// Set when the hull is an axis-aligned box, so that an engine may use its native box.
@@ -43,7 +43,7 @@ pub(crate) enum Truth {
     /// Body 1 slides from rest on the ground. `err` = |a − a_exact| / |a_exact|.
     Slide,
     /// Body 0 spins freely. `err` = angle \[rad\] to a double-precision reference orientation at the end.
-    Spin,
+    FreeRotation,
     /// Body 1 bounces. `err` = relative error of the rebound height, which should be `height`.
     Bounce { height: f32 },
     /// Isolated system. `err` = relative drift of linear and angular momentum (the larger one).
@@ -114,7 +114,7 @@ impl Scene {
         self.shapes.len() - 1
     }
 
-    /// Adds the convex hull of `points`; returns its index and its centre of mass, now the local origin.
+    /// Adds the convex hull of `points`; returns its index and its center of mass, now the local origin.
     fn hull(&mut self, points: &[Vec3]) -> (usize, Vec3) {
         let points: Vec<_> = points.iter().map(|p| p.as_dvec3()).collect();
         let hull = SharedShape::convex_hull(&points).expect("degenerate hull");

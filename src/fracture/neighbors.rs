@@ -13,7 +13,7 @@ const TOUCHING_SHARE: f32 = 0.01;
 
 /// Least area that is worth a bond, as a share of the square of the smaller body's least extent: more than rounding makes
 /// of two edges that touch.
-const LEAST_AREA: f32 = 1e-3;
+const MIN_AREA: f32 = 1e-3;
 
 /// Pairs of the bodies that may touch, in no particular order: a sweep along x over their boxes.
 pub(super) fn close_pairs(bodies: &Bodies, slots: &[u32]) -> Vec<[u32; 2]> {
@@ -22,7 +22,7 @@ pub(super) fn close_pairs(bodies: &Bodies, slots: &[u32]) -> Vec<[u32; 2]> {
         let Some(mesh) = bodies.convex(slot) else {
             return [Vec3::NEG_INFINITY, Vec3::INFINITY];
         };
-        let margin = TOUCHING_SHARE * bodies.least_extent[slot as usize];
+        let margin = TOUCHING_SHARE * bodies.min_extent[slot as usize];
         let corners = mesh.hull().vertices().iter();
         let corners = corners.map(|v| pose.transform_point(*v));
         corners.fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[min, max], v| {
@@ -71,7 +71,7 @@ pub(super) fn area_in_pose(bodies: &Bodies, a: u32, b: u32, b_in_a: &Pose) -> Op
         }
         (Shape::HalfSpace(_), Shape::HalfSpace(_)) => 0.0,
     };
-    (area > LEAST_AREA * extent * extent).then_some(area)
+    (area > MIN_AREA * extent * extent).then_some(area)
 }
 
 pub(super) fn can_move(bodies: &Bodies, a: u32, b: u32) -> bool {
@@ -82,6 +82,6 @@ pub(super) fn can_move(bodies: &Bodies, a: u32, b: u32) -> bool {
 
 /// Lesser of the least extents of two bodies, m.
 pub(super) fn smaller_extent(bodies: &Bodies, slots: [u32; 2]) -> f32 {
-    let [a, b] = slots.map(|slot| bodies.least_extent[slot as usize]);
+    let [a, b] = slots.map(|slot| bodies.min_extent[slot as usize]);
     a.min(b)
 }
