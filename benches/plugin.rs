@@ -78,7 +78,7 @@ fn compare(count: usize, rounds: usize) {
         times[2].push(microseconds(|| updated.update()));
         times[3].push(microseconds(|| bare.update()));
     }
-    // The first half lets everything request_sleep and buffers grow.
+    // The first half lets everything settle and buffers grow.
     let [step, schedule, update, bare] = times.map(|mut t| median(&mut t[rounds / 2..]));
     let share = |time: f64| 100.0 * (time / step - 1.0);
     println!(

@@ -481,7 +481,7 @@ fn contacts_scale_with_the_bodies() {
         let (a, b, pose) = random_pair(&mut random);
         let margin = 0.02 * size_of(&a, &b);
         let patch = collide_hulls(&a, &b, pose, margin, &mut scratch);
-        // Powers of two, so that every product scales without rounding and even bond_constraints fall the same way.
+        // Powers of two, so that every product scales without rounding and even ties fall the same way.
         for scale in [2.0_f32.recip().powi_exact(10), 1024.0] {
             let big = Pose::new(pose.position * scale, pose.rotation);
             let (a, b) = (scaled(&a, scale), scaled(&b, scale));

@@ -183,7 +183,7 @@ fn a_contact_kept_on_a_slide_is_what_a_new_test_finds() {
             let at = |p: &ContactPoint| reach(if plate_is_a { p.anchor_a } else { p.anchor_b });
             let farthest = old.points().iter().map(at).fold(0.0, f32::max);
             assert!(farthest < 1.5 + 1e-3 * extent, "case {case}: {farthest}");
-            // At the edge there may be more corners than points, and bond_constraints among them.
+            // At the edge there may be more corners than points, and ties among them.
             if new.points().iter().all(|p| at(p) < 1.499) {
                 worst = worst.max(difference(&old, &new) / extent);
                 // A test finds codes anew.

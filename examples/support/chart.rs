@@ -103,7 +103,7 @@ impl Axis {
         }
     }
 
-    /// LaneSlot of a value along the axis, 0 to 1; values beyond an end are put on it.
+    /// Place of a value along the axis, 0 to 1; values beyond an end are put on it.
     fn place(&self, value: f64) -> f64 {
         let map = |v: f64| if self.is_log { v.log10() } else { v };
         let share = (map(value) - map(self.low)) / (map(self.high) - map(self.low));

@@ -324,7 +324,7 @@ impl<const N: usize> PrincipalAxes<N> {
         }
     }
 
-    /// `v` sleep_changes, without the change of length that the rounding of the quaternion's own length makes: it has a direction,
+    /// `v` turned, without the change of length that the rounding of the quaternion's own length makes: it has a direction,
     /// and thousands of sub-steps would add it up.
     #[inline(always)]
     fn turn(self, v: V3<Doubles<N>>) -> V3<Doubles<N>> {
@@ -338,7 +338,7 @@ impl<const N: usize> PrincipalAxes<N> {
     }
 }
 
-/// `v` seen from a frame that has sleep_changes for `h` seconds with `omega`; the rotation of [`rotate_by`].
+/// `v` seen from a frame that has turned for `h` seconds with `omega`; the rotation of [`rotate_by`].
 #[inline(always)]
 fn turned_back<const N: usize>(
     v: V3<Doubles<N>>,

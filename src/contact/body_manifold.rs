@@ -180,7 +180,7 @@ impl BodyManifold {
 
     /// Separations and anchors, given the points' places on the two bodies in world axes.
     ///
-    /// The contact is midway between the surfaces, and goes with the body that its point belongs to. Ordered apart from the
+    /// The contact is midway between the surfaces, and goes with the body that its point belongs to. Kept apart from the
     /// copying to single points, which would have the compiler mix the lanes.
     #[inline(never)]
     fn place(&self, n: Vec3, apart: Vec3, a: &Points4, b: &Points4, along: &Points4) -> Placed {

@@ -2,7 +2,7 @@
 
 use std::ops::{Add, Div, Mul, Sub};
 
-/// ReadRow by lane. Loops over them become vector instructions: of two in any program, of more where they are compiled for a
+/// Numbers by lane. Loops over them become vector instructions: of two in any program, of more where they are compiled for a
 /// processor that has such.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]

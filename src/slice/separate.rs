@@ -1,7 +1,7 @@
 //! Pieces whose visual meshes fall apart, as a piece for each part.
 //!
 //! A plane through a table's legs leaves four stumps in one half of the table's hull. Each of them gets the convex hull
-//! around itself, and falls on its own. ComponentParts whose hulls reach into each other, such as the links of a chain or a ball in
+//! around itself, and falls on its own. Parts whose hulls reach into each other, such as the links of a chain or a ball in
 //! a bowl, would be pushed apart as soon as they were bodies; they stay one piece, with the hull around all of them.
 
 use crate::geometry::hull::hull_unless_flat;

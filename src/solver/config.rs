@@ -72,7 +72,7 @@ pub struct SolverConfig {
     pub restitution_threshold: f32,
     /// Shape of the friction bound.
     pub friction_model: FrictionModel,
-    /// AnchorStart each solve from the multipliers in the [`ContactCache`](crate::contact::impulses::ContactCache).
+    /// Start each solve from the multipliers in the [`ContactCache`](crate::contact::impulses::ContactCache).
     pub warm_start: bool,
     /// Largest velocity change, m/s, that a sweep may still make to bodies of 1 m when the sweeps of a sub-step end; for other
     /// sizes it grows with the square root of the least extent, as speeds under gravity do. Where bodies move, a hundredth of the
@@ -173,7 +173,7 @@ impl Default for SolverConfig {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum ContactOrder {
-    /// Ordered where that fills at least half of the lanes, else by colors.
+    /// Kept where that fills at least half of the lanes, else by colors.
     #[default]
     Automatic,
     /// In their order: a sweep carries support up through a whole stack that was built from the ground.
@@ -185,7 +185,7 @@ pub enum ContactOrder {
 
 /// When islands fall asleep.
 ///
-/// Speeds and distances are subdomain_slices of what is natural for a body's size, so that a scene and its model in another scale
+/// Speeds and distances are shares of what is natural for a body's size, so that a scene and its model in another scale
 /// fall asleep alike: without gravity only what does not move at all rests.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]

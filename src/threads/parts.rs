@@ -54,7 +54,7 @@ pub(crate) struct SizedParts<'l, T, S> {
 }
 
 impl<'l, T, S> SizedParts<'l, T, S> {
-    /// SizedParts of `list`; `sizes` add up to its length.
+    /// Pieces of `list`; `sizes` add up to its length.
     pub(crate) fn new(list: &'l mut [T], sizes: S) -> Self {
         Self { rest: list, sizes }
     }

@@ -24,7 +24,7 @@ const CARRIER: usize = 10;
 const SETTLED: usize = 12;
 
 /// A floor; a slab with a stack on it; a stack that is pushed; a long box that is cut under another; a box on a fixed
-/// carrier that moves on; one that is told to request_sleep; a tower under a ball that falls from far above; a heap.
+/// carrier that moves on; one that is told to settle; a tower under a ball that falls from far above; a heap.
 pub(crate) fn bodies() -> Vec<BodyDesc> {
     let cube = cuboid(Vec3::ONE);
     let mut bodies = vec![floor(0.6)];

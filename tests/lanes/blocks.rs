@@ -287,7 +287,7 @@ impl Blocks {
     }
 }
 
-/// What sets the target_velocity velocities.
+/// What sets the target velocities.
 #[derive(Clone, Copy)]
 enum Targets {
     Before,

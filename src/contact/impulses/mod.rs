@@ -15,7 +15,7 @@
 //! - impulses are scaled by the ratio of step lengths, since a resting contact's impulse is force times step;
 //! - the friction impulse is kept as a vector in A's frame and projected anew on the tangent plane.
 //!
-//! Chunk of points found, 60 Hz, unit cube (or 16-sided prism of radius 0.5 m) on a floor of 10 m with cells of
+//! Share of points found, 60 Hz, unit cube (or 16-sided prism of radius 0.5 m) on a floor of 10 m with cells of
 //! 5 x 10 mm, as `tests/contact_cache.rs` plays it:
 //!
 //! | motion | own codes only | with nearest cell |
@@ -218,7 +218,7 @@ pub struct CacheStats {
 }
 
 impl CacheStats {
-    /// Chunk of points that were warm started, 0 to 1; 1 if there were no points.
+    /// Share of points that were warm started, 0 to 1; 1 if there were no points.
     pub fn hit_rate(&self) -> f32 {
         if self.points == 0 {
             return 1.0;

@@ -151,7 +151,7 @@ impl ContactCache {
     /// Hands the entries of bodies that were cut to their pieces. `rotation_of` tells `world_from_body` of any body that
     /// has entries; it is not asked for parents.
     ///
-    /// A point is known by its cell, so that it may be off by half a cell when its piece is looked for. SizedParts have higher
+    /// A point is known by its cell, so that it may be off by half a cell when its piece is looked for. Pieces have higher
     /// ids than all other bodies.
     pub fn transfer(&mut self, families: &[Split], rotation_of: impl Fn(BodyId) -> Quat) {
         let rotation = |id: BodyId| {

@@ -12,7 +12,7 @@ use glam::DVec2;
 pub(crate) struct CornerTurn {
     corner: u32,
     turn: i32,
-    /// LaneSlot in the plane's frame, m.
+    /// Place in the plane's frame, m.
     point: DVec2,
 }
 

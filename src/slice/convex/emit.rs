@@ -149,7 +149,7 @@ struct LoopWriter<'a> {
 impl LoopWriter<'_> {
     /// Writes the first faces of a part: those with these indices, of a hull that has only triangles.
     ///
-    /// Ordered apart, as the next, so that all that the loop needs stays in registers.
+    /// Kept apart, as the next, so that all that the loop needs stays in registers.
     #[inline(never)]
     fn write_triangles(
         &mut self,

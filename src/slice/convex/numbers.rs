@@ -24,7 +24,7 @@ pub(super) struct PartNumbers {
     first_face: usize,
     /// The hull's vertices that the part has.
     pub(super) vertices: Selection,
-    /// The hull's faces that the part has whole. FacePieces of cut faces follow them, and then the cap.
+    /// The hull's faces that the part has whole. Pieces of cut faces follow them, and then the cap.
     pub(super) whole_faces: Selection,
     /// How many faces the part has.
     faces: usize,
@@ -99,7 +99,7 @@ impl PartNumbers {
 }
 
 impl Renumbering {
-    /// Renumbering vertices and faces, and checks that both parts fulfil Euler's formula.
+    /// Numbers vertices and faces, and checks that both parts fulfil Euler's formula.
     ///
     /// Each edge of a part has one face on either side, because it inherits them from the hull or is on the rim, which is one
     /// simple loop; so the formula says that the part is one closed surface without handles.

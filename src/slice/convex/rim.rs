@@ -252,7 +252,7 @@ const UP: u8 = 3;
 /// Where it comes down.
 const DOWN: u8 = 4;
 
-/// FacePieces of a triangle below and above the plane, by which of its corners are below, the first one's bit the lowest. One of
+/// Pieces of a triangle below and above the plane, by which of its corners are below, the first one's bit the lowest. One of
 /// the two has three corners, and its last one here means nothing.
 ///
 /// The piece below begins with the first corner below, as in [`divide_face`]: it decides along which diagonal the piece is

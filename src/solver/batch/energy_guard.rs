@@ -1,4 +1,4 @@
-//! ContactBlocks give no energy to an island, solved to the end or not.
+//! Contacts give no energy to an island, solved to the end or not.
 //!
 //! What pushes overlap out of a sub-step is taken from the velocities again when the bodies have moved. Where sweeps end too
 //! early, as under a heavy body on light ones, part of it stays: a ball of 155 kg that a stack of laths of 2.4 kg had stopped
@@ -60,7 +60,7 @@ impl LinearSums {
         self.after += mass * now.linear * now.linear;
     }
 
-    pub(crate) fn total_normal_impulse(&self) -> Sums {
+    pub(crate) fn total(&self) -> Sums {
         let [with_gain, square, after] =
             [self.with_gain, self.square, self.after].map(|v| f64::from(v.element_sum()));
         Sums {
@@ -124,7 +124,7 @@ impl Batch {
         config.method == Method::SoftStep && config.relax_sweeps > 0
     }
 
-    /// Takes the impulses of an island, whose contact_velocity_changes are known, times the share that adds no energy. `linear`: sums of linear
+    /// Takes the impulses of an island, whose gains are known, times the share that adds no energy. `linear`: sums of linear
     /// motion alone.
     pub(crate) fn guard_energy(&mut self, member: &Member, linear: Sums, team: Option<&Team>) {
         let speed = self.settings.gravity.length() * self.settings.step();
@@ -141,7 +141,7 @@ impl Batch {
     /// Whether bodies that contacts do not move, but that move, may give energy.
     fn is_driven(&self, member: &Member) -> bool {
         let moves = |body: &SolverBody| body.linear != Vec3::ZERO || body.angular != Vec3::ZERO;
-        // ContactBlocks move those in leaves.
+        // Contacts move those in leaves.
         let leaves = self.layout.cuts.leaves();
         let first = leaves.last().map_or(member.bodies.start, |leaf| leaf.end);
         let mut bodies = self.bodies[first..member.bodies.end].iter();

@@ -20,7 +20,7 @@ pub(crate) struct Hits {
 }
 
 impl Batch {
-    /// Finds the bodies that hit something faster than `threshold` (m/s) in this sub-step, whose target_velocity velocities are known,
+    /// Finds the bodies that hit something faster than `threshold` (m/s) in this sub-step, whose target velocities are known,
     /// and remembers the impulses of their contacts.
     pub(crate) fn note_impacts(&mut self, threshold: f32) -> Hits {
         let mut is_hit = std::mem::take(&mut self.scratch.is_hit);
@@ -57,7 +57,7 @@ impl Batch {
         self.moving.iter().any(closes)
     }
 
-    /// Whether the two bodies close their gap so fast that the impulses between them are those of a impact.
+    /// Whether the two bodies close their gap so fast that the impulses between them are those of an impact.
     fn hits(&self, moving: &MovingManifold, threshold: f32) -> bool {
         let lane = moving.place.lane as usize;
         self.closes(moving, |point| {
@@ -82,7 +82,7 @@ impl Batch {
         impacts.any(|impact| impact.rebound.0[lane] > 0.0)
     }
 
-    /// Takes the impulses of a impact back to the remembered ones, without losing what they add to the total_normal_impulse: those of the bodies
+    /// Takes the impulses of an impact back to the remembered ones, without losing what they add to the total: those of the bodies
     /// that were hit, and those that changed as if theirs had been, by `threshold` (m/s) at the point, because a impact goes on
     /// through what stands behind.
     pub(crate) fn restore_warm_start(&mut self, threshold: f32) {

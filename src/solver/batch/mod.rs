@@ -1,6 +1,6 @@
 //! Islands that are solved together: their bodies, blocks of contacts and buffers, in one piece of memory each.
 //!
-//! A batch subdomain_slices nothing that is written with any other, so batches are loaded and solved side by side. Large islands and
+//! A batch shares nothing that is written with any other, so batches are loaded and solved side by side. Large islands and
 //! those in which bodies may hit each other have a batch of their own; calm small ones share one, which fills its lanes.
 
 mod bonds;
@@ -76,7 +76,7 @@ pub struct MovingManifold {
     pub bodies: [u32; 2],
     /// Which of the two bodies the contact points move with: 0 for A, 1 for B.
     pub anchor_body: usize,
-    /// If the two may pass through each other in the step: half the least extent of the anchor_body, m.
+    /// If the two may pass through each other in the step: half the least extent of the anchor body, m.
     pub ccd_radius: Option<f32>,
 }
 

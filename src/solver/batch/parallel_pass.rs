@@ -64,7 +64,7 @@ impl ParallelPass<'_> {
         } else {
             &self.impacts[range.clone()]
         };
-        // SAFETY: points and their bond_constraints follow their blocks, and no other thread has these blocks; of the bodies, subdomains of
+        // SAFETY: points and their ties follow their blocks, and no other thread has these blocks; of the bodies, subdomains of
         // one stage write different ones, see above. Displacements are not written.
         let change = unsafe {
             let mut contacts = ContactBlocks {

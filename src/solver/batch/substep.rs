@@ -8,7 +8,7 @@
 //! for each sub-step of h seconds:
 //!   v += h g
 //!   warm start                 the impulses of the sub-step before
-//!   solve                      s -> target_velocity velocities, compliance, rebounds; then impulses
+//!   solve                      s -> target velocities, compliance, rebounds; then impulses
 //!   q += h v
 //!   relax                      takes the velocity that pushed overlap out from the bodies again; impacts rebound
 //!   passive                    where that was not all, no energy stays
@@ -43,7 +43,7 @@ const MOVING_TOLERANCE: f32 = 0.01;
 /// The same where bodies hit each other that may pass through each other in the step: what is left of their speeds is large.
 const FAST_TOLERANCE: f32 = 1e-4;
 
-/// BodyRotation within a sub-step, rad, up to which rows that have been solved may be pointed anew.
+/// Turn within a sub-step, rad, up to which rows that have been solved may be pointed anew.
 const MAX_TURN: f32 = 0.05;
 
 /// Bytes that a core's second-level cache keeps of what is gone through again and again; most have 512 KiB to 2 MiB.
@@ -54,7 +54,7 @@ const NEAR_CACHE: usize = 1 << 19;
 enum SweepKind {
     /// With position bias.
     Solve(Softness),
-    /// The same, where target_velocity velocities are to be set on the way.
+    /// The same, where target velocities are to be set on the way.
     SolveFrom {
         bias: Bias,
         first: bool,
@@ -238,7 +238,7 @@ impl Batch {
         }
     }
 
-    /// Fills the target_velocity velocities; returns the fastest rebound, scaled to a size of 1 m, m/s.
+    /// Fills the target velocities; returns the fastest rebound, scaled to a size of 1 m, m/s.
     fn set_targets(&mut self, settings: &SubstepSettings, first: bool, team: Option<&Team>) -> f32 {
         let bias = settings.bias();
         self.pass(Pass::UpdateBias { bias, first }, team);

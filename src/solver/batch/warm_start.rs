@@ -67,14 +67,14 @@ impl Batch {
             let linear = self.note_gains_of_leaves(team);
             self.guard_energy(member, linear, team);
         } else {
-            // Behind their bodies there is only the dummy one, which contact_velocity_changes nothing.
+            // Behind their bodies there is only the dummy one, which gains nothing.
             for member in &members {
                 let bodies = member.bodies.clone();
                 let linear = note_contact_velocity_changes(
                     &mut self.scratch.contact_velocity_changes[bodies.clone()],
                     &self.bodies[bodies],
                 );
-                self.guard_energy(member, linear.total_normal_impulse(), team);
+                self.guard_energy(member, linear.total(), team);
             }
         }
         self.layout.members = members;
@@ -115,7 +115,7 @@ impl Batch {
         self.add_to_gains(1.0);
     }
 
-    /// Adds `share` times what the impulses of reanchored blocks are worth to the contact_velocity_changes, if these are known.
+    /// Adds `share` times what the impulses of reanchored blocks are worth to the gains, if these are known.
     fn add_to_gains(&mut self, share: f32) {
         if self.scratch.contact_velocity_changes.is_empty() {
             return;

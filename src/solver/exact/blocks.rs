@@ -67,7 +67,7 @@ pub(crate) const FIXED: u32 = u32::MAX;
 /// One contact: block rows of its bodies and its rows of `K`.
 #[derive(Clone, Copy, Debug)]
 struct ScaledContact {
-    /// DenseBlock rows, or [`FIXED`].
+    /// Block rows, or [`FIXED`].
     places: [u32; 2],
     /// The block that joins the two, if both move.
     block: u32,

@@ -27,11 +27,11 @@ pub(crate) struct BlockCholesky {
     diagonal: Vec<DenseBlock>,
     /// Where each block column starts in `rows` and `blocks`; one more entry than columns.
     starts: Vec<u32>,
-    /// DenseBlock rows of the blocks below the diagonal, ascending within each column.
+    /// Block rows of the blocks below the diagonal, ascending within each column.
     rows: Vec<u32>,
     /// The blocks below the diagonal.
     blocks: Vec<DenseBlock>,
-    /// LaneSlot of each body in the order of elimination.
+    /// Place of each body in the order of elimination.
     place: Vec<u32>,
     graph: Graph,
 }
@@ -132,7 +132,7 @@ impl BlockCholesky {
         self.blocks.resize(self.rows.len(), ZERO);
     }
 
-    /// LaneSlot of a body in the order of elimination: the block row of its unknowns.
+    /// Place of a body in the order of elimination: the block row of its unknowns.
     pub(crate) fn place(&self, node: u32) -> u32 {
         self.place[node as usize]
     }

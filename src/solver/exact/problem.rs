@@ -59,7 +59,7 @@ pub struct ContactProblem {
 /// A problem as a matrix.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DenseProblem {
-    /// ExactRows per contact: 3, or 2 for plane problems.
+    /// Rows per contact: 3, or 2 for plane problems.
     pub rows_per_contact: usize,
     /// `A`, row by row, symmetric and positive semidefinite.
     pub a: Vec<f64>,

@@ -19,7 +19,7 @@ pub(crate) enum Law {
 /// What the solver must know of the rows besides `A`.
 #[derive(Debug, Default)]
 pub(crate) struct ExactRows {
-    /// ExactRows per contact: 3 or 2.
+    /// Rows per contact: 3 or 2.
     pub(crate) per_contact: usize,
     pub(crate) law: Law,
     /// `-b`.
@@ -119,7 +119,7 @@ impl ExactRows {
         self.friction[contact] * normal.max(0.0) + self.cohesion[contact]
     }
 
-    /// ExactRows that are bounded by themselves.
+    /// Rows that are bounded by themselves.
     pub(crate) fn singles(&self) -> impl Iterator<Item = usize> + use<> {
         let step = if self.law == Law::Disc {
             self.per_contact

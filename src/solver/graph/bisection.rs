@@ -1,4 +1,4 @@
-//! Bisection of halves of a cloud of bodies, cut by planes across its axes.
+//! Halves of a cloud of bodies, cut by planes across its axes.
 //!
 //! Each level takes two passes over the bodies: one counts them by slab of their half, one puts them on their side of the cut and
 //! measures the new halves. Parts of the bodies are gone through side by side; counts and boxes come out the same however

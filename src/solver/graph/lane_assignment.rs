@@ -1,6 +1,6 @@
 //! Where the manifolds of a batch are, ordered from step to step while the same bodies touch at as many points.
 //!
-//! Partition are placed each for itself, and only those in which something has changed: in a large heap some contact comes or
+//! Subdomains are placed each for itself, and only those in which something has changed: in a large heap some contact comes or
 //! goes in every step, but in most of its subdomains none does.
 
 use crate::simd::lanes::WIDTH;
@@ -20,7 +20,7 @@ pub struct ContactEdge {
     pub points: u32,
 }
 
-/// What an lane_assignment is made by.
+/// What an assignment is made by.
 #[derive(Clone, Copy, Debug)]
 pub struct AssignmentRule {
     /// How manifolds are put into blocks.

@@ -2,10 +2,10 @@
 
 use crate::bodies::store::Bodies;
 
-/// BodyRotation within a step (rad) from which the rows of a body's contacts follow it.
+/// Turn within a step (rad) from which the rows of a body's contacts follow it.
 const TURN: f32 = 0.01;
 
-/// RelativeMotion of two bodies against each other within a step, as a share of the smaller one's least extent, from which the
+/// Motion of two bodies against each other within a step, as a share of the smaller one's least extent, from which the
 /// rows of their contact follow it.
 const TRAVEL: f32 = 0.02;
 

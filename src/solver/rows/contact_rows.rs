@@ -1,4 +1,4 @@
-//! Contacts as rows of the problem: Jacobian, target_velocity velocity, diagonal of `A`.
+//! Contacts as rows of the problem: Jacobian, target velocity, diagonal of `A`.
 //!
 //! A row constrains the velocity of B against A at a point along a unit direction `d`:
 //!
@@ -165,7 +165,7 @@ impl PointRows {
         rows
     }
 
-    /// Points the rows along the normal and its tangents at the ends of the anchors; target_velocity velocity and impulses stay.
+    /// Points the rows along the normal and its tangents at the ends of the anchors; target velocity and impulses stay.
     /// Without friction and bond the tangents are left empty.
     pub fn set_geometry(&mut self, normal: Vec3, anchors: [Vec3; 2], sides: [RowBody; 2]) {
         let geometry = |row: &mut Row, direction| {

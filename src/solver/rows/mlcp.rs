@@ -2,12 +2,12 @@
 //!
 //! All constraints of a step are rows of one mixed linear complementarity problem (MLCP); today they are contacts.
 //! With the Jacobian `J` (one row per constraint), the inverse mass matrix `M^-1`, the velocities `v*` that the bodies
-//! would have without constraints, and the target_velocity constraint velocity `u`:
+//! would have without constraints, and the target constraint velocity `u`:
 //!
 //! ```text
 //! A = J M^-1 J^T            effective inverse mass between rows
 //! b = u - J v*              u holds the stabilisation term zeta = -beta C / h, or the rebound speed
-//! w = A lambda - b          constraint velocity after the impulses lambda, less the target_velocity one
+//! w = A lambda - b          constraint velocity after the impulses lambda, less the target one
 //!
 //! lo <= lambda <= hi        and for each row one of
 //!   w_i  = 0  and  lo_i < lambda_i < hi_i      (holding)

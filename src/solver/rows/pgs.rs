@@ -72,7 +72,7 @@ pub trait ContactRows {
     fn has_friction(&self) -> bool;
     /// Impulse of a row, N s.
     fn impulse(&self, row: usize) -> Self::Real;
-    /// Velocity along a row at present, m/s; of a tangent, less the target_velocity one.
+    /// Velocity along a row at present, m/s; of a tangent, less the target one.
     fn velocity(&self, row: usize) -> Self::Real;
     /// `1 / A_ii`, kg.
     fn effective_mass(&self, row: usize) -> Self::Real;

@@ -8,11 +8,11 @@
 //! w = J v - u + gamma lambda,  gamma = A_ii / a2,  u = (omega / a1) overlap
 //! ```
 //!
-//! so that overlap is pushed out at a bias_rate which every stack can bear, whatever its height. The velocity that does so
+//! so that overlap is pushed out at a rate which every stack can bear, whatever its height. The velocity that does so
 //! would stay with the bodies; sweeps after the motion, hard and with `u = 0`, take it out again and leave the impulses
 //! that the bodies need to rest.
 //!
-//! The frequency is a share of the sub-step bias_rate without an upper limit: a limit bounds how high a stack can be.
+//! The frequency is a share of the sub-step rate without an upper limit: a limit bounds how high a stack can be.
 //!
 //! # References
 //! Catto, "Soft Constraints", GDC 2011; Catto, "Solver2D", 2024 (soft contacts, relax sweep); Macklin et al., "Small Steps

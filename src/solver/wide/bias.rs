@@ -1,4 +1,4 @@
-//! What comes before the sweeps of a sub-step: targets and warm start. UpdateBias may also be set on the way, by the first
+//! What comes before the sweeps of a sub-step: targets and warm start. Targets may also be set on the way, by the first
 //! sweep, which has all that they follow from at hand.
 
 use crate::bodies::solver_body::SolverBody;
@@ -12,7 +12,7 @@ use crate::solver::wide::bond::{BondConstraint, RATE};
 use crate::solver::wide::contacts::ContactBlocks;
 use std::cell::Cell;
 
-/// Sets the target_velocity velocities; see [`Pass::UpdateBias`](crate::solver::wide::pass::Pass::UpdateBias).
+/// Sets the target velocities; see [`Pass::UpdateBias`](crate::solver::wide::pass::Pass::UpdateBias).
 pub(crate) struct UpdateBias<'a, 'c, const BONDED: bool> {
     pub(crate) contacts: &'a mut ContactBlocks<'c>,
     pub(crate) bond_constraints: &'a mut [BondConstraint],
@@ -50,7 +50,7 @@ impl<const BONDED: bool> Kernel for UpdateBias<'_, '_, BONDED> {
     }
 }
 
-/// What the target_velocity velocities follow from, besides the contacts.
+/// What the target velocities follow from, besides the contacts.
 pub(crate) struct BiasTargets<'a, L> {
     displacements: &'a [Cell<SolverBody>],
     rate: L,
@@ -104,7 +104,7 @@ impl<'a, L: Lanes> BiasTargets<'a, L> {
         }
     }
 
-    /// Sets the target_velocity velocity of a point; of a sub-step that is not the first, the impulse of the one before goes to the total_normal_impulse.
+    /// Sets the target velocity of a point; of a sub-step that is not the first, the impulse of the one before goes to the total.
     #[inline(always)]
     pub(crate) fn at(&self, of_block: &BlockAim<L>, anchors: &[V3<L>; 2], point: &mut Point) {
         let zero = L::splat(0.0);
@@ -122,7 +122,7 @@ impl<'a, L: Lanes> BiasTargets<'a, L> {
     }
 }
 
-/// UpdateBias of bonded lanes: what has opened, been pressed in or slid goes back.
+/// Targets of bonded lanes: what has opened, been pressed in or slid goes back.
 #[inline(always)]
 fn bond_targets<L: Lanes>(
     block: &Block,

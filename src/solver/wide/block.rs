@@ -1,4 +1,4 @@
-//! ContactBlocks in lanes: blocks of eight manifolds that share no body which contacts move.
+//! Contacts in lanes: blocks of eight manifolds that share no body which contacts move.
 //!
 //! The rows of a point are those of [`rows`](crate::solver::rows::contact_rows), but only what a sweep needs is kept: with the velocity of B
 //! against A at the point, `dv`, and `K = sum 1/m - r^ I^-1 r^` of both bodies, an impulse `P` at the point changes it by
@@ -27,7 +27,7 @@ pub(crate) const FAR: f32 = 1e18;
 /// What the points of eight manifolds share.
 #[derive(Clone, Debug)]
 pub struct Block {
-    /// ReadRow of the bodies A and B.
+    /// Numbers of the bodies A and B.
     pub bodies: [[u32; WIDTH]; 2],
     /// Its points: each is the same one of all eight manifolds.
     pub points: Range<usize>,
@@ -131,7 +131,7 @@ impl Block {
         self.used += 1;
     }
 
-    /// ReadRow of the two bodies of a lane.
+    /// Numbers of the two bodies of a lane.
     pub fn pair(&self, lane: usize) -> [u32; 2] {
         self.bodies.map(|side| side[lane])
     }

@@ -90,7 +90,7 @@ impl BondConstraint {
         }
     }
 
-    /// Has the bond of a lane hold still, where it was to go back; returns the largest change of a target_velocity velocity, m/s.
+    /// Has the bond of a lane hold still, where it was to go back; returns the largest change of a target velocity, m/s.
     /// `normal`: the one along the normal.
     pub fn relax(&mut self, lane: usize, normal: &mut f32) -> f32 {
         let [t1, t2] = self

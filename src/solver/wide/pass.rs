@@ -11,8 +11,8 @@ use crate::solver::wide::sweep::{RelaxKernel, SolveFirstKernel, SolveKernel, Swe
 /// What is done to all contacts.
 #[derive(Clone, Copy, Debug)]
 pub enum Pass {
-    /// Sets the target_velocity velocities from the displacements of the bodies since the start of the step. Of a sub-step that is not
-    /// the `first`, the impulses of the one before are added to the total_normal_impulse.
+    /// Sets the target velocities from the displacements of the bodies since the start of the step. Of a sub-step that is not
+    /// the `first`, the impulses of the one before are added to the total.
     UpdateBias {
         /// How overlap is pushed out.
         bias: Bias,

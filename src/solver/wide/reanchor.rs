@@ -1,13 +1,13 @@
 //! Contact points that follow the motion of their bodies within a step.
 //!
-//! ContactBlocks are found once per step. Where bodies move fast against each other, or turn, the rows of later sub-steps must
-//! point at where the contact points are by then. A contact point stays at its place on one of its bodies, the anchor_body, and
-//! both bodies see the impulse there, or it would change the total_normal_impulse angular momentum. The gap is what lies between the two
+//! Contacts are found once per step. Where bodies move fast against each other, or turn, the rows of later sub-steps must
+//! point at where the contact points are by then. A contact point stays at its place on one of its bodies, the anchor body, and
+//! both bodies see the impulse there, or it would change the total angular momentum. The gap is what lies between the two
 //! anchors, each turned with its own body.
 //!
 //! A manifold tells the middle between the two surfaces. That is no place of a body as long as there is a gap: metres from a
 //! splinter in flight, it would sweep around with the splinter's spin and hit what the splinter does not. So what is carried
-//! is the point of the anchor_body's surface, half a gap away.
+//! is the point of the anchor body's surface, half a gap away.
 
 use crate::bodies::solver_body::SolverBody;
 use crate::simd::lanes::{F8, Kernel, LaneWidth, Lanes, ReadRow, run};

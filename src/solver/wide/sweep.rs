@@ -30,7 +30,7 @@ pub(crate) struct Sweep<'a, 'c, const BONDED: bool> {
 }
 
 impl<const BONDED: bool> Sweep<'_, '_, BONDED> {
-    /// Solves each point of each block by a rule, after its target_velocity velocity has been set if there is an `aim`.
+    /// Solves each point of each block by a rule, after its target velocity has been set if there is an `aim`.
     #[inline(always)]
     fn each_point<L: Lanes, R: PointUpdate<L>>(
         self,
@@ -156,7 +156,7 @@ impl<L: Lanes, const BONDED: bool> State<'_, L, BONDED> {
     }
 }
 
-/// By how much an impulse along one of normal and tangents changes what is target_velocity along the other, `mass` of which a change
+/// By how much an impulse along one of normal and tangents changes what is asked for along the other, `mass` of which a change
 /// of velocity asks for.
 ///
 /// This is multiplied while the first impulse is still waited for: the second one then follows from it by two operations.
