@@ -93,7 +93,7 @@ impl Batch {
                 *sums = note_contact_velocity_changes(contact_velocity_changes, bodies);
             },
         );
-        let sums = sums.iter().map(LinearSums::total_normal_impulse);
+        let sums = sums.iter().map(LinearSums::total);
         sums.reduce(|a, b| a + b).unwrap_or_default()
     }
 
