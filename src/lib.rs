@@ -59,11 +59,12 @@ pub mod prelude {
     pub use crate::mass::MassProperties;
     pub use crate::math::{Aabb, Plane, Pose};
     pub use crate::plugin::{CleavePlugin, PhysicsSchedule, PhysicsSystems};
-    pub use crate::simd::lanes::LaneWidth;
     pub use crate::slice::fracturable::Fracturable;
     pub use crate::slice::pattern::FracturePattern;
+    #[cfg(feature = "exact")]
+    pub use crate::solver::config::Exact;
     pub use crate::solver::config::{
-        ContactOrder, FrictionModel, Gravity, Method, SleepConfig, SolverConfig,
+        FrictionModel, Gravity, Method, Pgs, SleepConfig, SoftStep, SolverConfig,
     };
     pub use crate::step::{
         Contacts, IslandReport, Simulation, StepError, StepReport, StepSettings,

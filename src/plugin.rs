@@ -198,7 +198,8 @@ impl Settings<'_> {
             gravity: *self.gravity,
             config: *self.config,
             budget: *self.budget,
-            h: self.time.delta_secs(),
+            step_dt: self.time.delta_secs(),
+            ..StepSettings::default()
         }
     }
 }

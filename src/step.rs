@@ -34,7 +34,7 @@ use crate::solver::contact_solver::{ContactSolver, Round};
 use crate::solver::rows::contact_rows::PointRows;
 use crate::solver::rows::mlcp::Residual;
 use crate::solver::rows::residual::ResidualSum;
-use crate::solver::settings::SubstepSettings;
+use crate::solver::settings::{SolverOverrides, SubstepSettings};
 use crate::threads::team::Team;
 use bevy_ecs::resource::Resource;
 
@@ -71,9 +71,13 @@ impl Contacts {
         round: u32,
     ) {
         let StepSettings {
-            gravity, config, h, ..
+            gravity,
+            config,
+            step_dt,
+            ..
         } = *settings;
-        let substeps = SubstepSettings::new(config, gravity.0, h);
+        let substeps =
+            SubstepSettings::new(&config, gravity.0, step_dt).overridden(&settings.overrides);
         let round = Round {
             is_first: round == 0,
             may_break: round < MAX_ROUNDS && fractures.can_afford(&settings.budget),
@@ -207,6 +211,9 @@ pub struct Simulation {
     pub budget: FractureBudget,
     /// What the last step did.
     pub report: StepReport,
+    /// What a test wants otherwise.
+    #[doc(hidden)]
+    pub overrides: SolverOverrides,
 }
 
 /// What all phases of one step are told.
@@ -219,7 +226,10 @@ pub struct StepSettings {
     /// What fracture may cost.
     pub budget: FractureBudget,
     /// Length of the step, s.
-    pub h: f32,
+    pub step_dt: f32,
+    /// What a test wants otherwise.
+    #[doc(hidden)]
+    pub overrides: SolverOverrides,
 }
 
 impl StepSettings {
@@ -228,9 +238,9 @@ impl StepSettings {
         self.has_length() && self.are_numbers_usable()
     }
 
-    /// Whether the step is finite and longer than nothing, as it is unless the clock stands.
+    /// Whether the step is positive and finite; it is not while time is paused.
     pub fn has_length(&self) -> bool {
-        self.h.is_finite() && self.h > 0.0
+        self.step_dt.is_finite() && self.step_dt > 0.0
     }
 
     /// Whether gravity is finite and the configuration usable.
@@ -267,19 +277,20 @@ impl Simulation {
         self.bonds.bond_neighbors(&mut self.bodies, slots, strength)
     }
 
-    /// What the phases of a step of `h` seconds are told.
-    pub fn settings(&self, h: f32) -> StepSettings {
+    /// What the phases of a step of `step_dt` seconds are told.
+    pub fn settings(&self, step_dt: f32) -> StepSettings {
         StepSettings {
             gravity: self.gravity,
             config: self.config,
             budget: self.budget,
-            h,
+            step_dt,
+            overrides: self.overrides,
         }
     }
 
-    /// Advances the simulation by `h` seconds. Does nothing unless the settings are usable.
-    pub fn step(&mut self, h: f32) {
-        let settings = &self.settings(h);
+    /// Advances the simulation by `step_dt` seconds. Does nothing unless the settings are usable.
+    pub fn step(&mut self, step_dt: f32) {
+        let settings = &self.settings(step_dt);
         if !settings.is_usable() {
             return;
         }
@@ -345,8 +356,10 @@ pub fn cut(
     bonds: &mut Bonds,
     settings: &StepSettings,
 ) {
-    let StepSettings { budget, h, .. } = settings;
-    make_cuts(fractures, bodies, cache, bonds, budget, *h);
+    let StepSettings {
+        budget, step_dt, ..
+    } = settings;
+    make_cuts(fractures, bodies, cache, bonds, budget, *step_dt);
 }
 
 /// Phase 3: pairs of bodies whose boxes, with all they may reach within the step, overlap.
@@ -356,7 +369,7 @@ pub fn broadphase(
     settings: &StepSettings,
     report: &mut StepReport,
 ) {
-    let ahead = Lookahead::new(settings.h, settings.gravity.0);
+    let ahead = Lookahead::new(settings.step_dt, settings.gravity.0);
     narrow_phase::update_pairs(
         &mut contacts.broadphase,
         &mut contacts.narrow,
@@ -380,7 +393,7 @@ pub fn generate_contacts(
         manifolds,
         ..
     } = contacts;
-    let ahead = Lookahead::new(settings.h, settings.gravity.0);
+    let ahead = Lookahead::new(settings.step_dt, settings.gravity.0);
     bodies.wake_disturbed(&settings.config.sleep, settings.gravity.0);
     let is_worth_help = narrow_phase::is_worth_help(broadphase.pairs().len());
     report.cache = Team::lead_if(is_worth_help, |team| {
@@ -402,7 +415,7 @@ pub fn generate_contacts(
             kd_box,
             ..
         } = &*bodies;
-        cache.warm_start_by(team, manifolds, ids, rotation, kd_box, settings.h)
+        cache.warm_start_by(team, manifolds, ids, rotation, kd_box, settings.step_dt)
     });
     report.manifolds = manifolds.len();
     report.contacts = manifolds.points().len();
@@ -515,7 +528,7 @@ pub fn age_cache(
         &contacts.manifolds,
         &bodies.ids,
         &bodies.rotation,
-        settings.h,
+        settings.step_dt,
     );
 }
 
@@ -530,7 +543,7 @@ pub fn sleep(
     let Contacts {
         solver, manifolds, ..
     } = contacts;
-    bodies.fall_asleep(&settings.config.sleep, solver, manifolds, settings.h);
+    bodies.fall_asleep(&settings.config.sleep, solver, manifolds, settings.step_dt);
     if !bodies.sleep.slept.is_empty() {
         cache.suspend(&bodies.sleep.slept);
     }
@@ -545,20 +558,19 @@ fn report_islands(contacts: &mut Contacts, config: &SolverConfig, report: &mut S
     for island in solver.islands() {
         let movable = island.bodies.iter().position(|b| b.inverse_mass > 0.0);
         let slot = island.slots[movable.unwrap_or(0)];
-        if island.effort.is_unconverged {
+        if island.budget.is_unconverged {
             report.unconverged.push(slot);
         }
         if config.measure_islands {
-            let residual = config.measure_error.then(|| {
-                island.rows(rows);
-                ResidualSum::of(rows, island.bodies, config).residual()
-            });
+            let residual = config
+                .measure_error
+                .then(|| island.residual_sum(rows).residual());
             report.islands.push(IslandReport {
                 slot,
                 bodies: island.bodies.len(),
                 contacts: island.contacts,
-                sweeps: island.effort.sweeps,
-                is_unconverged: island.effort.is_unconverged,
+                sweeps: island.budget.sweeps,
+                is_unconverged: island.budget.is_unconverged,
                 residual,
             });
         }
@@ -579,8 +591,7 @@ fn measure_error(
     } = contacts;
     let mut sum = ResidualSum::default();
     for island in solver.islands() {
-        island.rows(rows);
-        sum.add(&ResidualSum::of(rows, island.bodies, &settings.config));
+        sum.add(&island.residual_sum(rows));
     }
     let [kinetic_energy, potential_energy] = bodies.energy(settings.gravity.0, true);
     let points = manifolds.points().iter();

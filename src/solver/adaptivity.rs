@@ -1,7 +1,5 @@
 //! What islands ask of the sub-steps: how many, how many sweeps, and whether they must look out for impacts.
 
-use crate::solver::config::SolverConfig;
-
 /// What an island asks of its sub-steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct IslandRequirements {
@@ -15,7 +13,7 @@ pub struct IslandRequirements {
 }
 
 impl IslandRequirements {
-    /// Whether islands with the two demands can be solved together.
+    /// Whether islands with the two requirements can be solved together.
     pub fn is_solved_like(&self, other: &Self) -> bool {
         self.substeps == other.substeps && self.can_hit == other.can_hit
     }
@@ -35,10 +33,10 @@ pub struct SweepBudget {
 }
 
 impl SweepBudget {
-    /// For a batch whose largest island has the given number of points.
-    pub fn new(config: &SolverConfig, points: usize) -> Self {
+    /// At most `max_extra_updates` beyond the least numbers, for a batch whose largest island has the given number of points.
+    pub fn new(max_extra_updates: u32, points: usize) -> Self {
         Self {
-            spare: config.max_extra_updates / (points as u32).max(1),
+            spare: max_extra_updates / (points as u32).max(1),
             ..Self::default()
         }
     }

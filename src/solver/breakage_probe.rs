@@ -8,9 +8,9 @@
 use crate::bodies::breaking::ImpactLoad;
 use crate::bodies::store::Bodies;
 use crate::contact::manifolds::{ManifoldRef, Manifolds};
-use crate::solver::batch::{Batch, side};
+use crate::solver::batch::Batch;
 use crate::solver::graph::islands::{Island, Islands};
-use crate::solver::rows::contact_rows::Row;
+use crate::solver::rows::contact_rows::{Row, RowBody};
 use crate::solver::settings::SubstepSettings;
 
 /// Manifolds from which an island is large: a tenth of a millisecond, which nobody minds to spend twice.
@@ -61,7 +61,7 @@ impl BreakageProbe {
                 let indices = &islands.manifolds[island.manifolds.clone()];
                 indices.iter().map(|&index| manifolds.at(index as usize))
             };
-            let impacts = of_island().filter(|m| may_break(m, bodies, settings.step()));
+            let impacts = of_island().filter(|m| may_break(m, bodies, settings.step_dt()));
             self.joining.clear();
             self.joining.extend(impacts.flat_map(|m| [m.a, m.b]));
             anybody |= !self.joining.is_empty();
@@ -91,7 +91,7 @@ fn may_break(manifold: &ManifoldRef, bodies: &Bodies, step: f32) -> bool {
     }
     let slots = slots.map(|slot| slot as usize);
     let [a, b] = slots.map(|i| &bodies.velocity[i]);
-    let sides = slots.map(|i| side(bodies, i));
+    let sides = slots.map(|i| RowBody::of(bodies, i));
     let mut impact = ImpactLoad::default();
     for point in manifold.points() {
         let on_a = a.linear + a.angular.cross(point.anchor_a);

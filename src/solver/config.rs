@@ -1,6 +1,5 @@
-//! What a user may choose: gravity, the method, its effort, and when islands sleep.
+//! What a user may choose: gravity, the method and its effort, and when islands sleep.
 
-use crate::simd::lanes::LaneWidth;
 use bevy_ecs::resource::Resource;
 use glam::Vec3;
 
@@ -16,6 +15,107 @@ impl Default for Gravity {
     }
 }
 
+/// How the step solves contacts. The figures that decided the defaults are in `docs/decisions/` and `docs/report/`.
+///
+/// [`fast`](Self::fast), [`default`](Self::default) and [`precise`](Self::precise) are the same method with more and more
+/// effort; [`paper`](Self::paper) and `exact` are what it is measured against.
+#[derive(Clone, Copy, Debug, PartialEq, Resource)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub struct SolverConfig {
+    /// What solves the rows of a sub-step, and with how much effort.
+    pub method: Method,
+    /// Fastest speed at which overlap is pushed out, m/s.
+    pub push_out_speed: f32,
+    /// Approach speed below which restitution is not applied, m/s; without it resting bodies would buzz.
+    pub restitution_threshold: f32,
+    /// Start each solve from the multipliers in the [`ContactCache`](crate::contact::impulses::ContactCache).
+    pub warm_start: bool,
+    /// Measure residual, penetration and energy each step; costs one more pass over the rows. Off by default.
+    pub measure_error: bool,
+    /// List the islands in the report; with `measure_error`, each with its own residual. Off by default.
+    pub measure_islands: bool,
+    /// When islands at rest are left out of the step. Off by default.
+    pub sleep: SleepConfig,
+}
+
+/// How the rows of a sub-step are solved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub enum Method {
+    /// Soft contacts, a sweep with position bias before the bodies move and one without after it.
+    SoftStep(SoftStep),
+    /// Projected Gauss-Seidel with a Baumgarte term: the paper's method.
+    Pgs(Pgs),
+    /// To rounding in double precision, whatever it takes: the judge of the others, and for small scenes that must be right.
+    #[cfg(feature = "exact")]
+    Exact(Exact),
+}
+
+/// The effort of [`Method::SoftStep`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub struct SoftStep {
+    /// Least number of parts that each step is solved and integrated in; contact geometry is found once per step.
+    pub min_substeps: u32,
+    /// Most parts. An island takes as many as keep the sag of its soft contacts below [`sag`](Self::sag) under the load that
+    /// they bore in the last step.
+    pub max_substeps: u32,
+    /// How far a soft contact may give way under a resting load, as a share of the smaller body's least extent.
+    pub sag: f32,
+    /// Sweeps over all rows in each sub-step, before the bodies move.
+    pub sweeps: u32,
+    /// Sweeps without position bias in each sub-step, after the bodies have moved.
+    pub relax_sweeps: u32,
+    /// Natural frequency of soft contacts as a share of the sub-step rate.
+    pub contact_frequency: f32,
+    /// Damping ratio of soft contacts.
+    pub damping_ratio: f32,
+    /// Largest velocity change, m/s, that a sweep may still make to bodies of 1 m when the sweeps of a sub-step end; for other
+    /// sizes it grows with the square root of the least extent, as speeds under gravity do. Where bodies move, a hundredth of the
+    /// fastest one's speed is enough. Each island goes on until it is met, or [`max_sweeps`](Self::max_sweeps) or
+    /// [`max_extra_updates`](Self::max_extra_updates) are done; the report names islands that are left above it. `None`: no more
+    /// sweeps than the least numbers.
+    pub tolerance: Option<f32>,
+    /// Most sweeps of a sub-step, before and after the bodies move each, with a [`tolerance`](Self::tolerance).
+    pub max_sweeps: u32,
+    /// Most updates of contact points that an island's sweeps beyond the least numbers may take in a step: small islands are
+    /// solved to the tolerance, and a heap of thousands costs what it may. 30 000 are about a millisecond.
+    pub max_extra_updates: u32,
+}
+
+/// The effort of [`Method::Pgs`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub struct Pgs {
+    /// Parts that each step is solved and integrated in.
+    pub substeps: u32,
+    /// Sweeps over all rows in each sub-step.
+    pub sweeps: u32,
+    /// Share of the overlap that one sub-step removes: `beta` in the stabilization term `zeta = -beta C / h`.
+    pub baumgarte: f32,
+    /// Overlap that is left alone, as a share of the smaller body's least extent, so that resting contacts stay touching.
+    pub slop: f32,
+    /// Shape of the friction bound.
+    pub friction: FrictionModel,
+    /// As [`SoftStep::tolerance`].
+    pub tolerance: Option<f32>,
+    /// As [`SoftStep::max_sweeps`].
+    pub max_sweeps: u32,
+}
+
+/// The effort of `Method::Exact`.
+#[cfg(feature = "exact")]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub struct Exact {
+    /// Parts that each step is solved and integrated in.
+    pub substeps: u32,
+    /// As [`Pgs::baumgarte`].
+    pub baumgarte: f32,
+    /// Shape of the friction bound.
+    pub friction: FrictionModel,
+}
+
 /// Which set the friction impulse of a point is kept in, for a normal impulse `n` and a coefficient `mu`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
@@ -26,161 +126,6 @@ pub enum FrictionModel {
     /// The square `|t1| <= mu n`, `|t2| <= mu n`: two independent bounds, as in the paper. Up to `sqrt(2)` too strong
     /// along the diagonals; 3 to 10 % off in sliding scenes.
     Box,
-}
-
-/// How the rows of a sub-step are solved.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
-pub enum Method {
-    /// Soft contacts, a sweep with position bias before the bodies move and one without after it.
-    #[default]
-    SoftStep,
-    /// Projected Gauss-Seidel with a Baumgarte term: the paper's method.
-    Pgs,
-    /// To rounding in double precision, whatever it takes: the judge of the others, and for small scenes that must be right.
-    Exact,
-}
-
-/// How the step solves contacts. The figures that decided the defaults are in `docs/decisions.md` and `docs/report/`.
-#[derive(Clone, Copy, Debug, PartialEq, Resource)]
-#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
-pub struct SolverConfig {
-    /// What solves the rows of a sub-step.
-    pub method: Method,
-    /// Least number of parts that each step is solved and integrated in; contact geometry is found once per step.
-    pub substeps: u32,
-    /// Most parts. An island takes as many as keep the sag of its soft contacts below [`sag`](Self::sag) under the load that
-    /// they bore in the last step ([`Method::SoftStep`] only).
-    pub max_substeps: u32,
-    /// How far a soft contact may give way under a resting load, as a share of the smaller body's least extent.
-    pub sag: f32,
-    /// Sweeps over all rows in each sub-step, before the bodies move; the exact method needs none.
-    pub sweeps: u32,
-    /// Sweeps without position bias in each sub-step, after the bodies have moved ([`Method::SoftStep`] only).
-    pub relax_sweeps: u32,
-    /// Natural frequency of soft contacts as a share of the sub-step rate ([`Method::SoftStep`] only).
-    pub contact_frequency: f32,
-    /// Damping ratio of soft contacts ([`Method::SoftStep`] only).
-    pub damping_ratio: f32,
-    /// Share of the overlap that one sub-step removes: `beta` in the stabilisation term `zeta = -beta C / h`.
-    pub baumgarte: f32,
-    /// Overlap that is left alone, as a share of the smaller body's least extent, so that resting contacts stay touching.
-    pub slop: f32,
-    /// Fastest speed at which overlap is pushed out, m/s.
-    pub push_out_speed: f32,
-    /// Approach speed below which restitution is not applied, m/s; without it resting bodies would buzz.
-    pub restitution_threshold: f32,
-    /// Shape of the friction bound.
-    pub friction_model: FrictionModel,
-    /// Start each solve from the multipliers in the [`ContactCache`](crate::contact::impulses::ContactCache).
-    pub warm_start: bool,
-    /// Largest velocity change, m/s, that a sweep may still make to bodies of 1 m when the sweeps of a sub-step end; for other
-    /// sizes it grows with the square root of the least extent, as speeds under gravity do. Where bodies move, a hundredth of the
-    /// fastest one's speed is enough. Each island goes on until it is met, or [`max_sweeps`](Self::max_sweeps) or
-    /// [`max_extra_updates`](Self::max_extra_updates) are done; the report names islands that are left above it. `None`: no more sweeps
-    /// than the least numbers.
-    pub tolerance: Option<f32>,
-    /// Most sweeps of a sub-step, before and after the bodies move each, with a [`tolerance`](Self::tolerance).
-    pub max_sweeps: u32,
-    /// Most updates of contact points that an island's sweeps beyond the least numbers may take in a step: small islands are
-    /// solved to the tolerance, and a heap of thousands costs what it may. 30 000 are about a millisecond.
-    pub max_extra_updates: u32,
-    /// In which order the contacts of an island are solved.
-    pub order: ContactOrder,
-    /// How many numbers the solver calculates with at a time. The results are the same.
-    pub lane_width: LaneWidth,
-    /// Measure residual, penetration and energy each step; costs one more pass over the rows. Off by default.
-    pub measure_error: bool,
-    /// List the islands in the report; with `measure_error`, each with its own residual. Off by default.
-    pub measure_islands: bool,
-    /// When islands at rest are left out of the step. Off by default.
-    pub sleep: SleepConfig,
-}
-
-impl SolverConfig {
-    /// The paper's method: one step, 16 sweeps of projected Gauss-Seidel, Baumgarte term, warm start.
-    pub fn paper() -> Self {
-        Self {
-            method: Method::Pgs,
-            substeps: 1,
-            sweeps: 16,
-            relax_sweeps: 0,
-            slop: 0.002,
-            tolerance: None,
-            order: ContactOrder::Ordered,
-            ..Self::default()
-        }
-    }
-
-    /// The exact method in one step.
-    pub fn exact() -> Self {
-        Self {
-            method: Method::Exact,
-            substeps: 1,
-            ..Self::default()
-        }
-    }
-
-    /// Whether all numbers are finite and not negative.
-    pub fn is_usable(&self) -> bool {
-        let numbers = [
-            self.baumgarte,
-            self.slop,
-            self.push_out_speed,
-            self.restitution_threshold,
-            self.contact_frequency,
-            self.sag,
-            self.damping_ratio,
-        ];
-        let tolerance = self.tolerance.is_none_or(|t| t.is_finite() && t > 0.0);
-        self.substeps > 0
-            && tolerance
-            && self.sleep.is_usable()
-            && numbers.iter().all(|n| n.is_finite() && *n >= 0.0)
-    }
-}
-
-impl Default for SolverConfig {
-    fn default() -> Self {
-        Self {
-            method: Method::SoftStep,
-            substeps: 8,
-            max_substeps: 32,
-            sag: 1.25e-4,
-            sweeps: 1,
-            relax_sweeps: 1,
-            contact_frequency: 0.2,
-            damping_ratio: 10.0,
-            baumgarte: 0.2,
-            slop: 0.0,
-            push_out_speed: 3.0,
-            restitution_threshold: 0.5,
-            friction_model: FrictionModel::Disc,
-            warm_start: true,
-            tolerance: Some(1e-3),
-            max_sweeps: 32,
-            max_extra_updates: 30_000,
-            order: ContactOrder::Automatic,
-            lane_width: LaneWidth::Widest,
-            measure_error: false,
-            measure_islands: false,
-            sleep: SleepConfig::default(),
-        }
-    }
-}
-
-/// How manifolds are put into blocks.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
-pub enum ContactOrder {
-    /// Kept where that fills at least half of the lanes, else by colors.
-    #[default]
-    Automatic,
-    /// In their order: a sweep carries support up through a whole stack that was built from the ground.
-    Ordered,
-    /// By colors: those of one color share no body. Blocks are full and few, and a sweep carries support from a body to its
-    /// neighbors only.
-    Colored,
 }
 
 /// When islands fall asleep.
@@ -202,13 +147,173 @@ pub struct SleepConfig {
     pub time: f32,
 }
 
-impl Default for SleepConfig {
+impl SolverConfig {
+    /// For many bodies at the price of precision: four sub-steps of one sweep each, whatever the load. Stacks of more than
+    /// some ten bodies, and loads of more than ten to one, give way visibly.
+    pub fn fast() -> Self {
+        SoftStep {
+            min_substeps: 4,
+            max_substeps: 4,
+            tolerance: None,
+            ..SoftStep::default()
+        }
+        .into()
+    }
+
+    /// For structures that must not give way: a quarter of the default's sag and a tenth of its tolerance, for two to ten times
+    /// its time.
+    pub fn precise() -> Self {
+        let SoftStep {
+            max_substeps,
+            sag,
+            max_sweeps,
+            max_extra_updates,
+            ..
+        } = SoftStep::default();
+        SoftStep {
+            max_substeps: 2 * max_substeps,
+            sag: 0.25 * sag,
+            tolerance: Some(1e-4),
+            max_sweeps: 4 * max_sweeps,
+            max_extra_updates: 10 * max_extra_updates,
+            ..SoftStep::default()
+        }
+        .into()
+    }
+
+    /// The paper's method: one step, 16 sweeps of projected Gauss-Seidel, Baumgarte term, warm start.
+    pub fn paper() -> Self {
+        Pgs::default().into()
+    }
+
+    /// The exact method in one step.
+    #[cfg(feature = "exact")]
+    pub fn exact() -> Self {
+        Exact::default().into()
+    }
+
+    /// Whether all numbers are finite and not negative.
+    pub fn is_usable(&self) -> bool {
+        are_usable(&[self.push_out_speed, self.restitution_threshold])
+            && self.method.is_usable()
+            && self.sleep.is_usable()
+    }
+}
+
+impl Default for SolverConfig {
     fn default() -> Self {
         Self {
-            enabled: false,
-            speed: 0.01,
-            drift: 5e-4,
-            time: 0.5,
+            method: Method::default(),
+            push_out_speed: 3.0,
+            restitution_threshold: 0.5,
+            warm_start: true,
+            measure_error: false,
+            measure_islands: false,
+            sleep: SleepConfig::default(),
+        }
+    }
+}
+
+impl<M: Into<Method>> From<M> for SolverConfig {
+    /// The method, with the defaults of all else.
+    fn from(method: M) -> Self {
+        Self {
+            method: method.into(),
+            ..Self::default()
+        }
+    }
+}
+
+impl Method {
+    fn is_usable(&self) -> bool {
+        match self {
+            Self::SoftStep(soft_step) => soft_step.is_usable(),
+            Self::Pgs(pgs) => pgs.is_usable(),
+            #[cfg(feature = "exact")]
+            Self::Exact(exact) => exact.substeps > 0 && are_usable(&[exact.baumgarte]),
+        }
+    }
+}
+
+impl Default for Method {
+    fn default() -> Self {
+        Self::SoftStep(SoftStep::default())
+    }
+}
+
+impl From<SoftStep> for Method {
+    fn from(soft_step: SoftStep) -> Self {
+        Self::SoftStep(soft_step)
+    }
+}
+
+impl From<Pgs> for Method {
+    fn from(pgs: Pgs) -> Self {
+        Self::Pgs(pgs)
+    }
+}
+
+#[cfg(feature = "exact")]
+impl From<Exact> for Method {
+    fn from(exact: Exact) -> Self {
+        Self::Exact(exact)
+    }
+}
+
+impl SoftStep {
+    fn is_usable(&self) -> bool {
+        self.min_substeps > 0
+            && is_tolerance(self.tolerance)
+            && are_usable(&[self.sag, self.contact_frequency, self.damping_ratio])
+    }
+}
+
+impl Default for SoftStep {
+    fn default() -> Self {
+        Self {
+            min_substeps: 8,
+            max_substeps: 32,
+            sag: 1.25e-4,
+            sweeps: 1,
+            relax_sweeps: 1,
+            contact_frequency: 0.2,
+            damping_ratio: 10.0,
+            tolerance: Some(1e-3),
+            max_sweeps: 32,
+            max_extra_updates: 30_000,
+        }
+    }
+}
+
+impl Pgs {
+    fn is_usable(&self) -> bool {
+        self.substeps > 0
+            && is_tolerance(self.tolerance)
+            && are_usable(&[self.baumgarte, self.slop])
+    }
+}
+
+impl Default for Pgs {
+    fn default() -> Self {
+        Self {
+            substeps: 1,
+            sweeps: 16,
+            baumgarte: 0.2,
+            slop: 0.002,
+            friction: FrictionModel::Disc,
+            tolerance: None,
+            max_sweeps: 32,
+        }
+    }
+}
+
+#[cfg(feature = "exact")]
+impl Default for Exact {
+    fn default() -> Self {
+        Self {
+            substeps: 1,
+            baumgarte: 0.2,
+            friction: FrictionModel::Disc,
         }
     }
 }
@@ -224,7 +329,26 @@ impl SleepConfig {
 
     /// Whether all numbers are finite and not negative.
     pub fn is_usable(&self) -> bool {
-        let numbers = [self.speed, self.drift, self.time];
-        numbers.iter().all(|n| n.is_finite() && *n >= 0.0)
+        are_usable(&[self.speed, self.drift, self.time])
     }
+}
+
+impl Default for SleepConfig {
+    fn default() -> Self {
+        Self {
+            enabled: false,
+            speed: 0.01,
+            drift: 5e-4,
+            time: 0.5,
+        }
+    }
+}
+
+/// Whether all numbers are finite and not negative.
+fn are_usable(numbers: &[f32]) -> bool {
+    numbers.iter().all(|n| n.is_finite() && *n >= 0.0)
+}
+
+fn is_tolerance(tolerance: Option<f32>) -> bool {
+    tolerance.is_none_or(|t| t.is_finite() && t > 0.0)
 }

@@ -8,13 +8,14 @@ use crate::contact::point::ContactPoint;
 use crate::math::rotate_by;
 use crate::solver::adaptivity::{IslandRequirements, SweepBudget};
 use crate::solver::batch::layout::Member;
-use crate::solver::batch::{Batch, Step, side};
+use crate::solver::batch::{Batch, Step};
 use crate::solver::breakage_probe;
 use crate::solver::breakage_probe::{BreakageProbe, is_large};
 use crate::solver::graph::islands::Islands;
 use crate::solver::graph::partition::MIN_MANIFOLDS;
 use crate::solver::graph::relative_motion::RelativeMotion;
-use crate::solver::rows::contact_rows::{PointRows, Row};
+use crate::solver::rows::contact_rows::{PointRows, Row, RowBody};
+use crate::solver::rows::residual::{ResidualSum, Solved};
 use crate::solver::settings::SubstepSettings;
 use crate::solver::wide::bond::{BondedManifold, is_new_bond};
 use crate::threads::parts::run_parts;
@@ -100,7 +101,7 @@ pub struct SolvedIsland<'a> {
     /// Slots of its bodies.
     pub slots: &'a [u32],
     /// What it took, together with the others of its batch.
-    pub effort: SweepBudget,
+    pub budget: SweepBudget,
 }
 
 impl SolvedIsland<'_> {
@@ -111,22 +112,35 @@ impl SolvedIsland<'_> {
         let first_body = bodies.start as u32;
         self.batch.collect_rows(places.clone(), first_body, rows);
     }
+
+    /// How far its rows, which `rows` is a buffer for, are from being solved.
+    pub(crate) fn residual_sum(&self, rows: &mut Vec<PointRows>) -> ResidualSum {
+        self.rows(rows);
+        let settings = &self.batch.settings;
+        let solved = Solved {
+            friction: settings.friction,
+            is_relaxed: settings.is_relaxed(),
+        };
+        ResidualSum::of(rows, self.bodies, solved)
+    }
 }
 
 impl ContactSolver {
     /// The islands of the last step.
     pub fn islands(&self) -> impl Iterator<Item = SolvedIsland<'_>> {
         let batches = self.batches[..self.earlier + self.ranges.len()].iter();
-        batches.filter(|batch| !batch.is_broken).flat_map(|batch| {
-            batch.layout.members.iter().map(move |member| SolvedIsland {
-                batch,
-                member,
-                contacts: member.contacts,
-                bodies: &batch.bodies[member.bodies.clone()],
-                slots: &batch.layout.slots[member.bodies.clone()],
-                effort: batch.effort,
+        batches
+            .filter(|batch| !batch.impacts.is_broken)
+            .flat_map(|batch| {
+                batch.layout.members.iter().map(move |member| SolvedIsland {
+                    batch,
+                    member,
+                    contacts: member.contacts,
+                    bodies: &batch.bodies.velocities[member.bodies.clone()],
+                    slots: &batch.layout.slots[member.bodies.clone()],
+                    budget: batch.budget,
+                })
             })
-        })
     }
 
     /// Solves the contacts of `manifolds` and leaves in `bodies` the new velocities and how to move, in `manifolds` the
@@ -171,7 +185,7 @@ impl ContactSolver {
                 self.store_impulses(manifolds, team);
             });
             let batches = &self.batches[self.earlier..][..self.ranges.len()];
-            is_deferred || batches.iter().any(|batch| batch.is_broken)
+            is_deferred || batches.iter().any(|batch| batch.impacts.is_broken)
         })
     }
 
@@ -185,7 +199,7 @@ impl ContactSolver {
                 batch.store_impulses(&mut run, part * size);
             }
         });
-        for batch in batches.iter().filter(|batch| !batch.is_broken) {
+        for batch in batches.iter().filter(|batch| !batch.impacts.is_broken) {
             batch.update_bond_damage(&mut self.bonded);
         }
     }
@@ -193,8 +207,8 @@ impl ContactSolver {
     /// Bodies (by slot) that got through the step although they were hit with more than they bear, and with what.
     pub fn overloaded(&self) -> impl Iterator<Item = (u32, ImpactLoad)> {
         let batches = self.batches[..self.earlier + self.ranges.len()].iter();
-        let solved = batches.filter(|batch| !batch.is_broken);
-        solved.flat_map(|batch| batch.overloaded.iter().copied())
+        let solved = batches.filter(|batch| !batch.impacts.is_broken);
+        solved.flat_map(|batch| batch.impacts.overloaded.iter().copied())
     }
 
     /// Whether the body in `slot` is as it was before the step, because something in its island breaks.
@@ -251,7 +265,7 @@ impl ContactSolver {
         settings: &SubstepSettings,
         team: Option<&Team>,
     ) {
-        let (step, depends_on_load) = (settings.step(), settings.depends_on_load());
+        let (step, depends_on_load) = (settings.step_dt(), settings.depends_on_load());
         self.estimates
             .resize(manifolds.len(), ContactEstimate::default());
         let size = Team::part_size(team, manifolds.len(), MIN_OF_PART);
@@ -385,8 +399,8 @@ impl ContactSolver {
     fn write_back(&mut self, bodies: &mut Bodies) {
         let batches = &self.batches[self.earlier..][..self.ranges.len()];
         for batch in batches {
-            if batch.is_broken {
-                for (&slot, body) in batch.layout.slots.iter().zip(&batch.bodies) {
+            if batch.impacts.is_broken {
+                for (&slot, body) in batch.layout.slots.iter().zip(&batch.bodies.velocities) {
                     if body.inverse_mass > 0.0 {
                         self.progress[slot as usize] = Progress::Deferred;
                     }
@@ -394,9 +408,9 @@ impl ContactSolver {
                 continue;
             }
             for (number, &slot) in batch.layout.slots.iter().enumerate() {
-                let (i, body) = (slot as usize, &batch.bodies[number]);
+                let (i, body) = (slot as usize, &batch.bodies.velocities[number]);
                 if body.inverse_mass > 0.0 {
-                    let moved = &batch.displacements[number];
+                    let moved = &batch.bodies.displacements[number];
                     self.progress[i] = Progress::Solved;
                     bodies.velocity[i] = *body;
                     bodies.motion[i] = Motion {
@@ -405,7 +419,7 @@ impl ContactSolver {
                     };
                 }
             }
-            for turning in &batch.turning {
+            for turning in &batch.bodies.turning {
                 let slot = batch.layout.slots[turning.body as usize] as usize;
                 bodies.motion[slot].rotation = turning.spin.rotation;
             }
@@ -417,8 +431,8 @@ impl ContactSolver {
 /// extent, 1/s. What has just landed bears at least its own weight.
 fn load_of(manifold: ManifoldRef, bodies: &Bodies, settings: &SubstepSettings) -> f32 {
     let slots = [manifold.a, manifold.b].map(|slot| slot as usize);
-    let weight = settings.gravity.length() * settings.step();
-    let sides = slots.map(|i| side(bodies, i));
+    let weight = settings.gravity.length() * settings.step_dt();
+    let sides = slots.map(|i| RowBody::of(bodies, i));
     let velocity = |point: &ContactPoint| {
         let anchors = [point.anchor_a, point.anchor_b];
         let row = Row::new(manifold.normal, anchors, sides);
@@ -477,7 +491,7 @@ impl ContactSolver {
                 batch.load(&step, part..part + 1, &self.requirements[whole]);
                 batch.tie(&self.bonded, manifolds);
                 batch.solve(manifolds, None);
-                if batch.is_broken {
+                if batch.impacts.is_broken {
                     batch.store_impulses(&mut manifolds.whole(), 0);
                     self.is_deferred[whole] = true;
                 }

@@ -11,7 +11,7 @@ use glam::Vec3;
 impl ContactSolver {
     /// Moves the bodies that touch nothing, exactly under constant acceleration: `x += h v + h^2 g / 2`.
     pub(crate) fn move_free_bodies(&mut self, bodies: &mut Bodies, settings: &SubstepSettings) {
-        let step = settings.step();
+        let step = settings.step_dt();
         let mut spinning = Spinning::default();
         for slot in 0..bodies.slots() as u32 {
             let i = slot as usize;
@@ -55,9 +55,8 @@ struct Spinning {
 impl Spinning {
     /// Turns them for the step, and begins anew.
     fn turn(&mut self, bodies: &mut Bodies, settings: &SubstepSettings) {
-        let config = &settings.config;
-        for _ in 0..config.substeps {
-            self.spins.advance(settings.h, config.lane_width);
+        for _ in 0..settings.substeps {
+            self.spins.advance(settings.substep_dt, settings.lane_width);
         }
         for (slot, (spin, omega)) in self.slots.iter().zip(self.spins.iter()) {
             let i = *slot as usize;

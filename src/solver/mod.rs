@@ -5,6 +5,7 @@ pub mod batch;
 mod breakage_probe;
 pub mod config;
 pub mod contact_solver;
+#[cfg(feature = "exact")]
 pub mod exact;
 mod free_flight;
 pub mod graph;

@@ -1,90 +1,236 @@
-//! What islands ask of the sub-steps: how many, how many sweeps, and whether they must look out for impacts.
+//! What the sub-steps of a step are told: the user's configuration as numbers that every method has.
 
+use crate::simd::lanes::LaneWidth;
 use crate::solver::adaptivity::IslandRequirements;
-use crate::solver::config::{Method, SolverConfig};
-use crate::solver::rows::soft_step::Bias;
-use crate::solver::rows::soft_step::Softness;
+use crate::solver::config::{FrictionModel, Method, Pgs, SoftStep, SolverConfig};
+use crate::solver::graph::contact_order::ContactOrder;
+use crate::solver::rows::soft_step::{Bias, Softness};
 use glam::Vec3;
 
-/// What the sub-steps are told.
-#[derive(Clone, Copy, Debug, Default)]
+/// Which of the [`Method`]s solves, without its settings.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum MethodKind {
+    /// [`Method::SoftStep`].
+    #[default]
+    SoftStep,
+    /// [`Method::Pgs`].
+    Pgs,
+    /// `Method::Exact`.
+    #[cfg(feature = "exact")]
+    Exact,
+}
+
+/// What tests and measurements hold against each other. All lane widths give the same bits; an order of one's own does not.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SolverOverrides {
+    /// How many lanes a register may have.
+    pub lane_width: LaneWidth,
+    /// In which order the contacts of an island are solved, instead of what follows from the method.
+    pub order: Option<ContactOrder>,
+}
+
+/// The numbers of one sub-step, and how many there are.
+#[derive(Clone, Copy, Debug)]
 pub struct SubstepSettings {
-    /// How to solve.
-    pub config: SolverConfig,
+    /// What solves.
+    pub method: MethodKind,
     /// Acceleration of dynamic bodies, m/s2.
     pub gravity: Vec3,
     /// Length of a sub-step, s.
-    pub h: f32,
+    pub substep_dt: f32,
+    /// Number of sub-steps; the least one before it is known what an island asks for.
+    pub substeps: u32,
+    /// See [`SoftStep::max_substeps`].
+    pub max_substeps: u32,
+    /// See [`SoftStep::sag`].
+    pub sag: f32,
+    /// Sweeps before the bodies move.
+    pub sweeps: u32,
+    /// Sweeps after the bodies have moved.
+    pub relax_sweeps: u32,
+    /// See [`SoftStep::contact_frequency`].
+    pub contact_frequency: f32,
+    /// See [`SoftStep::damping_ratio`].
+    pub damping_ratio: f32,
+    /// See [`Pgs::baumgarte`].
+    pub baumgarte: f32,
+    /// See [`Pgs::slop`].
+    pub slop: f32,
+    /// See [`SolverConfig::push_out_speed`].
+    pub push_out_speed: f32,
+    /// See [`SolverConfig::restitution_threshold`].
+    pub restitution_threshold: f32,
+    /// See [`Pgs::friction`].
+    pub friction: FrictionModel,
+    /// See [`SoftStep::tolerance`].
+    pub tolerance: Option<f32>,
+    /// See [`SoftStep::max_sweeps`].
+    pub max_sweeps: u32,
+    /// See [`SoftStep::max_extra_updates`].
+    pub max_extra_updates: u32,
+    /// In which order contacts are solved.
+    pub order: ContactOrder,
+    /// How many lanes a register may have.
+    pub lane_width: LaneWidth,
 }
 
 impl SubstepSettings {
-    /// The sub-steps of a step of `step` seconds.
-    pub fn new(config: SolverConfig, gravity: Vec3, step: f32) -> Self {
+    /// The sub-steps of a step of `step_dt` seconds.
+    pub fn new(config: &SolverConfig, gravity: Vec3, step_dt: f32) -> Self {
+        let settings = match config.method {
+            Method::SoftStep(soft_step) => Self::of_soft_step(&soft_step),
+            Method::Pgs(pgs) => Self::of_pgs(&pgs),
+            #[cfg(feature = "exact")]
+            Method::Exact(exact) => Self {
+                method: MethodKind::Exact,
+                substeps: exact.substeps,
+                baumgarte: exact.baumgarte,
+                friction: exact.friction,
+                slop: 0.0,
+                relax_sweeps: 1,
+                order: ContactOrder::Automatic,
+                ..Self::of_pgs(&Pgs::default())
+            },
+        };
         Self {
-            config,
             gravity,
-            h: step / config.substeps as f32,
+            push_out_speed: config.push_out_speed,
+            restitution_threshold: config.restitution_threshold,
+            substep_dt: step_dt / settings.substeps as f32,
+            ..settings
+        }
+    }
+
+    fn of_soft_step(soft_step: &SoftStep) -> Self {
+        Self {
+            method: MethodKind::SoftStep,
+            gravity: Vec3::ZERO,
+            substep_dt: 0.0,
+            substeps: soft_step.min_substeps,
+            max_substeps: soft_step.max_substeps,
+            sag: soft_step.sag,
+            sweeps: soft_step.sweeps,
+            relax_sweeps: soft_step.relax_sweeps,
+            contact_frequency: soft_step.contact_frequency,
+            damping_ratio: soft_step.damping_ratio,
+            baumgarte: 0.0,
+            slop: 0.0,
+            push_out_speed: 0.0,
+            restitution_threshold: 0.0,
+            friction: FrictionModel::Disc,
+            tolerance: soft_step.tolerance,
+            max_sweeps: soft_step.max_sweeps,
+            max_extra_updates: soft_step.max_extra_updates,
+            order: ContactOrder::Automatic,
+            lane_width: LaneWidth::Widest,
+        }
+    }
+
+    /// What only soft contacts have is not used.
+    fn of_pgs(pgs: &Pgs) -> Self {
+        Self {
+            method: MethodKind::Pgs,
+            substeps: pgs.substeps,
+            max_substeps: pgs.substeps,
+            sweeps: pgs.sweeps,
+            relax_sweeps: 0,
+            baumgarte: pgs.baumgarte,
+            slop: pgs.slop,
+            friction: pgs.friction,
+            tolerance: pgs.tolerance,
+            max_sweeps: pgs.max_sweeps,
+            order: ContactOrder::Ordered,
+            ..Self::of_soft_step(&SoftStep::default())
+        }
+    }
+
+    /// The same, with what a test wants otherwise.
+    pub fn overridden(self, overrides: &SolverOverrides) -> Self {
+        Self {
+            lane_width: overrides.lane_width,
+            order: overrides.order.unwrap_or(self.order),
+            ..self
         }
     }
 
     /// The same step in as many parts as an island asks for.
     ///
     /// A soft contact under a load that gives its effective mass the acceleration `a` gives way by `s = a h^2 / (h omega)^2`,
-    /// which is to stay below the share [`SolverConfig::sag`] of an extent.
-    pub fn for_requirements(&self, demand: &IslandRequirements) -> Self {
-        let config = &self.config;
-        if config.method != Method::SoftStep {
+    /// which is to stay below the share [`SoftStep::sag`] of an extent.
+    pub fn for_requirements(&self, requirements: &IslandRequirements) -> Self {
+        if self.method != MethodKind::SoftStep {
             return *self;
         }
-        let config = SolverConfig {
-            substeps: self.substeps_for(demand),
-            ..*config
-        };
-        Self::new(config, self.gravity, self.step())
+        let substeps = self.substeps_for(requirements);
+        Self {
+            substeps,
+            substep_dt: self.step_dt() / substeps as f32,
+            ..*self
+        }
     }
 
     /// Number of parts that [`for_requirements`](Self::for_requirements) makes.
-    pub fn substeps_for(&self, demand: &IslandRequirements) -> u32 {
-        let config = &self.config;
-        if config.method != Method::SoftStep {
-            return config.substeps;
+    pub fn substeps_for(&self, requirements: &IslandRequirements) -> u32 {
+        if self.method != MethodKind::SoftStep {
+            return self.substeps;
         }
-        let step = self.step();
-        let per_radian = step / (std::f32::consts::TAU * config.contact_frequency);
-        let parts = per_radian * (demand.load / (step * config.sag)).sqrt();
+        let step_dt = self.step_dt();
+        let per_radian = step_dt / (std::f32::consts::TAU * self.contact_frequency);
+        let parts = per_radian * (requirements.load / (step_dt * self.sag)).sqrt();
         // A number that is not finite becomes one end of the range.
-        (parts.ceil() as u32).clamp(config.substeps, config.max_substeps.max(config.substeps))
+        (parts.ceil() as u32).clamp(self.substeps, self.max_substeps.max(self.substeps))
     }
 
     /// Whether the number of parts depends on the load.
     pub fn depends_on_load(&self) -> bool {
-        let config = &self.config;
-        config.method == Method::SoftStep && config.max_substeps > config.substeps
+        self.method == MethodKind::SoftStep && self.max_substeps > self.substeps
     }
 
     /// Compliance of the rows.
     pub fn softness(&self) -> Softness {
-        match self.config.method {
-            Method::SoftStep => Softness::new(&self.config, self.h),
-            Method::Pgs | Method::Exact => Softness::HARD,
+        match self.method {
+            MethodKind::SoftStep => {
+                Softness::new(self.contact_frequency, self.damping_ratio, self.substep_dt)
+            }
+            _ => Softness::HARD,
         }
     }
 
     /// How overlap is pushed out.
     pub fn bias(&self) -> Bias {
-        let bias_rate = match self.config.method {
-            Method::SoftStep => self.softness().bias_rate,
-            Method::Pgs | Method::Exact => self.config.baumgarte / self.h,
+        let bias_rate = match self.method {
+            MethodKind::SoftStep => self.softness().bias_rate,
+            _ => self.baumgarte / self.substep_dt,
         };
         Bias {
-            substep_dt: self.h,
+            substep_dt: self.substep_dt,
             bias_rate,
-            max_bias_velocity: self.config.push_out_speed,
+            max_bias_velocity: self.push_out_speed,
         }
     }
 
     /// Length of the step, s.
-    pub fn step(&self) -> f32 {
-        self.h * self.config.substeps as f32
+    pub fn step_dt(&self) -> f32 {
+        self.substep_dt * self.substeps as f32
+    }
+
+    /// Whether the last sweep of a sub-step is one without position bias.
+    pub fn is_relaxed(&self) -> bool {
+        self.method == MethodKind::SoftStep && self.relax_sweeps > 0
+    }
+
+    /// Whether it is the exact method that solves.
+    #[inline]
+    pub fn is_exact(&self) -> bool {
+        #[cfg(feature = "exact")]
+        return self.method == MethodKind::Exact;
+        #[cfg(not(feature = "exact"))]
+        false
+    }
+}
+
+impl Default for SubstepSettings {
+    fn default() -> Self {
+        Self::of_soft_step(&SoftStep::default())
     }
 }

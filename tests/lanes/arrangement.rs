@@ -2,7 +2,7 @@
 
 use crate::dice::Dice;
 use crate::properties::cases;
-use bevy_cleave::solver::config::ContactOrder;
+use bevy_cleave::solver::graph::contact_order::ContactOrder;
 use bevy_cleave::solver::graph::indices::LaneSlot;
 use bevy_cleave::solver::graph::lane_assignment::{AssignmentRule, ContactEdge, LaneAssignment};
 use bevy_cleave::solver::graph::partition::{Partition, leaves, stages};

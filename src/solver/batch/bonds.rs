@@ -12,24 +12,28 @@ impl Batch {
         if bonded.is_empty() {
             return;
         }
-        let share = 1.0 / self.settings.config.substeps as f32;
+        let share = 1.0 / self.settings.substeps as f32;
         for i in 0..self.layout.places.len() {
             let (index, place) = self.layout.places[i];
             let Ok(at) = bonded.binary_search_by_key(&index, |bond| bond.manifold) else {
                 continue;
             };
-            self.bond_constraints
-                .resize(self.points.len(), BondConstraint::default());
+            self.bonds
+                .constraints
+                .resize(self.contacts.points.len(), BondConstraint::default());
             let bond = &bonded[at];
-            let (block, lane) = (&self.blocks[place.block as usize], place.lane as usize);
+            let (block, lane) = (
+                &self.contacts.blocks[place.block as usize],
+                place.lane as usize,
+            );
             let points = manifolds.at(index as usize).points();
             for (k, (off, from)) in bond.displacement.iter().zip(points).enumerate() {
                 let at = block.points.start + k;
-                self.bond_constraints[at].load(lane, block, bond, *off, self.settings.h);
+                self.bonds.constraints[at].load(lane, block, bond, *off, self.settings.substep_dt);
                 // Shear of a bond needs no friction, without which this was left out.
                 for (row, tangent) in block.tangents.iter().enumerate() {
                     let along = vector(tangent, lane).dot(share * from.friction_impulse);
-                    self.points[at].impulse[row + 1].0[lane] = along;
+                    self.contacts.points[at].impulse[row + 1].0[lane] = along;
                 }
             }
         }
@@ -37,7 +41,7 @@ impl Batch {
 
     /// Notes in the list how far its bonds have given way.
     pub fn update_bond_damage(&self, bonded: &mut [BondedManifold]) {
-        if self.bond_constraints.is_empty() {
+        if self.bonds.constraints.is_empty() {
             return;
         }
         for &(index, place) in &self.layout.places {
@@ -49,13 +53,22 @@ impl Batch {
 
     /// How far the farthest point of a manifold that bears all it can is off, m.
     fn yielded(&self, place: LaneSlot) -> f32 {
-        let (block, lane) = (&self.blocks[place.block as usize], place.lane as usize);
+        let (block, lane) = (
+            &self.contacts.blocks[place.block as usize],
+            place.lane as usize,
+        );
         let displacements = block
             .pair(lane)
-            .map(|body| &self.displacements[body as usize]);
-        let model = self.settings.config.friction_model;
+            .map(|body| &self.bodies.displacements[body as usize]);
+        let model = self.settings.friction;
         let of_point = |at: usize| {
-            self.bond_constraints[at].yielded(lane, block, &self.points[at], displacements, model)
+            self.bonds.constraints[at].yielded(
+                lane,
+                block,
+                &self.contacts.points[at],
+                displacements,
+                model,
+            )
         };
         let points = block.points.clone().take(place.count as usize);
         points.map(of_point).fold(0.0, f32::max)

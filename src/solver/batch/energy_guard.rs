@@ -17,7 +17,6 @@
 use crate::bodies::solver_body::SolverBody;
 use crate::solver::batch::Batch;
 use crate::solver::batch::layout::Member;
-use crate::solver::config::Method;
 use crate::solver::graph::bisection::MAX_LEAVES;
 use crate::threads::team::Team;
 use glam::Vec3;
@@ -120,14 +119,13 @@ impl Sums {
 impl Batch {
     /// Whether contacts are to add no energy: other methods leave in the velocities what pushes overlap out.
     pub(crate) fn is_passive(&self) -> bool {
-        let config = &self.settings.config;
-        config.method == Method::SoftStep && config.relax_sweeps > 0
+        self.settings.is_relaxed()
     }
 
     /// Takes the impulses of an island, whose gains are known, times the share that adds no energy. `linear`: sums of linear
     /// motion alone.
     pub(crate) fn guard_energy(&mut self, member: &Member, linear: Sums, team: Option<&Team>) {
-        let speed = self.settings.gravity.length() * self.settings.step();
+        let speed = self.settings.gravity.length() * self.settings.step_dt();
         let is_fine = linear.after <= SUSPICIOUS * linear.allowed(speed);
         if is_fine || !self.is_passive() || self.is_driven(member) {
             return;
@@ -144,7 +142,7 @@ impl Batch {
         // Contacts move those in leaves.
         let leaves = self.layout.cuts.leaves();
         let first = leaves.last().map_or(member.bodies.start, |leaf| leaf.end);
-        let mut bodies = self.bodies[first..member.bodies.end].iter();
+        let mut bodies = self.bodies.velocities[first..member.bodies.end].iter();
         bodies.any(|body| body.inverse_mass == 0.0 && moves(body))
     }
 
@@ -163,9 +161,9 @@ impl Batch {
         let mut sums = Sums::default();
         for i in bodies {
             let (gain, now, solid) = (
-                &self.scratch.contact_velocity_changes[i],
-                &self.bodies[i],
-                &self.solids[i],
+                &self.bodies.contact_velocity_changes[i],
+                &self.bodies.velocities[i],
+                &self.bodies.masses[i],
             );
             let mass = mass_of(now);
             sums.mass += f64::from(mass);
@@ -184,8 +182,8 @@ impl Batch {
 
     fn scale_impulses(&mut self, member: &Member, share: f32) {
         let contact_velocity_changes =
-            &mut self.scratch.contact_velocity_changes[member.bodies.clone()];
-        for (body, gain) in self.bodies[member.bodies.clone()]
+            &mut self.bodies.contact_velocity_changes[member.bodies.clone()];
+        for (body, gain) in self.bodies.velocities[member.bodies.clone()]
             .iter_mut()
             .zip(contact_velocity_changes)
         {
@@ -196,8 +194,8 @@ impl Batch {
         }
         for &(_, place) in &self.layout.places[member.places.clone()] {
             let lane = place.lane as usize;
-            let points = self.blocks[place.block as usize].points.clone();
-            for point in &mut self.points[points] {
+            let points = self.contacts.blocks[place.block as usize].points.clone();
+            for point in &mut self.contacts.points[points] {
                 point.impulse.iter_mut().for_each(|x| x.0[lane] *= share);
             }
         }

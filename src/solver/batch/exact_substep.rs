@@ -1,14 +1,15 @@
 //! A sub-step by the exact method.
 
 use crate::bodies::solver_body::BodyMass;
-use crate::solver::adaptivity::SweepBudget;
+use crate::bodies::solver_body::SolverBody;
 use crate::solver::batch::Batch;
-use crate::solver::config::SolverConfig;
 use crate::solver::exact;
+use crate::solver::exact::ExactScratch;
+use crate::solver::rows::contact_rows::PointRows;
 use crate::solver::rows::soft_step;
 use crate::solver::rows::soft_step::Softness;
-use crate::solver::settings::SubstepSettings;
 use crate::solver::wide::pass::Pass;
+use glam::Mat3;
 
 /// Sweeps where the exact method has no answer.
 const UNCERTIFIED_SWEEPS: u32 = 200;
@@ -16,52 +17,73 @@ const UNCERTIFIED_SWEEPS: u32 = 200;
 /// Velocity of position bias, m/s, that is not worth taking out again.
 const NEGLIGIBLE_SPEED: f32 = 1e-4;
 
+/// Buffers of the exact method.
+#[derive(Debug, Default)]
+pub(crate) struct ExactBuffers {
+    solver: ExactScratch,
+    /// Points of the batch as rows.
+    rows: Vec<PointRows>,
+    /// Inverse inertia tensors of the bodies, world axes, 1/(kg m2).
+    inertia: Vec<Mat3>,
+    /// Velocities without contact impulses.
+    free: Vec<SolverBody>,
+}
+
 impl Batch {
-    /// Notes the velocities that the bodies have without contacts.
-    pub(crate) fn keep_free_velocities(&mut self) {
-        self.scratch.free.clear();
-        self.scratch.free.extend_from_slice(&self.bodies);
+    /// Solves to rounding from the velocities that the bodies have without contacts.
+    pub(crate) fn solve_exactly(&mut self) {
+        self.scratch.exact.free.clear();
+        self.scratch
+            .exact
+            .free
+            .extend_from_slice(&self.bodies.velocities);
+        self.solve_from_free();
     }
 
     /// Solves to rounding from the free velocities. What cannot be certified (there may be no solution with friction) is not
     /// used: sweeps, which never gain energy, have the word then.
-    pub(crate) fn solve_exactly(&mut self, config: &SolverConfig, effort: &mut SweepBudget) {
-        let mut rows = std::mem::take(&mut self.scratch.rows);
+    fn solve_from_free(&mut self) {
+        let mut rows = std::mem::take(&mut self.scratch.exact.rows);
         rows.clear();
         self.collect_rows(0..self.layout.places.len(), 0, &mut rows);
-        let scratch = &mut self.scratch;
+        let scratch = &mut self.scratch.exact;
         scratch.rows = rows;
         scratch.inertia.clear();
-        let inertia = self.solids.iter().map(BodyMass::inverse_inertia);
+        let inertia = self.bodies.masses.iter().map(BodyMass::inverse_inertia);
         scratch.inertia.extend(inertia);
         let certificate = exact::solve(
             &mut scratch.rows,
-            &mut self.bodies,
+            &mut self.bodies.velocities,
             &scratch.inertia,
-            config,
-            &mut scratch.exact,
+            self.settings.friction,
+            &mut scratch.solver,
         );
-        effort.sweeps += certificate.iterations;
+        self.budget.sweeps += certificate.iterations;
         if certificate.converged {
             return self.take_impulses_of_rows();
         }
-        self.bodies.copy_from_slice(&self.scratch.free);
+        self.bodies
+            .velocities
+            .copy_from_slice(&self.scratch.exact.free);
         self.pass(Pass::Warm, None);
         let softness = Softness::HARD;
         for _ in 0..UNCERTIFIED_SWEEPS {
             let measure = false;
             self.pass(Pass::Solve { softness, measure }, None);
         }
-        effort.sweeps += UNCERTIFIED_SWEEPS;
-        effort.is_unconverged = true;
+        self.budget.sweeps += UNCERTIFIED_SWEEPS;
+        self.budget.is_unconverged = true;
     }
 
     fn take_impulses_of_rows(&mut self) {
-        let mut rows = self.scratch.rows.iter();
+        let mut rows = self.scratch.exact.rows.iter();
         for &(_, place) in &self.layout.places {
-            let (block, lane) = (&self.blocks[place.block as usize], place.lane as usize);
+            let (block, lane) = (
+                &self.contacts.blocks[place.block as usize],
+                place.lane as usize,
+            );
             let count = place.count as usize;
-            let points = &mut self.points[block.points.clone()][..count];
+            let points = &mut self.contacts.points[block.points.clone()][..count];
             for (point, rows) in points.iter_mut().zip(&mut rows) {
                 for (lanes, impulse) in point.impulse.iter_mut().zip(rows.impulses()) {
                     lanes.0[lane] = impulse;
@@ -71,17 +93,18 @@ impl Batch {
     }
 
     /// Solves the rows once more from the free velocities, with what they should have after the motion.
-    pub(crate) fn relax_exactly(&mut self, settings: &SubstepSettings, effort: &mut SweepBudget) {
+    pub(crate) fn relax_exactly(&mut self) {
         let mut difference = 0.0_f32;
-        for (i, point) in self.points.iter_mut().enumerate() {
+        for (i, point) in self.contacts.points.iter_mut().enumerate() {
             for (lane, target_velocity) in point.target_velocity.0.iter_mut().enumerate() {
-                let tie = self.bond_constraints.get_mut(i);
+                let tie = self.bonds.constraints.get_mut(i);
                 if let Some(tie) = tie.filter(|tie| tie.adhesion.0[lane] > 0.0) {
                     difference = difference.max(tie.relax(lane, target_velocity));
                     continue;
                 }
                 let rebound = self
                     .impacts
+                    .points
                     .get(i)
                     .map_or(0.0, |impact| impact.rebound.0[lane]);
                 let relaxed = soft_step::relaxed_velocity(
@@ -94,8 +117,10 @@ impl Batch {
             }
         }
         if difference > NEGLIGIBLE_SPEED {
-            self.bodies.copy_from_slice(&self.scratch.free);
-            self.solve_exactly(&settings.config, effort);
+            self.bodies
+                .velocities
+                .copy_from_slice(&self.scratch.exact.free);
+            self.solve_from_free();
         }
     }
 }

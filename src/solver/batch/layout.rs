@@ -5,14 +5,13 @@
 
 use crate::bodies::solver_body::SolverBody;
 use crate::bodies::store::Bodies;
-use crate::solver::config::ContactOrder;
-use crate::solver::config::Method;
+use crate::solver::graph::contact_order::ContactOrder;
 use crate::solver::graph::indices::LaneSlot;
 use crate::solver::graph::islands::{Island, Islands};
 use crate::solver::graph::lane_assignment::{AssignmentRule, ContactEdge, LaneAssignment};
 use crate::solver::graph::partition;
 use crate::solver::graph::partition::Partition;
-use crate::solver::settings::SubstepSettings;
+use crate::solver::settings::{MethodKind, SubstepSettings};
 use crate::solver::wide::block::{Block, Point};
 use crate::threads::parts::front_mut;
 use crate::threads::team::Team;
@@ -36,7 +35,7 @@ struct Origin {
     islands: u64,
     range: Range<usize>,
     order: ContactOrder,
-    method: Method,
+    method: MethodKind,
     has_team: bool,
 }
 
@@ -74,12 +73,11 @@ impl Layout {
         settings: &SubstepSettings,
         team: Option<&Team>,
     ) -> bool {
-        let config = &settings.config;
         let origin = Some(Origin {
             islands: islands.revision,
             range: range.clone(),
-            order: config.order,
-            method: config.method,
+            order: settings.order,
+            method: settings.method,
             has_team: team.is_some(),
         });
         let is_cut_as_before = match &islands.list[range.clone()] {
@@ -104,7 +102,7 @@ impl Layout {
         team: Option<&Team>,
     ) -> bool {
         let leaves = partition::leaves(island.manifolds.len());
-        if leaves == 1 || settings.config.method == Method::Exact {
+        if leaves == 1 || settings.is_exact() {
             return self.cuts.keep_whole();
         }
         let slots = &islands.slots[island.bodies.clone()];

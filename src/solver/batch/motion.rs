@@ -9,28 +9,28 @@ use crate::solver::batch::layout::{Layout, Member};
 use crate::solver::batch::subdomain_slices::{each_part, parts_by_body};
 use crate::solver::batch::{Batch, TurningBody};
 use crate::solver::graph::bisection::MAX_LEAVES;
-use crate::solver::settings::SubstepSettings;
 use crate::threads::parts::front_mut;
 use crate::threads::team::Team;
 use glam::{Mat3, Vec3};
 
 impl Batch {
     /// The velocities that gravity gives, and if a tolerance depends on it, how fast the bodies of each island are then.
-    pub(crate) fn apply_gravity(&mut self, settings: &SubstepSettings, team: Option<&Team>) {
-        let change = settings.gravity * settings.h;
-        let is_asked = settings.config.tolerance.is_some();
+    pub(crate) fn apply_gravity(&mut self, team: Option<&Team>) {
+        let settings = &self.settings;
+        let change = settings.gravity * settings.substep_dt;
+        let is_asked = settings.tolerance.is_some();
         let Layout { cuts, members, .. } = &self.layout;
-        let fastest = &mut self.scratch.fastest;
+        let fastest = &mut self.bodies.fastest;
         fastest.clear();
         if cuts.leaves().is_empty() {
-            fall(&mut self.bodies, change);
+            fall(&mut self.bodies.velocities, change);
             let asked = if is_asked { &members[..] } else { &[] };
-            let bodies = |member: &Member| &self.bodies[member.bodies.clone()];
+            let bodies = |member: &Member| &self.bodies.velocities[member.bodies.clone()];
             fastest.extend(asked.iter().map(|member| fastest_of(bodies(member))));
             return;
         }
         let mut of_parts = [0.0; MAX_LEAVES];
-        let parts = parts_by_body(&mut self.bodies, cuts).zip(&mut of_parts);
+        let parts = parts_by_body(&mut self.bodies.velocities, cuts).zip(&mut of_parts);
         Team::each(team, parts, |(bodies, fastest)| {
             fall(bodies, change);
             if is_asked {
@@ -41,22 +41,20 @@ impl Batch {
     }
 
     /// Moves the bodies by their velocities.
-    pub(crate) fn move_bodies(
-        &mut self,
-        settings: &SubstepSettings,
-        manifolds: &Manifolds,
-        team: Option<&Team>,
-    ) {
-        let h = settings.h;
-        let lists = (&mut self.displacements[..], &mut self.bodies[..]);
+    pub(crate) fn move_bodies(&mut self, manifolds: &Manifolds, team: Option<&Team>) {
+        let h = self.settings.substep_dt;
+        let lists = (
+            &mut self.bodies.displacements[..],
+            &mut self.bodies.velocities[..],
+        );
         each_part(&self.layout.cuts, team, lists, |qs, vs| {
             for (q, v) in qs.iter_mut().zip(vs.iter()) {
                 q.linear += h * v.linear;
                 q.angular += h * v.angular;
             }
         });
-        if self.has_restitution {
-            self.correct_flight(settings);
+        if self.impacts.has_restitution {
+            self.correct_flight();
         }
         self.clamp_tunnelling(manifolds);
     }
@@ -66,13 +64,13 @@ impl Batch {
     /// The rows hold the points that were nearest at the start of the step. A thin body that hits with one corner turns at
     /// thousands of radians per second, and no frozen row sees the rest of it come round.
     fn clamp_tunnelling(&mut self, manifolds: &Manifolds) {
-        for moving in &self.moving {
+        for moving in &self.contacts.moving {
             let Some(ccd_radius) = moving.ccd_radius else {
                 continue;
             };
             let manifold = manifolds.at(moving.manifold as usize);
             let pair = moving.bodies;
-            let [a, b] = pair.map(|body| self.displacements[body as usize].linear);
+            let [a, b] = pair.map(|body| self.bodies.displacements[body as usize].linear);
             let away = [-manifold.normal, manifold.normal][moving.anchor_body];
             let height = |point: &ContactPoint| {
                 let anchor = [point.anchor_a, point.anchor_b][moving.anchor_body];
@@ -84,19 +82,20 @@ impl Batch {
             let least = before.min(ccd_radius);
             if before > 0.0 && after < least {
                 let body = pair[moving.anchor_body] as usize;
-                self.displacements[body].linear += (least - after) * away;
+                self.bodies.displacements[body].linear += (least - after) * away;
             }
         }
     }
 
     /// Bodies that nothing pushes fly: `x += h v - h^2 g / 2` with the velocity after the sub-step is the parabola. A body that
     /// rebounds low would lose height otherwise while it is near the ground.
-    fn correct_flight(&mut self, settings: &SubstepSettings) {
+    fn correct_flight(&mut self) {
+        let settings = &self.settings;
         let is_pushed = &mut self.scratch.is_pushed;
         is_pushed.clear();
-        is_pushed.resize(self.bodies.len(), false);
-        for block in &self.blocks {
-            for point in &self.points[block.points.clone()] {
+        is_pushed.resize(self.bodies.velocities.len(), false);
+        for block in &self.contacts.blocks {
+            for point in &self.contacts.points[block.points.clone()] {
                 let is_held = |&lane: &usize| point.impulse[0].0[lane].abs() > 0.0;
                 for lane in (0..block.used).filter(is_held) {
                     for body in block.pair(lane) {
@@ -105,9 +104,9 @@ impl Batch {
                 }
             }
         }
-        let fall = 0.5 * settings.h * settings.h * settings.gravity;
-        let bodies = self.bodies.iter().zip(is_pushed.iter());
-        for (q, (body, is_pushed)) in self.displacements.iter_mut().zip(bodies) {
+        let fall = 0.5 * settings.substep_dt * settings.substep_dt * settings.gravity;
+        let bodies = self.bodies.velocities.iter().zip(is_pushed.iter());
+        for (q, (body, is_pushed)) in self.bodies.displacements.iter_mut().zip(bodies) {
             if body.inverse_mass > 0.0 && !is_pushed {
                 q.linear -= fall;
             }
@@ -115,16 +114,16 @@ impl Batch {
     }
 
     /// Turns the bodies that spin, and their inertia with them.
-    pub(crate) fn turn_bodies(&mut self, h: f32, team: Option<&Team>) {
-        if self.turning.is_empty() {
+    pub(crate) fn turn_bodies(&mut self, team: Option<&Team>) {
+        if self.bodies.turning.is_empty() {
             return;
         }
-        let count = self.bodies.len();
-        let width = self.settings.config.lane_width;
+        let count = self.bodies.velocities.len();
+        let (h, width) = (self.settings.substep_dt, self.settings.lane_width);
         let mut rest = (
-            &mut self.bodies[..],
-            &mut self.solids[..],
-            &mut self.turning[..],
+            &mut self.bodies.velocities[..],
+            &mut self.bodies.masses[..],
+            &mut self.bodies.turning[..],
         );
         let parts = self.layout.cuts.slices_of_bodies(count).map(|range| {
             let spinning = rest.2.partition_point(|t| (t.body as usize) < range.end);

@@ -3,6 +3,7 @@
 use crate::bodies::solver_body::SolverBody;
 use crate::math::rotate_by;
 use crate::solver::batch::subdomain_slices::subdomain_slices;
+use crate::solver::batch::targets::Targets;
 use crate::solver::batch::{Batch, TurningBody};
 use crate::solver::wide::block::points_of;
 use crate::solver::wide::reanchor::{BodyRotation, Reanchor, ReanchoredBlocks};
@@ -10,32 +11,49 @@ use crate::threads::parts::{front, front_mut};
 use crate::threads::team::Team;
 use glam::Quat;
 
+/// Turn within a sub-step, rad, up to which rows that have been solved may be pointed anew.
+const MAX_TURN: f32 = 0.05;
+
 impl Batch {
+    /// Points the rows anew where bodies hit each other: what follows acts where they are now, and impacts are large enough to
+    /// matter for the angular momentum.
+    pub(crate) fn reanchor_hits(&mut self, targets: &Targets, team: Option<&Team>) {
+        if targets.hits.any {
+            self.reanchor(MAX_TURN / self.settings.substep_dt, team);
+        }
+    }
+
     /// Points the rows of moving manifolds at where their contact points are now.
     ///
     /// Manifolds of bodies that turn faster than `most` (rad/s) are left as they are: impulses that have acted along the old
     /// rows could not be taken back along the new ones.
     pub(crate) fn reanchor(&mut self, most: f32, team: Option<&Team>) {
-        if self.moving.is_empty() {
+        if self.contacts.moving.is_empty() {
             return;
         }
         self.find_turns(most, team);
         self.reanchor_blocks(team);
-        self.derive_masses(team);
+        let (masses, width) = (&self.bodies.masses, self.settings.lane_width);
+        self.contacts
+            .derive_masses(masses, &self.layout, width, team);
     }
 
     /// How each body of a moving manifold has turned since the start of the step, and each that is fixed.
     fn find_turns(&mut self, most: f32, team: Option<&Team>) {
-        self.turns
-            .resize(self.bodies.len(), BodyRotation::default());
+        self.contacts
+            .rotations
+            .resize(self.bodies.velocities.len(), BodyRotation::default());
         let mut rest = (
-            &mut self.turns[..],
-            &self.bodies[..],
-            &self.displacements[..],
-            &self.turning[..],
-            &self.scratch.is_reanchored[..],
+            &mut self.contacts.rotations[..],
+            &self.bodies.velocities[..],
+            &self.bodies.displacements[..],
+            &self.bodies.turning[..],
+            &self.contacts.is_reanchored[..],
         );
-        let parts = self.layout.cuts.slices_of_bodies(self.bodies.len());
+        let parts = self
+            .layout
+            .cuts
+            .slices_of_bodies(self.bodies.velocities.len());
         let parts = parts.map(|range| {
             let spinning = rest.3.partition_point(|t| (t.body as usize) < range.end);
             (
@@ -65,13 +83,17 @@ impl Batch {
     }
 
     fn reanchor_blocks(&mut self, team: Option<&Team>) {
-        let width = self.settings.config.lane_width;
-        let blocks = &self.blocks;
-        let (mut points, mut bond_constraints) =
-            (&mut self.points[..], &mut self.bond_constraints[..]);
-        let (turns, displacements) = (&self.turns, &self.displacements);
-        let (mut reanchored, mut starts) =
-            (ReanchoredBlocks::new(&self.reanchored), &self.starts[..]);
+        let width = self.settings.lane_width;
+        let blocks = &self.contacts.blocks;
+        let (mut points, mut bond_constraints) = (
+            &mut self.contacts.points[..],
+            &mut self.bonds.constraints[..],
+        );
+        let (turns, displacements) = (&self.contacts.rotations, &self.bodies.displacements);
+        let (mut reanchored, mut starts) = (
+            ReanchoredBlocks::new(&self.contacts.reanchored),
+            &self.contacts.anchor_starts[..],
+        );
         let subdomain_slices = subdomain_slices(&self.layout.subdomains, blocks.len(), team);
         let parts = subdomain_slices.map(|share| {
             let of_points = points_of(&blocks[share.clone()]);

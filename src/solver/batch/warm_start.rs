@@ -27,19 +27,19 @@ const BLOCKS_PER_FOLLOWING: usize = 8;
 impl Batch {
     /// Gives the bodies what the impulses of the sub-step before are worth.
     pub(crate) fn warm_start(&mut self, team: Option<&Team>) {
-        if self.scratch.contact_velocity_changes.is_empty() {
+        if self.bodies.contact_velocity_changes.is_empty() {
             // A single sub-step whose energy is not bounded has no use for them.
-            if self.settings.config.substeps > 1 || self.is_passive() {
-                self.scratch
+            if self.settings.substeps > 1 || self.is_passive() {
+                self.bodies
                     .contact_velocity_changes
-                    .extend_from_slice(&self.bodies);
+                    .extend_from_slice(&self.bodies.velocities);
             }
             self.pass(Pass::Warm, team);
             return;
         }
         let lists = (
-            &mut self.bodies[..],
-            &mut self.scratch.contact_velocity_changes[..],
+            &mut self.bodies.velocities[..],
+            &mut self.bodies.contact_velocity_changes[..],
         );
         each_part(
             &self.layout.cuts,
@@ -59,7 +59,7 @@ impl Batch {
     /// Ends a sub-step that began with a [warm start](Self::warm_start): finds what contacts have given to the bodies, which
     /// is no [energy](crate::solver::batch::energy_guard).
     pub(crate) fn note_contact_velocity_changes(&mut self, team: Option<&Team>) {
-        if self.scratch.contact_velocity_changes.is_empty() {
+        if self.bodies.contact_velocity_changes.is_empty() {
             return;
         }
         let members = std::mem::take(&mut self.layout.members);
@@ -71,8 +71,8 @@ impl Batch {
             for member in &members {
                 let bodies = member.bodies.clone();
                 let linear = note_contact_velocity_changes(
-                    &mut self.scratch.contact_velocity_changes[bodies.clone()],
-                    &self.bodies[bodies],
+                    &mut self.bodies.contact_velocity_changes[bodies.clone()],
+                    &self.bodies.velocities[bodies],
                 );
                 self.guard_energy(member, linear.total(), team);
             }
@@ -82,8 +82,8 @@ impl Batch {
 
     fn note_gains_of_leaves(&mut self, team: Option<&Team>) -> Sums {
         let cuts = &self.layout.cuts;
-        let parts = parts_by_body(&mut self.scratch.contact_velocity_changes, cuts)
-            .zip(parts_by_body(&mut self.bodies, cuts));
+        let parts = parts_by_body(&mut self.bodies.contact_velocity_changes, cuts)
+            .zip(parts_by_body(&mut self.bodies.velocities, cuts));
         let mut sums = [LinearSums::default(); MAX_LEAVES];
         let sums = &mut sums[..cuts.leaves().len()];
         Team::each(
@@ -99,15 +99,15 @@ impl Batch {
 
     /// Has the contacts asked at the next warm start, because their impulses are no longer what the sub-step found.
     pub(crate) fn forget_contact_velocity_changes(&mut self) {
-        self.scratch.contact_velocity_changes.clear();
+        self.bodies.contact_velocity_changes.clear();
     }
 
     /// [Points](Self::reanchor) the rows of moving manifolds anew, between two sub-steps.
     pub(crate) fn reanchor_with_contact_velocity_changes(&mut self, team: Option<&Team>) {
-        if self.moving.is_empty() {
+        if self.contacts.moving.is_empty() {
             return;
         }
-        if BLOCKS_PER_FOLLOWING * self.reanchored.len() > self.blocks.len() {
+        if BLOCKS_PER_FOLLOWING * self.contacts.reanchored.len() > self.contacts.blocks.len() {
             self.forget_contact_velocity_changes();
         }
         self.add_to_gains(-1.0);
@@ -117,18 +117,18 @@ impl Batch {
 
     /// Adds `share` times what the impulses of reanchored blocks are worth to the gains, if these are known.
     fn add_to_gains(&mut self, share: f32) {
-        if self.scratch.contact_velocity_changes.is_empty() {
+        if self.bodies.contact_velocity_changes.is_empty() {
             return;
         }
-        let reanchored = self.reanchored.iter();
+        let reanchored = self.contacts.reanchored.iter();
         let warm = Warm {
-            blocks: reanchored.map(|reanchored| &self.blocks[reanchored.block as usize]),
-            points: &self.points,
+            blocks: reanchored.map(|reanchored| &self.contacts.blocks[reanchored.block as usize]),
+            points: &self.contacts.points,
             first_point: 0,
-            bodies: cells(&mut self.scratch.contact_velocity_changes),
+            bodies: cells(&mut self.bodies.contact_velocity_changes),
             share,
         };
-        run(self.settings.config.lane_width, warm);
+        run(self.settings.lane_width, warm);
     }
 }
 

@@ -26,7 +26,7 @@ mod rows;
 mod velocity;
 
 use crate::bodies::solver_body::SolverBody;
-use crate::solver::config::{FrictionModel, SolverConfig};
+use crate::solver::config::FrictionModel;
 use crate::solver::rows::contact_rows::{PointRows, Row};
 use blocks::{BodySpace, FIXED, MassRoot};
 use dense::DenseSpace;
@@ -76,11 +76,11 @@ pub fn solve(
     rows: &mut [PointRows],
     bodies: &mut [SolverBody],
     inverse_inertia: &[Mat3],
-    config: &SolverConfig,
+    friction: FrictionModel,
     scratch: &mut ExactScratch,
 ) -> Certificate {
     scratch.take_bodies(rows, bodies, inverse_inertia);
-    scratch.take_rows(rows, bodies, config.friction_model);
+    scratch.take_rows(rows, bodies, friction);
     let ExactScratch {
         space,
         rows: bounds,

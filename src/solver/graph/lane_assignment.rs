@@ -4,8 +4,8 @@
 //! goes in every step, but in most of its subdomains none does.
 
 use crate::simd::lanes::WIDTH;
-use crate::solver::config::ContactOrder;
 use crate::solver::graph::coloring::Coloring;
+use crate::solver::graph::contact_order::ContactOrder;
 use crate::solver::graph::indices::LaneSlot;
 use crate::solver::graph::ordered_packing::{OrderedPacking, Packer};
 use crate::threads::team::Team;

@@ -2,6 +2,7 @@
 
 pub mod bisection;
 pub mod coloring;
+pub mod contact_order;
 pub mod indices;
 pub mod islands;
 pub mod lane_assignment;

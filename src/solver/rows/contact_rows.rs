@@ -20,6 +20,7 @@
 //! Catto, "Iterative Dynamics with Temporal Coherence", 2005, sections 3 to 5.
 
 use crate::bodies::solver_body::SolverBody;
+use crate::bodies::store::Bodies;
 use crate::contact::manifolds::ManifoldHead;
 use crate::contact::point::ContactPoint;
 use crate::math::tangents;
@@ -94,6 +95,16 @@ pub struct RowBody {
     pub inverse_mass: f32,
     /// About the center of mass, world axes, 1/(kg m2).
     pub inverse_inertia: Mat3,
+}
+
+impl RowBody {
+    /// The body in a slot.
+    pub(crate) fn of(bodies: &Bodies, slot: usize) -> Self {
+        Self {
+            inverse_mass: bodies.velocity[slot].inverse_mass,
+            inverse_inertia: bodies.inverse_inertia[slot],
+        }
+    }
 }
 
 /// The three rows of one contact point.

@@ -9,7 +9,7 @@
 //! Coherence", 2005 (warm start, friction bounds from the current normal impulse).
 
 use crate::bodies::solver_body::SolverBody;
-use crate::solver::config::{FrictionModel, SolverConfig};
+use crate::solver::config::FrictionModel;
 use crate::solver::rows::contact_rows::{PointRows, Row};
 use crate::solver::rows::mlcp;
 use glam::Vec2;
@@ -18,10 +18,15 @@ use glam::Vec2;
 ///
 /// The impulses found in `rows` are the start; pass zeros for a cold start. `sweeps` times, friction is solved before
 /// the normal of the same point, so that the last word is non-penetration.
-pub fn solve(rows: &mut [PointRows], bodies: &mut [SolverBody], config: &SolverConfig) {
+pub fn solve(
+    rows: &mut [PointRows],
+    bodies: &mut [SolverBody],
+    sweeps: u32,
+    friction: FrictionModel,
+) {
     apply_impulses(rows, bodies);
-    for _ in 0..config.sweeps {
-        sweep(rows, bodies, config.friction_model);
+    for _ in 0..sweeps {
+        sweep(rows, bodies, friction);
     }
 }
 

@@ -11,12 +11,21 @@
 //! A normal row has no upper bound; `hi` is a cap on what any solution could need there.
 
 use crate::bodies::solver_body::SolverBody;
-use crate::solver::config::{FrictionModel, Method, SolverConfig};
+use crate::solver::config::FrictionModel;
 use crate::solver::rows::contact_rows::{PointRows, Row};
 use crate::solver::rows::mlcp;
 use crate::solver::rows::mlcp::Residual;
 use crate::solver::rows::soft_step;
 use glam::DVec2;
+
+/// Which problem the rows were solved for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Solved {
+    /// Shape of the friction bound.
+    pub friction: FrictionModel,
+    /// Whether the last sweep was one without position bias.
+    pub is_relaxed: bool,
+}
 
 /// Sums over rows, to be added up over islands.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -35,14 +44,14 @@ pub struct ResidualSum {
 
 impl ResidualSum {
     /// Sums over the rows of an island, at the velocities in `bodies`.
-    pub fn of(rows: &[PointRows], bodies: &[SolverBody], config: &SolverConfig) -> Self {
+    pub fn of(rows: &[PointRows], bodies: &[SolverBody], problem: Solved) -> Self {
         let mut sum = Self::default();
         let movable = bodies.iter().filter(|b| b.inverse_mass > 0.0);
         sum.mass = movable.map(|b| 1.0 / f64::from(b.inverse_mass)).sum();
         // No contact of an island needs to carry more than all that its contacts carry together.
         let cap = rows.iter().map(|p| f64::from(p.normal.impulse.abs())).sum();
         for point in rows {
-            sum.add_point(point, bodies, config, cap);
+            sum.add_point(point, bodies, problem, cap);
         }
         sum
     }
@@ -73,17 +82,11 @@ impl ResidualSum {
         }
     }
 
-    fn add_point(
-        &mut self,
-        point: &PointRows,
-        bodies: &[SolverBody],
-        config: &SolverConfig,
-        cap: f64,
-    ) {
+    fn add_point(&mut self, point: &PointRows, bodies: &[SolverBody], problem: Solved, cap: f64) {
         let [a, b] = point.bodies.map(|b| &bodies[b as usize]);
         let normal = &point.normal;
         let impulse = f64::from(normal.impulse);
-        let w = f64::from(normal.velocity(a, b) - wanted_velocity(point, config));
+        let w = f64::from(normal.velocity(a, b) - target_velocity(point, problem));
         let least = f64::from(point.min_normal());
         let r = mlcp::natural_map(impulse, w, f64::from(normal.diagonal), least, f64::INFINITY);
         self.natural_map += r * r;
@@ -94,9 +97,9 @@ impl ResidualSum {
             self.scale += impulse * impulse * f64::from(row.diagonal);
         }
         if point.has_friction() {
-            let slip = |row: &Row| f64::from(row.velocity(a, b) - wanted_slip(point, row, config));
+            let slip = |row: &Row| f64::from(row.velocity(a, b) - target_slip(point, row, problem));
             let slip = point.tangents.each_ref().map(slip);
-            self.add_friction(point, slip, config.friction_model);
+            self.add_friction(point, slip, problem.friction);
         }
     }
 
@@ -125,8 +128,8 @@ impl ResidualSum {
 }
 
 /// The normal velocity that the last word on a point was about, m/s.
-fn wanted_velocity(point: &PointRows, config: &SolverConfig) -> f32 {
-    if !is_relaxed(config) {
+fn target_velocity(point: &PointRows, problem: Solved) -> f32 {
+    if !problem.is_relaxed {
         point.normal.target_velocity
     } else if point.is_bonded() {
         0.0
@@ -140,15 +143,10 @@ fn wanted_velocity(point: &PointRows, config: &SolverConfig) -> f32 {
 }
 
 /// The same along one of its tangents.
-fn wanted_slip(point: &PointRows, row: &Row, config: &SolverConfig) -> f32 {
-    if point.is_bonded() && is_relaxed(config) {
+fn target_slip(point: &PointRows, row: &Row, problem: Solved) -> f32 {
+    if point.is_bonded() && problem.is_relaxed {
         0.0
     } else {
         row.target_velocity
     }
-}
-
-/// Whether the last sweep was one without position bias.
-fn is_relaxed(config: &SolverConfig) -> bool {
-    config.method == Method::SoftStep && config.relax_sweeps > 0
 }

@@ -18,8 +18,6 @@
 //! Catto, "Soft Constraints", GDC 2011; Catto, "Solver2D", 2024 (soft contacts, relax sweep); Macklin et al., "Small Steps
 //! in Physics Simulation", 2019.
 
-use crate::solver::config::SolverConfig;
-
 /// Coefficients of soft contacts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Softness {
@@ -39,10 +37,10 @@ impl Softness {
         impulse_scale: 0.0,
     };
 
-    /// The coefficients for sub-steps of `substep_dt` seconds.
-    pub fn new(config: &SolverConfig, substep_dt: f32) -> Self {
-        let h_omega = std::f32::consts::TAU * config.contact_frequency;
-        let a1 = 2.0 * config.damping_ratio + h_omega;
+    /// The coefficients for sub-steps of `substep_dt` seconds: `contact_frequency` as a share of the sub-step rate.
+    pub fn new(contact_frequency: f32, damping_ratio: f32, substep_dt: f32) -> Self {
+        let h_omega = std::f32::consts::TAU * contact_frequency;
+        let a1 = 2.0 * damping_ratio + h_omega;
         let a2 = h_omega * a1;
         Self {
             bias_rate: if a1 > 0.0 {

@@ -17,7 +17,7 @@ pub(crate) struct UpdateBias<'a, 'c, const BONDED: bool> {
     pub(crate) contacts: &'a mut ContactBlocks<'c>,
     pub(crate) bond_constraints: &'a mut [BondConstraint],
     pub(crate) bias: Bias,
-    pub(crate) first: bool,
+    pub(crate) is_first: bool,
 }
 
 impl<const BONDED: bool> Kernel for UpdateBias<'_, '_, BONDED> {
@@ -32,7 +32,7 @@ impl<const BONDED: bool> Kernel for UpdateBias<'_, '_, BONDED> {
             displacements,
             ..
         } = self.contacts;
-        let aim = BiasTargets::<L>::new(displacements, &self.bias, self.first);
+        let aim = BiasTargets::<L>::new(displacements, &self.bias, self.is_first);
         for block in blocks.iter() {
             let start = block.points.start - *first_point;
             let range = start..start + block.points.len();
@@ -57,7 +57,7 @@ pub(crate) struct BiasTargets<'a, L> {
     most: L,
     /// -1 / length of the sub-step, 1/s.
     closing: L,
-    first: bool,
+    is_first: bool,
     is_far: bool,
 }
 
@@ -74,13 +74,13 @@ pub(crate) struct BlockAim<L> {
 
 impl<'a, L: Lanes> BiasTargets<'a, L> {
     #[inline(always)]
-    pub(crate) fn new(displacements: &'a [Cell<SolverBody>], bias: &Bias, first: bool) -> Self {
+    pub(crate) fn new(displacements: &'a [Cell<SolverBody>], bias: &Bias, is_first: bool) -> Self {
         Self {
             displacements,
             rate: L::splat(bias.bias_rate),
             most: L::splat(bias.max_bias_velocity),
             closing: L::splat(-1.0 / bias.substep_dt),
-            first,
+            is_first,
             is_far: displacements.len() >= FAR_BODIES,
         }
     }
@@ -114,7 +114,7 @@ impl<'a, L: Lanes> BiasTargets<'a, L> {
         let push = (self.rate * overlap.max(zero)).min(self.most);
         gap.if_above(zero, gap * self.closing, push)
             .store(&mut point.target_velocity);
-        if !self.first {
+        if !self.is_first {
             let total_normal_impulse =
                 L::load(&point.total_normal_impulse) + L::load(&point.impulse[0]);
             total_normal_impulse.store(&mut point.total_normal_impulse);

@@ -12,12 +12,12 @@ use crate::solver::wide::sweep::{RelaxKernel, SolveFirstKernel, SolveKernel, Swe
 #[derive(Clone, Copy, Debug)]
 pub enum Pass {
     /// Sets the target velocities from the displacements of the bodies since the start of the step. Of a sub-step that is not
-    /// the `first`, the impulses of the one before are added to the total.
+    /// the `is_first`, the impulses of the one before are added to the total.
     UpdateBias {
         /// How overlap is pushed out.
         bias: Bias,
         /// Whether the step begins.
-        first: bool,
+        is_first: bool,
     },
     /// Adds `M^-1 J^T lambda` of the impulses found in the points to the velocities: the warm start.
     Warm,
@@ -35,7 +35,7 @@ pub enum Pass {
         /// How overlap is pushed out.
         bias: Bias,
         /// Whether the step begins.
-        first: bool,
+        is_first: bool,
         /// Compliance.
         softness: Softness,
         /// Whether to measure.
@@ -82,12 +82,12 @@ impl ContactBlocks<'_> {
         let width = self.width;
         let contacts = self;
         match pass {
-            Pass::UpdateBias { bias, first } => {
+            Pass::UpdateBias { bias, is_first } => {
                 let targets = UpdateBias::<BONDED> {
                     contacts,
                     bond_constraints,
                     bias,
-                    first,
+                    is_first,
                 };
                 run(width, targets)
             }
@@ -103,7 +103,7 @@ impl ContactBlocks<'_> {
             }
             Pass::SolveFirst {
                 bias,
-                first,
+                is_first,
                 softness,
                 measure,
             } => {
@@ -117,7 +117,7 @@ impl ContactBlocks<'_> {
                     sweep,
                     softness,
                     bias,
-                    first,
+                    is_first,
                 };
                 run(width, solve)
             }

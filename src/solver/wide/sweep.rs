@@ -266,7 +266,7 @@ pub(crate) struct SolveFirstKernel<'a, 'c> {
     pub(crate) sweep: Sweep<'a, 'c, false>,
     pub(crate) softness: Softness,
     pub(crate) bias: Bias,
-    pub(crate) first: bool,
+    pub(crate) is_first: bool,
 }
 
 impl Kernel for SolveFirstKernel<'_, '_> {
@@ -275,7 +275,7 @@ impl Kernel for SolveFirstKernel<'_, '_> {
     #[inline(always)]
     fn run<L: Lanes>(self) -> f32 {
         let displacements = self.sweep.contacts.displacements;
-        let aim = BiasTargets::<L>::new(displacements, &self.bias, self.first);
+        let aim = BiasTargets::<L>::new(displacements, &self.bias, self.is_first);
         let rule = SolveWithBias::new(self.softness);
         self.sweep.each_point::<L, _>(&rule, Some(&aim))
     }

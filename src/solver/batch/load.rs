@@ -1,0 +1,295 @@
+//! What a batch takes over of islands, bodies and manifolds before its sub-steps.
+
+use crate::bodies::free_rotation::FreeRotation;
+use crate::bodies::solver_body::{BodyMass, SolverBody};
+use crate::bodies::store::Bodies;
+use crate::contact::manifolds::Manifolds;
+use crate::solver::adaptivity::{IslandRequirements, SweepBudget};
+use crate::solver::batch::contacts::MovingManifold;
+use crate::solver::batch::subdomain_slices::{parts_by_body, parts_of_blocks};
+use crate::solver::batch::{Batch, TurningBody};
+use crate::solver::graph::islands::{Islands, MovingPair};
+use crate::solver::settings::SubstepSettings;
+use crate::solver::wide::block::PointImpact;
+use crate::solver::wide::prepare::{Source, fill};
+use crate::solver::wide::reanchor::{AnchorStart, ReanchoredBlock, ReanchoredBlocks};
+use crate::threads::parts::{front, front_mut};
+use crate::threads::team::{MAX_PARTS, Team};
+use glam::Mat3;
+use std::ops::Range;
+
+/// Least pairs of a part of which a team finds the largest extent: each takes some 5 ns.
+const MIN_PAIRS: usize = 1024;
+
+/// Which of two bodies carries their contact points: the smaller one, whose corners they mostly are, if it can move.
+fn anchor_body(slots: [usize; 2], bodies: &Bodies) -> usize {
+    let size = slots.map(|i| {
+        let is_movable = bodies.velocity[i].inverse_mass > 0.0;
+        if is_movable {
+            bodies.radius(i as u32)
+        } else {
+            f32::INFINITY
+        }
+    });
+    usize::from(size[1] <= size[0])
+}
+
+/// What batches are loaded from.
+#[derive(Clone, Copy, Debug)]
+pub struct Step<'a> {
+    /// All islands.
+    pub islands: &'a Islands,
+    /// All manifolds.
+    pub manifolds: &'a Manifolds,
+    /// All bodies.
+    pub bodies: &'a Bodies,
+    /// The sub-steps of an island that asks for nothing.
+    pub settings: &'a SubstepSettings,
+    /// Who solves the subdomains of the batch together, if it is not for one thread.
+    pub team: Option<&'a Team>,
+    /// Whether the solve is to be given up when a body is overloaded.
+    pub may_break: bool,
+}
+
+impl Batch {
+    /// Takes over the bodies and contacts of the islands in `range`, which ask for the same.
+    pub fn load(&mut self, step: &Step, range: Range<usize>, demand: &IslandRequirements) {
+        let Step {
+            islands,
+            manifolds,
+            bodies,
+            settings,
+            team,
+            may_break,
+        } = *step;
+        self.clear();
+        self.settings = settings.for_requirements(demand);
+        let layout = &mut self.layout;
+        let is_kept = layout.number(islands, range.clone(), bodies, &self.settings, team);
+        self.load_bodies(bodies, team);
+        self.impacts.may_break = may_break;
+        if !is_kept {
+            let (blocks, points) = (&mut self.contacts.blocks, &mut self.contacts.points);
+            let (layout, order) = (&mut self.layout, self.settings.order);
+            layout.place(islands, range.clone(), &self.bodies.velocities, order, team);
+            layout.name(blocks, points, team);
+        }
+        self.load_copies();
+        for member in 0..self.layout.members.len() {
+            self.measure(member, team);
+            self.load_turning(member, bodies);
+        }
+        let first = islands.list[range.start].manifolds.start;
+        for island in &islands.list[range.clone()] {
+            self.load_moving(&islands.moving[island.moving.clone()], first, bodies);
+        }
+        self.load_limits(bodies);
+        self.mark_reanchored();
+        self.fill_blocks(manifolds, team);
+        self.impacts.has_restitution = islands.list[range.clone()].iter().any(|i| i.bounces);
+        if demand.can_hit || self.settings.is_exact() {
+            self.impacts
+                .points
+                .resize(self.contacts.points.len(), PointImpact::default());
+        }
+        let most_points = islands.list[range].iter().map(|i| i.points.len()).max();
+        self.budget = SweepBudget::new(self.settings.max_extra_updates, most_points.unwrap_or(0));
+    }
+
+    /// Forgets the step before, but not who is where.
+    fn clear(&mut self) {
+        self.bodies.extents.clear();
+        self.impacts.points.clear();
+        self.bonds.constraints.clear();
+        self.bodies.velocities.clear();
+        self.bodies.displacements.clear();
+        self.bodies.masses.clear();
+        self.bodies.turning.clear();
+        self.contacts.moving.clear();
+        self.impacts.limits.clear();
+        self.impacts.overloaded.clear();
+        self.impacts.is_broken = false;
+    }
+
+    /// Copies the bodies, and adds an dummy one.
+    fn load_bodies(&mut self, bodies: &Bodies, team: Option<&Team>) {
+        let (cuts, mut slots) = (&self.layout.cuts, &self.layout.slots[..]);
+        self.bodies
+            .velocities
+            .resize(slots.len() + 1, SolverBody::default());
+        self.bodies
+            .masses
+            .resize(slots.len() + 1, BodyMass::new(0.0, &Mat3::ZERO, 1.0));
+        let parts = parts_by_body(&mut self.bodies.velocities, cuts);
+        let parts = parts.zip(parts_by_body(&mut self.bodies.masses, cuts));
+        let parts = parts.map(|part| {
+            let count = part.0.len().min(slots.len());
+            (front(&mut slots, count), part)
+        });
+        Team::each(team, parts, |(slots, part)| {
+            let copies = part.0.iter_mut().zip(part.1.iter_mut());
+            for (&slot, (body, solid)) in slots.iter().zip(copies) {
+                let i = slot as usize;
+                *body = bodies.velocity[i];
+                *solid = BodyMass::new(
+                    body.inverse_mass,
+                    &bodies.inverse_inertia[i],
+                    bodies.min_extent[i],
+                );
+            }
+        });
+    }
+
+    /// Makes the copies.
+    fn load_copies(&mut self) {
+        for &original in &self.layout.originals {
+            self.bodies
+                .velocities
+                .push(self.bodies.velocities[original as usize]);
+            self.bodies
+                .masses
+                .push(self.bodies.masses[original as usize]);
+        }
+        let count = self.bodies.velocities.len();
+        self.bodies
+            .displacements
+            .resize(count, SolverBody::default());
+    }
+
+    /// Finds the largest extent that a contact of an island is measured by, if there is a tolerance that depends on it.
+    fn measure(&mut self, member: usize, team: Option<&Team>) {
+        if self.settings.tolerance.is_none() {
+            return;
+        }
+        let member = &self.layout.members[member];
+        let pairs = &self.layout.pairs[member.places.clone()];
+        let solids = &self.bodies.masses;
+        let extent = |pair: &[u32; 2]| {
+            let [a, b] = pair.map(|number| solids[number as usize].extent());
+            a.min(b)
+        };
+        let size = Team::part_size(team, pairs.len(), MIN_PAIRS);
+        let mut most = [0.0; MAX_PARTS];
+        let parts = pairs.chunks(size).zip(&mut most);
+        Team::each(team, parts, |(pairs, most)| {
+            *most = pairs.iter().map(extent).fold(0.0, f32::max);
+        });
+        self.bodies
+            .extents
+            .push(most.into_iter().fold(0.0, f32::max));
+    }
+
+    /// Lists the bodies of an island that turn.
+    fn load_turning(&mut self, member: usize, bodies: &Bodies) {
+        let step = self.settings.step_dt();
+        for number in self.layout.members[member].bodies.clone() {
+            // Most do not, which is seen without a look at far memory.
+            if !FreeRotation::is_noticeable(self.bodies.velocities[number].angular, step) {
+                continue;
+            }
+            let slot = self.layout.slots[number];
+            if let Some(spin) = bodies.spin(slot, step) {
+                self.bodies.turning.push(TurningBody {
+                    body: number as u32,
+                    start: spin.rotation,
+                    spin,
+                    inverse_inertia: bodies.mass(slot).inverse_inertia(),
+                });
+            }
+        }
+    }
+
+    /// Lists the manifolds of an island whose rows follow the motion.
+    fn load_moving(&mut self, moving: &[MovingPair], first: usize, bodies: &Bodies) {
+        for pair in moving {
+            let (manifold, place) = self.layout.places[pair.at - first];
+            let numbers = self.layout.pairs[pair.at - first];
+            let slots = numbers.map(|number| self.layout.slots[number as usize] as usize);
+            let anchor_body = anchor_body(slots, bodies);
+            let extent = bodies.min_extent[slots[anchor_body]];
+            self.contacts.moving.push(MovingManifold {
+                manifold,
+                place,
+                bodies: numbers,
+                anchor_body,
+                ccd_radius: pair.is_fast.then_some(0.5 * extent),
+            });
+        }
+    }
+
+    /// Lists the blocks, and marks the lanes and the bodies, of moving manifolds.
+    fn mark_reanchored(&mut self) {
+        self.contacts.reanchored.clear();
+        if self.contacts.moving.is_empty() {
+            return;
+        }
+        let number = &mut self.contacts.reanchored_number;
+        number.clear();
+        number.resize(self.contacts.blocks.len(), None);
+        for moving in &self.contacts.moving {
+            number[moving.place.block as usize] = Some(0);
+        }
+        let mut points = 0;
+        let named = (0..).zip(number.iter_mut().zip(&self.contacts.blocks));
+        for (block, (number, named)) in named.filter(|(_, (number, _))| number.is_some()) {
+            *number = Some(self.contacts.reanchored.len() as u32);
+            let first = points;
+            points += named.points.len() as u32;
+            self.contacts.reanchored.push(ReanchoredBlock {
+                block,
+                starts: [first, points],
+                ..ReanchoredBlock::default()
+            });
+        }
+        self.contacts
+            .anchor_starts
+            .resize(points as usize, AnchorStart::default());
+        for moving in &self.contacts.moving {
+            let (place, lane) = (moving.place, moving.place.lane as usize);
+            let Some(number) = number[place.block as usize] else {
+                continue;
+            };
+            let reanchored = &mut self.contacts.reanchored[number as usize];
+            reanchored.moves.0[lane] = 1.0;
+            reanchored.on_b.0[lane] = f32::from(moving.anchor_body == 1);
+        }
+        let is_reanchored = &mut self.contacts.is_reanchored;
+        is_reanchored.clear();
+        // Rows may name copies of fixed bodies.
+        is_reanchored.extend(
+            self.bodies
+                .velocities
+                .iter()
+                .map(|body| body.inverse_mass == 0.0),
+        );
+        for body in self.contacts.moving.iter().flat_map(|moving| moving.bodies) {
+            is_reanchored[body as usize] = true;
+        }
+    }
+
+    fn fill_blocks(&mut self, manifolds: &Manifolds, team: Option<&Team>) {
+        let settings = &self.settings;
+        let source = Source {
+            manifolds,
+            solids: &self.bodies.masses,
+            share: 1.0 / settings.substeps as f32,
+            slop: settings.slop,
+        };
+        let width = settings.lane_width;
+        let (mut reanchored, mut starts) = (
+            ReanchoredBlocks::new(&self.contacts.reanchored),
+            &mut self.contacts.anchor_starts[..],
+        );
+        let (blocks, points) = (&mut self.contacts.blocks, &mut self.contacts.points);
+        let parts = parts_of_blocks(blocks, points, &self.layout.subdomains, team);
+        let parts = parts.map(|(blocks, points)| {
+            let reanchored = reanchored.take(blocks.len());
+            let starts = front_mut(&mut starts, reanchored.points());
+            (blocks, points, reanchored, starts)
+        });
+        Team::each(team, parts, |(blocks, points, reanchored, starts)| {
+            fill(blocks, points, source, width);
+            reanchored.start(blocks, points, starts);
+        });
+    }
+}
