@@ -9,10 +9,8 @@
 //! the same thing faster, or a different machine, must leave them as they are.
 #![allow(clippy::print_stdout, reason = "figures are told with --nocapture")]
 
-#[path = "../scenes/mod.rs"]
-mod heaps;
-#[path = "../scenes/structures.rs"]
-mod structures;
+#[path = "../common/mod.rs"]
+mod common;
 
 mod builds;
 mod course;
@@ -22,6 +20,7 @@ mod scene;
 mod sleepers;
 
 use bevy_cleave::simd::lanes::LaneWidth;
+use common::{scenes as heaps, structures};
 use course::Hashes;
 use golden::GOLDEN;
 use run::{Driver, Run};
