@@ -3,6 +3,7 @@
 use crate::common::scenes::pile;
 use allocation_counter::measure;
 use bevy_cleave::prelude::*;
+use bevy_tasks::ComputeTaskPool;
 use std::hint::black_box;
 
 /// Length of a step, s.
@@ -31,4 +32,6 @@ fn steady_step_allocates_nothing() {
     assert!(simulation.report.contacts > 100, "the pile touches");
     let allocated = measure(|| (0..60).for_each(|_| simulation.step(H)));
     assert_eq!(allocated.count_total, 0, "{allocated:?}");
+    // With a pool it would not hold; nor would the other tests here be the same in every run.
+    assert!(ComputeTaskPool::try_get().is_none(), "a test made a pool");
 }
