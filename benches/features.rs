@@ -4,10 +4,11 @@
     reason = "criterion's macros make undocumented functions"
 )]
 
-#[path = "../tests/scenes/mod.rs"]
-mod scenes;
+#[path = "../tests/common/mod.rs"]
+mod common;
 
 use bevy_cleave::prelude::*;
+use common::scenes;
 use criterion::{Criterion, criterion_group, criterion_main};
 use glam::Vec3;
 

@@ -1,7 +1,7 @@
 //! Time of each kernel and system, and of the whole step. `cargo bench`; `cargo test` runs each once.
 
-#[path = "../tests/scenes/mod.rs"]
-mod scenes;
+#[path = "../tests/common/mod.rs"]
+mod common;
 
 use bevy_app::{App, TaskPoolPlugin};
 use bevy_cleave::bodies::integrate;
@@ -18,9 +18,9 @@ use bevy_cleave::solver::contact_solver::ContactSolver;
 use bevy_cleave::solver::rows::pgs;
 use bevy_cleave::solver::settings::SubstepSettings;
 use bevy_time::Time;
+use common::scenes::{heap, pile, random_points};
 use criterion::{BatchSize, BenchmarkId, Criterion, criterion_group, criterion_main};
 use glam::{Quat, Vec3};
-use scenes::{heap, pile, random_points};
 use std::hint::black_box;
 use std::time::Duration;
 

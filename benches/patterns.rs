@@ -9,19 +9,19 @@
     reason = "shapes of benches may differ in the last bit between platforms"
 )]
 
-#[path = "../tests/common/mod.rs"]
-mod common;
-#[path = "../tests/dice/mod.rs"]
+#[path = "../tests/common/dice.rs"]
 mod dice;
+#[path = "../tests/it/models.rs"]
+mod models;
 
 use bevy_cleave::prelude::*;
 use bevy_cleave::slice::{
     Cutting, Halves, HullSlicer, Impact, MeshSlicer, PieceCutter, SliceOptions, slice_mesh,
 };
-use common::model_mesh;
 use criterion::{BatchSize, BenchmarkId, Criterion, criterion_group, criterion_main};
 use dice::Dice;
 use glam::Vec3;
+use models::model_mesh;
 use std::hint::black_box;
 
 /// Planes of a sample: a cut through the middle and one that takes off a tip cost differently.

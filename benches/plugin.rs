@@ -4,15 +4,16 @@
 //! written back included), and a whole `App::update` less that of an app without the plugin.
 #![allow(clippy::print_stdout, reason = "a bench tells its figures")]
 
-#[path = "../tests/app/mod.rs"]
+#[path = "../tests/plugin/app.rs"]
 mod app;
-#[path = "../tests/scenes/structures.rs"]
-mod structures;
+#[path = "../tests/common/mod.rs"]
+mod common;
 
 use app::step_length;
 use bevy_app::{App, TaskPoolPlugin};
 use bevy_cleave::prelude::*;
 use bevy_time::{Fixed, Time, TimePlugin, TimeUpdateStrategy};
+use common::structures;
 use glam::Vec3;
 use std::time::Instant;
 

@@ -4,12 +4,13 @@
     reason = "criterion's macros make undocumented functions"
 )]
 
-#[path = "../tests/app/mod.rs"]
+#[path = "../tests/plugin/app.rs"]
 mod app;
-#[path = "../tests/scenes/structures.rs"]
-mod structures;
+#[path = "../tests/common/mod.rs"]
+mod common;
 
 use bevy_cleave::prelude::*;
+use common::structures;
 use criterion::{Criterion, criterion_group, criterion_main};
 use glam::Vec3;
 

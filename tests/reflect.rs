@@ -1,5 +1,4 @@
 //! With the feature `reflect`, inspectors and scene files find the plugin's components and resources.
-#![cfg(feature = "reflect")]
 
 use bevy_app::App;
 use bevy_cleave::prelude::*;

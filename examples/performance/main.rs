@@ -12,12 +12,10 @@
     reason = "an example prints what it shows"
 )]
 
-#[path = "../../tests/scenes/mod.rs"]
-mod heaps;
+#[path = "../../tests/common/mod.rs"]
+mod common;
 #[path = "../speed_vs_error/machine.rs"]
 mod machine;
-#[path = "../../tests/scenes/structures.rs"]
-mod structures;
 
 mod contacts;
 mod counts;
@@ -26,6 +24,7 @@ mod limits;
 mod report;
 mod roofline;
 
+use common::{scenes as heaps, structures};
 use counts::Counts;
 use std::path::Path;
 use std::process::ExitCode;

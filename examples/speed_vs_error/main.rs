@@ -16,13 +16,13 @@
     reason = "angles of scenes and logarithms of figures, not part of a step"
 )]
 
-#[path = "../../tests/dice/mod.rs"]
+#[path = "../../tests/common/dice.rs"]
 mod dice;
-#[path = "../../tests/hard_cases/support.rs"]
+#[path = "../../tests/it/hard_cases/support.rs"]
 mod measure;
-#[path = "../../tests/mlcp_files/mod.rs"]
+#[path = "../../tests/it/mlcp_files/mod.rs"]
 mod mlcp_files;
-#[path = "../../tests/scenes/structures.rs"]
+#[path = "../../tests/common/structures.rs"]
 mod structures;
 #[path = "../support/mod.rs"]
 mod support;

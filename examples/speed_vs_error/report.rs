@@ -113,7 +113,7 @@ fn head(results: &Results) -> String {
          ## Scenes\n\n\
          g = 9.81 m/s2, steps of 1/60 s, density 1000 kg/m3, one thread. Time is that of whole steps (collision, solver, all \
          else): median, and in brackets the 99th percentile, which also holds what other programs took from the machine. Errors below {ROUNDING:.0e} are rounding and stand as that. \
-         *Good* is the bar of the hard cases in `tests/hard_cases`, which say where each answer comes from. \
+         *Good* is the bar of the hard cases in `tests/it/hard_cases`, which say where each answer comes from. \
          *failed*: fell, or moved by more than 0.1 m, or did not get to where the error is measured.\n",
         machine::processor(),
         machine::date(),

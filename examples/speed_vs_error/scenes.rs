@@ -1,6 +1,6 @@
 //! Scenes whose answer is known, and how far off it a simulation ends.
 //!
-//! The formulas are those of `tests/hard_cases`, which says why each case is hard.
+//! The formulas are those of `tests/it/hard_cases`, which says why each case is hard.
 
 use crate::dice::Dice;
 use crate::measure::{G, H, displacement, drift, energy, frames, simulation_with, spin, steps};

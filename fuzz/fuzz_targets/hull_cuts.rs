@@ -1,7 +1,7 @@
 //! Chains of cuts of a convex hull; prints how many it has made each time that passes a million.
 #![no_main]
 
-#[path = "../../tests/hull_chain/mod.rs"]
+#[path = "../../tests/it/hull_chain.rs"]
 mod hull_chain;
 
 use libfuzzer_sys::fuzz_target;

@@ -1,7 +1,7 @@
 //! The same bits whatever the number of threads, the lanes, the slots, the entities and the tables they lie in.
 //!
 //! Task pools are one for the whole process, so every run is a process of its own: the test program starts itself with
-//! [`one_run`] as the only test, and reads the hashes that it prints.
+//! [`a_run_gives_the_same_bits_here_and_in_a_child`] as the only test, and reads the hashes that it prints.
 //!
 //! # Golden hashes
 //! `GOLDEN=print cargo test --release --test determinism -- --nocapture` prints the constants of `golden.rs` anew. They may
@@ -9,10 +9,8 @@
 //! the same thing faster, or a different machine, must leave them as they are.
 #![allow(clippy::print_stdout, reason = "figures are told with --nocapture")]
 
-#[path = "../scenes/mod.rs"]
-mod heaps;
-#[path = "../scenes/structures.rs"]
-mod structures;
+#[path = "../common/mod.rs"]
+mod common;
 
 mod builds;
 mod course;
@@ -22,6 +20,7 @@ mod scene;
 mod sleepers;
 
 use bevy_cleave::simd::lanes::LaneWidth;
+use common::{scenes as heaps, structures};
 use course::Hashes;
 use golden::GOLDEN;
 use run::{Driver, Run};
@@ -50,10 +49,17 @@ fn assert_same(runs: &[Run]) {
     }
 }
 
+/// A child makes the run that it is told, and prints the hashes that its parent asks for.
 #[test]
-#[ignore = "what a child process runs; needs to be told what"]
-fn one_run() {
-    run::print_hashes();
+fn a_run_gives_the_same_bits_here_and_in_a_child() {
+    if let Some(run) = Run::asked_for() {
+        return run.print_hashes();
+    }
+    let run = Run {
+        scene: Scene::Pyramid,
+        ..PLAIN
+    };
+    assert_eq!(run.hashes(), run.hashes_of_child());
 }
 
 #[test]

@@ -15,6 +15,9 @@ use std::time::Duration;
 /// Names the run to a child process.
 const VARIABLE: &str = "CLEAVE_DETERMINISM_RUN";
 
+/// The only test that a child process runs.
+const CHILD: &str = "a_run_gives_the_same_bits_here_and_in_a_child";
+
 /// What a child prints before its hashes.
 const MARK: &str = "hashes ";
 
@@ -55,7 +58,7 @@ impl Run {
     pub(crate) fn hashes_of_child(&self) -> Hashes {
         let program = std::env::current_exe().expect("a test program has a path");
         let output = Command::new(program)
-            .args(["--ignored", "--exact", "one_run", "--nocapture"])
+            .args(["--exact", CHILD, "--nocapture"])
             .env(VARIABLE, format!("{self:?}"))
             .output()
             .expect("the test program can be started");
@@ -102,7 +105,21 @@ impl Run {
         })
     }
 
-    fn hashes(&self) -> Hashes {
+    /// The run that the environment names to a child process.
+    pub(crate) fn asked_for() -> Option<Self> {
+        let name = std::env::var(VARIABLE).ok()?;
+        let run = Self::all().find(|run| format!("{run:?}") == name);
+        Some(run.unwrap_or_else(|| panic!("{VARIABLE} names no run: {name:?}")))
+    }
+
+    /// Makes the run and prints its hashes.
+    pub(crate) fn print_hashes(&self) {
+        let Hashes { state, course } = self.hashes();
+        println!("{MARK}{state:016x} {course:016x}");
+    }
+
+    /// Makes the run in this process; its hashes.
+    pub(crate) fn hashes(&self) -> Hashes {
         let (bodies, mut watch) = match self.driver {
             Driver::Plain | Driver::RecycledSlots => self.step_plainly(),
             _ => self.step_plugin(),
@@ -296,13 +313,4 @@ fn insert(entity: &mut EntityWorldMut<'_>, desc: &BodyDesc) {
         AngularVelocity(desc.angular_velocity),
         (Density(desc.density), desc.friction, desc.restitution),
     ));
-}
-
-/// Makes the run that the environment names and prints its hashes.
-pub(crate) fn print_hashes() {
-    let name = std::env::var(VARIABLE).unwrap_or_default();
-    let run = Run::all().find(|run| format!("{run:?}") == name);
-    let run = run.unwrap_or_else(|| panic!("{VARIABLE} names no run: {name:?}"));
-    let Hashes { state, course } = run.hashes();
-    println!("{MARK}{state:016x} {course:016x}");
 }

@@ -16,7 +16,7 @@
 //! - the friction impulse is kept as a vector in A's frame and projected anew on the tangent plane.
 //!
 //! Share of points found, 60 Hz, unit cube (or 16-sided prism of radius 0.5 m) on a floor of 10 m with cells of
-//! 5 x 10 mm, as `tests/contact_cache.rs` plays it:
+//! 5 x 10 mm, as `tests/it/contact_cache.rs` plays it:
 //!
 //! | motion | own codes only | with nearest cell |
 //! |---|---|---|

@@ -1,0 +1,35 @@
+//! All tests that need no process of their own, a module for each topic. None makes a task pool, which all would share from then
+//! on: what does is in `plugin`, `threads`, `unsafe_code`, `team_helpers` or `determinism`.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod hull_chain;
+mod mlcp_files;
+mod models;
+mod slice_common;
+
+mod allocation;
+mod bonds;
+mod boxes;
+mod contact;
+mod contact_cache;
+mod fracture;
+mod fracture_budget;
+mod fracture_in_step;
+mod fracture_ledger;
+mod fracture_materials;
+mod geometry;
+mod hard_cases;
+mod known_pairs;
+mod layering;
+mod mass;
+mod mlcp;
+mod pattern;
+mod recycling;
+mod sleep;
+mod slice;
+mod slice_hull;
+mod slice_mesh;
+mod slice_separate;
+mod solver;

@@ -1,0 +1,170 @@
+//! Pieces whose visual meshes fall apart: which parts become pieces of their own, and with which hulls.
+
+use crate::common::mesh_parts::{cuboid, joined};
+use bevy_cleave::geometry::{TriMesh, primitives};
+use bevy_cleave::math::Plane;
+use bevy_cleave::prelude::*;
+use bevy_cleave::slice::{Cutting, Piece, PieceCutter, SliceOptions};
+use glam::Vec3;
+
+/// A slab of 2 x 0.5 x 1 m with four legs of 0.2 x 1 x 0.2 m that reach 0.1 m into it.
+fn table() -> TriMesh {
+    let mut parts = vec![(
+        cuboid(Vec3::new(2.0, 0.5, 1.0), Vec3::new(0.0, 0.15, 0.0)),
+        false,
+    )];
+    for [x, z] in [[-0.8, -0.3], [0.8, -0.3], [-0.8, 0.3], [0.8, 0.3]] {
+        let leg = cuboid(Vec3::new(0.2, 1.0, 0.2), Vec3::new(x, -0.5, z));
+        parts.push((leg, false));
+    }
+    joined(&parts)
+}
+
+/// Cuts a mesh in its hull, takes the pieces apart, and checks that each is sound.
+fn cut(mesh: TriMesh, planes: &[Plane]) -> Vec<Piece> {
+    let volume = mesh.volume();
+    let shape = ConvexMesh::from_mesh(mesh).unwrap();
+    let cutting = Cutting::Planes(planes.iter().copied().collect());
+    let mut cutter = PieceCutter::default();
+    let (hull, visual) = (shape.hull(), shape.visual());
+    let options = SliceOptions::default();
+    let mut pieces = (cutter.cut(hull, visual, &cutting, usize::MAX, options)).unwrap();
+    cutter.separate(&mut pieces).unwrap();
+    let mut sum = 0.0;
+    for piece in &pieces {
+        assert!(piece.hull.is_valid());
+        assert_eq!(piece.volume, piece.hull.volume());
+        let mesh = piece.visual.as_ref().unwrap();
+        assert!(mesh.is_closed());
+        assert!(mesh.volume() <= piece.volume * (1.0 + 1e-6));
+        let around = piece.hull.aabb().fattened(1e-6);
+        assert!(around.contains(&mesh.aabb()));
+        sum += mesh.volume();
+    }
+    assert!((sum - volume).abs() <= 1e-6 * volume, "{sum} {volume}");
+    pieces
+}
+
+fn across(height: f32) -> Plane {
+    Plane::through(Vec3::new(0.0, height, 0.0), Vec3::Y)
+}
+
+#[test]
+fn legs_cut_off_a_table_are_pieces_with_hulls_around_them() {
+    let pieces = cut(table(), &[across(-0.6)]);
+    let stumps: Vec<&Piece> = (pieces.iter())
+        .filter(|piece| piece.hull.aabb().max.y < -0.5)
+        .collect();
+    assert_eq!(stumps.len(), 4);
+    for stump in stumps {
+        assert!((stump.volume - 0.2 * 0.2 * 0.4).abs() < 1e-6, "{stump:?}");
+        assert_eq!(stump.visual.as_ref().unwrap().aabb(), stump.hull.aabb());
+    }
+    // The rest of the legs reach into the slab, so that the five parts above the plane stay together.
+    assert_eq!(pieces.len(), 5);
+}
+
+#[test]
+fn parts_whose_hulls_reach_into_each_other_stay_together() {
+    // A block in the notch of an L: outside its mesh, inside its hull.
+    let l = [
+        (Vec3::new(3.0, 1.0, 1.0), Vec3::new(1.5, 0.5, 0.5)),
+        (Vec3::new(1.0, 2.0, 1.0), Vec3::new(0.5, 1.9, 0.5)),
+    ];
+    let block = (Vec3::splat(0.3), Vec3::new(1.3, 1.3, 0.5));
+    let far = (Vec3::splat(0.3), Vec3::new(2.8, 2.8, 0.5));
+    let parts = l.into_iter().chain([block, far]);
+    let mesh = joined(
+        &parts
+            .map(|(size, at)| (cuboid(size, at), false))
+            .collect::<Vec<_>>(),
+    );
+    let pieces = cut(mesh, &[]);
+    let volumes: Vec<f64> = pieces
+        .iter()
+        .map(|piece| piece.visual.as_ref().unwrap().volume())
+        .collect();
+    assert_eq!(pieces.len(), 2, "{volumes:?}");
+    assert!((volumes[1] - 0.027).abs() < 1e-6, "{volumes:?}");
+}
+
+#[test]
+fn joining_goes_on_until_no_hulls_overlap() {
+    // The hull around the first two blocks, which overlap, reaches into the third, which neither of them does.
+    let blocks = [
+        (Vec3::new(4.0, 1.0, 1.0), Vec3::ZERO),
+        (Vec3::new(1.0, 4.0, 1.0), Vec3::new(-1.5, 1.9, 0.0)),
+        (Vec3::splat(0.5), Vec3::new(-0.3, 1.2, 0.0)),
+    ];
+    let mesh = joined(&blocks.map(|(size, at)| (cuboid(size, at), false)));
+    assert_eq!(cut(mesh, &[]).len(), 1);
+}
+
+#[test]
+fn hollow_and_whole_bodies_stay_as_they_are() {
+    let hollow = joined(&[
+        (cuboid(Vec3::splat(2.0), Vec3::ZERO), false),
+        (cuboid(Vec3::splat(1.0), Vec3::ZERO), true),
+    ]);
+    let pieces = cut(hollow, &[across(0.8)]);
+    assert_eq!(pieces.len(), 2, "a cavity is no part");
+    let whole = cuboid(Vec3::ONE, Vec3::ZERO);
+    assert_eq!(cut(whole, &[across(0.1)]).len(), 2);
+}
+
+#[test]
+fn pieces_without_meshes_stay_as_they_are() {
+    let hull = primitives::cuboid(1.0, 1.0, 1.0).unwrap();
+    let cutting = Cutting::Planes([across(0.1)].into_iter().collect());
+    let mut cutter = PieceCutter::default();
+    for visual in [None, Some(&TriMesh::default())] {
+        let options = SliceOptions::default();
+        let mut pieces = (cutter.cut(&hull, visual, &cutting, usize::MAX, options)).unwrap();
+        cutter.separate(&mut pieces).unwrap();
+        assert_eq!(pieces.len(), 2);
+    }
+}
+
+/// Cuts a table that turns and flies through its legs, as a body.
+fn cut_body(separate_parts: bool) -> Simulation {
+    let mut simulation = Simulation::default();
+    let shape = ConvexMesh::from_mesh(table()).unwrap();
+    let mut table = BodyDesc::dynamic(shape, Vec3::ZERO);
+    table.linear_velocity = Vec3::new(1.0, 2.0, -3.0);
+    table.angular_velocity = Vec3::new(0.5, 1.0, -0.3);
+    table.fracturable = Some(Fracturable {
+        separate_parts,
+        ..Fracturable::with_strength(f32::INFINITY)
+    });
+    let slot = simulation.bodies.insert(table).unwrap();
+    simulation.slice(slot, across(-0.5)).unwrap();
+    simulation.step(1.0 / 60.0);
+    simulation
+}
+
+#[test]
+fn legs_of_a_body_fall_on_their_own_if_asked_for_and_the_air_between_them_is_in_the_ledger() {
+    let simulation = cut_body(true);
+    let made = &simulation.fractures.done[0];
+    assert_eq!(made.pieces.len(), 5);
+    // Below the plane are 0.5 m of the legs. The hull's sides go from 1.8 x 0.8 m at the feet to 2 x 1 m at the slab, 0.9 m
+    // higher: 4 (0.9 + t / 9) (0.4 + t / 9) at the height t, from 0 to 0.5.
+    let half = 4.0 * (0.36 * 0.5 + 1.3 / 9.0 * 0.125 + 0.125 / 243.0);
+    let air = half - 4.0 * 0.2 * 0.2 * 0.5;
+    let density = f64::from(Density::default().0);
+    let ledger = &made.ledger;
+    assert!((ledger.dropped.mass / (air * density) - 1.0).abs() < 1e-5);
+    assert_eq!(ledger.dropped_pieces, 0);
+    assert!(ledger.mass_error() < 1e-6);
+    assert!(ledger.momentum_error() < 1e-5);
+    assert!(ledger.angular_momentum_error() < 1e-5);
+    assert!(ledger.energy_gain().abs() < 1e-5);
+}
+
+#[test]
+fn parts_of_a_body_stay_together_unless_asked_for() {
+    let simulation = cut_body(false);
+    let made = &simulation.fractures.done[0];
+    assert_eq!(made.pieces.len(), 2);
+    assert_eq!(made.ledger.dropped.mass, 0.0);
+}

@@ -1,0 +1,159 @@
+//! Bonds between entities.
+
+use crate::app::{app, bits_of_entity, step_length};
+use crate::common::states::bits;
+use crate::common::structures::cuboid;
+use bevy_app::App;
+use bevy_cleave::prelude::*;
+use bevy_ecs::prelude::*;
+use bevy_transform::components::Transform;
+use glam::Vec3;
+
+/// What a cube of 1 m weighs, N: 1000 kg/m3 and 9.81 m/s2.
+const WEIGHT: f32 = 1000.0 * 9.81;
+
+fn cube() -> ConvexMesh {
+    cuboid(Vec3::ONE)
+}
+
+fn fixed_cube(at: Vec3) -> BodyDesc {
+    BodyDesc {
+        kind: RigidBody::Static,
+        ..BodyDesc::dynamic(cube(), at)
+    }
+}
+
+/// A cube that hangs under a fixed one.
+fn hanging(app: &mut App) -> [Entity; 2] {
+    let upper = app.world_mut().spawn_body(fixed_cube(Vec3::ZERO));
+    let lower = BodyDesc::dynamic(cube(), -Vec3::Y);
+    [upper, app.world_mut().spawn_body(lower)]
+}
+
+fn height(app: &App, entity: Entity) -> f32 {
+    let transform = app.world().entity(entity).get::<Transform>();
+    transform.expect("a body has a Transform").translation.y
+}
+
+fn messages<M: Message + Clone>(app: &mut App) -> Vec<M> {
+    app.world_mut()
+        .resource_mut::<Messages<M>>()
+        .drain()
+        .collect()
+}
+
+#[test]
+fn entities_are_bonded_by_command_and_a_message_names_those_that_come_apart() {
+    let mut app = app();
+    let [upper, lower] = hanging(&mut app);
+    let strong = Bond::new(2.0 * WEIGHT, 1.0);
+    app.world_mut().commands().bond(upper, lower, strong);
+    (0..60).for_each(|_| app.update());
+    assert!((height(&app, lower) + 1.0).abs() < 1e-3, "hangs");
+    assert_eq!(messages::<BondBroken>(&mut app), []);
+
+    let weak = Bond::new(0.5 * WEIGHT, 1.0);
+    app.world_mut().commands().bond(lower, upper, weak);
+    let mut broken = Vec::new();
+    for _ in 0..30 {
+        app.update();
+        broken.extend(messages::<BondBroken>(&mut app));
+    }
+    let expected = BondBroken {
+        entities: [upper, lower],
+        bond: weak,
+    };
+    assert_eq!(broken, [expected]);
+    assert!(height(&app, lower) < -1.1, "falls");
+}
+
+#[test]
+fn neighbors_are_bonded_as_they_are_spawned_and_released_by_command() {
+    let mut app = app();
+    let entities = hanging(&mut app);
+    app.world_mut()
+        .commands()
+        .bond_neighbors(entities, 2.0 * WEIGHT);
+    (0..30).for_each(|_| app.update());
+    assert_eq!(app.world().resource::<Bonds>().len(), 1);
+    app.world_mut().commands().unbond(entities[0], entities[1]);
+    (0..30).for_each(|_| app.update());
+    assert!(app.world().resource::<Bonds>().is_empty());
+    assert_eq!(messages::<BondBroken>(&mut app), [], "it was taken away");
+    assert!(height(&app, entities[1]) < -1.5);
+}
+
+#[test]
+fn a_despawned_body_loses_its_bonds() {
+    let mut app = app();
+    let [upper, lower] = hanging(&mut app);
+    let bond = Bond::new(2.0 * WEIGHT, 1.0);
+    app.world_mut().commands().bond(upper, lower, bond);
+    (0..10).for_each(|_| app.update());
+    app.world_mut().despawn(upper);
+    (0..30).for_each(|_| app.update());
+    assert!(app.world().resource::<Bonds>().is_empty());
+    assert!(height(&app, lower) < -1.5);
+    assert_eq!(messages::<BondBroken>(&mut app), []);
+}
+
+#[test]
+fn bonds_that_cannot_be_made_are_warned_about() {
+    let mut app = app();
+    let [upper, lower] = hanging(&mut app);
+    let stranger = app.world_mut().spawn_empty().id();
+    let bond = Bond::new(1.0, 1.0);
+    let mut commands = app.world_mut().commands();
+    commands.bond(upper, stranger, bond);
+    commands.bond(upper, lower, Bond::new(-1.0, 1.0));
+    commands.bond_neighbors([upper, stranger], 1.0);
+    app.update();
+    let problems: Vec<_> = messages::<BodyWarning>(&mut app)
+        .into_iter()
+        .map(|warning| (warning.entity, warning.problem))
+        .collect();
+    let expected = [
+        (upper, BondError::NoBody),
+        (upper, BondError::Strength { strength: -1.0 }),
+        (stranger, BondError::NoBody),
+    ];
+    assert_eq!(
+        problems,
+        expected.map(|(e, why)| (e, BodyProblem::Bond(why)))
+    );
+}
+
+#[test]
+fn plugin_and_plain_step_agree_bit_for_bit_while_bonds_break() {
+    let mut app = app();
+    let mut simulation = Simulation::default();
+    let bodies = (0..6).map(|i| {
+        let at = Vec3::X * i as f32;
+        if i == 0 {
+            fixed_cube(at)
+        } else {
+            BodyDesc::dynamic(cube(), at)
+        }
+    });
+    let (mut entities, mut slots) = (Vec::new(), Vec::new());
+    for desc in bodies {
+        entities.push(app.world_mut().spawn_body(desc.clone()));
+        slots.push(simulation.bodies.insert(desc).expect("usable"));
+    }
+    let strength = 12.0 * WEIGHT;
+    simulation.bond_neighbors(&slots, strength).expect("usable");
+    let all = entities.iter().copied();
+    app.world_mut().commands().bond_neighbors(all, strength);
+    let mut broken = 0;
+    for step in 0..60 {
+        simulation.step(step_length().as_secs_f32());
+        app.update();
+        broken += simulation.bonds.broken.len();
+        for (&slot, &entity) in slots.iter().zip(&entities) {
+            let (v, omega) = simulation.bodies.velocity(slot);
+            let plain = bits(&simulation.bodies.pose(slot), v, omega);
+            assert_eq!(plain, bits_of_entity(app.world(), entity), "step {step}");
+        }
+    }
+    assert!(broken > 0, "a bond is meant to break");
+}

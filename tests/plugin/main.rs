@@ -1,0 +1,14 @@
+//! The plugin, by apps with a task pool. In a process of its own: the plain step takes the help of the pool's threads wherever
+//! there is one, and the tests of `it` are to be the same in every run.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod app;
+
+mod bad_input;
+mod bonds;
+mod chaos;
+mod phases;
+mod plain_step;
+mod sleep;

@@ -1,0 +1,181 @@
+//! Phases run at once as long as they are alone in their schedule, and one by one with others: nobody can tell but by the time.
+
+use crate::app::{accompanied_app, app, app_of, bits_of_entity};
+use crate::common::structures::tower;
+use bevy_app::{App, Update};
+use bevy_cleave::prelude::*;
+use bevy_ecs::change_detection::Tick;
+use bevy_ecs::prelude::*;
+use bevy_ecs::schedule::ScheduleCleanupPolicy;
+use bevy_transform::components::Transform;
+use glam::Vec3;
+
+/// When each system of the schedule ran last.
+fn last_runs(app: &App) -> Vec<Tick> {
+    let schedule = app.get_schedule(PhysicsSchedule).expect("there");
+    let systems = schedule.systems().expect("run before");
+    systems.map(|(_, system)| system.get_last_run()).collect()
+}
+
+/// Whether an update makes a step, and whether it does so by the systems of the schedule.
+fn steps_by_systems(app: &mut App) -> (bool, bool) {
+    let (before, steps) = (last_runs(app), app.world().resource::<Steps>().0);
+    app.update();
+    let has_stepped = app.world().resource::<Steps>().0 > steps;
+    (has_stepped, last_runs(app) != before)
+}
+
+/// How often a falling body was seen to have moved.
+#[derive(Resource, Default)]
+struct Steps(usize);
+
+/// An app in which something falls.
+fn falling(mut app: App) -> App {
+    let mesh = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("valid");
+    app.world_mut().spawn((RigidBody::Dynamic, mesh));
+    app.init_resource::<Steps>();
+    let count = |moved: Query<(), Changed<Transform>>, mut steps: ResMut<Steps>| {
+        steps.0 += moved.iter().count();
+    };
+    app.add_systems(bevy_app::Last, count);
+    app.update();
+    app
+}
+
+#[test]
+fn phases_alone_are_one_system() {
+    for plugin in [CleavePlugin::default(), CleavePlugin::new(Update)] {
+        let mut app = falling(app_of(plugin));
+        assert_eq!(steps_by_systems(&mut app), (true, false));
+    }
+}
+
+#[test]
+fn a_system_among_the_phases_finds_them_one_by_one() {
+    #[derive(Resource, Default)]
+    struct Seen(Vec<usize>);
+
+    for plugin in [CleavePlugin::default(), CleavePlugin::new(Update)] {
+        let mut app = falling(app_of(plugin));
+        app.init_resource::<Seen>();
+        let look = |bodies: Res<Bodies>, mut seen: ResMut<Seen>| seen.0.push(bodies.len());
+        let look = look
+            .after(PhysicsSystems::MassProperties)
+            .before(PhysicsSystems::Cut);
+        app.add_systems(PhysicsSchedule, look);
+        app.update();
+        assert_eq!(steps_by_systems(&mut app), (true, true));
+        assert_eq!(app.world().resource::<Seen>().0, [1, 1]);
+    }
+}
+
+#[test]
+fn a_condition_on_a_phase_is_asked() {
+    #[derive(Resource)]
+    struct IsFrozen(bool);
+
+    for plugin in [CleavePlugin::default(), CleavePlugin::new(Update)] {
+        let mut app = falling(app_of(plugin));
+        app.insert_resource(IsFrozen(true));
+        let is_free = |is_frozen: Res<IsFrozen>| !is_frozen.0;
+        app.configure_sets(PhysicsSchedule, PhysicsSystems::Integrate.run_if(is_free));
+        app.update();
+        assert_eq!(steps_by_systems(&mut app), (false, true));
+        app.insert_resource(IsFrozen(false));
+        assert_eq!(steps_by_systems(&mut app), (true, true));
+    }
+}
+
+#[test]
+fn a_paused_clock_and_unusable_numbers_make_no_step() {
+    let mut app = falling(app());
+    app.insert_resource(Gravity(Vec3::NAN));
+    assert_eq!(steps_by_systems(&mut app), (false, false));
+    app.insert_resource(Gravity::default());
+    assert_eq!(steps_by_systems(&mut app), (true, false));
+    let stopped = bevy_time::TimeUpdateStrategy::FixedTimesteps(0);
+    app.insert_resource(stopped);
+    assert_eq!(steps_by_systems(&mut app), (false, false));
+}
+
+/// Mass and motion of all bodies of a tower whose top is cut, with what users do meanwhile, as bits.
+fn story(mut app: App, mut step: impl FnMut(&mut App)) -> Vec<Vec<u32>> {
+    // What somebody gives to pieces as they come to be is read in the next step.
+    let lighten = |new: On<Add<BodyHandle>>, mut densities: Query<&mut Density>| {
+        if let Ok(mut density) = densities.get_mut(new.entity) {
+            density.0 *= 0.25;
+        }
+    };
+    app.add_observer(lighten);
+    app.world_mut().resource_mut::<SolverConfig>().sleep = SleepConfig::on();
+    let spawn = |desc| app.world_mut().spawn_body(desc);
+    let entities: Vec<Entity> = tower(4).into_iter().map(spawn).collect();
+    for count in 0..200 {
+        let world = app.world_mut();
+        match count {
+            20 => {
+                let top = world.get::<Transform>(entities[4]).expect("there");
+                let plane = Plane::through(top.translation, Vec3::new(0.3, 1.0, 0.2));
+                world.commands().slice(entities[4], plane);
+            }
+            40 => {
+                let mut friction = world.get_mut::<Friction>(entities[3]).expect("there");
+                *friction = Friction::new(0.1);
+            }
+            60 => {
+                let push = LinearVelocity(Vec3::X);
+                world.entity_mut(entities[3]).insert(push);
+            }
+            90 => {
+                world.despawn(entities[1]);
+            }
+            _ => {}
+        }
+        step(&mut app);
+    }
+    let mut bodies = app.world_mut().query_filtered::<Entity, With<RigidBody>>();
+    let bodies: Vec<Entity> = bodies.iter(app.world()).collect();
+    let mut all: Vec<_> = bodies
+        .into_iter()
+        .map(|entity| {
+            let body = app.world().entity(entity);
+            let mut bits = vec![body.contains::<Sleeping>().into()];
+            let mass = body.get::<MassProperties>().expect("there").mass;
+            bits.push(mass.to_bits());
+            bits.extend(bits_of_entity(app.world(), entity));
+            bits
+        })
+        .collect();
+    all.sort_unstable();
+    all
+}
+
+#[test]
+fn what_users_do_has_the_same_outcome_at_once_and_one_by_one() {
+    let update = |app: &mut App| app.update();
+    let at_once = story(app(), update);
+    assert_eq!(at_once.len(), 5, "a floor, two cubes and two halves");
+    assert_eq!(at_once, story(accompanied_app(), update));
+    assert_eq!(at_once, story(app_of(CleavePlugin::new(Update)), update));
+    assert_eq!(at_once, story(app(), update_in_changing_company()));
+}
+
+/// Updates; before every seventh one, a system comes among the phases or goes.
+fn update_in_changing_company() -> impl FnMut(&mut App) {
+    #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
+    struct Company;
+
+    let mut updates = 0;
+    move |app| {
+        if updates % 14 == 0 {
+            let company = (|| ()).in_set(Company).after(PhysicsSystems::Solve);
+            app.add_systems(PhysicsSchedule, company.before(PhysicsSystems::Integrate));
+        } else if updates % 7 == 0 {
+            let policy = ScheduleCleanupPolicy::RemoveSystemsOnly;
+            let removed = app.remove_systems_in_set(PhysicsSchedule, Company, policy);
+            assert_eq!(removed.expect("can be built"), 1);
+        }
+        app.update();
+        updates += 1;
+    }
+}
