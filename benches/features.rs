@@ -56,11 +56,6 @@ fn features(c: &mut Criterion) {
     });
     bench(
         c,
-        "box_friction",
-        with(&|config| config.friction_model = FrictionModel::Box),
-    );
-    bench(
-        c,
         "restitution",
         settled(|desc| desc.restitution = Restitution::new(0.3), default),
     );
@@ -73,7 +68,17 @@ fn features(c: &mut Criterion) {
         "no_warm_start",
         with(&|config| config.warm_start = false),
     );
-    bench(c, "no_tolerance", with(&|config| config.tolerance = None));
+    bench(
+        c,
+        "no_tolerance",
+        with(&|config| {
+            config.method = SoftStep {
+                tolerance: None,
+                ..SoftStep::default()
+            }
+            .into();
+        }),
+    );
     bench(
         c,
         "measure_error",

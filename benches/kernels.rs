@@ -194,7 +194,7 @@ fn build_rows(c: &mut Criterion) {
             config,
             ..
         } = settled.get();
-        let settings = SubstepSettings::new(*config, Vec3::ZERO, H);
+        let settings = SubstepSettings::new(config, Vec3::ZERO, H);
         let mut solver = ContactSolver::default();
         b.iter(|| solver.find_batches(contacts.manifolds(), bodies, &settings));
     });
@@ -212,7 +212,7 @@ fn solve(c: &mut Criterion) {
             island.rows(&mut rows);
             b.iter_batched_ref(
                 || (rows.clone(), island.bodies.to_vec()),
-                |(rows, bodies)| pgs::solve(rows, bodies, &SolverConfig::paper()),
+                |(rows, bodies)| pgs::solve(rows, bodies, 16, FrictionModel::Disc),
                 BatchSize::LargeInput,
             );
         });

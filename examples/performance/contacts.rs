@@ -25,12 +25,13 @@ pub(crate) fn settled(bodies: Vec<BodyDesc>, config: SolverConfig, steps: u32) -
 
 /// Four sub-steps, as many for every island, no sweeps beyond those.
 pub(crate) fn four_substeps() -> SolverConfig {
-    SolverConfig {
-        substeps: 4,
+    SoftStep {
+        min_substeps: 4,
         max_substeps: 4,
         tolerance: None,
-        ..Default::default()
+        ..SoftStep::default()
     }
+    .into()
 }
 
 /// What a batch is loaded from.
@@ -62,7 +63,7 @@ impl Source {
     }
 
     fn settings(&self) -> SubstepSettings {
-        SubstepSettings::new(four_substeps(), self.simulation.gravity.0, H)
+        SubstepSettings::new(&four_substeps(), self.simulation.gravity.0, H)
     }
 
     /// Loads all islands into one batch.
@@ -88,8 +89,8 @@ impl Source {
         let mut batch = Batch::default();
         self.load(&mut batch);
         let bias = self.settings().bias();
-        let first = true;
-        batch.pass(Pass::UpdateBias { bias, first }, None);
+        let is_first = true;
+        batch.pass(Pass::UpdateBias { bias, is_first }, None);
         batch.pass(Pass::Warm, None);
         batch
     }
@@ -97,6 +98,6 @@ impl Source {
 
 /// Does a pass over the contacts of a batch with registers of the given width.
 pub(crate) fn pass(batch: &mut Batch, width: LaneWidth, pass: Pass) {
-    batch.settings.config.lane_width = width;
+    batch.settings.lane_width = width;
     batch.pass(pass, None);
 }

@@ -11,7 +11,6 @@ use bevy_cleave::prelude::*;
 use bevy_cleave::simd::lanes::LaneWidth;
 use bevy_cleave::slice::{SliceOptions, slice_hull, slice_mesh};
 use bevy_cleave::solver::batch::Batch;
-use bevy_cleave::solver::rows::soft_step::Softness;
 use bevy_cleave::solver::wide::pass::Pass;
 use bevy_cleave::step;
 use glam::{Quat, Vec3};
@@ -231,8 +230,8 @@ fn first_sweep() -> Work {
     let mut batch = source.batch();
     let of_step = Pass::SolveFirst {
         bias: batch.settings.bias(),
-        first: false,
-        softness: Softness::new(&four_substeps(), H / 4.0),
+        is_first: false,
+        softness: batch.settings.softness(),
         measure: false,
     };
     let work = move || pass(&mut batch, LaneWidth::Widest, of_step);
@@ -242,7 +241,7 @@ fn first_sweep() -> Work {
 fn solve(width: LaneWidth) -> Work {
     let source = source();
     let mut batch = source.batch();
-    let softness = Softness::new(&four_substeps(), H / 4.0);
+    let softness = batch.settings.softness();
     let measure = false;
     let work = move || pass(&mut batch, width, Pass::Solve { softness, measure });
     (source.points(), Box::new(work))

@@ -8,7 +8,6 @@ use bevy_cleave::bodies::solver_body::SolverBody;
 use bevy_cleave::prelude::*;
 use bevy_cleave::simd::lanes::{Kernel, LaneWidth, Lanes, WIDTH, run};
 use bevy_cleave::solver::batch::Batch;
-use bevy_cleave::solver::rows::soft_step::Softness;
 use bevy_cleave::solver::wide::block::{Block, Point};
 use bevy_cleave::solver::wide::pass::Pass;
 use glam::Vec3;
@@ -135,7 +134,7 @@ impl Scene {
     fn round(&mut self) {
         let sweeps = 1 + 30_000 / self.points;
         let per_point = 1e9 / (sweeps * self.points) as f64;
-        let softness = Softness::new(&four_substeps(), crate::H / 4.0);
+        let softness = self.batch.settings.softness();
         let measure = false;
         let batch = &mut self.batch;
         let mut note = |kernel: usize, work: &mut dyn FnMut()| {
@@ -155,8 +154,11 @@ impl Scene {
     }
 
     fn into_measured(self) -> Measured {
-        let (blocks, rows) = (self.batch.blocks.len(), self.batch.points.len());
-        let bodies = self.batch.bodies.len();
+        let (blocks, rows) = (
+            self.batch.contacts.blocks.len(),
+            self.batch.contacts.points.len(),
+        );
+        let bodies = self.batch.bodies.velocities.len();
         let moved = blocks * size_of::<Block>() + rows * (size_of::<Point>() + DIRTY);
         let of_bodies = blocks * 2 * 2 * WIDTH * size_of::<SolverBody>();
         let [solve @ .., relax, transposes] = self.times.map(least_and_median);
@@ -188,9 +190,11 @@ impl Kernel for Transposes<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Batch { blocks, bodies, .. } = self.0;
-        let bodies = Cell::from_mut(&mut bodies[..]).as_slice_of_cells();
-        for block in blocks.iter() {
+        let Batch {
+            contacts, bodies, ..
+        } = self.0;
+        let bodies = Cell::from_mut(&mut bodies.velocities[..]).as_slice_of_cells();
+        for block in contacts.blocks.iter() {
             let [a, b] = &block.bodies;
             let (of_a, of_b) = (L::gather(bodies, a), L::gather(bodies, b));
             L::scatter(of_a, bodies, a, block.used);

@@ -1,7 +1,7 @@
 //! What the choice of the defaults rests on, measured.
 
 use crate::measure::{H, displacement, frames, kinetic_energy, simulation_with, steps};
-use crate::settings::fixed;
+use crate::settings::{fixed, soft};
 use crate::structures::{mass_ratio, tower};
 use bevy_cleave::prelude::*;
 
@@ -18,10 +18,11 @@ pub(crate) struct Noise {
 /// A tower of 10 for several stiffnesses, 8 sub-steps of 1 + 1 sweeps.
 pub(crate) fn noise() -> [Noise; 4] {
     [0.15, 0.2, 0.25, 0.3].map(|frequency| {
-        let config = SolverConfig {
+        let config = SoftStep {
             contact_frequency: frequency,
-            ..fixed(8, 1)
-        };
+            ..soft(8, 1)
+        }
+        .into();
         let (moved, energy) = rest(config, tower(10));
         Noise {
             frequency,

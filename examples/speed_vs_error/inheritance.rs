@@ -30,12 +30,7 @@ pub(crate) struct Outcome {
 type Cut = (&'static str, fn(SolverConfig) -> Simulation);
 
 pub(crate) fn measure() -> Vec<Spike> {
-    let plain = SolverConfig {
-        substeps: 4,
-        max_substeps: 4,
-        tolerance: None,
-        ..SolverConfig::default()
-    };
+    let plain = SolverConfig::fast();
     let settings = [
         ("default", SolverConfig::default()),
         ("4 sub-steps, 1 + 1 sweeps", plain),

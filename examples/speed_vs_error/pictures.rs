@@ -13,11 +13,25 @@ const GREEN: [u8; 3] = [38, 132, 84];
 const PURPLE: [u8; 3] = [126, 72, 160];
 const GREY: [u8; 3] = [150, 150, 150];
 
+/// Whether two methods are of one kind, whatever their effort.
+fn is_same_method(a: &Method, b: &Method) -> bool {
+    std::mem::discriminant(a) == std::mem::discriminant(b)
+}
+
+/// Shape of the friction bound.
+pub(crate) fn friction_of(method: &Method) -> FrictionModel {
+    match method {
+        Method::SoftStep(_) => FrictionModel::Disc,
+        Method::Pgs(pgs) => pgs.friction,
+        Method::Exact(exact) => exact.friction,
+    }
+}
+
 fn look(method: Method) -> ([u8; 3], Mark) {
     match method {
-        Method::SoftStep => (BLUE, Mark::Circle),
-        Method::Pgs => (ORANGE, Mark::Triangle),
-        Method::Exact => (GREEN, Mark::Square),
+        Method::SoftStep(_) => (BLUE, Mark::Circle),
+        Method::Pgs(_) => (ORANGE, Mark::Triangle),
+        Method::Exact(_) => (GREEN, Mark::Square),
     }
 }
 
@@ -45,7 +59,12 @@ pub(crate) fn scene(folder: &Path, sweep: &Sweep) -> Result<(), Error> {
         line: 2,
         points: sweep.front().into_iter().map(at).collect(),
     }];
-    for method in [Method::SoftStep, Method::Pgs, Method::Exact] {
+    let methods = [
+        SolverConfig::default(),
+        SolverConfig::paper(),
+        SolverConfig::exact(),
+    ];
+    for method in methods.map(|config| config.method) {
         series.extend(method_series(sweep, method, at));
     }
     let chart = Chart {
@@ -85,10 +104,10 @@ fn method_series(sweep: &Sweep, method: Method, at: impl Fn(&Point) -> (f64, f64
     let (color, mark) = look(method);
     let of = |pick: &dyn Fn(&Point) -> bool| {
         let own = sweep.points.iter();
-        let own = own.filter(|p| p.setting.config.method == method && pick(p));
+        let own = own.filter(|p| is_same_method(&p.setting.config.method, &method) && pick(p));
         own.map(&at).collect::<Vec<_>>()
     };
-    let is_box = |p: &Point| p.setting.config.friction_model == FrictionModel::Box;
+    let is_box = |p: &Point| friction_of(&p.setting.config.method) == FrictionModel::Box;
     let name = method_name(method);
     let kinds = [
         (

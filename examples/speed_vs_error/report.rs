@@ -5,6 +5,7 @@ use crate::findings::{LOADS, Noise, SUBSTEPS};
 use crate::inheritance::Spike;
 use crate::mlcp_files::sweeps::Profile;
 use crate::order::{Convergence, PARTS};
+use crate::pictures::friction_of;
 use crate::settings::EXACT;
 use crate::support::{Error, stats};
 use crate::sweep::{Point, ROUNDING, Sweep, method_name};
@@ -46,6 +47,43 @@ pub(crate) fn write(folder: &Path, results: &Results) -> Result<(), Error> {
     Ok(())
 }
 
+/// The effort of a method, as the columns of the table have it.
+struct Effort {
+    substeps: u32,
+    max_substeps: u32,
+    sweeps: u32,
+    relax_sweeps: u32,
+    tolerance: Option<f32>,
+}
+
+impl Effort {
+    fn of(method: &Method) -> Self {
+        match method {
+            Method::SoftStep(soft_step) => Self {
+                substeps: soft_step.min_substeps,
+                max_substeps: soft_step.max_substeps,
+                sweeps: soft_step.sweeps,
+                relax_sweeps: soft_step.relax_sweeps,
+                tolerance: soft_step.tolerance,
+            },
+            Method::Pgs(pgs) => Self {
+                substeps: pgs.substeps,
+                max_substeps: pgs.substeps,
+                sweeps: pgs.sweeps,
+                relax_sweeps: 0,
+                tolerance: pgs.tolerance,
+            },
+            Method::Exact(exact) => Self {
+                substeps: exact.substeps,
+                max_substeps: exact.substeps,
+                sweeps: 0,
+                relax_sweeps: 0,
+                tolerance: None,
+            },
+        }
+    }
+}
+
 /// One line for each scene and setting.
 fn csv(sweeps: &[Sweep]) -> String {
     let mut text = String::from(
@@ -55,12 +93,14 @@ fn csv(sweeps: &[Sweep]) -> String {
     for sweep in sweeps {
         for p in &sweep.points {
             let c = &p.setting.config;
-            let adaptive = if c.method == Method::SoftStep {
-                c.max_substeps
-            } else {
-                c.substeps
-            };
-            let tolerance = c.tolerance.map_or_else(String::new, |t| t.to_string());
+            let Effort {
+                substeps,
+                max_substeps,
+                sweeps,
+                relax_sweeps,
+                tolerance,
+            } = Effort::of(&c.method);
+            let tolerance = tolerance.map_or_else(String::new, |t| t.to_string());
             let error = p.error.map_or("failed".into(), |e| format!("{e:.3e}"));
             let unit = if sweep.scene.unit.is_empty() {
                 "1"
@@ -68,14 +108,11 @@ fn csv(sweeps: &[Sweep]) -> String {
                 sweep.scene.unit
             };
             text += &format!(
-                "{},\"{}\",{},{},{adaptive},{},{},{tolerance},{:?},{:.5},{:.5},{},{},{:.4},{error},{unit}\n",
+                "{},\"{}\",{},{substeps},{max_substeps},{sweeps},{relax_sweeps},{tolerance},{:?},{:.5},{:.5},{},{},{:.4},{error},{unit}\n",
                 sweep.scene.key,
                 p.setting.name,
                 method_name(c.method),
-                c.substeps,
-                c.sweeps,
-                c.relax_sweeps,
-                c.friction_model,
+                friction_of(&c.method),
                 p.median,
                 p.p99,
                 p.steps,

@@ -336,12 +336,12 @@ fn apexes(run: &mut Run, shape: &ConvexMesh) -> Vec<f64> {
 fn dominoes_wave(run: &mut Run) -> f64 {
     static EXACT: OnceLock<f64> = OnceLock::new();
     let exact = EXACT.get_or_init(|| {
-        let converged = SolverConfig {
+        let converged = SoftStep {
             sweeps: 32,
             relax_sweeps: 32,
-            ..Default::default()
+            ..SoftStep::default()
         };
-        wave_speed(&mut Run::new(converged), H / 4.0)
+        wave_speed(&mut Run::new(converged.into()), H / 4.0)
     });
     (wave_speed(run, H) / exact - 1.0).abs()
 }

@@ -36,23 +36,29 @@ fn setting(name: impl Into<String>, config: SolverConfig) -> Setting {
 }
 
 /// Soft steps: a fixed number of sub-steps with a fixed number of sweeps, not chosen by load or residual.
-pub(crate) fn fixed(substeps: u32, sweeps: u32) -> SolverConfig {
-    SolverConfig {
-        substeps,
+pub(crate) fn soft(substeps: u32, sweeps: u32) -> SoftStep {
+    SoftStep {
+        min_substeps: substeps,
         max_substeps: substeps,
         sweeps,
         relax_sweeps: sweeps,
         tolerance: None,
-        ..Default::default()
+        ..SoftStep::default()
     }
 }
 
+/// The same as a whole configuration.
+pub(crate) fn fixed(substeps: u32, sweeps: u32) -> SolverConfig {
+    soft(substeps, sweeps).into()
+}
+
 fn pgs(substeps: u32, sweeps: u32) -> SolverConfig {
-    SolverConfig {
+    Pgs {
         substeps,
         sweeps,
-        ..SolverConfig::paper()
+        ..Pgs::default()
     }
+    .into()
 }
 
 /// One setting for each method; the exact one where it is fast.
@@ -80,31 +86,34 @@ pub(crate) fn all(size: Size) -> Vec<Setting> {
     }
     list.extend([2, 32].map(|n| setting(format!("soft {n}x(1+1)"), fixed(n, 1))));
     list.extend([4, 8].map(|n| setting(format!("soft {n}x(4+4)"), fixed(n, 4))));
-    let tolerance = |tolerance| SolverConfig {
-        tolerance: Some(tolerance),
-        ..Default::default()
+    let tolerance = |tolerance| {
+        let soft_step = SoftStep {
+            tolerance: Some(tolerance),
+            ..SoftStep::default()
+        };
+        soft_step.into()
     };
     list.push(setting("default, tol 1e-2", tolerance(1e-2)));
     list.push(setting("default, tol 1e-4", tolerance(1e-4)));
-    let box_friction = |config| SolverConfig {
-        friction_model: FrictionModel::Box,
-        ..config
+    let boxed = Pgs {
+        friction: FrictionModel::Box,
+        ..Pgs::default()
     };
-    list.push(setting(
-        "default, box",
-        box_friction(SolverConfig::default()),
-    ));
-    list.push(setting("soft 8x(1+1), box", box_friction(fixed(8, 1))));
-    list.push(setting("pgs 16, box", box_friction(SolverConfig::paper())));
+    list.push(setting("pgs 16, box", boxed.into()));
     list.extend([4, 256].map(|k| setting(format!("pgs {k}"), pgs(1, k))));
     list.extend([(4, 4), (16, 1)].map(|(n, k)| setting(format!("pgs {n}x{k}"), pgs(n, k))));
-    let exact = |substeps| SolverConfig {
-        substeps,
-        ..SolverConfig::exact()
+    let exact = |substeps, friction| {
+        let exact = Exact {
+            substeps,
+            friction,
+            ..Exact::default()
+        };
+        exact.into()
     };
     if size == Size::Small {
-        list.push(setting("exact 1, box", box_friction(SolverConfig::exact())));
-        list.extend([2, 4].map(|n| setting(format!("exact {n}"), exact(n))));
+        list.push(setting("exact 1, box", exact(1, FrictionModel::Box)));
+        let disc = |n| setting(format!("exact {n}"), exact(n, FrictionModel::Disc));
+        list.extend([2, 4].map(disc));
     }
     list
 }

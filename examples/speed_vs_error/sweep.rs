@@ -103,8 +103,8 @@ fn measure(scene: &Scene, setting: Setting) -> Point {
 /// Name of a method in legends and tables.
 pub(crate) fn method_name(method: Method) -> &'static str {
     match method {
-        Method::SoftStep => "soft step",
-        Method::Pgs => "Gauss-Seidel",
-        Method::Exact => "exact",
+        Method::SoftStep(_) => "soft step",
+        Method::Pgs(_) => "Gauss-Seidel",
+        Method::Exact(_) => "exact",
     }
 }

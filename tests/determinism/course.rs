@@ -308,8 +308,8 @@ impl Watch {
         for island in view.contacts.solver().islands() {
             hash.count(island.bodies.len());
             hash.count(island.contacts);
-            hash.count(island.effort.sweeps as usize);
-            hash.count(usize::from(island.effort.is_unconverged));
+            hash.count(island.budget.sweeps as usize);
+            hash.count(usize::from(island.budget.is_unconverged));
         }
     }
 

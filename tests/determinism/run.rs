@@ -5,6 +5,7 @@ use crate::scene::Scene;
 use bevy_app::{App, TaskPoolOptions, TaskPoolPlugin, TaskPoolThreadAssignmentPolicy};
 use bevy_cleave::prelude::*;
 use bevy_cleave::simd::lanes::LaneWidth;
+use bevy_cleave::solver::settings::SolverOverrides;
 use bevy_ecs::prelude::*;
 use bevy_tasks::{ComputeTaskPool, TaskPoolBuilder};
 use bevy_time::Time;
@@ -131,10 +132,7 @@ impl Run {
     }
 
     fn config(&self) -> SolverConfig {
-        SolverConfig {
-            lane_width: self.lanes,
-            ..self.scene.config()
-        }
+        self.scene.config()
     }
 
     fn step_plainly(&self) -> (Bodies, Watch) {
@@ -144,6 +142,10 @@ impl Run {
         }
         let mut simulation = Simulation {
             config: self.config(),
+            overrides: SolverOverrides {
+                lane_width: self.lanes,
+                order: self.scene.order(),
+            },
             ..Default::default()
         };
         if self.driver == Driver::RecycledSlots {

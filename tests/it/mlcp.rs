@@ -17,6 +17,7 @@ use bevy_cleave::solver::rows::acceleration::{ImpulseSystem, Momentum, PointCont
 use bevy_cleave::solver::rows::contact_rows::{PointRows, RowBody};
 use bevy_cleave::solver::rows::pgs;
 use bevy_cleave::solver::rows::residual::ResidualSum;
+use bevy_cleave::solver::rows::residual::Solved;
 use glam::{Mat3, Vec3};
 use std::time::Instant;
 
@@ -292,17 +293,17 @@ fn rows_of_a_step_are_solved_to_single_precision_and_again_from_their_own_impuls
     assert_eq!(without_impulses.len(), 24, "four points per contact");
     let mut scratch = ExactScratch::default();
     for model in [FrictionModel::Disc, FrictionModel::Box] {
-        let config = SolverConfig {
-            friction_model: model,
-            ..SolverConfig::exact()
+        let solved = Solved {
+            friction: model,
+            is_relaxed: false,
         };
         let (mut rows, mut bodies) = (without_impulses.clone(), start.clone());
-        let cold = exact::solve(&mut rows, &mut bodies, &inertia, &config, &mut scratch);
+        let cold = exact::solve(&mut rows, &mut bodies, &inertia, model, &mut scratch);
         assert!(cold.converged, "{model:?} cold: {cold:?}");
-        let residual = ResidualSum::of(&rows, &bodies, &config).residual();
+        let residual = ResidualSum::of(&rows, &bodies, solved).residual();
         assert!(residual.relative < 1e-5, "{model:?}: {residual:?}");
         let mut again = start.clone();
-        let warm = exact::solve(&mut rows, &mut again, &inertia, &config, &mut scratch);
+        let warm = exact::solve(&mut rows, &mut again, &inertia, model, &mut scratch);
         assert!(warm.converged, "{model:?} warm: {warm:?}");
         for (x, y) in bodies.iter().zip(&again) {
             let apart = x.linear.distance(y.linear) + x.angular.distance(y.angular);
@@ -313,9 +314,12 @@ fn rows_of_a_step_are_solved_to_single_precision_and_again_from_their_own_impuls
 }
 
 /// Sweeps, plain or with momentum, until the relative residual is at most `level`; 20 000 if it never is.
-fn sweeps_needed(with_momentum: bool, scene: &Scene, config: &SolverConfig, level: f32) -> u32 {
+fn sweeps_needed(with_momentum: bool, scene: &Scene, model: FrictionModel, level: f32) -> u32 {
     let (mut rows, mut bodies, _) = scene.clone();
-    let model = config.friction_model;
+    let solved = Solved {
+        friction: model,
+        is_relaxed: false,
+    };
     let mut contacts = PointContacts {
         rows: &mut rows,
         bodies: &mut bodies,
@@ -329,7 +333,7 @@ fn sweeps_needed(with_momentum: bool, scene: &Scene, config: &SolverConfig, leve
         } else {
             contacts.sweep();
         }
-        let sum = ResidualSum::of(contacts.rows, contacts.bodies, config);
+        let sum = ResidualSum::of(contacts.rows, contacts.bodies, solved);
         if sum.residual().relative <= level {
             return sweeps;
         }
@@ -340,16 +344,12 @@ fn sweeps_needed(with_momentum: bool, scene: &Scene, config: &SolverConfig, leve
 #[test]
 fn momentum_takes_fewer_sweeps_in_single_precision() {
     for model in [FrictionModel::Disc, FrictionModel::Box] {
-        let config = SolverConfig {
-            friction_model: model,
-            ..SolverConfig::paper()
-        };
         for (name, scene) in [
             ("10 cubes", column(10, 1.0)),
             ("4 cubes under 100 times their mass", column(5, 100.0)),
         ] {
             for level in [1e-2, 1e-3, 1e-4] {
-                let needed = |on| sweeps_needed(on, &scene, &config, level);
+                let needed = |on| sweeps_needed(on, &scene, model, level);
                 let [plain, fast] = [false, true].map(needed);
                 println!("{model:?}, {name}, {level:e}: {plain} sweeps, {fast} with momentum");
                 assert!(fast < plain, "{name} {level:e}: {fast} for {plain}");
@@ -396,10 +396,10 @@ fn velocities_stay_those_of_the_impulses_under_momentum() {
 #[test]
 fn a_part_of_the_rows_moves_only_its_own_bodies_and_as_if_solved_with_the_rest() {
     let (rows, start, inertia) = two_columns();
-    let config = SolverConfig::exact();
+    let model = FrictionModel::Disc;
     let mut scratch = ExactScratch::default();
     let mut all = (rows.clone(), start.clone());
-    exact::solve(&mut all.0, &mut all.1, &inertia, &config, &mut scratch);
+    exact::solve(&mut all.0, &mut all.1, &inertia, model, &mut scratch);
     let x = |point: &PointRows, bodies: &[SolverBody]| {
         point
             .bodies
@@ -414,7 +414,7 @@ fn a_part_of_the_rows_moves_only_its_own_bodies_and_as_if_solved_with_the_rest()
     let mut first: Vec<PointRows> = rows.into_iter().filter(in_first).collect();
     assert_eq!(first.len(), 12);
     let mut bodies = start.clone();
-    let certificate = exact::solve(&mut first, &mut bodies, &inertia, &config, &mut scratch);
+    let certificate = exact::solve(&mut first, &mut bodies, &inertia, model, &mut scratch);
     assert!(certificate.converged, "{certificate:?}");
     for slot in 0..bodies.len() {
         if slot % 2 == 1 {

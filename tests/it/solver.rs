@@ -8,6 +8,7 @@ use bevy_cleave::solver::rows::contact_rows::{PointRows, Row};
 use bevy_cleave::solver::rows::mlcp::{DenseMlcp, Residual};
 use bevy_cleave::solver::rows::pgs;
 use bevy_cleave::solver::rows::residual::ResidualSum;
+use bevy_cleave::solver::rows::residual::Solved;
 use glam::{DVec3, Quat, Vec3};
 
 const H: f32 = 1.0 / 60.0;
@@ -76,10 +77,11 @@ fn heap(friction: f32) -> (Vec<PointRows>, Vec<SolverBody>) {
         desc.friction = Friction::new(friction);
         add(&mut simulation, desc);
     }
-    simulation.config = SolverConfig {
+    simulation.config = Pgs {
         sweeps: 4,
-        ..SolverConfig::paper()
-    };
+        ..Pgs::default()
+    }
+    .into();
     for _ in 0..20 {
         simulation.step(H);
     }
@@ -104,14 +106,19 @@ fn heap(friction: f32) -> (Vec<PointRows>, Vec<SolverBody>) {
 
 /// The paper's method with the given number of sweeps.
 fn paper(sweeps: u32) -> SolverConfig {
-    SolverConfig {
+    Pgs {
         sweeps,
-        ..SolverConfig::paper()
+        ..Pgs::default()
     }
+    .into()
 }
 
-fn residual(rows: &[PointRows], bodies: &[SolverBody], config: &SolverConfig) -> Residual {
-    ResidualSum::of(rows, bodies, config).residual()
+fn residual(rows: &[PointRows], bodies: &[SolverBody], friction: FrictionModel) -> Residual {
+    let solved = Solved {
+        friction,
+        is_relaxed: false,
+    };
+    ResidualSum::of(rows, bodies, solved).residual()
 }
 
 #[test]
@@ -135,8 +142,8 @@ fn rows_have_the_diagonal_and_symmetry_of_a_mass_matrix() {
 fn gauss_seidel_without_friction_solves_the_dense_problem() {
     let (mut points, mut bodies) = heap(0.0);
     let start = bodies.clone();
-    let config = paper(500);
-    pgs::solve(&mut points, &mut bodies, &config);
+    let friction = FrictionModel::Disc;
+    pgs::solve(&mut points, &mut bodies, 500, friction);
     let all = rows_of(&points);
     let normals: Vec<_> = all.iter().copied().step_by(3).collect();
     let n = normals.len();
@@ -166,7 +173,7 @@ fn gauss_seidel_without_friction_solves_the_dense_problem() {
         solved < 1e-4 * scale,
         "residual {solved} at multipliers of {scale}"
     );
-    let matrix_free = residual(&points, &bodies, &config);
+    let matrix_free = residual(&points, &bodies, friction);
     assert!(
         f64::from(matrix_free.natural_map) < 1e-4 * scale,
         "{matrix_free:?}"
@@ -179,12 +186,8 @@ fn residual_falls_with_more_sweeps() {
     for sweeps in [1, 8, 64, 512] {
         for friction_model in [FrictionModel::Disc, FrictionModel::Box] {
             let (mut points, mut bodies) = heap(0.5);
-            let config = SolverConfig {
-                friction_model,
-                ..paper(sweeps)
-            };
-            pgs::solve(&mut points, &mut bodies, &config);
-            let residual = residual(&points, &bodies, &config).relative;
+            pgs::solve(&mut points, &mut bodies, sweeps, friction_model);
+            let residual = residual(&points, &bodies, friction_model).relative;
             assert!(
                 residual < last,
                 "{residual} after {sweeps} sweeps, {last} before"
@@ -202,15 +205,11 @@ fn friction_stays_in_its_bounds() {
     for friction_model in [FrictionModel::Disc, FrictionModel::Box] {
         let solved = |sweeps| {
             let (mut points, mut bodies) = heap(0.3);
-            let config = SolverConfig {
-                friction_model,
-                ..paper(sweeps)
-            };
-            pgs::solve(&mut points, &mut bodies, &config);
+            pgs::solve(&mut points, &mut bodies, sweeps, friction_model);
             points
         };
         // In a sweep friction comes first, so its bound is the normal impulse as the sweep before left it.
-        let sweeps = SolverConfig::paper().sweeps;
+        let sweeps = Pgs::default().sweeps;
         let (before, after) = (solved(sweeps - 1), solved(sweeps));
         let mut at_the_bound = 0;
         for (before, point) in before.iter().zip(&after) {
@@ -245,9 +244,9 @@ fn free_fall_is_the_parabola() {
 }
 
 /// Distance that a cube slides on the floor from 10 m/s in the direction `angle_rad`, m.
-fn slide(friction_model: FrictionModel, direction: Vec3) -> f32 {
+fn slide(config: SolverConfig, direction: Vec3) -> f32 {
     let mut simulation = with_floor();
-    simulation.config.friction_model = friction_model;
+    simulation.config = config;
     let flat = ConvexMesh::cuboid(1.0, 0.1, 1.0).expect("valid size");
     let mut desc = dynamic(&flat, 0.0, 0.05, 0.0);
     desc.linear_velocity = 10.0 * direction;
@@ -263,7 +262,7 @@ fn slide(friction_model: FrictionModel, direction: Vec3) -> f32 {
 #[test]
 fn sliding_stops_where_coulomb_says_in_every_direction() {
     // h sum(v0 - k mu g h) while positive, with sub-steps of h and mu = 0.5; v0^2 / (2 mu g) = 10.1937 m in the limit.
-    let h = H / SolverConfig::default().substeps as f32;
+    let h = H / SoftStep::default().min_substeps as f32;
     let mut expected = 0.0;
     let mut v = 10.0 - 0.5 * G * h;
     while v > 0.0 {
@@ -278,7 +277,7 @@ fn sliding_stops_where_coulomb_says_in_every_direction() {
         (-0.8, 0.6),
         (-0.6, -0.8),
     ] {
-        let d = slide(FrictionModel::Disc, Vec3::new(x, 0.0, z));
+        let d = slide(SolverConfig::default(), Vec3::new(x, 0.0, z));
         assert!(
             (d - expected).abs() < 0.001 * expected,
             "{d} m along ({x}, {z}), not {expected}"
@@ -317,8 +316,13 @@ fn friction_that_is_taken_away_lets_go_at_once() {
 fn box_friction_is_stronger_along_the_diagonal_of_its_tangents() {
     let normal_tangents = bevy_cleave::math::tangents(Vec3::Y);
     let diagonal = (normal_tangents[0] + normal_tangents[1]).normalize();
-    let along = slide(FrictionModel::Box, normal_tangents[0]);
-    let across = slide(FrictionModel::Box, diagonal);
+    let boxed: SolverConfig = Pgs {
+        friction: FrictionModel::Box,
+        ..Pgs::default()
+    }
+    .into();
+    let along = slide(boxed, normal_tangents[0]);
+    let across = slide(boxed, diagonal);
     assert!(
         (across / along - std::f32::consts::FRAC_1_SQRT_2).abs() < 0.02,
         "{across} / {along}"
@@ -558,7 +562,11 @@ fn overlap_that_is_not_solved_to_the_end_gives_no_energy() {
         gravity: Gravity(Vec3::ZERO),
         ..Default::default()
     };
-    simulation.config.tolerance = None;
+    simulation.config.method = SoftStep {
+        tolerance: None,
+        ..SoftStep::default()
+    }
+    .into();
     let mut floor = dynamic(&cube(1.0), 0.0, -0.5, 0.0);
     floor.kind = RigidBody::Static;
     add(&mut simulation, floor);
@@ -678,8 +686,12 @@ fn bodies_of_layers_that_do_not_meet_pass_through_each_other() {
 #[test]
 fn a_blow_leaves_contacts_that_it_does_not_reach_their_impulses() {
     let mut simulation = with_floor();
-    simulation.config.substeps = 1;
-    simulation.config.max_substeps = 1;
+    simulation.config.method = SoftStep {
+        min_substeps: 1,
+        max_substeps: 1,
+        ..SoftStep::default()
+    }
+    .into();
     let beam = ConvexMesh::cuboid(20.0, 1.0, 1.0).expect("valid size");
     let beam = add(&mut simulation, dynamic(&beam, 0.0, 0.5, 0.0));
     let [lower, upper] = [1.5, 2.5].map(|y| dynamic(&cube(1.0), -9.0, y, 0.0));
@@ -707,8 +719,12 @@ fn a_blow_leaves_contacts_that_it_does_not_reach_their_impulses() {
 #[test]
 fn a_blow_is_forgotten_by_all_contacts_that_it_went_through() {
     let mut simulation = with_floor();
-    simulation.config.substeps = 1;
-    simulation.config.max_substeps = 1;
+    simulation.config.method = SoftStep {
+        min_substeps: 1,
+        max_substeps: 1,
+        ..SoftStep::default()
+    }
+    .into();
     let column = [0.5, 1.5, 2.5].map(|y| dynamic(&cube(1.0), 0.0, y, 0.0));
     let [lower, middle, _] = column.map(|desc| add(&mut simulation, desc));
     let mut falling = dynamic(&cube(1.0), 0.0, 3.51, 0.0);

@@ -5,6 +5,7 @@ use super::scene::{
 };
 use allocation_counter::measure;
 use bevy_cleave::prelude::*;
+use bevy_cleave::simd::lanes::LaneWidth;
 use glam::Vec3;
 
 /// Strength of common mortar, Pa.
@@ -143,7 +144,7 @@ fn the_exact_method_finds_the_static_load_of_a_cantilever() {
 fn every_lane_width_gives_the_same_bits() {
     let run = |width| {
         let (mut simulation, _) = wall_and_ball(20.0);
-        simulation.config.lane_width = width;
+        simulation.overrides.lane_width = width;
         (0..60).for_each(|_| simulation.step(H));
         bits(&simulation)
     };

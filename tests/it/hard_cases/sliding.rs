@@ -20,7 +20,7 @@ fn stop(config: SolverConfig, heading: f64) -> f64 {
 #[test]
 fn sliding_cube_stops_where_the_discrete_formula_says_in_eight_directions() {
     let config = SolverConfig::default();
-    let (exact, continuous) = (discrete_stop(10.0, 0.5 * G, substep(&config, H)), 100.0 / G);
+    let (exact, continuous) = (discrete_stop(10.0, 0.5 * G, substep(H)), 100.0 / G);
     let mut worst = 0.0_f64;
     for k in 0..8_u8 {
         let distance = stop(config, 45.0 * f64::from(k));
@@ -38,11 +38,13 @@ fn sliding_cube_stops_where_the_discrete_formula_says_in_eight_directions() {
 /// `mu sqrt(2)` along the diagonal, so the cube stops at `v^2 / (2 sqrt(2) mu g)`, 29 % short.
 #[test]
 fn box_friction_stops_a_cube_short_along_its_diagonal_by_a_factor_of_the_square_root_of_two() {
-    let config = SolverConfig {
-        friction_model: FrictionModel::Box,
-        ..Default::default()
+    let boxed = Pgs {
+        substeps: SoftStep::default().min_substeps,
+        friction: FrictionModel::Box,
+        ..Pgs::default()
     };
-    let exact = discrete_stop(10.0, 0.5 * G * 2.0_f64.sqrt(), substep(&config, H));
+    let config = boxed.into();
+    let exact = discrete_stop(10.0, 0.5 * G * 2.0_f64.sqrt(), substep(H));
     let distance = stop(config, 45.0);
     println!("case 2: box friction, 45 degrees: {distance:.5} m of {exact:.5}");
     assert!(

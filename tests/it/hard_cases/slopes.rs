@@ -2,7 +2,6 @@
 
 use super::support::{G, H, discrete_stop, run, simulation, substep};
 use crate::common::structures::{downhill, slope_box, v_groove};
-use bevy_cleave::prelude::*;
 use glam::Vec3;
 
 /// Eight directions about the vertical, degrees.
@@ -119,8 +118,7 @@ fn tall_box_with_little_friction_slides_and_does_not_tip() {
 fn bar_in_a_groove_stops_where_two_inclined_faces_stop_it() {
     let mut simulation = simulation(v_groove(0.3, 3.0));
     run(&mut simulation, 2.0);
-    let config = SolverConfig::default();
-    let exact = discrete_stop(3.0, 0.3 * G * 2.0_f64.sqrt(), substep(&config, H));
+    let exact = discrete_stop(3.0, 0.3 * G * 2.0_f64.sqrt(), substep(H));
     let place = simulation.bodies.center_of_mass(2);
     let error = f64::from(place.x) / exact - 1.0;
     println!(

@@ -13,9 +13,8 @@ fn yaw(rotation: Quat) -> f64 {
 
 /// A unit cube, mu 0.5, spinning about the vertical at 5 rad/s on the floor: braking in the first ten steps (rad/s2),
 /// turn until it stands (rad), and how far its center went (m).
-fn spin_down(friction_model: FrictionModel) -> [f64; 3] {
+fn spin_down() -> [f64; 3] {
     let mut simulation = with_floor(0.5);
-    simulation.config.friction_model = friction_model;
     let mut desc = block(&cuboid(Vec3::ONE), 0.5 * Vec3::Y, 0.5);
     desc.angular_velocity = 5.0 * Vec3::Y;
     let cube = add(&mut simulation, desc);
@@ -36,7 +35,7 @@ fn spin_down(friction_model: FrictionModel) -> [f64; 3] {
 /// for four corners at their radius, and omega^2 / 2 alpha = 0.60067 rad to stop. (Uniform pressure would be 11.26.)
 #[test]
 fn spinning_cube_is_braked_at_its_four_corners() {
-    let [braking, turn, drift] = spin_down(FrictionModel::Disc);
+    let [braking, turn, drift] = spin_down();
     println!("17 spinning cube: {braking:.4} rad/s2, {turn:.5} rad, drift {drift:.2e} m");
     assert!(
         (braking / 20.81015 - 1.0).abs() < 0.01,

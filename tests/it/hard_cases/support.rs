@@ -149,9 +149,9 @@ pub(crate) fn discrete_stop(speed: f64, deceleration: f64, h: f64) -> f64 {
     x
 }
 
-/// Length of a sub-step of `config` in steps of `h`, s.
-pub(crate) fn substep(config: &SolverConfig, h: f32) -> f64 {
-    f64::from(h) / f64::from(config.substeps)
+/// Length of a sub-step of the default settings in steps of `h`, s, where nothing asks for more of them.
+pub(crate) fn substep(h: f32) -> f64 {
+    f64::from(h) / f64::from(SoftStep::default().min_substeps)
 }
 
 /// The value between `falls` and `stands` at which a structure begins to stand, to a sixteenth of the way between them; both ends

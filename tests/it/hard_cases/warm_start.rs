@@ -363,18 +363,20 @@ fn least_effort(
 
 /// The paper's method with `sweeps` sweeps.
 fn paper(sweeps: u32) -> SolverConfig {
-    SolverConfig {
+    Pgs {
         sweeps,
-        ..SolverConfig::paper()
+        ..Pgs::default()
     }
+    .into()
 }
 
 /// The default with `sweeps` sweeps in all: each sub-step has one with and one without position bias.
 fn soft(sweeps: u32) -> SolverConfig {
-    SolverConfig {
-        substeps: sweeps / 2,
-        ..SolverConfig::default()
+    SoftStep {
+        min_substeps: sweeps / 2,
+        ..SoftStep::default()
     }
+    .into()
 }
 
 /// Hard because cold sweeps carry a load up a column by one body each: the fewest sweeps in a step with which the column
@@ -391,8 +393,8 @@ fn warm_start_saves_sweeps_on_towers_and_loads() {
     ];
     let methods: [Way; 2] = [("paper", paper), ("default", soft)];
     let efforts = [2, 4, 8, 16, 24, 32, 64, 128];
-    let default = SolverConfig::default();
-    let of_default = default.substeps * (default.sweeps + default.relax_sweeps);
+    let default = SoftStep::default();
+    let of_default = default.min_substeps * (default.sweeps + default.relax_sweeps);
     let mut fails = Vec::new();
     for (name, scene) in scenes {
         for (method, config) in methods {

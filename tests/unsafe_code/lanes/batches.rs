@@ -87,11 +87,11 @@ fn outcome(batch: &Batch) -> Outcome {
     let names = |block: &Block| (block.bodies, block.manifolds, block.points.clone());
     Outcome {
         slots: batch.layout.slots.clone(),
-        bodies: batch.bodies.clone(),
+        bodies: batch.bodies.velocities.clone(),
         places: batch.layout.places.clone(),
         domains: batch.layout.subdomains.clone(),
-        blocks: batch.blocks.iter().map(names).collect(),
-        extents: batch.extents.clone(),
+        blocks: batch.contacts.blocks.iter().map(names).collect(),
+        extents: batch.bodies.extents.clone(),
     }
 }
 
@@ -101,6 +101,7 @@ fn names_are_right(batch: &Batch, manifolds: &Manifolds) -> bool {
     // The idle body comes behind those that have slots.
     let slot = |number: u32| layout.slots.get(layout.original(number) as usize).copied();
     let mut lanes = batch
+        .contacts
         .blocks
         .iter()
         .flat_map(|block| (0..8).map(move |lane| (block, lane)));
@@ -121,7 +122,7 @@ fn stages_share_no_body(batch: &Batch) -> bool {
         first += count;
         let mut domain_of = HashMap::new();
         stage.iter().enumerate().all(|(domain, blocks)| {
-            let mut bodies = batch.blocks[blocks.clone()]
+            let mut bodies = batch.contacts.blocks[blocks.clone()]
                 .iter()
                 .flat_map(|block| block.bodies.as_flattened());
             bodies.all(|body| *domain_of.entry(*body).or_insert(domain) == domain)
@@ -138,7 +139,7 @@ proptest! {
         let mut dice = Dice::new(seed);
         let mut bodies = cube_grid(&mut dice);
         let mut manifolds = grid_manifolds(&mut dice);
-        let settings = SubstepSettings::new(SolverConfig::default(), Vec3::NEG_Y, 0.01);
+        let settings = SubstepSettings::new(&SolverConfig::default(), Vec3::NEG_Y, 0.01);
         let (mut islands, mut kept) = (Islands::default(), Batch::default());
         let mut has_team = true;
         for _ in 0..8 {

@@ -211,8 +211,8 @@ impl Blocks {
     }
 
     fn targets(&mut self, displacements: &mut [SolverBody]) {
-        let (bias, first) = (FEEDBACK, true);
-        self.pass(Pass::UpdateBias { bias, first }, displacements, &mut []);
+        let (bias, is_first) = (FEEDBACK, true);
+        self.pass(Pass::UpdateBias { bias, is_first }, displacements, &mut []);
     }
 
     /// Points with their lanes, in the order of the manifolds.
@@ -236,7 +236,7 @@ impl Blocks {
             .map(|(point, lane)| point.target_velocity.0[lane])
     }
 
-    /// All that a sub-step does, in bits; targets are set by the first sweep, or by a pass of their own.
+    /// All that a sub-step does, in bits; targets are set by the is_first sweep, or by a pass of their own.
     fn bits_after_all_loops(&mut self, targets: Targets) -> Vec<u32> {
         let softness = Softness {
             bias_rate: 30.0,
@@ -247,23 +247,23 @@ impl Blocks {
         let mut last = vec![[F8::default(); 3]; self.points.len()];
         let (bias, measure, weight) = (FEEDBACK, true, 0.5);
         let mut do_pass = |pass| self.pass(pass, &mut displacements, &mut last);
-        let (first, later) = (true, false);
+        let (is_first, later) = (true, false);
         do_pass(Pass::Warm);
         let solved = match targets {
             Targets::ByFirstSweep => do_pass(Pass::SolveFirst {
                 bias,
-                first,
+                is_first,
                 softness,
                 measure,
             }),
             Targets::Before => {
-                do_pass(Pass::UpdateBias { bias, first });
+                do_pass(Pass::UpdateBias { bias, is_first });
                 do_pass(Pass::Solve { softness, measure })
             }
         };
         do_pass(Pass::Extrapolate { weight });
-        let first = later;
-        do_pass(Pass::UpdateBias { bias, first });
+        let is_first = later;
+        do_pass(Pass::UpdateBias { bias, is_first });
         let relaxed = do_pass(Pass::Relax { measure });
         let bodies = self.bodies.iter().flat_map(|body| {
             let parts = [body.linear, body.angular];

@@ -52,29 +52,33 @@ fn named(name: &'static str, config: SolverConfig) -> Named {
 
 /// Soft steps in a fixed number of sub-steps of one sweep before and one after the bodies move: no adaptive effort.
 fn fixed(substeps: u32) -> SolverConfig {
-    SolverConfig {
-        substeps,
+    SoftStep {
+        min_substeps: substeps,
         max_substeps: substeps,
         tolerance: None,
-        ..SolverConfig::default()
+        ..SoftStep::default()
     }
+    .into()
 }
 
 /// The paper's method with fewer sweeps.
 fn paper(sweeps: u32) -> SolverConfig {
-    SolverConfig {
+    Pgs {
         sweeps,
-        ..SolverConfig::paper()
+        ..Pgs::default()
     }
+    .into()
 }
 
 /// The paper's method with as many sweeps, of 1 to 16, as each island needs to meet the default tolerance.
 fn adaptive_paper() -> SolverConfig {
-    SolverConfig {
-        tolerance: SolverConfig::default().tolerance,
-        max_sweeps: SolverConfig::paper().sweeps,
-        ..paper(1)
+    Pgs {
+        sweeps: 1,
+        tolerance: SoftStep::default().tolerance,
+        max_sweeps: Pgs::default().sweeps,
+        ..Pgs::default()
     }
+    .into()
 }
 
 /// The list as the arena wants it; a value is an index into [`all`].
