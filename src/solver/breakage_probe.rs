@@ -2,8 +2,8 @@
 //!
 //! An island in which a body breaks is solved once for nothing, and again with the pieces. For a wall of a thousand bricks
 //! that is the step twice over, for the sake of a few bricks. So where it matters, what may break is solved alone first, with
-//! the bodies around it and without the rest: how hard a impact is decides itself in its neighborhood. Its impulses say what
-//! breaks, and how much of the impact that bears; the island is solved as a whole when no rehearsal breaks anything any more.
+//! the bodies around it and without the rest: how hard an impact is decides itself in its neighborhood. Its impulses say what
+//! breaks, and how much of the impact that bears; the island is solved as a whole when no probe breaks anything any more.
 
 use crate::bodies::breaking::ImpactLoad;
 use crate::bodies::store::Bodies;
@@ -16,10 +16,10 @@ use crate::solver::settings::SubstepSettings;
 /// Manifolds from which an island is large: a tenth of a millisecond, which nobody minds to spend twice.
 const LARGE: usize = 192;
 
-/// How many contacts away from a impact bodies take part.
+/// How many contacts away from an impact bodies take part.
 const RINGS: usize = 2;
 
-/// How much harder a impact may be than one between its two bodies alone: others may stand behind the one that is hit.
+/// How much harder an impact may be than one between its two bodies alone: others may stand behind the one that is hit.
 const BACKING: f32 = 2.0;
 
 /// Marks a slot of no island that takes part.
@@ -28,8 +28,8 @@ pub(crate) const NONE: u32 = u32::MAX;
 /// Buffers.
 #[derive(Debug, Default)]
 pub(crate) struct BreakageProbe {
-    /// By slot: the large island in whose rehearsal the body takes part.
-    pub(crate) cast: Vec<u32>,
+    /// By slot: the large island in whose probe the body takes part.
+    pub(crate) participants: Vec<u32>,
     /// Those that join with the next ring.
     pub(crate) joining: Vec<u32>,
     pub(crate) islands: Islands,
@@ -50,8 +50,8 @@ impl BreakageProbe {
         bodies: &Bodies,
         settings: &SubstepSettings,
     ) -> bool {
-        self.cast.clear();
-        self.cast.resize(bodies.slots(), NONE);
+        self.participants.clear();
+        self.participants.resize(bodies.slots(), NONE);
         let mut anybody = false;
         let large = (0..)
             .zip(&islands.list)
@@ -69,11 +69,11 @@ impl BreakageProbe {
                 for slot in self.joining.drain(..) {
                     // Nothing gets from one side of a fixed body to the other.
                     if bodies.velocity[slot as usize].inverse_mass > 0.0 {
-                        self.cast[slot as usize] = number;
+                        self.participants[slot as usize] = number;
                     }
                 }
-                let cast = &self.cast;
-                let takes_part = |slot: u32| cast[slot as usize] != NONE;
+                let participants = &self.participants;
+                let takes_part = |slot: u32| participants[slot as usize] != NONE;
                 let rim = of_island().filter(|m| takes_part(m.a) != takes_part(m.b));
                 self.joining.extend(rim.flat_map(|m| [m.a, m.b]));
             }
@@ -82,7 +82,7 @@ impl BreakageProbe {
     }
 }
 
-/// Whether a impact at one of the points of a manifold may be more than one of its bodies bears.
+/// Whether an impact at one of the points of a manifold may be more than one of its bodies bears.
 fn may_break(manifold: &ManifoldRef, bodies: &Bodies, step: f32) -> bool {
     let slots = [manifold.a, manifold.b];
     let limits = slots.map(|slot| bodies.limit(slot));

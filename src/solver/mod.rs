@@ -5,10 +5,13 @@ pub mod batch;
 mod breakage_probe;
 pub mod config;
 pub mod contact_solver;
+mod deferral;
+mod estimates;
 #[cfg(feature = "exact")]
 pub mod exact;
 mod free_flight;
 pub mod graph;
+pub mod results;
 pub mod rows;
 pub mod settings;
 pub mod sleep;

@@ -165,6 +165,19 @@ pub(crate) struct Warm<'a, B> {
     pub(crate) share: f32,
 }
 
+impl<'a> Warm<'a, std::slice::Iter<'a, Block>> {
+    /// All impulses of all contacts.
+    pub(crate) fn all(contacts: &'a ContactBlocks<'_>) -> Self {
+        Self {
+            blocks: contacts.blocks.iter(),
+            points: contacts.points,
+            first_point: contacts.first_point,
+            bodies: contacts.bodies,
+            share: 1.0,
+        }
+    }
+}
+
 impl<'a, B: Iterator<Item = &'a Block>> Kernel for Warm<'_, B> {
     type Output = f32;
 

@@ -165,6 +165,16 @@ impl<L: Lanes> Frame<L> {
         }
     }
 
+    /// The parts of a vector along the normal and the tangents.
+    #[inline(always)]
+    pub(crate) fn components(&self, vector: V3<L>) -> [L; 3] {
+        [
+            self.normal.dot(vector),
+            self.tangents[0].dot(vector),
+            self.tangents[1].dot(vector),
+        ]
+    }
+
     /// The impulse with the given parts.
     #[inline(always)]
     pub(crate) fn impulse(&self, [normal, t1, t2]: [L; 3]) -> V3<L> {

@@ -91,16 +91,7 @@ impl ContactBlocks<'_> {
                 };
                 run(width, targets)
             }
-            Pass::Warm => {
-                let warm = Warm {
-                    blocks: contacts.blocks.iter(),
-                    points: contacts.points,
-                    first_point: contacts.first_point,
-                    bodies: contacts.bodies,
-                    share: 1.0,
-                };
-                run(width, warm)
-            }
+            Pass::Warm => run(width, Warm::all(contacts)),
             Pass::SolveFirst {
                 bias,
                 is_first,
@@ -108,11 +99,7 @@ impl ContactBlocks<'_> {
                 measure,
             } => {
                 debug_assert!(!BONDED, "bonds have targets of their own");
-                let sweep = Sweep::<false> {
-                    contacts,
-                    bond_constraints: &mut [],
-                    measure,
-                };
+                let sweep = Sweep::<false>::new(contacts, &mut [], measure);
                 let solve = SolveFirstKernel {
                     sweep,
                     softness,
@@ -122,19 +109,11 @@ impl ContactBlocks<'_> {
                 run(width, solve)
             }
             Pass::Solve { softness, measure } => {
-                let sweep = Sweep::<BONDED> {
-                    contacts,
-                    bond_constraints,
-                    measure,
-                };
+                let sweep = Sweep::<BONDED>::new(contacts, bond_constraints, measure);
                 run(width, SolveKernel(sweep, softness))
             }
             Pass::Relax { measure } => {
-                let sweep = Sweep::<BONDED> {
-                    contacts,
-                    bond_constraints,
-                    measure,
-                };
+                let sweep = Sweep::<BONDED>::new(contacts, bond_constraints, measure);
                 run(width, RelaxKernel(sweep))
             }
             Pass::Extrapolate { weight } => {

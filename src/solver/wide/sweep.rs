@@ -29,7 +29,19 @@ pub(crate) struct Sweep<'a, 'c, const BONDED: bool> {
     pub(crate) measure: bool,
 }
 
-impl<const BONDED: bool> Sweep<'_, '_, BONDED> {
+impl<'a, 'c, const BONDED: bool> Sweep<'a, 'c, BONDED> {
+    pub(crate) fn new(
+        contacts: &'a mut ContactBlocks<'c>,
+        bond_constraints: &'a mut [BondConstraint],
+        measure: bool,
+    ) -> Self {
+        Self {
+            contacts,
+            bond_constraints,
+            measure,
+        }
+    }
+
     /// Solves each point of each block by a rule, after its target velocity has been set if there is an `aim`.
     #[inline(always)]
     fn each_point<L: Lanes, R: PointUpdate<L>>(
@@ -71,13 +83,8 @@ impl<const BONDED: bool> Sweep<'_, '_, BONDED> {
                 if let Some((aim, of_block)) = &aim {
                     aim.at(of_block, &anchors, point);
                 }
-                let velocity = pair.relative(&anchors);
                 let mut state = State::<L, BONDED> {
-                    velocity: [
-                        frame.normal.dot(velocity),
-                        frame.tangents[0].dot(velocity),
-                        frame.tangents[1].dot(velocity),
-                    ],
+                    velocity: frame.components(pair.relative(&anchors)),
                     impulse: load_three(&point.impulse),
                     rebound: match impacts.get(i) {
                         Some(impact) => L::load(&impact.rebound),
@@ -99,10 +106,16 @@ impl<const BONDED: bool> Sweep<'_, '_, BONDED> {
                 largest = largest.max(change * L::load(&block.speed_scale));
             }
         }
-        let mut lanes = F8::default();
-        largest.store(&mut lanes);
-        lanes.0.into_iter().fold(0.0, f32::max)
+        largest_lane(largest)
     }
+}
+
+/// The largest number of all lanes, at least 0.
+#[inline(always)]
+fn largest_lane<L: Lanes>(numbers: L) -> f32 {
+    let mut lanes = F8::default();
+    numbers.store(&mut lanes);
+    lanes.0.into_iter().fold(0.0, f32::max)
 }
 
 /// The largest velocity change of a row of a point by impulses that have changed by `delta`.

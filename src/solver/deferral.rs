@@ -1,0 +1,80 @@
+//! Large islands in which a body breaks wait for the next round, before they are solved for nothing.
+
+use crate::bodies::store::Bodies;
+use crate::contact::manifolds::{ManifoldHead, Manifolds};
+use crate::solver::batch::Step;
+use crate::solver::breakage_probe::{self, BreakageProbe, is_large};
+use crate::solver::contact_solver::{ContactSolver, Progress};
+use crate::solver::settings::SubstepSettings;
+
+impl ContactSolver {
+    /// Rehearses the large islands that have been found. Bodies of those in which a body breaks wait, and `manifolds` hold the
+    /// impulses of the probe; whether there are any.
+    pub(crate) fn probe_breakage(
+        &mut self,
+        manifolds: &mut Manifolds,
+        bodies: &Bodies,
+        settings: &SubstepSettings,
+    ) -> bool {
+        self.is_deferred.clear();
+        self.is_deferred.resize(self.islands.list.len(), false);
+        if !bodies.any_fracturable() || !self.islands.list.iter().any(is_large) {
+            return false;
+        }
+        let mut probe = std::mem::take(&mut self.probe);
+        let anybody = probe.choose(&self.islands, manifolds, bodies, settings);
+        if anybody {
+            let BreakageProbe {
+                participants,
+                islands,
+                batch,
+                ..
+            } = &mut probe;
+            let takes_part = |slot: u32| participants[slot as usize] != breakage_probe::NONE;
+            let moves = |slot: u32| bodies.velocity[slot as usize].inverse_mass > 0.0;
+            let is_pending = |m: &ManifoldHead| {
+                let counts = |slot: u32| takes_part(slot) || !moves(slot);
+                counts(m.a) && counts(m.b) && (takes_part(m.a) || takes_part(m.b))
+            };
+            islands.find(manifolds.heads(), bodies, is_pending, None);
+            islands.find_moving(|index| self.travel(index));
+            for part in 0..islands.list.len() {
+                let slots = &islands.slots[islands.list[part].bodies.clone()];
+                let Some(&slot) = slots.iter().find(|&&slot| takes_part(slot)) else {
+                    continue;
+                };
+                let whole = participants[slot as usize] as usize;
+                let step = Step {
+                    islands,
+                    manifolds,
+                    bodies,
+                    settings,
+                    team: None,
+                    may_break: true,
+                };
+                batch.load(&step, part..part + 1, &self.requirements[whole]);
+                batch.tie(&self.bonded, manifolds);
+                batch.solve(manifolds, None);
+                if batch.impacts.is_broken {
+                    batch.store_impulses(&mut manifolds.whole(), 0);
+                    self.is_deferred[whole] = true;
+                }
+            }
+        }
+        self.probe = probe;
+        self.defer_island_bodies(bodies);
+        self.is_deferred.contains(&true)
+    }
+
+    /// Notes that the bodies of islands that are set aside wait.
+    pub(crate) fn defer_island_bodies(&mut self, bodies: &Bodies) {
+        let islands = self.islands.list.iter().zip(&self.is_deferred);
+        for (island, _) in islands.filter(|(_, is_deferred)| **is_deferred) {
+            for &slot in &self.islands.slots[island.bodies.clone()] {
+                if bodies.velocity[slot as usize].inverse_mass > 0.0 {
+                    self.progress[slot as usize] = Progress::Deferred;
+                }
+            }
+        }
+    }
+}

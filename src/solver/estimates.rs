@@ -1,0 +1,113 @@
+//! What each manifold asks of the sub-steps, and with that each island.
+
+use crate::bodies::store::Bodies;
+use crate::contact::manifolds::{ManifoldHead, ManifoldRef, Manifolds};
+use crate::contact::point::ContactPoint;
+use crate::solver::adaptivity::IslandRequirements;
+use crate::solver::contact_solver::{ContactEstimate, ContactSolver, MIN_OF_PART, Progress};
+use crate::solver::graph::relative_motion::RelativeMotion;
+use crate::solver::rows::contact_rows::{Row, RowBody};
+use crate::solver::settings::SubstepSettings;
+use crate::solver::wide::bond::is_new_bond;
+use crate::threads::parts::run_parts;
+use crate::threads::team::Team;
+
+impl ContactSolver {
+    /// Finds the islands and what they ask for.
+    pub(crate) fn find_islands(
+        &mut self,
+        manifolds: &Manifolds,
+        bodies: &Bodies,
+        settings: &SubstepSettings,
+        team: Option<&Team>,
+    ) {
+        let progress = &self.progress;
+        let is_pending = |slot: u32| progress.get(slot as usize) != Some(&Progress::Solved);
+        let is_pending = |m: &ManifoldHead| is_pending(m.a) && is_pending(m.b);
+        self.islands
+            .find(manifolds.heads(), bodies, is_pending, team);
+        self.estimate_contacts(manifolds, bodies, settings, team);
+        let estimates = &self.estimates;
+        let travel = |manifold: u32| estimates[manifold as usize].travel;
+        self.islands.find_moving(travel);
+        self.requirements.clear();
+        for i in 0..self.islands.list.len() {
+            let requirement = self.requirement(i, settings);
+            self.requirements.push(requirement);
+        }
+    }
+
+    /// Looks what each manifold asks for.
+    pub(crate) fn estimate_contacts(
+        &mut self,
+        manifolds: &Manifolds,
+        bodies: &Bodies,
+        settings: &SubstepSettings,
+        team: Option<&Team>,
+    ) {
+        let (step, depends_on_load) = (settings.step_dt(), settings.depends_on_load());
+        self.estimates
+            .resize(manifolds.len(), ContactEstimate::default());
+        let size = Team::part_size(team, manifolds.len(), MIN_OF_PART);
+        let parts = self.estimates.chunks_mut(size).enumerate();
+        run_parts(team, parts, |(part, estimates)| {
+            for (index, wish) in (part * size..).zip(estimates) {
+                let head = &manifolds.heads()[index];
+                let slots = [head.a as usize, head.b as usize];
+                wish.travel = RelativeMotion::of(bodies, slots, step);
+                wish.load = if depends_on_load {
+                    load_of(manifolds.at(index), bodies, settings)
+                } else {
+                    0.0
+                };
+            }
+        });
+    }
+
+    /// How the bodies of a manifold move against each other.
+    pub(crate) fn travel(&self, manifold: u32) -> RelativeMotion {
+        self.estimates[manifold as usize].travel
+    }
+
+    /// What an island asks for.
+    pub(crate) fn requirement(
+        &self,
+        island: usize,
+        settings: &SubstepSettings,
+    ) -> IslandRequirements {
+        let island = &self.islands.list[island];
+        let mut requirement = IslandRequirements {
+            load: 0.0,
+            can_hit: island.bounces || !island.moving.is_empty(),
+            substeps: 0,
+        };
+        if settings.depends_on_load() {
+            for &index in &self.islands.manifolds[island.manifolds.clone()] {
+                let load = if is_new_bond(&self.bonded, index) {
+                    f32::INFINITY
+                } else {
+                    self.estimates[index as usize].load
+                };
+                requirement.load = requirement.load.max(load);
+            }
+        }
+        requirement.substeps = settings.substeps_for(&requirement);
+        requirement
+    }
+}
+
+/// Largest velocity that a contact of the manifold gave its effective mass in the last step, over the smaller body's least
+/// extent, 1/s. What has just landed bears at least its own weight.
+fn load_of(manifold: ManifoldRef, bodies: &Bodies, settings: &SubstepSettings) -> f32 {
+    let slots = [manifold.a, manifold.b].map(|slot| slot as usize);
+    let weight = settings.gravity.length() * settings.step_dt();
+    let sides = slots.map(|i| RowBody::of(bodies, i));
+    let velocity = |point: &ContactPoint| {
+        let anchors = [point.anchor_a, point.anchor_b];
+        let row = Row::new(manifold.normal, anchors, sides);
+        (point.normal_impulse * row.diagonal).abs()
+    };
+    let velocities = manifold.points().iter().map(velocity);
+    let [a, b] = slots.map(|i| bodies.min_extent[i]);
+    velocities.fold(weight, f32::max) / a.min(b)
+}

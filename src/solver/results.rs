@@ -1,0 +1,115 @@
+//! What the solver found: velocities and motions of bodies, islands with their rows, bodies that are overloaded.
+
+use crate::bodies::breaking::ImpactLoad;
+use crate::bodies::solver_body::{Motion, SolverBody};
+use crate::bodies::store::Bodies;
+use crate::math::rotate_by;
+use crate::solver::adaptivity::SweepBudget;
+use crate::solver::batch::Batch;
+use crate::solver::batch::layout::Member;
+use crate::solver::contact_solver::{ContactSolver, Progress};
+use crate::solver::rows::contact_rows::PointRows;
+use crate::solver::rows::residual::{ResidualSum, Solved};
+
+/// An island after the solve.
+#[derive(Clone, Debug)]
+pub struct SolvedIsland<'a> {
+    pub(crate) batch: &'a Batch,
+    pub(crate) member: &'a Member,
+    /// Number of its points.
+    pub contacts: usize,
+    /// Velocities of its bodies.
+    pub bodies: &'a [SolverBody],
+    /// Slots of its bodies.
+    pub slots: &'a [u32],
+    /// What it took, together with the others of its batch.
+    pub budget: SweepBudget,
+}
+
+impl SolvedIsland<'_> {
+    /// Puts the rows of its points into `rows`, in the order of its manifolds.
+    pub fn rows(&self, rows: &mut Vec<PointRows>) {
+        rows.clear();
+        let Member { places, bodies, .. } = self.member;
+        let first_body = bodies.start as u32;
+        self.batch.collect_rows(places.clone(), first_body, rows);
+    }
+
+    /// How far its rows, which `rows` is a buffer for, are from being solved.
+    pub(crate) fn residual_sum(&self, rows: &mut Vec<PointRows>) -> ResidualSum {
+        self.rows(rows);
+        let settings = &self.batch.settings;
+        let solved = Solved {
+            friction: settings.friction,
+            is_relaxed: settings.is_relaxed(),
+        };
+        ResidualSum::of(rows, self.bodies, solved)
+    }
+}
+
+impl ContactSolver {
+    /// The islands of the last step.
+    pub fn islands(&self) -> impl Iterator<Item = SolvedIsland<'_>> {
+        let batches = self.batches[..self.earlier + self.ranges.len()].iter();
+        batches
+            .filter(|batch| !batch.impacts.is_broken)
+            .flat_map(|batch| {
+                batch.layout.members.iter().map(move |member| SolvedIsland {
+                    batch,
+                    member,
+                    contacts: member.contacts,
+                    bodies: &batch.bodies.velocities[member.bodies.clone()],
+                    slots: &batch.layout.slots[member.bodies.clone()],
+                    budget: batch.budget,
+                })
+            })
+    }
+
+    /// Bodies (by slot) that got through the step although they were hit with more than they bear, and with what.
+    pub fn overloaded(&self) -> impl Iterator<Item = (u32, ImpactLoad)> {
+        let batches = self.batches[..self.earlier + self.ranges.len()].iter();
+        let solved = batches.filter(|batch| !batch.impacts.is_broken);
+        solved.flat_map(|batch| batch.impacts.overloaded.iter().copied())
+    }
+
+    /// Whether the body in `slot` is as it was before the step, because something in its island breaks.
+    pub fn is_deferred(&self, slot: u32) -> bool {
+        self.progress.get(slot as usize) == Some(&Progress::Deferred)
+    }
+
+    /// Whether the body in `slot` is dynamic and has got its velocity and motion in this step.
+    pub fn is_solved(&self, slot: u32) -> bool {
+        self.progress.get(slot as usize) == Some(&Progress::Solved)
+    }
+
+    /// Takes velocities and motions of the bodies that contacts move back to their slots.
+    pub(crate) fn write_back(&mut self, bodies: &mut Bodies) {
+        let batches = &self.batches[self.earlier..][..self.ranges.len()];
+        for batch in batches {
+            if batch.impacts.is_broken {
+                for (&slot, body) in batch.layout.slots.iter().zip(&batch.bodies.velocities) {
+                    if body.inverse_mass > 0.0 {
+                        self.progress[slot as usize] = Progress::Deferred;
+                    }
+                }
+                continue;
+            }
+            for (number, &slot) in batch.layout.slots.iter().enumerate() {
+                let (i, body) = (slot as usize, &batch.bodies.velocities[number]);
+                if body.inverse_mass > 0.0 {
+                    let moved = &batch.bodies.displacements[number];
+                    self.progress[i] = Progress::Solved;
+                    bodies.velocity[i] = *body;
+                    bodies.motion[i] = Motion {
+                        shift: moved.linear,
+                        rotation: rotate_by(bodies.rotation[i], moved.angular, 1.0),
+                    };
+                }
+            }
+            for turning in &batch.bodies.turning {
+                let slot = batch.layout.slots[turning.body as usize] as usize;
+                bodies.motion[slot].rotation = turning.spin.rotation;
+            }
+        }
+    }
+}
