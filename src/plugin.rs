@@ -1,7 +1,5 @@
 //! The plugin: the phases of [`step`] as system sets, in the same order and under the same names.
 
-mod at_once;
-
 use crate::bodies::body::RigidBody;
 use crate::bodies::store::Bodies;
 use crate::contact::impulses::ContactCache;
@@ -15,19 +13,17 @@ use crate::mass::MassProperties;
 use crate::solver::config::{Gravity, SolverConfig};
 use crate::step;
 use crate::step::{Contacts, StepReport, StepSettings};
-use at_once::Runner;
 use bevy_app::{App, FixedMainScheduleOrder, FixedPostUpdate, Plugin};
 use bevy_ecs::intern::Interned;
 use bevy_ecs::prelude::*;
-use bevy_ecs::schedule::ScheduleLabel;
+use bevy_ecs::schedule::{ScheduleLabel, SingleThreadedExecutor};
 use bevy_ecs::system::SystemParam;
 use bevy_time::Time;
 use bevy_transform::components::Transform;
 
 /// The schedule of one physics step. Run by the plugin; its time step is `Time`'s current delta.
 ///
-/// Systems of your own go between its [phases](PhysicsSystems). As long as there are none, nor run conditions, the phases run
-/// as one system, which spares a step of a few bodies half of what the plugin adds to it.
+/// Systems of your own go between its [phases](PhysicsSystems), and run conditions on them.
 #[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
 pub struct PhysicsSchedule;
 
@@ -100,15 +96,13 @@ impl Plugin for CleavePlugin {
         require_components(app);
         #[cfg(feature = "reflect")]
         crate::ecs::reflect::register_types(app);
-        let mut runner = Runner::default();
         app.init_schedule(PhysicsSchedule)
-            .edit_schedule(PhysicsSchedule, |schedule| {
-                add_phases(schedule);
-                runner = Runner::take_over(schedule);
-            });
+            .edit_schedule(PhysicsSchedule, add_phases);
         match self.schedule {
             Some(schedule) => {
-                app.add_systems(schedule, runner.into_system());
+                app.add_systems(schedule, |world: &mut World| {
+                    world.run_schedule(PhysicsSchedule);
+                });
             }
             None => run_in_fixed_time_steps(app),
         }
@@ -143,6 +137,9 @@ fn require_components(app: &mut App) {
 
 fn add_phases(schedule: &mut Schedule) {
     use PhysicsSystems as Phase;
+    // The phases follow each other anyway; those with much to do ask the task pool for help themselves. Handing each to another
+    // thread would cost more than a scene of a few bodies does.
+    schedule.set_executor(SingleThreadedExecutor::new());
     schedule.configure_sets(
         (
             Phase::MassProperties,
@@ -206,11 +203,7 @@ impl Settings<'_> {
 
 /// Run condition of all phases. Warns once when gravity or configuration, and not a standing clock, stops the physics.
 fn can_step(settings: Settings, mut has_warned: Local<bool>) -> bool {
-    check(&settings.get(), &mut has_warned)
-}
-
-/// The same of settings that were read.
-fn check(settings: &StepSettings, has_warned: &mut bool) -> bool {
+    let settings = settings.get();
     let is_broken = !settings.are_numbers_usable();
     if is_broken && !*has_warned {
         log::warn!(

@@ -24,13 +24,6 @@ use bevy_math::Vec3;
 use bevy_transform::components::Transform;
 use std::ops::Range;
 
-impl BodyQueue {
-    /// Whether bodies come or go, or were refused and are to be tried again.
-    pub(crate) fn is_waiting(&self) -> bool {
-        !(self.arrived.is_empty() && self.left.is_empty() && self.refused.is_empty())
-    }
-}
-
 /// Everything a body is made from.
 #[derive(QueryData)]
 pub(crate) struct BodyParts {
@@ -128,7 +121,7 @@ pub(crate) struct Readings<'w, 's> {
     described: Query<'w, 's, (&'static BodyHandle, Option<BodyParts>)>,
     motion: Query<'w, 's, ReadMotion>,
     marked: Query<'w, 's, &'static BodyHandle, With<Sleeping>>,
-    pub(crate) handles: Query<'w, 's, &'static BodyHandle>,
+    handles: Query<'w, 's, &'static BodyHandle>,
 }
 
 /// Reads what the user changed about bodies, and makes the bonds that were asked for, now that the entities have bodies.
@@ -170,7 +163,13 @@ type Arrival = (&'static mut BodyHandle, Option<BodyParts>, Has<Sleeping>);
 
 /// Run condition of [`register_bodies`]: most steps would fetch all that it takes only to find that nothing is queued.
 pub(crate) fn any_body_comes_or_goes(state: Res<PluginState>) -> bool {
-    state.queue.is_waiting()
+    let BodyQueue {
+        arrived,
+        left,
+        refused,
+        ..
+    } = &state.queue;
+    !(arrived.is_empty() && left.is_empty() && refused.is_empty())
 }
 
 /// System: frees the slots of bodies that left, gives slots to those that arrived.

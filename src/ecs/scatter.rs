@@ -30,17 +30,12 @@ pub(crate) struct BodySync<'w, 's> {
 
 /// Run condition of [`renew_entities`]: most steps would fetch all that it takes only to find that nothing broke or woke.
 pub(crate) fn any_entity_is_outdated(bodies: Res<Bodies>, fractures: Res<Fractures>) -> bool {
-    is_any_outdated(&bodies, &fractures)
-}
-
-/// Whether anything broke, was refused, woke or fell asleep.
-pub(crate) fn is_any_outdated(bodies: &Bodies, fractures: &Fractures) -> bool {
     let Fractures {
         done,
         refused,
         expired,
         ..
-    } = fractures;
+    } = &*fractures;
     let is_unbroken = done.is_empty() && refused.is_empty() && expired.is_empty();
     !(is_unbroken && bodies.sleep_changes().is_empty())
 }
@@ -81,31 +76,11 @@ pub(crate) fn write_entities(
     marked: Query<(), With<Sleeping>>,
 ) {
     let state = &mut *state;
-    write_motion(
-        state,
-        &bodies,
-        &report,
-        &mut warnings,
-        &mut motion,
-        tick.this_run(),
-    );
+    state.entities.written = tick.this_run();
+    scatter(&bodies, &mut motion);
+    report_problems(&report, &bodies, &state.entities, &mut warnings);
     mark_asleep(&mut commands, &bodies, &state.entities, &marked);
     bodies.forget_sleep_changes();
-}
-
-/// Writes motion, as a system that runs at tick `now`, and problems of the step.
-pub(crate) fn write_motion(
-    state: &mut PluginState,
-    bodies: &Bodies,
-    report: &StepReport,
-    warnings: &mut Messages<BodyWarning>,
-    motion: &mut Query<WrittenMotion, Without<Sleeping>>,
-    now: Tick,
-) {
-    let entities = &mut state.entities;
-    entities.written = now;
-    scatter(bodies, motion);
-    report_problems(report, bodies, entities, warnings);
 }
 
 /// Takes the mark from the entities whose bodies woke, or never fell asleep, so that they are written again.
@@ -143,7 +118,7 @@ fn mark_asleep(
 }
 
 /// What the plugin writes of a body's motion, table by table.
-pub(crate) type WrittenMotion = (
+type WrittenMotion = (
     &'static BodyHandle,
     &'static mut Transform,
     &'static mut LinearVelocity,

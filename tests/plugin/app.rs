@@ -38,7 +38,7 @@ pub(crate) fn app_of(plugin: CleavePlugin) -> App {
     app
 }
 
-/// The same with a system of the user's among the phases, which are run one by one for that reason.
+/// The same with a system of the user's among the phases.
 pub(crate) fn accompanied_app() -> App {
     let mut app = app();
     let company = (|| ())

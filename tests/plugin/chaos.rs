@@ -341,8 +341,8 @@ proptest! {
                 let [place, alone] = [&*run, &calm].map(Chaos::place_of_bystander);
                 prop_assert!(place.distance(alone) < 0.01, "step {}: {} {}", step, place, alone);
             }
-            let [at_once, one_by_one] = runs.each_ref().map(Chaos::bits);
-            prop_assert!(at_once == one_by_one, "step {}", step);
+            let [alone, accompanied] = runs.each_ref().map(Chaos::bits);
+            prop_assert!(alone == accompanied, "step {}", step);
         }
     }
 }

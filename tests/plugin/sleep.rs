@@ -1,6 +1,6 @@
 //! Sleep through the plugin: the `Sleeping` mark, and all that wakes an entity.
 
-use crate::app::{accompanied_app, app, bits_of_entity, step_length};
+use crate::app::{app, bits_of_entity, step_length};
 use crate::common::states::bits;
 use crate::common::structures::{block, cuboid, floor, tower};
 use bevy_app::App;
@@ -88,12 +88,7 @@ fn the_mark_tells_who_sleeps_and_nothing_of_them_is_written() {
 
 #[test]
 fn plugin_and_plain_step_sleep_and_wake_alike() {
-    for app in [app(), accompanied_app()] {
-        sleep_and_wake_like_the_plain_step(app);
-    }
-}
-
-fn sleep_and_wake_like_the_plain_step(mut app: App) {
+    let mut app = app();
     let entities = put_to_rest(&mut app, tower(5));
     let mut simulation = Simulation::default();
     simulation.config.sleep = SleepConfig::on();
