@@ -351,12 +351,15 @@ fn fracture(
         fractures,
         bonds,
     } = &mut breaking;
-    step::fracture(
-        &mut bodies,
-        &mut contacts,
+    let breakable = step::Breakable {
         cache,
         fractures,
         bonds,
+    };
+    step::fracture(
+        &mut bodies,
+        &mut contacts,
+        breakable,
         &state.settings,
         &mut report,
     );

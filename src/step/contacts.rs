@@ -1,0 +1,101 @@
+//! Everything between the bodies and the solver that lives from step to step, and the rounds of a step in which bodies break.
+
+use crate::bodies::store::Bodies;
+use crate::collide::narrow_phase::NarrowPhase;
+use crate::contact::manifolds::{ManifoldRef, Manifolds};
+use crate::contact::pairs::broad_phase::Broadphase;
+use crate::fracture::Fractures;
+use crate::solver::contact_solver::{ContactSolver, Round};
+use crate::solver::rows::contact_rows::PointRows;
+use crate::solver::settings::SubstepSettings;
+use crate::step::settings::StepSettings;
+use bevy_ecs::resource::Resource;
+
+/// Everything between the bodies and the solver that lives from step to step.
+#[derive(Debug, Default, Resource)]
+pub struct Contacts {
+    pub(crate) broadphase: Broadphase,
+    pub(crate) narrow: NarrowPhase,
+    pub(crate) manifolds: Manifolds,
+    pub(crate) solver: ContactSolver,
+    /// Whether a body broke in the last round, and its island waits for the next one.
+    pub(crate) is_broken: bool,
+    /// Manifolds that are solved while a new round is prepared, sorted by body ids.
+    solved: Manifolds,
+    /// For putting the two together.
+    joined: Manifolds,
+    /// Kinetic and potential energy before the step, J, if the error is measured.
+    pub(crate) energy_before: Option<f64>,
+    /// Rows of an island whose error is measured.
+    pub(crate) rows: Vec<PointRows>,
+}
+
+/// Rounds of breaking in one step. What breaks only after so many others before it bears the step and may break in the next
+/// one.
+const MAX_ROUNDS: u32 = 3;
+
+impl Contacts {
+    /// Solves what is not solved yet.
+    pub(crate) fn solve_round(
+        &mut self,
+        bodies: &mut Bodies,
+        fractures: &Fractures,
+        settings: &StepSettings,
+        round: u32,
+    ) {
+        let StepSettings {
+            gravity,
+            config,
+            step_dt,
+            ..
+        } = *settings;
+        let substeps =
+            SubstepSettings::new(&config, gravity.0, step_dt).overridden(&settings.overrides);
+        let round = Round {
+            is_first: round == 0,
+            may_break: round < MAX_ROUNDS && fractures.can_afford(&settings.budget),
+        };
+        let Self {
+            solver, manifolds, ..
+        } = self;
+        self.is_broken = solver.solve(manifolds, bodies, &substeps, round);
+    }
+
+    /// Keeps the manifolds of bodies that have got their motion, whose contacts are not to be looked for again.
+    pub(crate) fn stash_solved(&mut self) {
+        self.solved.clear();
+        for manifold in self.manifolds.iter() {
+            if self.solver.is_solved(manifold.a) || self.solver.is_solved(manifold.b) {
+                self.solved.push(manifold);
+            }
+        }
+    }
+
+    /// Puts them back in place of what was found anew for the same bodies.
+    pub(crate) fn merge_solved(&mut self, bodies: &Bodies) {
+        let solver = &self.solver;
+        let name = |m: &ManifoldRef| (bodies.id(m.a), bodies.id(m.b));
+        let is_new = |m: &ManifoldRef| !solver.is_solved(m.a) && !solver.is_solved(m.b);
+        let mut new = self.manifolds.iter().filter(is_new).peekable();
+        self.joined.clear();
+        for solved in self.solved.iter() {
+            while let Some(before) = new.next_if(|new| name(new) < name(&solved)) {
+                self.joined.push(before);
+            }
+            self.joined.push(solved);
+        }
+        new.for_each(|manifold| self.joined.push(manifold));
+        std::mem::swap(&mut self.manifolds, &mut self.joined);
+    }
+
+    /// Manifolds of the last step with the impulses that were found, sorted by body ids. Those of bodies that sleep are not
+    /// among them.
+    pub fn manifolds(&self) -> &Manifolds {
+        &self.manifolds
+    }
+
+    /// Islands and rows of the last step.
+    pub fn solver(&self) -> &ContactSolver {
+        &self.solver
+    }
+}
