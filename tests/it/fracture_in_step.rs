@@ -289,7 +289,12 @@ fn cut_in_place(inherits: bool) -> (f32, f32) {
         .collect();
     let share = warm.iter().sum::<f32>() / warm.len() as f32;
     step::solve(bodies, contacts, fractures, &settings, report);
-    step::fracture(bodies, contacts, cache, fractures, bonds, &settings, report);
+    let breakable = step::Breakable {
+        cache,
+        fractures,
+        bonds,
+    };
+    step::fracture(bodies, contacts, breakable, &settings, report);
     step::integrate(bodies, report);
     step::age_cache(bodies, contacts, cache, &settings);
     let mut fastest = 0.0_f32;

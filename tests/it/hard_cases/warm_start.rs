@@ -186,7 +186,12 @@ impl Runner {
             self.before
                 .extend(points.map(|point| known(bodies, &m, point)));
         }
-        step::fracture(bodies, contacts, cache, fractures, bonds, settings, report);
+        let breakable = step::Breakable {
+            cache,
+            fractures,
+            bonds,
+        };
+        step::fracture(bodies, contacts, breakable, settings, report);
         step::integrate(bodies, report);
         step::age_cache(bodies, contacts, cache, settings);
     }
