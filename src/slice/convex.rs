@@ -24,8 +24,8 @@ mod select;
 use crate::geometry::ConvexHull;
 use crate::geometry::moments::Fans;
 use crate::geometry::predicates::check_plane;
-use crate::geometry::wide::Avx2;
 use crate::math::Plane;
+use crate::simd::lanes::LaneWidth;
 use crate::slice::SliceError;
 use classes::Classes;
 use emit::HullWriter;
@@ -101,28 +101,8 @@ pub struct HullSlicer {
     rim: Rim,
     numbers: Renumbering,
     fans: Fans,
-    registers: Registers,
-}
-
-/// Which registers may be used. All give the same bits; the choice is for tests.
-#[derive(Clone, Copy, Debug, Default)]
-enum Registers {
-    /// The widest that the processor has.
-    #[default]
-    Widest,
-    /// Those that all processors of its kind have.
-    #[cfg(test)]
-    Narrow,
-}
-
-impl Registers {
-    fn find(self) -> Option<Avx2> {
-        match self {
-            Self::Widest => Avx2::find(),
-            #[cfg(test)]
-            Self::Narrow => None,
-        }
-    }
+    /// Which registers may be used; all give the same bits.
+    width: LaneWidth,
 }
 
 /// The rim is not one simple loop, or a part is not a polyhedron.
@@ -188,15 +168,15 @@ impl HullSlicer {
             rim,
             numbers,
             fans,
-            registers,
+            width,
         } = self;
-        let wide = registers.find();
-        classes.find_edges(hull, wide);
+        let width = *width;
+        classes.find_edges(hull, width);
         classes.find_faces(hull, plane);
-        rim.cut_edges(hull, plane, classes, wide);
+        rim.cut_edges(hull, plane, classes, width);
         rim.divide_faces(hull, classes)?;
         rim.find_cap(hull, classes)?;
-        numbers.count(hull, classes, rim, wide)?;
+        numbers.count(hull, classes, rim, width)?;
         let parts = [&mut halves.below, &mut halves.above];
         for (part, out) in parts.into_iter().enumerate() {
             let writer = HullWriter {
@@ -206,7 +186,7 @@ impl HullSlicer {
                 part,
                 numbers: &numbers.parts[part],
                 plane: [*plane, plane.flipped()][part],
-                wide,
+                width,
             };
             writer.write(out)?;
         }
@@ -215,7 +195,7 @@ impl HullSlicer {
             classes,
             numbers,
             fans,
-            wide,
+            width,
         };
         summing.find_moments(halves)
     }
@@ -254,7 +234,7 @@ mod tests {
         let mut dice = Pcg32::new(1, 1);
         let mut wide = HullSlicer::default();
         let mut narrow = HullSlicer {
-            registers: Registers::Narrow,
+            width: LaneWidth::Four,
             ..HullSlicer::default()
         };
         let bodies = [
