@@ -27,43 +27,12 @@ use crate::geometry::predicates::check_plane;
 use crate::math::Plane;
 use crate::simd::lanes::LaneWidth;
 use crate::slice::SliceError;
+use crate::slice::cut::Cut;
 use classes::Classes;
 use emit::HullWriter;
 use moments::HalfSum;
 use numbers::Renumbering;
 use rim::Rim;
-
-/// What a plane does to a hull.
-#[derive(Clone, Debug, PartialEq)]
-pub enum HullSlice {
-    /// Missed: no vertex is above the plane, or what is above is too thin to be a body.
-    Below,
-    /// Missed: no vertex is below the plane, or what is below is too thin to be a body.
-    Above,
-    /// Cut in two.
-    Cut(Box<HullHalves>),
-}
-
-impl HullSlice {
-    /// The two parts, if the plane cut the hull.
-    pub fn halves(self) -> Option<HullHalves> {
-        match self {
-            Self::Cut(halves) => Some(*halves),
-            Self::Below | Self::Above => None,
-        }
-    }
-}
-
-/// What a plane does to a hull; the parts are elsewhere.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum HullVerdict {
-    /// As [`HullSlice::Below`].
-    Below,
-    /// As [`HullSlice::Above`].
-    Above,
-    /// As [`HullSlice::Cut`].
-    Cut,
-}
 
 /// The two parts of a hull that a plane cut.
 #[derive(Clone, Debug, PartialEq)]
@@ -90,7 +59,7 @@ impl HullHalves {
 ///
 /// # Errors
 /// [`SliceError::Plane`] if the plane has NaN or infinite numbers or no unit normal.
-pub fn slice_hull(hull: &ConvexHull, plane: Plane) -> Result<HullSlice, SliceError> {
+pub fn slice_hull(hull: &ConvexHull, plane: Plane) -> Result<Cut<Box<HullHalves>>, SliceError> {
     HullSlicer::default().slice(hull, plane)
 }
 
@@ -114,16 +83,17 @@ impl HullSlicer {
     ///
     /// # Errors
     /// As [`slice_hull`].
-    pub fn slice(&mut self, hull: &ConvexHull, plane: Plane) -> Result<HullSlice, SliceError> {
+    pub fn slice(
+        &mut self,
+        hull: &ConvexHull,
+        plane: Plane,
+    ) -> Result<Cut<Box<HullHalves>>, SliceError> {
         let mut halves = HullHalves {
             below: ConvexHull::empty(),
             above: ConvexHull::empty(),
         };
-        Ok(match self.slice_into(hull, plane, &mut halves)? {
-            HullVerdict::Below => HullSlice::Below,
-            HullVerdict::Above => HullSlice::Above,
-            HullVerdict::Cut => HullSlice::Cut(Box::new(halves)),
-        })
+        let cut = self.slice_into(hull, plane, &mut halves)?;
+        Ok(cut.map(|()| Box::new(halves)))
     }
 
     /// As [`slice_hull`], with the parts in the memory of the hulls in `halves`.
@@ -139,17 +109,17 @@ impl HullSlicer {
         hull: &ConvexHull,
         plane: Plane,
         halves: &mut HullHalves,
-    ) -> Result<HullVerdict, SliceError> {
+    ) -> Result<Cut, SliceError> {
         check_plane(&plane)?;
         let found = self.classes.find_sides(hull, &plane);
         if found & classes::ABOVE == 0 {
-            return Ok(HullVerdict::Below);
+            return Ok(Cut::Below);
         }
         if found & classes::BELOW == 0 {
-            return Ok(HullVerdict::Above);
+            return Ok(Cut::Above);
         }
         match self.divide(hull, &plane, halves) {
-            Ok(()) => Ok(HullVerdict::Cut),
+            Ok(()) => Ok(Cut::Cut(())),
             Err(IrregularCut) => {
                 rebuild::rebuild(hull, &self.classes.sides, &self.rim.points, halves)
             }
@@ -254,7 +224,7 @@ mod tests {
                 let [of_wide, of_narrow] = found.each_ref().map(|found| format!("{found:?}"));
                 assert_eq!(of_wide, of_narrow);
                 match found {
-                    [Ok(HullSlice::Cut(halves)), _] => {
+                    [Ok(Cut::Cut(halves)), _] => {
                         cuts += 1;
                         for part in [&halves.below, &halves.above] {
                             let lanes = HullLanes::of(&part.vertices, &part.faces);
