@@ -12,8 +12,9 @@
 
 use crate::mass::MassProperties;
 use crate::math::rotate_by;
+use crate::simd::dispatch::run;
 use crate::simd::doubles::Doubles;
-use crate::simd::lanes::{Kernel, LaneWidth, Lanes, run};
+use crate::simd::lanes::{Kernel, LaneWidth, Lanes};
 use crate::simd::vec3::V3;
 use glam::{DVec3, Quat, Vec3};
 

@@ -17,7 +17,7 @@ use crate::contact::pairs::broad_phase::{Broadphase, Pair};
 use crate::contact::pairs::recycle::{MotionBound, PairBody};
 use crate::contact::pairs::touches::Touch;
 use crate::math::{Pose, rotate};
-use crate::threads::parts::{WORTH_HELP, run_parts};
+use crate::threads::parts::WORTH_HELP;
 use crate::threads::team::Team;
 use glam::Mat3;
 
@@ -87,7 +87,7 @@ impl NarrowPhase {
             paces: &self.paces,
             fall: ahead.fall,
         };
-        run_parts(team, self.parts.iter_mut(), |part| {
+        Team::each_of_many(team, self.parts.iter_mut(), |part| {
             part.test(scene, &pairs[part.pairs.clone()]);
         });
         let mut first = 0;
@@ -100,7 +100,7 @@ impl NarrowPhase {
             .clone()
             .map(|part| (part.touching(), part.points.clone()));
         let writers = manifolds.writers(sizes);
-        run_parts(team, writers.zip(parts), |(writer, part)| {
+        Team::each_of_many(team, writers.zip(parts), |(writer, part)| {
             part.write_manifolds(scene, &pairs[part.pairs.clone()], writer);
         });
     }
@@ -171,7 +171,7 @@ impl NarrowPhase {
         let size = Team::part_size(team, bodies.slots(), MIN_BODIES);
         let parts = self.bodies.chunks_mut(size);
         let parts = parts.zip(self.paces.chunks_mut(size)).enumerate();
-        run_parts(team, parts, |(index, (seen, paces))| {
+        Team::each_of_many(team, parts, |(index, (seen, paces))| {
             let slots = ((index * size) as u32..).zip(seen.iter_mut().zip(paces));
             // What sleeps has not moved.
             for (slot, (body, pace)) in slots.filter(|&(slot, _)| !bodies.is_asleep(slot)) {

@@ -7,7 +7,6 @@ use crate::contact::pairs::broad_phase::{Broadphase, Proxy, ProxyKind, ProxyShap
 use crate::geometry::ConvexHull;
 use crate::geometry::hull_lanes::bounds;
 use crate::math::{Aabb, Plane, rotate};
-use crate::threads::parts::run_parts;
 use crate::threads::team::Team;
 use glam::{Mat3, Quat, Vec3};
 
@@ -174,7 +173,7 @@ impl Boxes {
         self.outdated
             .resize(self.outdated.len().max(count), Vec::new());
         let parts = self.told.chunks(size).zip(&mut self.outdated);
-        run_parts(team, parts.enumerate(), |(index, (told, outdated))| {
+        Team::each_of_many(team, parts.enumerate(), |(index, (told, outdated))| {
             let slots = (index * size) as u32..;
             for (slot, told) in slots.zip(told) {
                 if bodies.is_asleep(slot) {

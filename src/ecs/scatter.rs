@@ -8,7 +8,6 @@ use crate::ecs::state::PluginState;
 use crate::fracture::Fractures;
 use crate::math::Pose;
 use crate::step::StepReport;
-use crate::threads::parts::run_parts;
 use crate::threads::team::Team;
 use bevy_ecs::change_detection::{ContiguousComponentTicksMut, ContiguousMut, Tick};
 use bevy_ecs::prelude::*;
@@ -156,7 +155,7 @@ fn scatter(bodies: &Bodies, motion: &mut Query<WrittenMotion, Without<Sleeping>>
             let velocities = linear.parts(size).zip(angular.parts(size));
             let motions = transforms.parts(size).zip(velocities);
             let parts = handles.chunks(size).zip(motions);
-            run_parts(team, parts, |(handles, (transforms, (linear, angular)))| {
+            Team::each_of_many(team, parts, |(handles, (transforms, (linear, angular)))| {
                 write_rows(bodies, handles, transforms, linear, angular);
             });
         }

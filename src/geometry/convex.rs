@@ -8,8 +8,8 @@ use crate::geometry::moments::{Fans, SolidMoments};
 use crate::geometry::predicates::{
     SIZE_RANGE, check_plane, convex_tolerance, length_scale, signed_distance,
 };
-use crate::geometry::wide::Avx2;
 use crate::math::{Aabb, Plane, tangents};
+use crate::simd::lanes::LaneWidth;
 use glam::{DVec3, Vec2, Vec3};
 
 /// A convex polyhedron as polygon faces, in the body's frame.
@@ -329,12 +329,12 @@ impl ConvexHull {
 
     /// The moments, summed up afresh.
     fn sum_moments(&self) -> SolidMoments {
-        self.sum_moments_with(&mut Fans::default(), Avx2::find())
+        self.sum_moments_with(&mut Fans::default(), LaneWidth::Widest)
     }
 
     /// The moments, summed up afresh with memory and registers that do not change the result.
-    pub(crate) fn sum_moments_with(&self, fans: &mut Fans, wide: Option<Avx2>) -> SolidMoments {
-        SolidMoments::of_faces(&self.vertices, &self.faces, &self.loops, fans, wide)
+    pub(crate) fn sum_moments_with(&self, fans: &mut Fans, width: LaneWidth) -> SolidMoments {
+        SolidMoments::of_faces(&self.vertices, &self.faces, &self.loops, fans, width)
     }
 
     /// The hull moved by `offset` (m).

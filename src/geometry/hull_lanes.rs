@@ -4,8 +4,8 @@
 //! them; each lane computes what a scalar loop would, to the last bit.
 
 use crate::geometry::face::Face;
-use crate::geometry::wide::{higher, lower};
 use crate::math::{Aabb, Plane};
+use crate::simd::float4::{higher, lower};
 use glam::{Mat3, Mat4, Vec3, Vec4};
 
 /// Lanes of a group.

@@ -7,6 +7,7 @@ mod around;
 mod closed;
 pub mod convex;
 pub mod convex_mesh;
+pub(crate) mod edge_tables;
 pub mod face;
 pub mod hull;
 pub(crate) mod hull_lanes;
@@ -15,8 +16,8 @@ pub mod mesh;
 pub(crate) mod moments;
 pub mod predicates;
 pub mod primitives;
+mod triangle_corners;
 mod weld;
-pub(crate) mod wide;
 
 pub(crate) use closed::{EdgeCensus, KnownClosed};
 pub use convex::{ConvexHull, HullDefect, HullError};

@@ -10,7 +10,9 @@
 //! - B. Mirtich, "Fast and Accurate Computation of Polyhedral Mass Properties", Journal of Graphics Tools 1(2), 1996.
 
 use crate::geometry::face::Face;
-use crate::geometry::wide::{Avx2, Loop, TrianglesOf, run};
+use crate::geometry::triangle_corners::TrianglesOf;
+use crate::simd::dispatch::run;
+use crate::simd::lanes::{Kernel, LaneWidth, Lanes};
 use glam::{DMat3, DVec3, Vec3};
 use std::ops::{Add, Neg, Sub};
 
@@ -172,7 +174,7 @@ impl Fans {
         triangles: &[[u32; 3]],
         apex: DVec3,
         vertices: &[Vec3],
-        wide: Option<Avx2>,
+        width: LaneWidth,
     ) -> Moments {
         let (fours, rest) = triangles.as_chunks();
         self.add_all(rest);
@@ -182,7 +184,7 @@ impl Fans {
             lists: [fours, self.fours()],
         };
         let [six_volumes, x, y, z, xx, yy, zz, yz, zx, xy] =
-            run(wide, summing).map(|[a, b, c, d]| (a + b) + (c + d));
+            run(width, summing).map(|[a, b, c, d]| (a + b) + (c + d));
         Moments {
             six_volumes,
             first: DVec3::new(x, y, z),
@@ -210,12 +212,13 @@ struct FanSum<'a> {
     lists: [&'a [[[u32; 3]; LANES]]; 2],
 }
 
-impl Loop for FanSum<'_> {
+impl Kernel for FanSum<'_> {
     /// Six volumes, first moments, diagonal and products, as [`Moments`] has them, in each lane.
     type Output = [F64x4; 10];
+    const NEEDS_32_REGISTERS: bool = false;
 
     #[inline(always)]
-    fn run(self) -> [F64x4; 10] {
+    fn run<L: Lanes>(self) -> [F64x4; 10] {
         let mut sums = [[0.0; LANES]; 10];
         for fours in self.lists {
             let triangles = TrianglesOf::new(self.vertices, fours);
@@ -300,12 +303,12 @@ impl SolidMoments {
         faces: &[Face],
         loops: &[u32],
         fans: &mut Fans,
-        wide: Option<Avx2>,
+        width: LaneWidth,
     ) -> Self {
         let apex = vertices.first().map_or(DVec3::ZERO, |v| v.as_dvec3());
         fans.clear();
         fans.add(faces.iter().map(|face| face.polygon(loops)));
-        let sums = fans.sum(&[], apex, vertices, wide);
+        let sums = fans.sum(&[], apex, vertices, width);
         Self {
             apex,
             sums,

@@ -4,7 +4,7 @@ use crate::geometry::hull::hull_unless_flat;
 use crate::geometry::predicates::{length_scale, plane_tolerance};
 use crate::geometry::{ConvexHull, HullError};
 use crate::math::Plane;
-use crate::slice::Verdict;
+use crate::slice::cut::Cut;
 use glam::{DVec3, Vec3};
 
 const NONE: u32 = u32::MAX;
@@ -153,8 +153,8 @@ impl CellClipper {
 
     /// Takes off what is above `plane`. Vertices nearer to it than the tolerance stay as they are.
     ///
-    /// The verdict is [`Verdict::Above`] if nothing is left; the cell is then as it was.
-    pub(super) fn clip(&mut self, plane: CutPlane) -> Verdict {
+    /// The verdict is [`Cut::Above`] if nothing is left; the cell is then as it was.
+    pub(super) fn clip(&mut self, plane: CutPlane) -> Cut {
         self.distances.clear();
         self.distances
             .extend(self.cell.vertices.iter().map(|&v| plane.distance(v)));
@@ -165,17 +165,17 @@ impl CellClipper {
                 (low.min(d), high.max(d))
             });
         if high <= self.tolerance {
-            return Verdict::Below;
+            return Cut::Below;
         }
         if low >= -self.tolerance {
-            return Verdict::Above;
+            return Cut::Above;
         }
         self.keep_vertices();
         self.keep_faces();
         match self.close(plane.rounded()) {
             Ok(()) => {
                 std::mem::swap(&mut self.cell, &mut self.next);
-                Verdict::Cut
+                Cut::Cut(())
             }
             Err(IrregularCell) => self.rebuild(),
         }
@@ -279,14 +279,14 @@ impl CellClipper {
     }
 
     /// What is left as the convex hull of its points, where noise near the plane left no simple rim.
-    fn rebuild(&mut self) -> Verdict {
+    fn rebuild(&mut self) -> Cut {
         let points: Vec<Vec3> = self.next.vertices.iter().map(|v| v.as_vec3()).collect();
         match ConvexHull::from_points(&points) {
             Ok(hull) => {
                 self.fill(&hull);
-                Verdict::Cut
+                Cut::Cut(())
             }
-            Err(_) => Verdict::Above,
+            Err(_) => Cut::Above,
         }
     }
 

@@ -14,12 +14,13 @@ use crate::geometry::predicates::{check_plane, length_scale, plane_tolerance};
 use crate::geometry::{ConvexHull, TriMesh};
 use crate::math::Plane;
 use crate::slice::cell_clip::{CellClipper, CutPlane};
-use crate::slice::convex::{HullSlice, HullSlicer};
+use crate::slice::convex::HullSlicer;
+use crate::slice::cut::Cut;
 use crate::slice::cutting::CellPlanes;
 use crate::slice::cutting::Cutting;
 use crate::slice::mesh_slicer::MeshSlicer;
 use crate::slice::separate::separate;
-use crate::slice::{Slice, SliceError, SliceOptions, Verdict};
+use crate::slice::{SliceError, SliceOptions};
 use glam::Vec3;
 
 /// How many of the nearest points are sorted at a time. A Voronoi cell has about 15 walls, and a few more points are
@@ -133,8 +134,8 @@ impl PieceCutter {
                     continue;
                 }
                 match self.hulls.slice(&piece.hull, *plane)? {
-                    HullSlice::Below | HullSlice::Above => cut.push(piece),
-                    HullSlice::Cut(halves) => {
+                    Cut::Below | Cut::Above => cut.push(piece),
+                    Cut::Cut(halves) => {
                         count += 1;
                         let visuals = self.divide_visual(piece.visual, plane, options);
                         let hulls = [halves.below, halves.above];
@@ -175,9 +176,9 @@ impl PieceCutter {
             return [Some(mesh.clone()), Some(mesh)];
         }
         match self.meshes.slice_closed(&mesh, plane, options) {
-            Slice::Below => [Some(mesh), Some(TriMesh::default())],
-            Slice::Above => [Some(TriMesh::default()), Some(mesh)],
-            Slice::Cut(parts) => [Some(parts.below), Some(parts.above)],
+            Cut::Below => [Some(mesh), Some(TriMesh::default())],
+            Cut::Above => [Some(TriMesh::default()), Some(mesh)],
+            Cut::Cut(parts) => [Some(parts.below), Some(parts.above)],
         }
     }
 
@@ -276,9 +277,9 @@ impl PieceCutter {
     /// Takes off what of the cell in work is above a plane; whether anything is left.
     fn clip(&mut self, plane: CutPlane) -> bool {
         match self.clipper.clip(plane) {
-            Verdict::Below => true,
-            Verdict::Above => false,
-            Verdict::Cut => {
+            Cut::Below => true,
+            Cut::Above => false,
+            Cut::Cut(()) => {
                 self.walls.push(plane.rounded());
                 true
             }
@@ -307,9 +308,9 @@ impl PieceCutter {
         for plane in &self.walls {
             let whole = part.as_ref().unwrap_or(mesh);
             match self.meshes.divide(whole, plane) {
-                Verdict::Below => {}
-                Verdict::Above => return TriMesh::default(),
-                Verdict::Cut => {
+                Cut::Below => {}
+                Cut::Above => return TriMesh::default(),
+                Cut::Cut(()) => {
                     self.meshes
                         .collect_below(whole, plane, options, &mut self.spare);
                     let below = std::mem::take(&mut self.spare);

@@ -12,6 +12,7 @@ use crate::geometry::predicates::{Side, side, signed_distance};
 use crate::math::Plane;
 use crate::slice::attributes;
 use crate::slice::attributes::push_between;
+use crate::slice::cut::Cut;
 use crate::slice::edge_table::EdgeTable;
 use glam::Vec3;
 
@@ -19,17 +20,6 @@ use glam::Vec3;
 const BELOW: u8 = 1;
 const ABOVE: u8 = 2;
 const ON: u8 = 4;
-
-/// What a plane does to a mesh.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
-    /// No vertex is above the plane, and at least one is below.
-    Below,
-    /// No vertex is below the plane.
-    Above,
-    /// There are vertices on both sides.
-    Cut,
-}
 
 /// A triangle of a part that the input does not have: part of a cut one.
 #[derive(Clone, Copy, Debug)]
@@ -100,7 +90,7 @@ impl Clip {
     /// Divides closed `mesh` by `plane`; vertices nearer to it than `tolerance` (m) are on it.
     ///
     /// Unless the plane cuts the mesh, only the verdict means anything.
-    pub(super) fn run(&mut self, mesh: &TriMesh, plane: &Plane, tolerance: f32) -> Verdict {
+    pub(super) fn run(&mut self, mesh: &TriMesh, plane: &Plane, tolerance: f32) -> Cut {
         self.sides.clear();
         self.sides.extend(
             mesh.positions
@@ -110,8 +100,8 @@ impl Clip {
         let found = self.sort_triangles(mesh);
         match (found & BELOW != 0, found & ABOVE != 0) {
             (true, true) => {}
-            (true, false) => return Verdict::Below,
-            (false, _) => return Verdict::Above,
+            (true, false) => return Cut::Below,
+            (false, _) => return Cut::Above,
         }
         self.reset(mesh);
         for index in 0..self.touching.len() {
@@ -128,7 +118,7 @@ impl Clip {
             }
         }
         self.cut_vertices = self.new.positions.len();
-        Verdict::Cut
+        Cut::Cut(())
     }
 
     /// Sorts the triangles by the sides of their corners; returns all sides found.

@@ -24,46 +24,15 @@ mod select;
 use crate::geometry::ConvexHull;
 use crate::geometry::moments::Fans;
 use crate::geometry::predicates::check_plane;
-use crate::geometry::wide::Avx2;
 use crate::math::Plane;
+use crate::simd::lanes::LaneWidth;
 use crate::slice::SliceError;
+use crate::slice::cut::Cut;
 use classes::Classes;
 use emit::HullWriter;
 use moments::HalfSum;
 use numbers::Renumbering;
 use rim::Rim;
-
-/// What a plane does to a hull.
-#[derive(Clone, Debug, PartialEq)]
-pub enum HullSlice {
-    /// Missed: no vertex is above the plane, or what is above is too thin to be a body.
-    Below,
-    /// Missed: no vertex is below the plane, or what is below is too thin to be a body.
-    Above,
-    /// Cut in two.
-    Cut(Box<HullHalves>),
-}
-
-impl HullSlice {
-    /// The two parts, if the plane cut the hull.
-    pub fn halves(self) -> Option<HullHalves> {
-        match self {
-            Self::Cut(halves) => Some(*halves),
-            Self::Below | Self::Above => None,
-        }
-    }
-}
-
-/// What a plane does to a hull; the parts are elsewhere.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum HullVerdict {
-    /// As [`HullSlice::Below`].
-    Below,
-    /// As [`HullSlice::Above`].
-    Above,
-    /// As [`HullSlice::Cut`].
-    Cut,
-}
 
 /// The two parts of a hull that a plane cut.
 #[derive(Clone, Debug, PartialEq)]
@@ -90,7 +59,7 @@ impl HullHalves {
 ///
 /// # Errors
 /// [`SliceError::Plane`] if the plane has NaN or infinite numbers or no unit normal.
-pub fn slice_hull(hull: &ConvexHull, plane: Plane) -> Result<HullSlice, SliceError> {
+pub fn slice_hull(hull: &ConvexHull, plane: Plane) -> Result<Cut<Box<HullHalves>>, SliceError> {
     HullSlicer::default().slice(hull, plane)
 }
 
@@ -101,28 +70,8 @@ pub struct HullSlicer {
     rim: Rim,
     numbers: Renumbering,
     fans: Fans,
-    registers: Registers,
-}
-
-/// Which registers may be used. All give the same bits; the choice is for tests.
-#[derive(Clone, Copy, Debug, Default)]
-enum Registers {
-    /// The widest that the processor has.
-    #[default]
-    Widest,
-    /// Those that all processors of its kind have.
-    #[cfg(test)]
-    Narrow,
-}
-
-impl Registers {
-    fn find(self) -> Option<Avx2> {
-        match self {
-            Self::Widest => Avx2::find(),
-            #[cfg(test)]
-            Self::Narrow => None,
-        }
-    }
+    /// Which registers may be used; all give the same bits.
+    width: LaneWidth,
 }
 
 /// The rim is not one simple loop, or a part is not a polyhedron.
@@ -134,16 +83,17 @@ impl HullSlicer {
     ///
     /// # Errors
     /// As [`slice_hull`].
-    pub fn slice(&mut self, hull: &ConvexHull, plane: Plane) -> Result<HullSlice, SliceError> {
+    pub fn slice(
+        &mut self,
+        hull: &ConvexHull,
+        plane: Plane,
+    ) -> Result<Cut<Box<HullHalves>>, SliceError> {
         let mut halves = HullHalves {
             below: ConvexHull::empty(),
             above: ConvexHull::empty(),
         };
-        Ok(match self.slice_into(hull, plane, &mut halves)? {
-            HullVerdict::Below => HullSlice::Below,
-            HullVerdict::Above => HullSlice::Above,
-            HullVerdict::Cut => HullSlice::Cut(Box::new(halves)),
-        })
+        let cut = self.slice_into(hull, plane, &mut halves)?;
+        Ok(cut.map(|()| Box::new(halves)))
     }
 
     /// As [`slice_hull`], with the parts in the memory of the hulls in `halves`.
@@ -159,17 +109,17 @@ impl HullSlicer {
         hull: &ConvexHull,
         plane: Plane,
         halves: &mut HullHalves,
-    ) -> Result<HullVerdict, SliceError> {
+    ) -> Result<Cut, SliceError> {
         check_plane(&plane)?;
         let found = self.classes.find_sides(hull, &plane);
         if found & classes::ABOVE == 0 {
-            return Ok(HullVerdict::Below);
+            return Ok(Cut::Below);
         }
         if found & classes::BELOW == 0 {
-            return Ok(HullVerdict::Above);
+            return Ok(Cut::Above);
         }
         match self.divide(hull, &plane, halves) {
-            Ok(()) => Ok(HullVerdict::Cut),
+            Ok(()) => Ok(Cut::Cut(())),
             Err(IrregularCut) => {
                 rebuild::rebuild(hull, &self.classes.sides, &self.rim.points, halves)
             }
@@ -188,15 +138,15 @@ impl HullSlicer {
             rim,
             numbers,
             fans,
-            registers,
+            width,
         } = self;
-        let wide = registers.find();
-        classes.find_edges(hull, wide);
+        let width = *width;
+        classes.find_edges(hull, width);
         classes.find_faces(hull, plane);
-        rim.cut_edges(hull, plane, classes, wide);
+        rim.cut_edges(hull, plane, classes, width);
         rim.divide_faces(hull, classes)?;
         rim.find_cap(hull, classes)?;
-        numbers.count(hull, classes, rim, wide)?;
+        numbers.count(hull, classes, rim, width)?;
         let parts = [&mut halves.below, &mut halves.above];
         for (part, out) in parts.into_iter().enumerate() {
             let writer = HullWriter {
@@ -206,7 +156,7 @@ impl HullSlicer {
                 part,
                 numbers: &numbers.parts[part],
                 plane: [*plane, plane.flipped()][part],
-                wide,
+                width,
             };
             writer.write(out)?;
         }
@@ -215,7 +165,7 @@ impl HullSlicer {
             classes,
             numbers,
             fans,
-            wide,
+            width,
         };
         summing.find_moments(halves)
     }
@@ -254,7 +204,7 @@ mod tests {
         let mut dice = Pcg32::new(1, 1);
         let mut wide = HullSlicer::default();
         let mut narrow = HullSlicer {
-            registers: Registers::Narrow,
+            width: LaneWidth::Four,
             ..HullSlicer::default()
         };
         let bodies = [
@@ -274,7 +224,7 @@ mod tests {
                 let [of_wide, of_narrow] = found.each_ref().map(|found| format!("{found:?}"));
                 assert_eq!(of_wide, of_narrow);
                 match found {
-                    [Ok(HullSlice::Cut(halves)), _] => {
+                    [Ok(Cut::Cut(halves)), _] => {
                         cuts += 1;
                         for part in [&halves.below, &halves.above] {
                             let lanes = HullLanes::of(&part.vertices, &part.faces);

@@ -7,8 +7,9 @@ use crate::slice::attributes;
 use crate::slice::attributes::CapStyle;
 use crate::slice::border::Border;
 use crate::slice::cap::CapFill;
-use crate::slice::clip::{Clip, Verdict};
-use crate::slice::{Cap, Halves, Slice, SliceError, SliceOptions};
+use crate::slice::clip::Clip;
+use crate::slice::cut::Cut;
+use crate::slice::{Cap, Halves, SliceError, SliceOptions};
 use glam::Vec4;
 
 /// Number of a position that was not asked for yet.
@@ -34,13 +35,13 @@ impl MeshSlicer {
         mesh: &TriMesh,
         plane: Plane,
         options: SliceOptions,
-    ) -> Result<Slice, SliceError> {
+    ) -> Result<Cut<Box<Halves>>, SliceError> {
         self.check(mesh, &plane)?;
         Ok(self.slice_closed(mesh, &plane, options))
     }
 
     /// As [`slice`](Self::slice), into the memory of `halves`: once that and the slicer's own suffice, a cut allocates
-    /// nothing. Unless the verdict is [`Verdict::Cut`], `halves` stay as they are.
+    /// nothing. Unless the verdict is [`Cut::Cut`], `halves` stay as they are.
     ///
     /// # Errors
     /// As [`slice_mesh`](crate::slice::slice_mesh).
@@ -50,10 +51,10 @@ impl MeshSlicer {
         plane: Plane,
         options: SliceOptions,
         halves: &mut Halves,
-    ) -> Result<Verdict, SliceError> {
+    ) -> Result<Cut, SliceError> {
         self.check(mesh, &plane)?;
         let verdict = self.divide(mesh, &plane);
-        if verdict == Verdict::Cut {
+        if verdict.is_cut() {
             self.collect(mesh, &plane, options, halves);
         }
         Ok(verdict)
@@ -74,23 +75,19 @@ impl MeshSlicer {
         mesh: &TriMesh,
         plane: &Plane,
         options: SliceOptions,
-    ) -> Slice {
-        match self.divide(mesh, plane) {
-            Verdict::Below => Slice::Below,
-            Verdict::Above => Slice::Above,
-            Verdict::Cut => {
-                let mut halves = Box::default();
-                self.collect(mesh, plane, options, &mut halves);
-                Slice::Cut(halves)
-            }
-        }
+    ) -> Cut<Box<Halves>> {
+        self.divide(mesh, plane).map(|()| {
+            let mut halves = Box::default();
+            self.collect(mesh, plane, options, &mut halves);
+            halves
+        })
     }
 
     /// Finds the triangles of both parts and of the cap.
-    pub(super) fn divide(&mut self, mesh: &TriMesh, plane: &Plane) -> Verdict {
+    pub(super) fn divide(&mut self, mesh: &TriMesh, plane: &Plane) -> Cut {
         let tolerance = plane_tolerance(length_scale(&mesh.aabb()));
         let verdict = self.clip.run(mesh, plane, tolerance);
-        if verdict == Verdict::Cut {
+        if verdict.is_cut() {
             self.border.run(mesh, &self.clip);
             self.cap.run(mesh, &mut self.clip, &self.border, plane);
         }

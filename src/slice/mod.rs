@@ -24,6 +24,7 @@ mod clip;
 mod components;
 pub mod convex;
 pub mod crack_area;
+mod cut;
 pub mod cutting;
 mod edge_table;
 pub mod fracturable;
@@ -33,10 +34,10 @@ mod random;
 mod separate;
 
 pub use cells::{Piece, PieceCutter, cut_by_planes};
-pub use clip::Verdict;
 pub use components::split_components;
-pub use convex::{HullHalves, HullSlice, HullSlicer, HullVerdict, slice_hull};
+pub use convex::{HullHalves, HullSlicer, slice_hull};
 pub use crack_area::cells_for_energy;
+pub use cut::Cut;
 pub use cutting::Cutting;
 pub use mesh_slicer::MeshSlicer;
 pub use pattern::{FracturePattern, Impact};
@@ -44,27 +45,6 @@ pub use pattern::{FracturePattern, Impact};
 use crate::geometry::{HullError, MeshError, PlaneError, TriMesh};
 use crate::math::Plane;
 use glam::Vec4;
-
-/// What a plane does to a mesh.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Slice {
-    /// Missed: no vertex is above the plane.
-    Below,
-    /// Missed: no vertex is below the plane.
-    Above,
-    /// Cut in two.
-    Cut(Box<Halves>),
-}
-
-impl Slice {
-    /// The two parts, if the plane cut the mesh.
-    pub fn halves(self) -> Option<Halves> {
-        match self {
-            Self::Cut(halves) => Some(*halves),
-            Self::Below | Self::Above => None,
-        }
-    }
-}
 
 /// The two parts of a mesh that a plane cut.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -139,6 +119,6 @@ pub fn slice_mesh(
     mesh: &TriMesh,
     plane: Plane,
     options: SliceOptions,
-) -> Result<Slice, SliceError> {
+) -> Result<Cut<Box<Halves>>, SliceError> {
     MeshSlicer::default().slice(mesh, plane, options)
 }

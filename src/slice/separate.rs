@@ -8,7 +8,8 @@ use crate::geometry::hull::hull_unless_flat;
 use crate::geometry::{ConvexHull, TriMesh};
 use crate::slice::cell_clip::{CellClipper, CutPlane};
 use crate::slice::components::{label_count, labels, meshes_of};
-use crate::slice::{Piece, SliceError, Verdict};
+use crate::slice::cut::Cut;
+use crate::slice::{Piece, SliceError};
 use glam::Vec3;
 
 /// As [`PieceCutter::separate`](crate::slice::PieceCutter::separate).
@@ -139,5 +140,5 @@ fn overlap(a: &ConvexHull, b: &ConvexHull, clipper: &mut CellClipper) -> bool {
     }
     clipper.load(a);
     let mut planes = b.faces().iter().map(|face| CutPlane::from(face.plane));
-    planes.all(|plane| clipper.clip(plane) != Verdict::Above)
+    planes.all(|plane| clipper.clip(plane) != Cut::Above)
 }

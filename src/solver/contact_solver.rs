@@ -10,7 +10,6 @@ use crate::solver::graph::partition::MIN_MANIFOLDS;
 use crate::solver::graph::relative_motion::RelativeMotion;
 use crate::solver::settings::SubstepSettings;
 use crate::solver::wide::bond::BondedManifold;
-use crate::threads::parts::run_parts;
 use crate::threads::team::Team;
 use std::ops::Range;
 
@@ -133,7 +132,7 @@ impl ContactSolver {
         let batches = &self.batches[self.earlier..][..self.ranges.len()];
         let size = Team::part_size(team, manifolds.len(), MIN_OF_PART);
         let runs = manifolds.chunks_mut(size).enumerate();
-        run_parts(team, runs, |(part, mut run)| {
+        Team::each_of_many(team, runs, |(part, mut run)| {
             for batch in batches {
                 batch.store_impulses(&mut run, part * size);
             }
@@ -215,7 +214,7 @@ impl ContactSolver {
             solve(batch, range, team);
         }
         let small = new_batches.iter_mut().zip(&self.ranges);
-        run_parts(team, small, |(batch, range)| {
+        Team::each_of_many(team, small, |(batch, range)| {
             if !is_for_team(range) {
                 solve(batch, range, None);
             }

@@ -9,7 +9,6 @@ use crate::solver::graph::relative_motion::RelativeMotion;
 use crate::solver::rows::contact_rows::{Row, RowBody};
 use crate::solver::settings::SubstepSettings;
 use crate::solver::wide::bond::is_new_bond;
-use crate::threads::parts::run_parts;
 use crate::threads::team::Team;
 
 impl ContactSolver {
@@ -50,7 +49,7 @@ impl ContactSolver {
             .resize(manifolds.len(), ContactEstimate::default());
         let size = Team::part_size(team, manifolds.len(), MIN_OF_PART);
         let parts = self.estimates.chunks_mut(size).enumerate();
-        run_parts(team, parts, |(part, estimates)| {
+        Team::each_of_many(team, parts, |(part, estimates)| {
             for (index, wish) in (part * size..).zip(estimates) {
                 let head = &manifolds.heads()[index];
                 let slots = [head.a as usize, head.b as usize];

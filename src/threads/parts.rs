@@ -3,34 +3,8 @@
 //! How a list is split depends on the scene only, never on who does which part, and what parts find is put together in
 //! their order: any number of threads gives the same bits.
 
-use crate::threads::team::{MAX_TASKS, Team};
-use std::sync::{Mutex, PoisonError};
-
 /// Parts from which a team is worth it. A part is about 10 us of work, as long as helpers take to come.
 pub(crate) const WORTH_HELP: usize = 4;
-
-/// Runs `work` on each part, with all threads of a team if there is one.
-///
-/// Threads take one part after the other, the leader from the front and helpers from the back: in the next step, or the next
-/// pass over the list, each finds much of what it works on in its own cache.
-pub(crate) fn run_parts<I>(team: Option<&Team>, parts: I, work: impl Fn(I::Item) + Sync)
-where
-    I: ExactSizeIterator<Item: Send> + DoubleEndedIterator + Send,
-{
-    let Some(team) = team.filter(|_| parts.len() > 1) else {
-        return parts.for_each(work);
-    };
-    let parts = Mutex::new(parts);
-    let run_all = |take: fn(&mut I) -> Option<I::Item>| {
-        // The lock is let go of before the work. No part is half taken, whoever panicked.
-        let next = || take(&mut parts.lock().unwrap_or_else(PoisonError::into_inner));
-        std::iter::from_fn(next).for_each(&work);
-    };
-    team.run(team.threads().min(MAX_TASKS), &|thread| match thread {
-        0 => run_all(I::next),
-        _ => run_all(I::next_back),
-    });
-}
 
 /// Takes the first `count` elements off a list.
 pub(crate) fn front<'l, T>(list: &mut &'l [T], count: usize) -> &'l [T] {

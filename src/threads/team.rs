@@ -142,7 +142,10 @@ impl Team {
     }
 
     /// Does `work` on each of some parts, of which there may be 32, in any order and on any thread. Without a team, one after
-    /// the other as they come.
+    /// the other as they come. A thread prefers the parts with the same numbers in every list.
+    ///
+    /// How a list is cut into parts must depend on the scene only, never on who does which, and what parts find is put together
+    /// in their order: then any number of threads gives the same bits.
     ///
     /// # Panics
     /// If a team is given more.
@@ -162,6 +165,29 @@ impl Team {
         team.run(shared.0.len(), &|task| unsafe {
             let part = shared.part(task..task + 1).iter_mut();
             part.filter_map(Option::take).for_each(&work);
+        });
+    }
+
+    /// As [`each`](Self::each), for any number of parts: each thread is a part of that, and takes one part after the other, the
+    /// leader from the front and helpers from the back. In the next step, or the next pass over the list, each finds much of
+    /// what it works on in its own cache.
+    pub(crate) fn each_of_many<I>(team: Option<&Self>, parts: I, work: impl Fn(I::Item) + Sync)
+    where
+        I: ExactSizeIterator<Item: Send> + DoubleEndedIterator + Send,
+    {
+        let Some(team) = team.filter(|_| parts.len() > 1) else {
+            return parts.for_each(work);
+        };
+        let parts = Mutex::new(parts);
+        let run_all = |take: fn(&mut I) -> Option<I::Item>| {
+            // The lock is let go of before the work. No part is half taken, whoever panicked.
+            let next = || take(&mut parts.lock().unwrap_or_else(PoisonError::into_inner));
+            std::iter::from_fn(next).for_each(&work);
+        };
+        let takers = 0..team.threads().min(MAX_TASKS);
+        Self::each(Some(team), takers, |taker| match taker {
+            0 => run_all(I::next),
+            _ => run_all(I::next_back),
         });
     }
 

@@ -7,8 +7,7 @@ use bevy_cleave::geometry::predicates::{
 use bevy_cleave::geometry::{ConvexHull, HullDefect, primitives};
 use bevy_cleave::mass::{VolumeIntegrals, volume_integrals};
 use bevy_cleave::math::Plane;
-use bevy_cleave::slice::convex::HullVerdict;
-use bevy_cleave::slice::{HullHalves, HullSlicer, SliceError};
+use bevy_cleave::slice::{Cut, HullHalves, HullSlicer, SliceError};
 use glam::{DVec3, Vec3};
 
 /// Distances from a vertex or face, as shares of the size.
@@ -152,9 +151,9 @@ pub(crate) fn check_cut(
     // What a layer over the whole surface holds: of the thickness of a plane, or of a body too thin to be one.
     let layer = |relative: f32| f64::from(relative) * root * surface(hull);
     match verdict {
-        HullVerdict::Below => assert!(above <= layer(FLAT_RELATIVE), "{above} m3 above {plane:?}"),
-        HullVerdict::Above => assert!(below <= layer(FLAT_RELATIVE), "{below} m3 below {plane:?}"),
-        HullVerdict::Cut => {
+        Cut::Below => assert!(above <= layer(FLAT_RELATIVE), "{above} m3 above {plane:?}"),
+        Cut::Above => assert!(below <= layer(FLAT_RELATIVE), "{below} m3 below {plane:?}"),
+        Cut::Cut(()) => {
             let parts = [(&halves.below, below), (&halves.above, above)];
             for (part, volume) in parts {
                 check_part(part, root);
@@ -170,7 +169,7 @@ pub(crate) fn check_cut(
             );
         }
     }
-    verdict == HullVerdict::Cut
+    verdict.is_cut()
 }
 
 /// Closed, a 2-manifold, convex to rounding of the body it comes from, with a volume and its moments.

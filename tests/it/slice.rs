@@ -10,8 +10,7 @@ use bevy_cleave::geometry::predicates::length_scale;
 use bevy_cleave::geometry::{ConvexHull, MeshError, PlaneError, TriMesh, primitives};
 use bevy_cleave::math::{Plane, tangents};
 use bevy_cleave::slice::{
-    FracturePattern, HullSlice, Impact, Slice, SliceError, SliceOptions, cut_by_planes, slice_hull,
-    slice_mesh,
+    Cut, FracturePattern, Impact, SliceError, SliceOptions, cut_by_planes, slice_hull, slice_mesh,
 };
 use glam::{Vec2, Vec3, Vec4};
 use proptest::prelude::*;
@@ -471,7 +470,7 @@ fn noise_near_the_plane_rebuilds_the_parts() {
         },
     )
     .unwrap();
-    assert_eq!(slice, HullSlice::Below);
+    assert_eq!(slice, Cut::Below);
 }
 
 #[test]
@@ -603,7 +602,7 @@ proptest! {
         let mut worst = Worst::default();
         let hulls = check_hull_cut(&hull, plane, &mut worst).halves();
         let meshes = check_mesh_cut(&mesh, mesh.volume(), plane, &mut worst);
-        if let (Some(hulls), Slice::Cut(meshes)) = (hulls, meshes) {
+        if let (Some(hulls), Cut::Cut(meshes)) = (hulls, meshes) {
             let size = f64::from(length_scale(&hull.aabb()));
             // A corner of the cut is rounded to f32 and leaves the planes of its faces by up to 6e-8 of the size; the two
             // paths split such faces along other diagonals, which counts where a body is thin.

@@ -7,7 +7,7 @@ use crate::models::model_mesh;
 use bevy_cleave::geometry::predicates::{length_scale, plane_tolerance, signed_distance};
 use bevy_cleave::geometry::{ConvexHull, TriMesh};
 use bevy_cleave::math::{Aabb, Plane};
-use bevy_cleave::slice::{HullSlice, Impact, Slice, SliceOptions, slice_hull, slice_mesh};
+use bevy_cleave::slice::{Cut, Halves, HullHalves, Impact, SliceOptions, slice_hull, slice_mesh};
 use glam::{DVec3, Vec3};
 
 /// The hull of a model, as every body made from it has.
@@ -110,19 +110,19 @@ pub(crate) fn check_mesh_cut(
     volume: f64,
     plane: Plane,
     worst: &mut Worst,
-) -> Slice {
+) -> Cut<Box<Halves>> {
     let slice = slice_mesh(mesh, plane, SliceOptions::default()).unwrap();
     let verdict = match slice {
-        Slice::Below => [true, false],
-        Slice::Above => [false, true],
-        Slice::Cut(_) => [true, true],
+        Cut::Below => [true, false],
+        Cut::Above => [false, true],
+        Cut::Cut(_) => [true, true],
     };
     assert_eq!(
         verdict,
         sides_of(mesh.positions(), &mesh.aabb(), &plane),
         "{plane:?}"
     );
-    let Slice::Cut(halves) = &slice else {
+    let Cut::Cut(halves) = &slice else {
         worst.missed += 1;
         return slice;
     };
@@ -163,11 +163,15 @@ fn sides_of(points: &[Vec3], aabb: &Aabb, plane: &Plane) -> [bool; 2] {
 }
 
 /// Cuts `hull` and checks verdict, validity and volumes.
-pub(crate) fn check_hull_cut(hull: &ConvexHull, plane: Plane, worst: &mut Worst) -> HullSlice {
+pub(crate) fn check_hull_cut(
+    hull: &ConvexHull,
+    plane: Plane,
+    worst: &mut Worst,
+) -> Cut<Box<HullHalves>> {
     let slice = slice_hull(hull, plane).unwrap();
     let sides = sides_of(hull.vertices(), &hull.aabb(), &plane);
-    let HullSlice::Cut(halves) = &slice else {
-        let verdict = [slice == HullSlice::Below, slice == HullSlice::Above];
+    let Cut::Cut(halves) = &slice else {
+        let verdict = [slice == Cut::Below, slice == Cut::Above];
         assert_eq!(verdict, sides, "{plane:?}");
         worst.missed += 1;
         return slice;

@@ -8,8 +8,7 @@ use allocation_counter::measure;
 use bevy_cleave::geometry::predicates::length_scale;
 use bevy_cleave::geometry::{ConvexHull, primitives};
 use bevy_cleave::math::Plane;
-use bevy_cleave::slice::convex::HullVerdict;
-use bevy_cleave::slice::{HullHalves, HullSlicer, SliceError, slice_hull};
+use bevy_cleave::slice::{Cut, HullHalves, HullSlicer, SliceError, slice_hull};
 use glam::Vec3;
 use proptest::prelude::*;
 
@@ -215,7 +214,7 @@ fn cutting_into_kept_memory_allocates_nothing() {
         let mut cut_all = || {
             for &plane in &planes {
                 let verdict = slicer.slice_into(&hull, plane, &mut halves).unwrap();
-                cuts += usize::from(verdict == HullVerdict::Cut);
+                cuts += usize::from(verdict.is_cut());
             }
         };
         cut_all();
@@ -236,20 +235,14 @@ fn what_is_not_cut_leaves_usable_hulls_behind() {
     let verdict = |slicer: &mut HullSlicer, halves: &mut HullHalves, offset| {
         slicer.slice_into(&hull, plane(offset), halves)
     };
-    assert_eq!(
-        verdict(&mut slicer, &mut halves, 2.0),
-        Ok(HullVerdict::Below)
-    );
-    assert_eq!(
-        verdict(&mut slicer, &mut halves, -2.0),
-        Ok(HullVerdict::Above)
-    );
+    assert_eq!(verdict(&mut slicer, &mut halves, 2.0), Ok(Cut::Below));
+    assert_eq!(verdict(&mut slicer, &mut halves, -2.0), Ok(Cut::Above));
     assert!(matches!(
         verdict(&mut slicer, &mut halves, f32::NAN),
         Err(SliceError::Plane(_))
     ));
     assert_eq!(halves, HullHalves::copies_of(&hull));
-    assert_eq!(verdict(&mut slicer, &mut halves, 0.0), Ok(HullVerdict::Cut));
+    assert_eq!(verdict(&mut slicer, &mut halves, 0.0), Ok(Cut::Cut(())));
     let afresh = slice_hull(&hull, plane(0.0)).unwrap().halves().unwrap();
     assert_eq!(
         halves, afresh,

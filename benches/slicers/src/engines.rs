@@ -4,7 +4,7 @@ use crate::bodies::Body;
 use bevy_cleave::geometry::{ConvexHull, TriMesh};
 use bevy_cleave::mass::VolumeIntegrals;
 use bevy_cleave::math::{Plane, tangents};
-use bevy_cleave::slice::{HullHalves, HullSlice, HullSlicer, HullVerdict, MeshSlicer, Slice, SliceOptions, Verdict, slice_hull, slice_mesh};
+use bevy_cleave::slice::{Cut, Halves, HullHalves, HullSlicer, MeshSlicer, SliceOptions, slice_hull, slice_mesh};
 use boolmesh::prelude::{Manifold, OpType, compute_boolean};
 use glam::Vec3;
 use parry3d::math::Vector;
@@ -47,10 +47,10 @@ fn hull_engines(hull: &ConvexHull) -> [Engine<'_>; 3] {
         Engine::new("`HullSlicer::slice_into`: hulls, lanes and mass, kept memory", move |&plane| {
             let verdict = slicer.slice_into(black_box(hull), plane, &mut halves);
             black_box([&halves.below, &halves.above].map(VolumeIntegrals::of_hull));
-            verdict == Ok(HullVerdict::Cut)
+            verdict == Ok(Cut::Cut(()))
         }),
         Engine::new("`slice_hull`: the same, new memory", move |&plane| {
-            matches!(black_box(slice_hull(black_box(hull), plane)), Ok(HullSlice::Cut(_)))
+            matches!(black_box(slice_hull(black_box(hull), plane)), Ok(Cut::Cut(_)))
         }),
         Engine::new("`slice_mesh`: with normals and texture coordinates of each face", move |&plane| {
             is_cut(slice_mesh(black_box(&render_mesh), plane, SliceOptions::default()))
@@ -64,7 +64,7 @@ fn mesh_engines(mesh: &TriMesh) -> [Engine<'_>; 3] {
     [
         Engine::new("`MeshSlicer::slice_into`: table-driven clip, kept memory", move |&plane| {
             let verdict = slicer.slice_into(black_box(mesh), plane, SliceOptions::default(), &mut halves);
-            verdict == Ok(Verdict::Cut)
+            verdict == Ok(Cut::Cut(()))
         }),
         Engine::new("`slice_mesh`: the same, new memory", move |&plane| {
             is_cut(slice_mesh(black_box(mesh), plane, SliceOptions::default()))
@@ -77,8 +77,8 @@ fn mesh_engines(mesh: &TriMesh) -> [Engine<'_>; 3] {
     ]
 }
 
-fn is_cut<E>(slice: Result<Slice, E>) -> bool {
-    matches!(black_box(slice), Ok(Slice::Cut(_)))
+fn is_cut<E>(slice: Result<Cut<Box<Halves>>, E>) -> bool {
+    matches!(black_box(slice), Ok(Cut::Cut(_)))
 }
 
 fn parry_engines(mesh: &TriMesh) -> [Engine<'_>; 2] {

@@ -44,7 +44,7 @@ use crate::contact::manifolds::{ManifoldHead, Manifolds};
 use crate::contact::point::ContactPoint;
 use crate::geometry::{KdBox, KdCode};
 use crate::math::rotate;
-use crate::threads::parts::{WORTH_HELP, run_parts};
+use crate::threads::parts::WORTH_HELP;
 use crate::threads::team::Team;
 use bevy_ecs::resource::Resource;
 use chunks::ChunkPlan;
@@ -374,7 +374,7 @@ impl ContactCache {
         let shares = self.plan.shares(&mut self.current);
         let runs = manifolds.runs(self.plan.manifolds());
         let matched = self.plan.one_each(&mut self.matched);
-        run_parts(
+        Team::each_of_many(
             team,
             matched.iter_mut().zip(shares.zip(runs)),
             |(matched, (share, run))| *matched = pass.run(share, run),
@@ -415,7 +415,7 @@ impl ContactCache {
         let updates = self.plan.one_each(&mut self.updates);
         let parts = self.plan.shares(&mut self.current);
         let parts = parts.zip(self.plan.manifolds());
-        run_parts(
+        Team::each_of_many(
             team,
             updates.iter_mut().zip(parts),
             |(update, (share, range))| update.update(share, &solved.part(range)),
@@ -426,7 +426,7 @@ impl ContactCache {
         let writers = ChunkUpdate::writers(updates, &mut self.next);
         let parts = self.plan.shares(&mut self.current);
         let parts = parts.zip(self.plan.manifolds());
-        run_parts(
+        Team::each_of_many(
             team,
             writers.zip(parts),
             |((update, writer), (share, range))| update.write(&share, &solved.part(range), writer),

@@ -3,10 +3,11 @@
 //! Sides are bit masks: the mask of a set is the union of its members' masks, and a part has the bit of its number.
 
 use crate::geometry::ConvexHull;
+use crate::geometry::edge_tables::find_ends;
 use crate::geometry::hull_lanes::LANES;
 use crate::geometry::predicates::{Side, length_scale, plane_tolerance, side};
-use crate::geometry::wide::{Avx2, find_ends};
 use crate::math::Plane;
+use crate::simd::lanes::LaneWidth;
 use crate::slice::convex::select;
 use crate::slice::convex::select::{Bits, GROUP, Selection, both, neither, select};
 
@@ -112,10 +113,10 @@ impl Classes {
     }
 
     /// Sorts the edges by class, each class in the hull's order.
-    pub(super) fn find_edges(&mut self, hull: &ConvexHull, wide: Option<Avx2>) {
+    pub(super) fn find_edges(&mut self, hull: &ConvexHull, width: LaneWidth) {
         let sides = self.sides.as_slice();
         (self.edge_bits).resize(hull.edges.len().div_ceil(GROUP), [0; 2]);
-        find_ends(wide, &hull.edges, sides, &mut self.edge_bits);
+        find_ends(width, &hull.edges, sides, &mut self.edge_bits);
         let [below, above] = &mut self.whole_edges;
         let lists = [below, above, &mut self.met_edges];
         select(lists, hull.edges.len(), &self.edge_bits, select::each);

@@ -1,7 +1,9 @@
 //! Where a plane cuts edges, four edges at a time.
 
-use crate::geometry::wide::{Avx2, Loop, columns, run};
 use crate::math::Plane;
+use crate::simd::dispatch::run;
+use crate::simd::float4::columns;
+use crate::simd::lanes::{Kernel, LaneWidth, Lanes};
 use glam::Vec3;
 
 /// Edges that are looked at side by side: as many `f64` as fit in the widest register.
@@ -24,7 +26,7 @@ pub(super) struct CutEdge {
 /// Fills `points` with one point on each edge: what [`crossing`](crate::slice::clip::crossing) says of it, from the end with
 /// the smaller number. No edge lies in the plane.
 pub(super) fn find_cut_points(
-    wide: Option<Avx2>,
+    width: LaneWidth,
     plane: &Plane,
     vertices: &[Vec3],
     edges: &[CutEdge],
@@ -37,7 +39,7 @@ pub(super) fn find_cut_points(
         edges,
         points,
     };
-    run(wide, cutting);
+    run(width, cutting);
 }
 
 struct CutPointLoop<'a> {
@@ -47,11 +49,12 @@ struct CutPointLoop<'a> {
     points: &'a mut [Vec3],
 }
 
-impl Loop for CutPointLoop<'_> {
+impl Kernel for CutPointLoop<'_> {
     type Output = ();
+    const NEEDS_32_REGISTERS: bool = false;
 
     #[inline(always)]
-    fn run(self) {
+    fn run<L: Lanes>(self) {
         let (fours, rest) = self.edges.as_chunks::<LANES>();
         let (points, points_of_rest) = self.points.as_chunks_mut::<LANES>();
         for (edges, points) in fours.iter().zip(points) {
@@ -157,8 +160,8 @@ mod tests {
                     crossing(&plane, low, high).0
                 })
                 .collect();
-            for wide in [None, Avx2::find()] {
-                find_cut_points(wide, &plane, &vertices, &edges, &mut points);
+            for width in [LaneWidth::Four, LaneWidth::Widest] {
+                find_cut_points(width, &plane, &vertices, &edges, &mut points);
                 assert_eq!(points, expected);
             }
         }

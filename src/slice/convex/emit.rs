@@ -2,10 +2,11 @@
 //!
 //! Until then, cut points are numbered after the hull's vertices, and the cap after its faces.
 
+use crate::geometry::edge_tables::{renumber, select_edges};
 use crate::geometry::hull_lanes::box_of;
-use crate::geometry::wide::{Avx2, renumber, select_edges};
 use crate::geometry::{ConvexHull, Edge, Face};
 use crate::math::Plane;
+use crate::simd::lanes::LaneWidth;
 use crate::slice::convex::IrregularCut;
 use crate::slice::convex::classes::{BELOW, Classes};
 use crate::slice::convex::numbers::PartNumbers;
@@ -21,7 +22,7 @@ pub(super) struct HullWriter<'a> {
     /// Plane of the cap.
     pub(super) plane: Plane,
     /// Registers to use.
-    pub(super) wide: Option<Avx2>,
+    pub(super) width: LaneWidth,
 }
 
 impl HullWriter<'_> {
@@ -32,7 +33,7 @@ impl HullWriter<'_> {
         self.write_edges(out);
         out.lanes.copy(&out.vertices, &out.faces);
         out.aabb = box_of(&out.lanes.points);
-        renumber(self.wide, &mut out.loops, self.numbers.of_vertices());
+        renumber(self.width, &mut out.loops, self.numbers.of_vertices());
         Ok(())
     }
 
@@ -103,7 +104,7 @@ impl HullWriter<'_> {
         let (edges, table) = (&mut out.edges, self.numbers.of_edges());
         let whole = self.classes.whole_edges[self.part].indices();
         edges.resize(whole.len(), self.hull.edges[0]);
-        select_edges(self.wide, &self.hull.edges, whole, table, edges);
+        select_edges(self.width, &self.hull.edges, whole, table, edges);
         edges.reserve_exact(self.numbers.edges - whole.len());
         let is_below = self.mask() == BELOW;
         let (vertices, faces) = table.split();

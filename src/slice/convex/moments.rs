@@ -9,7 +9,7 @@
 
 use crate::geometry::ConvexHull;
 use crate::geometry::moments::{Fans, Moments};
-use crate::geometry::wide::Avx2;
+use crate::simd::lanes::LaneWidth;
 use crate::slice::convex::classes::Classes;
 use crate::slice::convex::numbers::Renumbering;
 use crate::slice::convex::{HullHalves, IrregularCut};
@@ -22,7 +22,7 @@ pub(super) struct HalfSum<'a> {
     pub(super) classes: &'a Classes,
     pub(super) numbers: &'a Renumbering,
     pub(super) fans: &'a mut Fans,
-    pub(super) wide: Option<Avx2>,
+    pub(super) width: LaneWidth,
 }
 
 /// Share of what a part's box could hold below which its volume may be nothing but rounding: a part that is a plane's
@@ -45,7 +45,7 @@ impl HalfSum<'_> {
             self.inherit(few, halves);
         } else {
             for part in [&mut halves.below, &mut halves.above] {
-                part.moments = part.sum_moments_with(self.fans, self.wide);
+                part.moments = part.sum_moments_with(self.fans, self.width);
             }
         }
         if is_body(&halves.below) && is_body(&halves.above) {
@@ -76,7 +76,7 @@ impl HalfSum<'_> {
     /// Gives a part its moments, from sums about the hull's point.
     fn finish(&mut self, part: &mut ConvexHull, sums: Moments) {
         let moments = self.hull.moments.with_sums(sums);
-        part.moments = moments.unwrap_or_else(|| part.sum_moments_with(self.fans, self.wide));
+        part.moments = moments.unwrap_or_else(|| part.sum_moments_with(self.fans, self.width));
     }
 
     /// Sums over the faces that a part has whole, which are its first ones, and its cap, which is its last.
@@ -121,7 +121,7 @@ impl HalfSum<'_> {
     /// Sums over triangles and those of the fans, about the point of the hull.
     fn sum(&mut self, triangles: &[[u32; 3]], vertices: &[Vec3]) -> Moments {
         let apex = self.hull.moments.apex;
-        self.fans.sum(triangles, apex, vertices, self.wide)
+        self.fans.sum(triangles, apex, vertices, self.width)
     }
 }
 

@@ -1,7 +1,8 @@
 //! The numbers that a hull's vertices and faces have in the parts.
 
 use crate::geometry::ConvexHull;
-use crate::geometry::wide::{Avx2, EdgeRenumbering};
+use crate::geometry::edge_tables::EdgeRenumbering;
+use crate::simd::lanes::LaneWidth;
 use crate::slice::convex::IrregularCut;
 use crate::slice::convex::classes::{BELOW, Classes};
 use crate::slice::convex::rim::Rim;
@@ -62,7 +63,7 @@ impl PartNumbers {
         classes: &Classes,
         cuts: usize,
         part: usize,
-        wide: Option<Avx2>,
+        width: LaneWidth,
     ) {
         let vertices = hull.vertices.len();
         self.first_face = vertices + cuts;
@@ -72,14 +73,14 @@ impl PartNumbers {
         let (of_vertices, of_cuts) = of_vertices.split_at_mut(vertices);
         let of_hull = &mut of_faces[..hull.faces.len()];
         select_and_number(
-            wide,
+            width,
             &mut self.vertices,
             &classes.member_bits,
             |bits| bits[part],
             of_vertices,
         );
         select_and_number(
-            wide,
+            width,
             &mut self.whole_faces,
             &classes.face_bits,
             |bits| bits[part] & !bits[1 - part],
@@ -108,11 +109,11 @@ impl Renumbering {
         hull: &ConvexHull,
         classes: &Classes,
         rim: &Rim,
-        wide: Option<Avx2>,
+        width: LaneWidth,
     ) -> Result<(), IrregularCut> {
         let cuts = rim.points.len();
         for (part, numbers) in self.parts.iter_mut().enumerate() {
-            numbers.count(hull, classes, cuts, part, wide);
+            numbers.count(hull, classes, cuts, part, width);
             let vertices = numbers.vertices.len() + cuts;
             numbers.faces = numbers.whole_faces.len() + rim.chords.len() + 1;
             let mask = BELOW << part;

@@ -3,8 +3,9 @@
 use crate::geometry::hull::hull_unless_flat;
 use crate::geometry::{ConvexHull, HullError};
 use crate::slice::SliceError;
+use crate::slice::convex::HullHalves;
 use crate::slice::convex::classes::{ABOVE, BELOW};
-use crate::slice::convex::{HullHalves, HullVerdict};
+use crate::slice::cut::Cut;
 use glam::Vec3;
 
 /// Fills `halves` with the hulls of the points on each side, or with `hull` if a part is too thin for a hull, which is
@@ -14,7 +15,7 @@ pub(super) fn rebuild(
     sides: &[u8],
     cuts: &[Vec3],
     halves: &mut HullHalves,
-) -> Result<HullVerdict, SliceError> {
+) -> Result<Cut, SliceError> {
     *halves = HullHalves::copies_of(hull);
     let (below, above) = (
         hull_without(hull, sides, cuts, ABOVE)?,
@@ -23,10 +24,10 @@ pub(super) fn rebuild(
     Ok(match (below, above) {
         (Some(below), Some(above)) => {
             *halves = HullHalves { below, above };
-            HullVerdict::Cut
+            Cut::Cut(())
         }
-        (Some(_), None) => HullVerdict::Below,
-        (None, _) => HullVerdict::Above,
+        (Some(_), None) => Cut::Below,
+        (None, _) => Cut::Above,
     })
 }
 

@@ -2,9 +2,9 @@
 //!
 //! Vertices are named by their numbers in the hull, with the cut points numbered after them.
 
-use crate::geometry::wide::Avx2;
 use crate::geometry::{ConvexHull, Edge};
 use crate::math::Plane;
+use crate::simd::lanes::LaneWidth;
 use crate::slice::convex::IrregularCut;
 use crate::slice::convex::classes::{ABOVE, BELOW, Classes, ON};
 use crate::slice::convex::cut_points::CutEdge;
@@ -101,7 +101,7 @@ impl Rim {
         hull: &ConvexHull,
         plane: &Plane,
         classes: &Classes,
-        wide: Option<Avx2>,
+        width: LaneWidth,
     ) {
         if self.crossings.len() < hull.faces.len() {
             self.crossings.resize(hull.faces.len(), [NONE; 2]);
@@ -118,7 +118,7 @@ impl Rim {
             }
         }));
         find_cut_points(
-            wide,
+            width,
             plane,
             &hull.vertices,
             &self.cut_edges,

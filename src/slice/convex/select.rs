@@ -4,7 +4,8 @@
 //! elements of a group there is one bit each in two bytes, one byte for each part; what is wanted of them is a byte again,
 //! which names a row of a table.
 
-use crate::geometry::wide::{Avx2, Loop, run};
+use crate::simd::dispatch::run;
+use crate::simd::lanes::{Kernel, LaneWidth, Lanes};
 
 /// Elements of a group.
 pub(super) const GROUP: usize = 8;
@@ -147,7 +148,7 @@ pub(super) fn select<const N: usize>(
 /// Selects from a list and numbers what is selected in order; `wanted` says what of a group that is. The numbers of the
 /// others mean nothing.
 pub(super) fn select_and_number(
-    wide: Option<Avx2>,
+    width: LaneWidth,
     selection: &mut Selection,
     bits: &[Bits],
     wanted: impl Fn(Bits) -> u8,
@@ -159,7 +160,7 @@ pub(super) fn select_and_number(
         wanted,
         numbers,
     };
-    selection.count = run(wide, numbering);
+    selection.count = run(width, numbering);
 }
 
 /// What [`select_and_number`] works on.
@@ -170,12 +171,13 @@ struct Numbering<'a, W> {
     numbers: &'a mut [u32],
 }
 
-impl<W: Fn(Bits) -> u8> Loop for Numbering<'_, W> {
+impl<W: Fn(Bits) -> u8> Kernel for Numbering<'_, W> {
     /// How many were selected.
     type Output = usize;
+    const NEEDS_32_REGISTERS: bool = false;
 
     #[inline(always)]
-    fn run(self) -> usize {
+    fn run<L: Lanes>(self) -> usize {
         let (groups, rest) = self.numbers.as_chunks_mut();
         let (mut first, mut count) = (0, 0);
         for (bits, numbers) in self.bits.iter().zip(groups) {
@@ -276,10 +278,10 @@ mod tests {
                 .map(|_| (dice.next_u32() >> 16) as u8 & 3)
                 .collect();
             collect(&sides, &mut bits);
-            for (part, wide) in [(0, None), (0, Avx2::find()), (1, None), (1, Avx2::find())] {
+            for (part, width) in [(0, None), (0, Avx2::find()), (1, None), (1, Avx2::find())] {
                 let mut numbers = vec![u32::MAX; count];
                 let has = |bits: Bits| bits[part];
-                select_and_number(wide, &mut selection, &bits, has, &mut numbers);
+                select_and_number(width, &mut selection, &bits, has, &mut numbers);
                 let expected = indices_where(&sides, |side| side >> part & 1 == 1);
                 assert_eq!(selection.indices(), expected);
                 for (number, &index) in (0..).zip(&expected) {

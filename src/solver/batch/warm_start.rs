@@ -11,7 +11,7 @@
 //! anew](crate::solver::wide::reanchor) in between, their part is taken out by the old rows and added by the new ones.
 
 use crate::bodies::solver_body::SolverBody;
-use crate::simd::lanes::run;
+use crate::simd::dispatch::run;
 use crate::solver::batch::Batch;
 use crate::solver::batch::energy_guard::{LinearSums, Sums};
 use crate::solver::batch::subdomain_slices::{each_part, parts_by_body};

@@ -7,7 +7,6 @@
 use crate::bodies::store::Bodies;
 use crate::contact::manifolds::ManifoldHead;
 use crate::solver::graph::relative_motion::RelativeMotion;
-use crate::threads::parts::run_parts;
 use crate::threads::team::Team;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -129,7 +128,7 @@ impl Islands {
         let [have_changed, are_new] = [0; 2].map(|_| AtomicBool::new(!is_as_many));
         let size = Team::part_size(team, manifolds.len(), MIN_LINKS);
         let parts = self.new_links.chunks_mut(size).zip(manifolds.chunks(size));
-        run_parts(team, parts.enumerate(), |(part, (links, manifolds))| {
+        Team::each_of_many(team, parts.enumerate(), |(part, (links, manifolds))| {
             for (link, manifold) in links.iter_mut().zip(manifolds) {
                 *link = Link::new(manifold, bodies, is_pending(manifold));
             }

@@ -1,6 +1,7 @@
 //! Passes over blocks of eight manifolds: what is done to all contacts, and which kernel does it.
 
-use crate::simd::lanes::{F8, run};
+use crate::simd::dispatch::run;
+use crate::simd::lanes::F8;
 use crate::solver::rows::soft_step::{Bias, Softness};
 use crate::solver::wide::bias::{UpdateBias, Warm};
 use crate::solver::wide::bond::BondConstraint;

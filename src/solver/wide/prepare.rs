@@ -3,7 +3,8 @@
 use crate::bodies::solver_body::BodyMass;
 use crate::contact::manifolds::Manifolds;
 use crate::contact::point::{ContactPoint, MAX_POINTS};
-use crate::simd::lanes::{F8, Kernel, LaneWidth, Lanes, WIDTH, run};
+use crate::simd::dispatch::run;
+use crate::simd::lanes::{F8, Kernel, LaneWidth, Lanes, WIDTH};
 use crate::simd::prefetch::prefetch;
 use crate::simd::vec3::V3;
 use crate::solver::wide::block::points_of;

@@ -10,7 +10,8 @@
 //! is the point of the anchor body's surface, half a gap away.
 
 use crate::bodies::solver_body::SolverBody;
-use crate::simd::lanes::{F8, Kernel, LaneWidth, Lanes, ReadRow, run};
+use crate::simd::dispatch::run;
+use crate::simd::lanes::{F8, Kernel, LaneWidth, Lanes, ReadRow};
 use crate::simd::vec3::V3;
 use crate::solver::wide::block::points_of;
 use crate::solver::wide::block::{Block, FAR, Point, load_anchors};

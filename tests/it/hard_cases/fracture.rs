@@ -6,7 +6,7 @@ use crate::common::dice::Dice;
 use crate::common::structures::*;
 use bevy_cleave::geometry::ConvexHull;
 use bevy_cleave::prelude::*;
-use bevy_cleave::slice::{HullSlice, slice_hull};
+use bevy_cleave::slice::{Cut, slice_hull};
 use bevy_cleave::step;
 use glam::{DMat3, DVec3, Vec3};
 
@@ -143,12 +143,12 @@ fn thousand_recursive_cuts_leave_sound_pieces_that_fill_the_cube() {
         let index = dice.below(pieces.len());
         let plane = Plane::through(pieces[index].inside(&mut dice), dice.direction());
         match slice_hull(&pieces[index].hull, plane).expect("a usable plane") {
-            HullSlice::Cut(halves) => {
+            Cut::Cut(halves) => {
                 let parent = pieces.swap_remove(index);
                 pieces.push(Fragment::below(halves.below, &parent, plane));
                 pieces.push(Fragment::below(halves.above, &parent, plane.flipped()));
             }
-            HullSlice::Below | HullSlice::Above => missed += 1,
+            Cut::Below | Cut::Above => missed += 1,
         }
         assert!(missed < 1000, "pieces too thin to cut: {missed}");
     }

@@ -3,7 +3,8 @@
 use super::WIDTHS;
 use crate::common::dice::Dice;
 use bevy_cleave::bodies::solver_body::SolverBody;
-use bevy_cleave::simd::lanes::{F8, Kernel, LaneWidth, Lanes, WIDTH, run};
+use bevy_cleave::simd::dispatch::run;
+use bevy_cleave::simd::lanes::{F8, Kernel, LaneWidth, Lanes, WIDTH};
 use glam::Vec3;
 use std::cell::Cell;
 
