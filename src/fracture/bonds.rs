@@ -25,6 +25,7 @@ use crate::fracture::neighbors::can_move;
 use crate::fracture::neighbors::smaller_extent;
 use crate::fracture::neighbors::{close_pairs, touching_area};
 use crate::math::{Pose, rotate};
+use crate::solver::graph::indices::ManifoldIndex;
 use crate::solver::wide::bond::BondedManifold;
 use bevy_ecs::resource::Resource;
 use glam::Vec3;
@@ -368,7 +369,7 @@ impl BondedPair {
         }
         let share = self.bond.area / points.len().max(1) as f32;
         BondedManifold {
-            manifold: index,
+            manifold: ManifoldIndex(index),
             bodies: self.bodies,
             tension: self.bond.strength * share,
             shear: self.bond.shear_strength * share,

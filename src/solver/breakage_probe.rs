@@ -59,7 +59,7 @@ impl BreakageProbe {
         for (number, island) in large {
             let of_island = || {
                 let indices = &islands.manifolds[island.manifolds.clone()];
-                indices.iter().map(|&index| manifolds.at(index as usize))
+                indices.iter().map(|&index| manifolds.at(index.index()))
             };
             let impacts = of_island().filter(|m| may_break(m, bodies, settings.step_dt()));
             self.joining.clear();

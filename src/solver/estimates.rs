@@ -5,6 +5,7 @@ use crate::contact::manifolds::{ManifoldHead, ManifoldRef, Manifolds};
 use crate::contact::point::ContactPoint;
 use crate::solver::adaptivity::IslandRequirements;
 use crate::solver::contact_solver::{ContactEstimate, ContactSolver, MIN_OF_PART, Progress};
+use crate::solver::graph::indices::ManifoldIndex;
 use crate::solver::graph::relative_motion::RelativeMotion;
 use crate::solver::rows::contact_rows::{Row, RowBody};
 use crate::solver::settings::SubstepSettings;
@@ -27,7 +28,7 @@ impl ContactSolver {
             .find(manifolds.heads(), bodies, is_pending, team);
         self.estimate_contacts(manifolds, bodies, settings, team);
         let estimates = &self.estimates;
-        let travel = |manifold: u32| estimates[manifold as usize].travel;
+        let travel = |manifold: ManifoldIndex| estimates[manifold.index()].travel;
         self.islands.find_moving(travel);
         self.requirements.clear();
         for i in 0..self.islands.list.len() {
@@ -64,8 +65,8 @@ impl ContactSolver {
     }
 
     /// How the bodies of a manifold move against each other.
-    pub(crate) fn travel(&self, manifold: u32) -> RelativeMotion {
-        self.estimates[manifold as usize].travel
+    pub(crate) fn travel(&self, manifold: ManifoldIndex) -> RelativeMotion {
+        self.estimates[manifold.index()].travel
     }
 
     /// What an island asks for.
@@ -85,7 +86,7 @@ impl ContactSolver {
                 let load = if is_new_bond(&self.bonded, index) {
                     f32::INFINITY
                 } else {
-                    self.estimates[index as usize].load
+                    self.estimates[index.index()].load
                 };
                 requirement.load = requirement.load.max(load);
             }

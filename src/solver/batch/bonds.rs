@@ -26,7 +26,7 @@ impl Batch {
                 &self.contacts.blocks[place.block as usize],
                 place.lane as usize,
             );
-            let points = manifolds.at(index as usize).points();
+            let points = manifolds.at(index.index()).points();
             for (k, (off, from)) in bond.displacement.iter().zip(points).enumerate() {
                 let at = block.points.start + k;
                 self.bonds.constraints[at].load(lane, block, bond, *off, self.settings.substep_dt);

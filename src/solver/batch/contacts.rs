@@ -4,7 +4,7 @@ use crate::bodies::solver_body::BodyMass;
 use crate::simd::lanes::LaneWidth;
 use crate::solver::batch::layout::Layout;
 use crate::solver::batch::subdomain_slices::parts_of_blocks;
-use crate::solver::graph::indices::LaneSlot;
+use crate::solver::graph::indices::{BodyNumber, LaneSlot, ManifoldIndex};
 use crate::solver::wide::block::{Block, Point};
 use crate::solver::wide::prepare::derive_stale;
 use crate::solver::wide::reanchor::{AnchorStart, BodyRotation, ReanchoredBlock, ReanchoredBlocks};
@@ -35,11 +35,11 @@ pub struct BatchContacts {
 #[derive(Clone, Copy, Debug)]
 pub struct MovingManifold {
     /// Index of the manifold.
-    pub manifold: u32,
+    pub manifold: ManifoldIndex,
     /// Where it is.
     pub place: LaneSlot,
     /// Numbers of its bodies within the batch.
-    pub bodies: [u32; 2],
+    pub bodies: [BodyNumber; 2],
     /// Which of the two bodies the contact points move with: 0 for A, 1 for B.
     pub anchor_body: usize,
     /// If the two may pass through each other in the step: half the least extent of the anchor body, m.

@@ -8,7 +8,7 @@
 
 use crate::solver::batch::targets::{Hits, Targets};
 use crate::solver::batch::{Batch, MovingManifold};
-use crate::solver::graph::indices::LaneSlot;
+use crate::solver::graph::indices::{BodyNumber, LaneSlot};
 use crate::solver::wide::block::{Point, vector};
 
 impl Batch {
@@ -19,11 +19,12 @@ impl Batch {
         is_hit.clear();
         is_hit.resize(self.bodies.velocities.len(), false);
         let mut hits = Hits::default();
-        let mut note = |pair: [u32; 2], is_fast: bool| {
+        let mut note = |pair: [BodyNumber; 2], is_fast: bool| {
             hits.any = true;
             hits.any_fast |= is_fast;
             for body in pair {
-                is_hit[body as usize] = self.bodies.velocities[body as usize].inverse_mass > 0.0;
+                let body = body.index();
+                is_hit[body] = self.bodies.velocities[body].inverse_mass > 0.0;
             }
         };
         for moving in self
@@ -67,7 +68,7 @@ impl Batch {
         let LaneSlot { block, lane, count } = moving.place;
         let (block, lane) = (&self.contacts.blocks[block as usize], lane as usize);
         let normal = vector(&block.normal, lane);
-        let pair = moving.bodies.map(|b| &self.bodies.velocities[b as usize]);
+        let pair = moving.bodies.map(|b| &self.bodies.velocities[b.index()]);
         let mut points = self.contacts.points[block.points.clone()][..count as usize].iter();
         points.any(|point| -point.normal_velocity(lane, normal, pair) > bound(point))
     }

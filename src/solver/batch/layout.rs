@@ -6,7 +6,7 @@
 use crate::bodies::solver_body::SolverBody;
 use crate::bodies::store::Bodies;
 use crate::solver::graph::contact_order::ContactOrder;
-use crate::solver::graph::indices::LaneSlot;
+use crate::solver::graph::indices::{BodyNumber, LaneSlot, ManifoldIndex};
 use crate::solver::graph::islands::{Island, Islands};
 use crate::solver::graph::lane_assignment::{AssignmentRule, ContactEdge, LaneAssignment};
 use crate::solver::graph::partition;
@@ -47,18 +47,18 @@ pub struct Layout {
     /// Slots of its bodies, by number.
     pub slots: Vec<u32>,
     /// Numbers of the two bodies of each of its manifolds.
-    pub(crate) pairs: Vec<[u32; 2]>,
+    pub(crate) pairs: Vec<[BodyNumber; 2]>,
     /// Its manifolds in the order of the islands: index and place.
-    pub places: Vec<(u32, LaneSlot)>,
+    pub places: Vec<(ManifoldIndex, LaneSlot)>,
     /// Blocks of its [`subdomains`], in their order.
     pub subdomains: Vec<Range<usize>>,
     /// Of bodies that are copies, behind all others: which ones they copy.
-    pub(crate) originals: Vec<u32>,
+    pub(crate) originals: Vec<BodyNumber>,
     pub(crate) cuts: Partition,
     lane_assignment: LaneAssignment,
     origin: Option<Origin>,
     /// By subdomain but the first one and fixed body: the number of its copy.
-    copies: Vec<Option<u32>>,
+    copies: Vec<Option<BodyNumber>>,
 }
 
 impl Layout {
@@ -126,7 +126,7 @@ impl Layout {
                 .extend_from_slice(&islands.slots[island.bodies.clone()]);
             let pairs = islands.pairs[island.manifolds.clone()].iter();
             self.pairs
-                .extend(pairs.map(|pair| pair.map(|number| number + offset)));
+                .extend(pairs.map(|pair| pair.map(|number| BodyNumber(number.0 + offset))));
             let Range { start, end } = island.manifolds;
             self.members.push(Member {
                 bodies: offset as usize..self.slots.len(),
@@ -157,9 +157,9 @@ impl Layout {
         let (cuts, pairs) = (&self.cuts, &self.pairs);
         let subdomains = pairs.iter().map(|pair| cuts.of(*pair));
         let edge = |at: usize| {
-            let is_movable = |body: u32| bodies[body as usize].inverse_mass > 0.0;
+            let is_movable = |body: BodyNumber| bodies[body.index()].inverse_mass > 0.0;
             ContactEdge {
-                bodies: pairs[at].map(|body| is_movable(body).then_some(body)),
+                bodies: pairs[at].map(|body| is_movable(body).then_some(body.0)),
                 points: counts[at],
             }
         };
@@ -217,7 +217,8 @@ impl Layout {
     fn name_copies(&mut self, blocks: &mut [Block]) {
         let (dummy, first_fixed) = (self.slots.len() as u32, self.cuts.first_fixed());
         let others = self.subdomains.len() - 1;
-        self.originals.extend(std::iter::repeat_n(dummy, others));
+        self.originals
+            .extend(std::iter::repeat_n(BodyNumber(dummy), others));
         if others == 0 {
             return;
         }
@@ -225,28 +226,28 @@ impl Layout {
         self.copies.clear();
         self.copies.resize(others * fixed, None);
         for (pair, (_, place)) in self.pairs.iter().zip(&self.places) {
-            let is_fixed = |&side: &usize| pair[side] as usize >= first_fixed;
+            let is_fixed = |&side: &usize| pair[side].index() >= first_fixed;
             let Some(side) = (0..2).find(is_fixed) else {
                 continue;
             };
             let Some(other) = (self.cuts.of(*pair) as usize).checked_sub(1) else {
                 continue;
             };
-            let copy = &mut self.copies[other * fixed + pair[side] as usize - first_fixed];
+            let copy = &mut self.copies[other * fixed + pair[side].index() - first_fixed];
             let number = *copy.get_or_insert_with(|| {
                 self.originals.push(pair[side]);
-                dummy + self.originals.len() as u32
+                BodyNumber(dummy + self.originals.len() as u32)
             });
             let block = &mut blocks[place.block as usize];
-            block.bodies[side][place.lane as usize] = number;
+            block.bodies[side][place.lane as usize] = number.0;
         }
     }
 
     /// The body itself, or the one that it is a copy of.
-    pub fn original(&self, body: u32) -> u32 {
+    pub fn original(&self, body: BodyNumber) -> BodyNumber {
         // The dummy body comes between bodies and copies.
         let first_copy = self.slots.len() + 1;
-        let copy = (body as usize).checked_sub(first_copy);
+        let copy = body.index().checked_sub(first_copy);
         copy.map_or(body, |copy| self.originals[copy])
     }
 }
@@ -267,7 +268,7 @@ struct Naming<'a> {
 }
 
 impl Naming<'_> {
-    fn name(self, pairs: &[[u32; 2]], places: &[(u32, LaneSlot)]) {
+    fn name(self, pairs: &[[BodyNumber; 2]], places: &[(ManifoldIndex, LaneSlot)]) {
         let mut end = self.first_point;
         for (block, &count) in self.blocks.iter_mut().zip(self.counts) {
             let first = end;
@@ -277,7 +278,8 @@ impl Naming<'_> {
         for &at in self.manifolds {
             let (index, place) = places[at as usize];
             let block = &mut self.blocks[place.block as usize - self.first_block];
-            block.put(place.lane as usize, index, pairs[at as usize]);
+            let bodies = pairs[at as usize].map(|body| body.0);
+            block.put(place.lane as usize, index.0, bodies);
         }
     }
 }

@@ -8,6 +8,7 @@ use crate::solver::adaptivity::{IslandRequirements, SweepBudget};
 use crate::solver::batch::contacts::MovingManifold;
 use crate::solver::batch::subdomain_slices::{parts_by_body, parts_of_blocks};
 use crate::solver::batch::{Batch, TurningBody};
+use crate::solver::graph::indices::BodyNumber;
 use crate::solver::graph::islands::{Islands, MovingPair};
 use crate::solver::settings::SubstepSettings;
 use crate::solver::wide::block::PointImpact;
@@ -145,10 +146,10 @@ impl Batch {
         for &original in &self.layout.originals {
             self.bodies
                 .velocities
-                .push(self.bodies.velocities[original as usize]);
+                .push(self.bodies.velocities[original.index()]);
             self.bodies
                 .masses
-                .push(self.bodies.masses[original as usize]);
+                .push(self.bodies.masses[original.index()]);
         }
         let count = self.bodies.velocities.len();
         self.bodies
@@ -164,8 +165,8 @@ impl Batch {
         let member = &self.layout.members[member];
         let pairs = &self.layout.pairs[member.places.clone()];
         let solids = &self.bodies.masses;
-        let extent = |pair: &[u32; 2]| {
-            let [a, b] = pair.map(|number| solids[number as usize].extent());
+        let extent = |pair: &[BodyNumber; 2]| {
+            let [a, b] = pair.map(|number| solids[number.index()].extent());
             a.min(b)
         };
         let size = Team::part_size(team, pairs.len(), MIN_PAIRS);
@@ -204,7 +205,7 @@ impl Batch {
         for pair in moving {
             let (manifold, place) = self.layout.places[pair.at - first];
             let numbers = self.layout.pairs[pair.at - first];
-            let slots = numbers.map(|number| self.layout.slots[number as usize] as usize);
+            let slots = numbers.map(|number| self.layout.slots[number.index()] as usize);
             let anchor_body = anchor_body(slots, bodies);
             let extent = bodies.min_extent[slots[anchor_body]];
             self.contacts.moving.push(MovingManifold {
@@ -263,7 +264,7 @@ impl Batch {
                 .map(|body| body.inverse_mass == 0.0),
         );
         for body in self.contacts.moving.iter().flat_map(|moving| moving.bodies) {
-            is_reanchored[body as usize] = true;
+            is_reanchored[body.index()] = true;
         }
     }
 

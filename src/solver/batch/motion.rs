@@ -68,9 +68,9 @@ impl Batch {
             let Some(ccd_radius) = moving.ccd_radius else {
                 continue;
             };
-            let manifold = manifolds.at(moving.manifold as usize);
+            let manifold = manifolds.at(moving.manifold.index());
             let pair = moving.bodies;
-            let [a, b] = pair.map(|body| self.bodies.displacements[body as usize].linear);
+            let [a, b] = pair.map(|body| self.bodies.displacements[body.index()].linear);
             let away = [-manifold.normal, manifold.normal][moving.anchor_body];
             let height = |point: &ContactPoint| {
                 let anchor = [point.anchor_a, point.anchor_b][moving.anchor_body];
@@ -81,7 +81,7 @@ impl Batch {
             let after = before + manifold.normal.dot(b - a);
             let least = before.min(ccd_radius);
             if before > 0.0 && after < least {
-                let body = pair[moving.anchor_body] as usize;
+                let body = pair[moving.anchor_body].index();
                 self.bodies.displacements[body].linear += (least - after) * away;
             }
         }

@@ -2,7 +2,7 @@
 
 use crate::contact::manifolds::Run;
 use crate::solver::batch::Batch;
-use crate::solver::graph::indices::LaneSlot;
+use crate::solver::graph::indices::{BodyNumber, LaneSlot, ManifoldIndex};
 use crate::solver::rows::contact_rows::PointRows;
 use std::ops::Range;
 
@@ -29,7 +29,7 @@ impl Batch {
                 );
                 point.bodies = point
                     .bodies
-                    .map(|body| self.layout.original(body) - first_body);
+                    .map(|body| self.layout.original(BodyNumber(body)).0 - first_body);
                 rows.push(point);
             }
         }
@@ -43,17 +43,17 @@ impl Batch {
             // Those of one island come in their order.
             let places = &self.layout.places[member.places.clone()];
             let [from, to] =
-                [first, end].map(|past| places.partition_point(|place| (place.0 as usize) < past));
+                [first, end].map(|past| places.partition_point(|place| place.0.index() < past));
             self.store_places(&places[from..to], first, run);
         }
     }
 
     /// `first`: index of the first manifold of the run.
-    fn store_places(&self, places: &[(u32, LaneSlot)], first: usize, run: &mut Run) {
+    fn store_places(&self, places: &[(ManifoldIndex, LaneSlot)], first: usize, run: &mut Run) {
         let substeps = self.settings.substeps;
         for &(index, place) in places {
             let block = &self.contacts.blocks[place.block as usize];
-            let to = run.points_of(index as usize - first);
+            let to = run.points_of(index.index() - first);
             for (to, point) in to
                 .iter_mut()
                 .zip(&self.contacts.points[block.points.clone()])

@@ -6,6 +6,7 @@
 
 use crate::bodies::store::Bodies;
 use crate::contact::manifolds::ManifoldHead;
+use crate::solver::graph::indices::{BodyNumber, ManifoldIndex};
 use crate::solver::graph::relative_motion::RelativeMotion;
 use crate::threads::team::Team;
 use std::ops::Range;
@@ -87,9 +88,9 @@ pub struct Islands {
     /// The islands, in the order of their first manifolds.
     pub list: Vec<Island>,
     /// Indices of manifolds, island by island; ascending within an island.
-    pub manifolds: Vec<u32>,
+    pub manifolds: Vec<ManifoldIndex>,
     /// The two bodies of each of `manifolds`, as numbers within the island.
-    pub pairs: Vec<[u32; 2]>,
+    pub pairs: Vec<[BodyNumber; 2]>,
     /// Number of points of each of `manifolds`.
     pub counts: Vec<u32>,
     /// Slots of bodies, island by island, in the order in which the manifolds name them.
@@ -164,7 +165,7 @@ impl Islands {
         let links = self
             .manifolds
             .iter()
-            .map(|&index| &self.links[index as usize]);
+            .map(|&index| &self.links[index.index()]);
         for (count, link) in self.counts.iter_mut().zip(links) {
             *count = u32::from(link.points);
         }
@@ -183,7 +184,7 @@ impl Islands {
     }
 
     /// Finds the manifolds whose rows follow the motion of their bodies; `travel` tells how these move, by index of a manifold.
-    pub fn find_moving(&mut self, travel: impl Fn(u32) -> RelativeMotion) {
+    pub fn find_moving(&mut self, travel: impl Fn(ManifoldIndex) -> RelativeMotion) {
         self.moving.clear();
         for island in &mut self.list {
             let first = self.moving.len();
@@ -237,10 +238,11 @@ impl Islands {
         let islands = (0..).zip(&self.island);
         let islands = islands.filter(|(_, island)| **island != NONE);
         self.manifolds.clear();
-        self.manifolds.resize(islands.clone().count(), 0);
+        self.manifolds
+            .resize(islands.clone().count(), ManifoldIndex::default());
         for (index, &island) in islands {
             let island = &mut self.list[island as usize];
-            self.manifolds[island.manifolds.end] = index;
+            self.manifolds[island.manifolds.end] = ManifoldIndex(index);
             island.manifolds.end += 1;
         }
     }
@@ -255,14 +257,14 @@ impl Islands {
         for island in &mut self.list {
             let first = self.slots.len();
             for &index in &self.manifolds[island.manifolds.clone()] {
-                let link = &self.links[index as usize];
+                let link = &self.links[index.index()];
                 let pair = link.bodies.map(|slot| {
                     let number = &mut self.number[slot as usize];
                     if *number == NONE {
                         *number = (self.slots.len() - first) as u32;
                         self.slots.push(slot);
                     }
-                    *number
+                    BodyNumber(*number)
                 });
                 self.pairs.push(pair);
                 self.counts.push(u32::from(link.points));

@@ -14,6 +14,7 @@
 //! a coloring would hand half of all bodies to the other core dozens of times per sweep.
 
 use crate::solver::graph::bisection::{Bisection, MAX_LEAVES};
+use crate::solver::graph::indices::BodyNumber;
 use crate::threads::team::Team;
 use glam::Vec3;
 use std::ops::Range;
@@ -39,7 +40,7 @@ pub struct Partition {
     old_leaf: Vec<u8>,
     new_leaf: Vec<u8>,
     /// By old number of a body: its new one.
-    renamed: Vec<u32>,
+    renamed: Vec<BodyNumber>,
     old_slots: Vec<u32>,
     halves: Bisection,
 }
@@ -86,7 +87,7 @@ impl Partition {
 
     /// Gives the bodies new numbers, leaf by leaf, those that contacts do not move behind all others: what one thread writes
     /// lies together. `slots` are those of the bodies by number, `pairs` hold numbers.
-    pub fn sort(&mut self, slots: &mut [u32], pairs: &mut [[u32; 2]]) {
+    pub fn sort(&mut self, slots: &mut [u32], pairs: &mut [[BodyNumber; 2]]) {
         if self.leaves.is_empty() {
             return;
         }
@@ -101,11 +102,11 @@ impl Partition {
         for (leaf, slot) in self.old_leaf.iter().zip(&self.old_slots) {
             let number = &mut next[*leaf as usize];
             slots[*number as usize] = *slot;
-            self.renamed.push(*number);
+            self.renamed.push(BodyNumber(*number));
             *number += 1;
         }
         for pair in pairs {
-            *pair = pair.map(|body| self.renamed[body as usize]);
+            *pair = pair.map(|body| self.renamed[body.index()]);
         }
         self.leaf.fill(self.leaves.len() as u8);
         for (number, leaf) in (0..).zip(&self.leaves) {
@@ -133,12 +134,12 @@ impl Partition {
     }
 
     /// The subdomain of a manifold of these bodies, of which contacts move one at least.
-    pub fn of(&self, bodies: [u32; 2]) -> u32 {
+    pub fn of(&self, bodies: [BodyNumber; 2]) -> u32 {
         if self.leaves.is_empty() {
             return 0;
         }
         let count = self.leaves.len() as u32;
-        let [a, b] = bodies.map(|body| u32::from(self.leaf[body as usize]));
+        let [a, b] = bodies.map(|body| u32::from(self.leaf[body.index()]));
         // What contacts do not move is in no leaf.
         let [a, b] = match [a == count, b == count] {
             [true, _] => [b, b],

@@ -22,6 +22,7 @@ use crate::contact::body_id::BodyId;
 use crate::contact::point::MAX_POINTS;
 use crate::simd::lanes::{F8, Lanes};
 use crate::solver::config::FrictionModel;
+use crate::solver::graph::indices::ManifoldIndex;
 use crate::solver::wide::block::{Block, Point, vector};
 use glam::{Vec2, Vec3};
 
@@ -36,7 +37,7 @@ const AT_BOUND: f32 = 0.999;
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BondedManifold {
     /// Index of the manifold.
-    pub manifold: u32,
+    pub manifold: ManifoldIndex,
     /// Its bodies.
     pub bodies: (BodyId, BodyId),
     /// Largest tension of each point, N.
@@ -52,7 +53,7 @@ pub struct BondedManifold {
 }
 
 /// Whether a manifold is in the list, which is sorted by manifolds, with a bond that was made since the last step.
-pub fn is_new_bond(bonded: &[BondedManifold], manifold: u32) -> bool {
+pub fn is_new_bond(bonded: &[BondedManifold], manifold: ManifoldIndex) -> bool {
     let found = bonded.binary_search_by_key(&manifold, |bond| bond.manifold);
     found.is_ok_and(|at| bonded[at].is_new)
 }

@@ -3,7 +3,7 @@
 use crate::common::dice::Dice;
 use crate::common::properties::cases;
 use bevy_cleave::solver::graph::contact_order::ContactOrder;
-use bevy_cleave::solver::graph::indices::LaneSlot;
+use bevy_cleave::solver::graph::indices::{BodyNumber, LaneSlot};
 use bevy_cleave::solver::graph::lane_assignment::{AssignmentRule, ContactEdge, LaneAssignment};
 use bevy_cleave::solver::graph::partition::{Partition, leaves, stages};
 use glam::Vec3;
@@ -97,7 +97,7 @@ proptest! {
             let pair = [a, (a + 1 + dice.below(bodies - 1)) % bodies].map(|body| body as u32);
             let movable = |body: u32| (!is_fixed(body as usize)).then_some(body);
             let joint = ContactEdge { bodies: pair.map(movable), points: 1 + dice.below(4) as u32 };
-            (joint.bodies != [None; 2]).then(|| (cuts.of(pair), joint))
+            (joint.bodies != [None; 2]).then(|| (cuts.of(pair.map(BodyNumber)), joint))
         };
         let joints: Vec<Sorted> = (0..200).filter_map(joint).collect();
         let order = [ContactOrder::Ordered, ContactOrder::Colored][dice.below(2)];
@@ -148,11 +148,11 @@ fn leaves_of_a_cloud_are_of_a_size_and_separators_small() {
     cuts.cut(centers.len(), |i| centers[i], Vec3::NEG_Y, 4, None);
     let mut sizes = [0; 7];
     for i in 0..centers.len() as u32 {
-        sizes[cuts.of([i; 2]) as usize] += 1;
+        sizes[cuts.of([BodyNumber(i); 2]) as usize] += 1;
         // The neighbors along x, y and z: the manifolds of a grid.
         for step in [1, 16, 256] {
             if (i / step) % 16 < 15 {
-                let domain = cuts.of([i, i + step]) as usize;
+                let domain = cuts.of([i, i + step].map(BodyNumber)) as usize;
                 sizes[domain] += usize::from(domain > 3);
             }
         }

@@ -8,7 +8,7 @@ use bevy_cleave::contact::point::MAX_POINTS;
 use bevy_cleave::prelude::*;
 use bevy_cleave::solver::adaptivity::IslandRequirements;
 use bevy_cleave::solver::batch::{Batch, Step};
-use bevy_cleave::solver::graph::indices::LaneSlot;
+use bevy_cleave::solver::graph::indices::{BodyNumber, LaneSlot, ManifoldIndex};
 use bevy_cleave::solver::graph::islands::Islands;
 use bevy_cleave::solver::graph::partition::stages;
 use bevy_cleave::solver::settings::SubstepSettings;
@@ -77,7 +77,7 @@ type Names = ([[u32; 8]; 2], [u32; 8], Range<usize>);
 struct Outcome {
     slots: Vec<u32>,
     bodies: Vec<SolverBody>,
-    places: Vec<(u32, LaneSlot)>,
+    places: Vec<(ManifoldIndex, LaneSlot)>,
     domains: Vec<Range<usize>>,
     blocks: Vec<Names>,
     extents: Vec<f32>,
@@ -99,7 +99,12 @@ fn outcome(batch: &Batch) -> Outcome {
 fn names_are_right(batch: &Batch, manifolds: &Manifolds) -> bool {
     let layout = &batch.layout;
     // The idle body comes behind those that have slots.
-    let slot = |number: u32| layout.slots.get(layout.original(number) as usize).copied();
+    let slot = |number: u32| {
+        layout
+            .slots
+            .get(layout.original(BodyNumber(number)).index())
+            .copied()
+    };
     let mut lanes = batch
         .contacts
         .blocks

@@ -5,6 +5,7 @@ use crate::common::properties::cases;
 use bevy_cleave::contact::manifolds::ManifoldHead;
 use bevy_cleave::contact::point::MAX_POINTS;
 use bevy_cleave::prelude::*;
+use bevy_cleave::solver::graph::indices::{BodyNumber, ManifoldIndex};
 use bevy_cleave::solver::graph::islands::{Island, Islands};
 use bevy_cleave::step;
 use glam::Vec3;
@@ -38,7 +39,12 @@ fn manifold(dice: &mut Dice) -> ManifoldHead {
     }
 }
 
-type Outcome = (Vec<Island>, [Vec<u32>; 3], Vec<[u32; 2]>);
+type Outcome = (
+    Vec<Island>,
+    Vec<ManifoldIndex>,
+    [Vec<u32>; 2],
+    Vec<[BodyNumber; 2]>,
+);
 
 fn outcome(islands: &Islands) -> Outcome {
     let Islands {
@@ -49,8 +55,8 @@ fn outcome(islands: &Islands) -> Outcome {
         slots,
         ..
     } = islands;
-    let numbers = [manifolds, counts, slots].map(Vec::clone);
-    (list.clone(), numbers, pairs.clone())
+    let numbers = [counts, slots].map(Vec::clone);
+    (list.clone(), manifolds.clone(), numbers, pairs.clone())
 }
 
 proptest! {
