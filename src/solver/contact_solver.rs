@@ -54,7 +54,7 @@ pub struct ContactSolver {
 /// What a manifold asks for.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ContactEstimate {
-    pub(crate) travel: RelativeMotion,
+    pub(crate) relative_motion: RelativeMotion,
     /// See [`load_of`](crate::solver::estimates); 0 if nothing depends on it.
     pub(crate) load: f32,
 }
@@ -205,7 +205,7 @@ impl ContactSolver {
                 may_break: may_break && !is_large(&islands.list[range.start]),
             };
             batch.load(&step, range.clone(), requirement);
-            batch.tie(bonded, manifolds);
+            batch.load_bonds(bonded, manifolds);
             batch.solve(manifolds, team);
         };
         let is_for_team = |range: &Range<usize>| islands.manifolds_of(range) >= WORTH_A_TEAM;

@@ -37,7 +37,7 @@ impl ContactSolver {
                 counts(m.a) && counts(m.b) && (takes_part(m.a) || takes_part(m.b))
             };
             islands.find(manifolds.heads(), bodies, is_pending, None);
-            islands.find_moving(|index| self.travel(index));
+            islands.find_moving(|index| self.relative_motion(index));
             for part in 0..islands.list.len() {
                 let slots = &islands.slots[islands.list[part].bodies.clone()];
                 let Some(&slot) = slots.iter().find(|&&slot| takes_part(slot)) else {
@@ -53,7 +53,7 @@ impl ContactSolver {
                     may_break: true,
                 };
                 batch.load(&step, part..part + 1, &self.requirements[whole]);
-                batch.tie(&self.bonded, manifolds);
+                batch.load_bonds(&self.bonded, manifolds);
                 batch.solve(manifolds, None);
                 if batch.impacts.is_broken {
                     batch.store_impulses(&mut manifolds.whole(), 0);

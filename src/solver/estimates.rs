@@ -28,8 +28,8 @@ impl ContactSolver {
             .find(manifolds.heads(), bodies, is_pending, team);
         self.estimate_contacts(manifolds, bodies, settings, team);
         let estimates = &self.estimates;
-        let travel = |manifold: ManifoldIndex| estimates[manifold.index()].travel;
-        self.islands.find_moving(travel);
+        let relative_motion = |manifold: ManifoldIndex| estimates[manifold.index()].relative_motion;
+        self.islands.find_moving(relative_motion);
         self.requirements.clear();
         for i in 0..self.islands.list.len() {
             let requirement = self.requirement(i, settings);
@@ -51,11 +51,11 @@ impl ContactSolver {
         let size = Team::part_size(team, manifolds.len(), MIN_OF_PART);
         let parts = self.estimates.chunks_mut(size).enumerate();
         Team::each_of_many(team, parts, |(part, estimates)| {
-            for (index, wish) in (part * size..).zip(estimates) {
+            for (index, estimate) in (part * size..).zip(estimates) {
                 let head = &manifolds.heads()[index];
                 let slots = [head.a as usize, head.b as usize];
-                wish.travel = RelativeMotion::of(bodies, slots, step);
-                wish.load = if depends_on_load {
+                estimate.relative_motion = RelativeMotion::of(bodies, slots, step);
+                estimate.load = if depends_on_load {
                     load_of(manifolds.at(index), bodies, settings)
                 } else {
                     0.0
@@ -65,8 +65,8 @@ impl ContactSolver {
     }
 
     /// How the bodies of a manifold move against each other.
-    pub(crate) fn travel(&self, manifold: ManifoldIndex) -> RelativeMotion {
-        self.estimates[manifold.index()].travel
+    pub(crate) fn relative_motion(&self, manifold: ManifoldIndex) -> RelativeMotion {
+        self.estimates[manifold.index()].relative_motion
     }
 
     /// What an island asks for.

@@ -122,8 +122,8 @@ impl Bodies {
         }
     }
 
-    /// Counts for how long each body has been at rest, after a step of `h` seconds.
-    fn count_rest(&mut self, config: &SleepConfig, h: f32) {
+    /// Counts for how long each body has been at rest, after a step of `step_dt` seconds.
+    fn count_rest(&mut self, config: &SleepConfig, step_dt: f32) {
         let slots = self.slots();
         let gravity = self.sleep.gravity.length();
         self.sleep.rest.resize(slots, Rest::default());
@@ -133,7 +133,7 @@ impl Bodies {
                 continue;
             }
             if self.is_slow(slot, config, gravity) && self.is_in_place(slot, config) {
-                self.sleep.rest[i].time += h;
+                self.sleep.rest[i].time += step_dt;
             } else {
                 self.sleep.rest[i] = self.rest_here(slot);
             }
@@ -159,21 +159,21 @@ impl Bodies {
         way <= config.drift * self.min_extent[i]
     }
 
-    /// Puts islands to sleep that have been at rest for long enough, after a step of `h` seconds; `manifolds` are those that
+    /// Puts islands to sleep that have been at rest for long enough, after a step of `step_dt` seconds; `manifolds` are those that
     /// `solver` has solved. Their ids are in `sleep.slept` then.
     pub(crate) fn fall_asleep(
         &mut self,
         config: &SleepConfig,
         solver: &ContactSolver,
         manifolds: &Manifolds,
-        h: f32,
+        step_dt: f32,
     ) {
         self.sleep.slept.clear();
         if !self.sleep.is_on {
             return;
         }
-        self.count_rest(config, h);
-        self.find_candidates(config, solver, h);
+        self.count_rest(config, step_dt);
+        self.find_candidates(config, solver, step_dt);
         if self.sleep.candidates.is_empty() {
             return;
         }
@@ -195,14 +195,14 @@ impl Bodies {
     }
 
     /// Lists the islands all of whose bodies have been at rest for long enough.
-    fn find_candidates(&mut self, config: &SleepConfig, solver: &ContactSolver, h: f32) {
+    fn find_candidates(&mut self, config: &SleepConfig, solver: &ContactSolver, step_dt: f32) {
         let Self {
             sleep,
             velocity,
             mass,
             ..
         } = self;
-        let pull = h * sleep.gravity.length();
+        let pull = step_dt * sleep.gravity.length();
         sleep.candidates.clear();
         sleep.candidate_of.resize(velocity.len(), NONE);
         for (number, island) in solver.islands().enumerate() {

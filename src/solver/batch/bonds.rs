@@ -8,7 +8,7 @@ use crate::solver::wide::bond::{BondConstraint, BondedManifold};
 
 impl Batch {
     /// Ties those of its manifolds that are in the list, which is sorted by manifolds.
-    pub fn tie(&mut self, bonded: &[BondedManifold], manifolds: &Manifolds) {
+    pub fn load_bonds(&mut self, bonded: &[BondedManifold], manifolds: &Manifolds) {
         if bonded.is_empty() {
             return;
         }

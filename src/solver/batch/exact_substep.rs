@@ -97,9 +97,11 @@ impl Batch {
         let mut difference = 0.0_f32;
         for (i, point) in self.contacts.points.iter_mut().enumerate() {
             for (lane, target_velocity) in point.target_velocity.0.iter_mut().enumerate() {
-                let tie = self.bonds.constraints.get_mut(i);
-                if let Some(tie) = tie.filter(|tie| tie.adhesion.0[lane] > 0.0) {
-                    difference = difference.max(tie.relax(lane, target_velocity));
+                let constraint = self.bonds.constraints.get_mut(i);
+                if let Some(constraint) =
+                    constraint.filter(|constraint| constraint.adhesion.0[lane] > 0.0)
+                {
+                    difference = difference.max(constraint.relax(lane, target_velocity));
                     continue;
                 }
                 let rebound = self

@@ -54,7 +54,7 @@ pub struct Step<'a> {
 
 impl Batch {
     /// Takes over the bodies and contacts of the islands in `range`, which ask for the same.
-    pub fn load(&mut self, step: &Step, range: Range<usize>, demand: &IslandRequirements) {
+    pub fn load(&mut self, step: &Step, range: Range<usize>, requirements: &IslandRequirements) {
         let Step {
             islands,
             manifolds,
@@ -64,7 +64,7 @@ impl Batch {
             may_break,
         } = *step;
         self.clear();
-        self.settings = settings.for_requirements(demand);
+        self.settings = settings.for_requirements(requirements);
         let layout = &mut self.layout;
         let is_kept = layout.number(islands, range.clone(), bodies, &self.settings, team);
         self.load_bodies(bodies, team);
@@ -88,7 +88,7 @@ impl Batch {
         self.mark_reanchored();
         self.fill_blocks(manifolds, team);
         self.impacts.has_restitution = islands.list[range.clone()].iter().any(|i| i.bounces);
-        if demand.can_hit || self.settings.is_exact() {
+        if requirements.can_hit || self.settings.is_exact() {
             self.impacts
                 .points
                 .resize(self.contacts.points.len(), PointImpact::default());
@@ -129,10 +129,10 @@ impl Batch {
         });
         Team::each(team, parts, |(slots, part)| {
             let copies = part.0.iter_mut().zip(part.1.iter_mut());
-            for (&slot, (body, solid)) in slots.iter().zip(copies) {
+            for (&slot, (body, mass)) in slots.iter().zip(copies) {
                 let i = slot as usize;
                 *body = bodies.velocity[i];
-                *solid = BodyMass::new(
+                *mass = BodyMass::new(
                     body.inverse_mass,
                     &bodies.inverse_inertia[i],
                     bodies.min_extent[i],
@@ -164,9 +164,9 @@ impl Batch {
         }
         let member = &self.layout.members[member];
         let pairs = &self.layout.pairs[member.places.clone()];
-        let solids = &self.bodies.masses;
+        let masses = &self.bodies.masses;
         let extent = |pair: &[BodyNumber; 2]| {
-            let [a, b] = pair.map(|number| solids[number.index()].extent());
+            let [a, b] = pair.map(|number| masses[number.index()].extent());
             a.min(b)
         };
         let size = Team::part_size(team, pairs.len(), MIN_PAIRS);
@@ -272,7 +272,7 @@ impl Batch {
         let settings = &self.settings;
         let source = Source {
             manifolds,
-            solids: &self.bodies.masses,
+            masses: &self.bodies.masses,
             share: 1.0 / settings.substeps as f32,
             slop: settings.slop,
         };

@@ -134,13 +134,13 @@ impl Batch {
                 front_mut(&mut rest.2, spinning),
             )
         });
-        Team::each(team, parts, |(first, bodies, solids, turning)| {
+        Team::each(team, parts, |(first, bodies, masses, turning)| {
             for turning in turning.chunks_mut(SPINS) {
                 turn_together(turning, first, bodies, h, width);
                 for turning in turning {
                     let r = Mat3::from_quat(turning.spin.rotation);
                     let inertia = r * turning.inverse_inertia * r.transpose();
-                    solids[turning.body as usize - first].set_inverse_inertia(&inertia);
+                    masses[turning.body as usize - first].set_inverse_inertia(&inertia);
                 }
             }
         });

@@ -183,15 +183,15 @@ impl Islands {
         list.map(|island| island.manifolds.len()).sum()
     }
 
-    /// Finds the manifolds whose rows follow the motion of their bodies; `travel` tells how these move, by index of a manifold.
-    pub fn find_moving(&mut self, travel: impl Fn(ManifoldIndex) -> RelativeMotion) {
+    /// Finds the manifolds whose rows follow the motion of their bodies; `relative_motion` tells how these move, by index of a manifold.
+    pub fn find_moving(&mut self, relative_motion: impl Fn(ManifoldIndex) -> RelativeMotion) {
         self.moving.clear();
         for island in &mut self.list {
             let first = self.moving.len();
             for at in island.manifolds.clone() {
-                let travel = travel(self.manifolds[at]);
-                if travel.is_noticeable {
-                    let is_fast = travel.is_fast;
+                let relative_motion = relative_motion(self.manifolds[at]);
+                if relative_motion.is_noticeable {
+                    let is_fast = relative_motion.is_fast;
                     self.moving.push(MovingPair { at, is_fast });
                 }
             }

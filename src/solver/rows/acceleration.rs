@@ -191,20 +191,22 @@ impl<F: FnMut(&mut [PointRows], &mut [SolverBody]) -> f32> ImpulseSystem for Poi
     }
 
     #[inline]
-    fn place(&mut self, contact: usize, wish: [f32; 3]) {
+    fn place(&mut self, contact: usize, unbounded: [f32; 3]) {
         let point = &mut self.rows[contact];
-        let normal = wish[0].max(point.min_normal());
+        let normal = unbounded[0].max(point.min_normal());
         let radius = point.friction_bound(normal);
-        let wished = Vec2::new(wish[1], wish[2]);
+        let unbounded_friction = Vec2::new(unbounded[1], unbounded[2]);
         let tangents = match self.friction_model {
-            FrictionModel::Disc => mlcp::project_to_disc(wished, radius),
-            FrictionModel::Box => wished.clamp(Vec2::splat(-radius), Vec2::splat(radius)),
+            FrictionModel::Disc => mlcp::project_to_disc(unbounded_friction, radius),
+            FrictionModel::Box => {
+                unbounded_friction.clamp(Vec2::splat(-radius), Vec2::splat(radius))
+            }
         };
         point.set_impulses([normal, tangents.x, tangents.y]);
-        if normal != wish[0] || tangents != wished {
+        if normal != unbounded[0] || tangents != unbounded_friction {
             let [a, b] = pgs::pair(self.bodies, point.bodies);
-            for (row, wish) in point.rows().into_iter().zip(wish) {
-                row.apply(row.impulse - wish, a, b);
+            for (row, unbounded) in point.rows().into_iter().zip(unbounded) {
+                row.apply(row.impulse - unbounded, a, b);
             }
         }
     }

@@ -82,7 +82,7 @@ pub trait ContactRows {
     /// `1 / A_ii`, kg.
     fn effective_mass(&self, row: usize) -> Self::Real;
     /// Where the normal impulse should be if it had no bound, N s.
-    fn normal_wish(&self) -> Self::Real;
+    fn unbounded_normal(&self) -> Self::Real;
     /// Lower bound of the normal impulse, N s: zero unless it may pull.
     fn min_normal(&self) -> Self::Real {
         Self::Real::ZERO
@@ -134,14 +134,14 @@ pub fn relax<C: ContactRows>(contact: &mut C, friction: impl Fn(&mut C) -> C::Re
     if contact.has_friction() {
         change = friction(contact);
     }
-    let wish = contact.normal_wish();
+    let unbounded = contact.unbounded_normal();
     let least = contact.min_normal();
-    contact.move_to(0, wish.max(least)).max(change)
+    contact.move_to(0, unbounded.max(least)).max(change)
 }
 
 /// The impulse with which the velocity along a row is zero, all others being as they are.
 #[inline]
-fn wish<C: ContactRows>(contact: &C, row: usize) -> C::Real {
+fn unbounded<C: ContactRows>(contact: &C, row: usize) -> C::Real {
     contact.impulse(row) - contact.velocity(row) * contact.effective_mass(row)
 }
 
@@ -151,7 +151,7 @@ pub fn friction_in_box<C: ContactRows>(contact: &mut C) -> C::Real {
     let mut change = C::Real::ZERO;
     for row in 1..=C::TANGENTS {
         let [lo, hi] = contact.bounds(row);
-        let target = wish(contact, row).max(lo).min(hi);
+        let target = unbounded(contact, row).max(lo).min(hi);
         change = change.max(contact.move_to(row, target));
     }
     change
@@ -163,8 +163,8 @@ fn friction_in_disc<C: ContactRows<Real = f32>>(contact: &mut C) -> f32 {
     let [_, radius] = contact.bounds(1);
     // One mass for both, or the projection would leave friction askew to the velocity where the two differ.
     let mass = contact.effective_mass(1).min(contact.effective_mass(2));
-    let wish = |row| contact.impulse(row) - contact.velocity(row) * mass;
-    let both = Vec2::new(wish(1), wish(2));
+    let unbounded = |row| contact.impulse(row) - contact.velocity(row) * mass;
+    let both = Vec2::new(unbounded(1), unbounded(2));
     let target = mlcp::project_to_disc(both, radius);
     let change = contact.move_to(1, target.x);
     change.max(contact.move_to(2, target.y))
@@ -216,7 +216,7 @@ impl ContactRows for PointOnBodies<'_> {
     }
 
     #[inline]
-    fn normal_wish(&self) -> f32 {
+    fn unbounded_normal(&self) -> f32 {
         let row = &self.point.normal;
         row.impulse - (self.velocity(0) - row.target_velocity) * row.effective_mass
     }

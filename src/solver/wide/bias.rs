@@ -139,18 +139,18 @@ fn bond_targets<L: Lanes>(
         L::splat(-bias.max_bias_velocity),
     );
     let back = |way: L| (zero - rate * way).min(most).max(least);
-    for (point, tie) in points.iter_mut().zip(bond_constraints) {
-        let adhesion = L::load(&tie.adhesion);
+    for (point, constraint) in points.iter_mut().zip(bond_constraints) {
+        let adhesion = L::load(&constraint.adhesion);
         let shift = moved.relative(&load_anchors(point));
         let gap = L::load(&point.separation) + frame.normal.dot(shift);
         adhesion
             .if_above(zero, back(gap), L::load(&point.target_velocity))
             .store(&mut point.target_velocity);
         for k in 0..2 {
-            let slide = L::load(&tie.slide[k]) + frame.tangents[k].dot(shift);
+            let slide = L::load(&constraint.slide[k]) + frame.tangents[k].dot(shift);
             adhesion
                 .if_above(zero, back(slide), zero)
-                .store(&mut tie.target_velocity[k]);
+                .store(&mut constraint.target_velocity[k]);
         }
     }
 }

@@ -196,24 +196,27 @@ pub(crate) fn store_three<L: Lanes>(values: [L; 3], to: &mut [F8; 3]) {
     values[2].store(&mut to[2]);
 }
 
-/// The nearest friction to `wish` within the bound `radius`.
+/// The nearest friction to `unbounded` within the bound `radius`.
 #[inline(always)]
-pub(crate) fn project<L: Lanes>(model: FrictionModel, wish: [L; 2], radius: L) -> [L; 2] {
+pub(crate) fn project<L: Lanes>(model: FrictionModel, unbounded: [L; 2], radius: L) -> [L; 2] {
     match model {
         FrictionModel::Disc => {
-            let (squared, bound) = (wish[0] * wish[0] + wish[1] * wish[1], radius * radius);
+            let (squared, bound) = (
+                unbounded[0] * unbounded[0] + unbounded[1] * unbounded[1],
+                radius * radius,
+            );
             // Where all lanes stick, as they do at rest, nothing has to wait for root and division.
             if !squared.is_any_above(bound) {
-                return wish;
+                return unbounded;
             }
             let shrink = squared.if_above(bound, radius / squared.sqrt(), L::splat(1.0));
-            [wish[0] * shrink, wish[1] * shrink]
+            [unbounded[0] * shrink, unbounded[1] * shrink]
         }
         FrictionModel::Box => {
             let least = L::splat(0.0) - radius;
             [
-                wish[0].min(radius).max(least),
-                wish[1].min(radius).max(least),
+                unbounded[0].min(radius).max(least),
+                unbounded[1].min(radius).max(least),
             ]
         }
     }

@@ -74,17 +74,17 @@ pub struct BondConstraint {
 }
 
 impl BondConstraint {
-    /// Ties a lane; `h` is the length of a sub-step, s.
+    /// Ties a lane; `substep_dt` is the length of a sub-step, s.
     pub(crate) fn load(
         &mut self,
         lane: usize,
         block: &Block,
         bond: &BondedManifold,
         off: Vec3,
-        h: f32,
+        substep_dt: f32,
     ) {
-        self.adhesion.0[lane] = h * bond.tension;
-        self.shear.0[lane] = h * bond.shear;
+        self.adhesion.0[lane] = substep_dt * bond.tension;
+        self.shear.0[lane] = substep_dt * bond.shear;
         for (k, tangent) in block.tangents.iter().enumerate() {
             self.start[k].0[lane] = vector(tangent, lane).dot(off);
             self.slide[k].0[lane] = self.start[k].0[lane];
@@ -142,16 +142,16 @@ pub(crate) struct ImpulseBounds<L, const BONDED: bool> {
 
 impl<L: Lanes, const BONDED: bool> ImpulseBounds<L, BONDED> {
     #[inline(always)]
-    pub(crate) fn load(friction: L, tie: Option<&BondConstraint>) -> Self {
+    pub(crate) fn load(friction: L, constraint: Option<&BondConstraint>) -> Self {
         let zero = L::splat(0.0);
-        match tie.filter(|_| BONDED) {
-            Some(tie) => Self {
+        match constraint.filter(|_| BONDED) {
+            Some(constraint) => Self {
                 friction,
-                adhesion: L::load(&tie.adhesion),
-                shear: L::load(&tie.shear),
+                adhesion: L::load(&constraint.adhesion),
+                shear: L::load(&constraint.shear),
                 target_velocity: [
-                    L::load(&tie.target_velocity[0]),
-                    L::load(&tie.target_velocity[1]),
+                    L::load(&constraint.target_velocity[0]),
+                    L::load(&constraint.target_velocity[1]),
                 ],
             },
             None => Self {
@@ -163,14 +163,14 @@ impl<L: Lanes, const BONDED: bool> ImpulseBounds<L, BONDED> {
         }
     }
 
-    /// The nearest normal impulse to `wish`.
+    /// The nearest normal impulse to `unbounded`.
     #[inline(always)]
-    pub(crate) fn normal(&self, wish: L) -> L {
+    pub(crate) fn normal(&self, unbounded: L) -> L {
         let zero = L::splat(0.0);
         if BONDED {
-            wish.max(zero - self.adhesion)
+            unbounded.max(zero - self.adhesion)
         } else {
-            wish.max(zero)
+            unbounded.max(zero)
         }
     }
 

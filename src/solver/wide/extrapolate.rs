@@ -37,19 +37,19 @@ impl<const BONDED: bool> Kernel for Extrapolate<'_, '_, BONDED> {
                 let (point, last) = (&mut points[i], &mut self.last[i]);
                 let now: [L; 3] = load_three(&point.impulse);
                 let before: [L; 3] = load_three(last);
-                let wish = [
+                let unbounded = [
                     now[0] + weight * (now[0] - before[0]),
                     now[1] + weight * (now[1] - before[1]),
                     now[2] + weight * (now[2] - before[2]),
                 ];
                 let bounds =
                     ImpulseBounds::<L, BONDED>::load(friction, self.bond_constraints.get(i));
-                let normal = bounds.normal(wish[0]);
-                let [t1, t2] = project(*model, [wish[1], wish[2]], bounds.radius(normal));
+                let normal = bounds.normal(unbounded[0]);
+                let [t1, t2] = project(*model, [unbounded[1], unbounded[2]], bounds.radius(normal));
                 let new = [normal, t1, t2];
                 store_three(now, last);
                 store_three(new, &mut point.impulse);
-                let taken = [normal - wish[0], t1 - wish[1], t2 - wish[2]];
+                let taken = [normal - unbounded[0], t1 - unbounded[1], t2 - unbounded[2]];
                 pair.push(&masses, &load_anchors(point), frame.impulse(taken));
             }
             pair.scatter(bodies, block);

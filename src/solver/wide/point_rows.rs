@@ -10,7 +10,7 @@ impl Point {
         &self,
         lane: usize,
         block: &Block,
-        tie: Option<&BondConstraint>,
+        constraint: Option<&BondConstraint>,
         rebound: f32,
     ) -> PointRows {
         let anchors = [0, 1].map(|k| vector(&self.anchors[k], lane));
@@ -23,15 +23,16 @@ impl Point {
             speed_scale: block.speed_scale.0[lane],
             rebound,
             total_normal_impulse: self.total_normal_impulse.0[lane],
-            adhesion: tie.map_or(0.0, |tie| tie.adhesion.0[lane]),
-            shear: tie.map_or(0.0, |tie| tie.shear.0[lane]),
+            adhesion: constraint.map_or(0.0, |constraint| constraint.adhesion.0[lane]),
+            shear: constraint.map_or(0.0, |constraint| constraint.shear.0[lane]),
             ..PointRows::default()
         };
         rows.set_geometry(vector(&block.normal, lane), anchors, block.sides(lane));
         rows.set_impulses(self.impulse.map(|lanes| lanes.0[lane]));
         rows.normal.target_velocity = self.target_velocity.0[lane];
         for (k, row) in rows.tangents.iter_mut().enumerate() {
-            row.target_velocity = tie.map_or(0.0, |tie| tie.target_velocity[k].0[lane]);
+            row.target_velocity =
+                constraint.map_or(0.0, |constraint| constraint.target_velocity[k].0[lane]);
         }
         rows
     }

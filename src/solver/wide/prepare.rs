@@ -23,7 +23,7 @@ pub struct Source<'a> {
     /// All manifolds of the step.
     pub manifolds: &'a Manifolds,
     /// By number of a body.
-    pub solids: &'a [BodyMass],
+    pub masses: &'a [BodyMass],
     /// Part of the impulses of the last step that a sub-step starts from.
     pub share: f32,
     /// Overlap that is left alone, as a share of the least extent.
@@ -45,14 +45,14 @@ pub fn fill(blocks: &mut [Block], points: &mut [Point], source: Source<'_>, widt
 pub(crate) fn derive_stale(
     blocks: &mut [Block],
     points: &mut [Point],
-    solids: &[BodyMass],
+    masses: &[BodyMass],
     stale: impl Iterator<Item = usize>,
     width: LaneWidth,
 ) {
     let kernel = Derive {
         blocks,
         points,
-        solids,
+        masses,
         stale,
     };
     run(width, kernel);
@@ -102,7 +102,7 @@ impl Kernel for Fill<'_> {
             let (points, after) = rest.split_at_mut(block.points.len());
             rest = after;
             fill_block::<L>(block, points, &self.source);
-            let [a, b] = load_masses::<L>(block, self.source.solids);
+            let [a, b] = load_masses::<L>(block, self.source.masses);
             let extent = a.min(b);
             (L::splat(self.source.slop) * extent).store(&mut block.slop);
             (L::splat(1.0) / extent.sqrt()).store(&mut block.speed_scale);
@@ -173,7 +173,7 @@ fn tangents<L: Lanes>(n: V3<L>) -> [V3<L>; 2] {
 struct Derive<'a, S> {
     blocks: &'a mut [Block],
     points: &'a mut [Point],
-    solids: &'a [BodyMass],
+    masses: &'a [BodyMass],
     stale: S,
 }
 
@@ -186,7 +186,7 @@ impl<S: Iterator<Item = usize>> Kernel for Derive<'_, S> {
         for at in self.stale {
             let block = &mut self.blocks[at];
             let points = &mut self.points[block.points.start - first..block.points.end - first];
-            load_masses::<L>(block, self.solids);
+            load_masses::<L>(block, self.masses);
             derive::<L>(block, points);
         }
     }
@@ -216,10 +216,10 @@ fn derive<L: Lanes>(block: &Block, points: &mut [Point]) {
 
 /// Copies masses and inertias of the bodies into a block; returns their least extents.
 #[inline(always)]
-fn load_masses<L: Lanes>(block: &mut Block, solids: &[BodyMass]) -> [L; 2] {
+fn load_masses<L: Lanes>(block: &mut Block, masses: &[BodyMass]) -> [L; 2] {
     let mut extents = [L::splat(0.0); 2];
     for (side, min_extent) in extents.iter_mut().enumerate() {
-        let [xx, yy, zz, xy, xz, yz, mass, extent] = L::gather(solids, &block.bodies[side]);
+        let [xx, yy, zz, xy, xz, yz, mass, extent] = L::gather(masses, &block.bodies[side]);
         *min_extent = extent;
         mass.store(&mut block.inverse_mass[side]);
         let six = &mut block.inverse_inertia[side];

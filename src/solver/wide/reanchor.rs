@@ -248,15 +248,21 @@ impl<L: Lanes> AnchorMotion<L> {
 
     /// Bonded lanes: how far B is off along the tangents, less what displacements add to it.
     #[inline(always)]
-    fn reanchor_bond(&self, tie: &mut BondConstraint, point: &Point, follows: L, between: &V3<L>) {
+    fn reanchor_bond(
+        &self,
+        constraint: &mut BondConstraint,
+        point: &Point,
+        follows: L,
+        between: &V3<L>,
+    ) {
         let anchors = load_anchors(point);
         for k in 0..2 {
             let tangent = self.frame.tangents[k];
             let shift = self.moved.along(tangent, &anchors);
-            let slide = L::load(&tie.start[k]) + tangent.dot(*between) - shift;
+            let slide = L::load(&constraint.start[k]) + tangent.dot(*between) - shift;
             follows
-                .if_above(L::splat(0.0), slide, L::load(&tie.slide[k]))
-                .store(&mut tie.slide[k]);
+                .if_above(L::splat(0.0), slide, L::load(&constraint.slide[k]))
+                .store(&mut constraint.slide[k]);
         }
     }
 }
@@ -346,12 +352,13 @@ mod tests {
             }
             reanchored.moves.0[lane] = f32::from(u8::from(lane + 1 < WIDTH));
             reanchored.on_b.0[lane] = (lane % 2) as f32;
-            for (k, (point, tie)) in points.iter_mut().zip(&mut bond_constraints).enumerate() {
+            for (k, (point, constraint)) in points.iter_mut().zip(&mut bond_constraints).enumerate()
+            {
                 point.separation.0[lane] = if k <= lane % 3 { signed(random) } else { FAR };
                 for anchor in &mut point.anchors {
                     set_vector(anchor, lane, direction(random));
                 }
-                tie.start[0].0[lane] = signed(random);
+                constraint.start[0].0[lane] = signed(random);
             }
         }
         (block, points, bond_constraints, reanchored)

@@ -141,10 +141,10 @@ struct State<'p, L, const BONDED: bool> {
 }
 
 impl<L: Lanes, const BONDED: bool> State<'_, L, BONDED> {
-    /// Moves the normal impulse to `wish`, or to its bound; returns the change.
+    /// Moves the normal impulse to `unbounded`, or to its bound; returns the change.
     #[inline(always)]
-    fn move_normal(&mut self, wish: L) -> L {
-        let new = self.bounds.normal(wish);
+    fn move_normal(&mut self, unbounded: L) -> L {
+        let new = self.bounds.normal(unbounded);
         let delta = new - self.impulse[0];
         self.impulse[0] = new;
         delta
@@ -159,11 +159,11 @@ impl<L: Lanes, const BONDED: bool> State<'_, L, BONDED> {
         [t1 - v1 * mass, t2 - v2 * mass]
     }
 
-    /// Moves friction to `wish`, within the bound of the present normal impulse; returns the changes.
+    /// Moves friction to `unbounded`, within the bound of the present normal impulse; returns the changes.
     #[inline(always)]
-    fn move_tangents(&mut self, wish: [L; 2]) -> [L; 2] {
+    fn move_tangents(&mut self, unbounded: [L; 2]) -> [L; 2] {
         let [normal, t1, t2] = self.impulse;
-        let new = project(self.model, wish, self.bounds.radius(normal));
+        let new = project(self.model, unbounded, self.bounds.radius(normal));
         [self.impulse[1], self.impulse[2]] = new;
         [new[0] - t1, new[1] - t2]
     }
@@ -234,8 +234,8 @@ impl<L: Lanes> PointUpdate<L> for SolveWithBias<L> {
         let alone = keep * state.impulse[0] - (state.velocity[0] - target_velocity) * per_speed;
         let [from_t1, from_t2] = load_coupling(state.point, per_speed);
         let [t1, t2] = state.move_tangents(friction);
-        let wish = alone - (from_t1 * t1 + from_t2 * t2);
-        [state.move_normal(wish), t1, t2]
+        let unbounded = alone - (from_t1 * t1 + from_t2 * t2);
+        [state.move_normal(unbounded), t1, t2]
     }
 }
 
@@ -252,10 +252,10 @@ impl<L: Lanes> PointUpdate<L> for RelaxPoint {
         let at_rest = state.bounds.if_bonded(zero, may_close);
         let target = state.rebound.if_above(zero, state.rebound, at_rest);
         let mass = L::load(&state.point.normal_mass);
-        let wish = state.impulse[0] - (state.velocity[0] - target) * mass;
+        let unbounded = state.impulse[0] - (state.velocity[0] - target) * mass;
         let [t1, t2] = state.stopping_friction();
         let [to_t1, to_t2] = load_coupling(state.point, L::load(&state.point.tangent_mass));
-        let normal = state.move_normal(wish);
+        let normal = state.move_normal(unbounded);
         let [t1, t2] = state.move_tangents([t1 - to_t1 * normal, t2 - to_t2 * normal]);
         [normal, t1, t2]
     }
