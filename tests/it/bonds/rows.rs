@@ -54,7 +54,7 @@ fn any_manifold(dice: &mut Dice, a: u32) -> Manifold {
 impl Scene {
     fn new(seed: u64) -> Self {
         let mut dice = Dice::new(seed);
-        let (mut bodies, mut solids) = (Vec::new(), Vec::new());
+        let (mut bodies, mut masses) = (Vec::new(), Vec::new());
         for _ in 0..2 * WIDTH {
             let inverse_mass = dice.in_range(0.2, 5.0);
             let r = Mat3::from_quat(dice.rotation());
@@ -66,7 +66,7 @@ impl Scene {
                 angular: dice.vector(-1.0, 1.0),
                 unused: 0.0,
             });
-            solids.push(BodyMass::new(inverse_mass, &inertia, 1.0));
+            masses.push(BodyMass::new(inverse_mass, &inertia, 1.0));
         }
         let manifolds: Vec<_> = (0..WIDTH as u32)
             .map(|i| any_manifold(&mut dice, 2 * i))
@@ -79,7 +79,7 @@ impl Scene {
         let mut points = vec![Point::default(); MAX_POINTS];
         let source = Source {
             manifolds: &manifolds.iter().collect(),
-            solids: &solids,
+            masses: &masses,
             share: 1.0,
             slop: 0.0,
         };

@@ -62,7 +62,7 @@ impl<const T: usize> ContactRows for Contact<'_, '_, T> {
         1.0 / self.state.diagonal(self.first + row)
     }
 
-    fn normal_wish(&self) -> f64 {
+    fn unbounded_normal(&self) -> f64 {
         self.impulse(0) - self.velocity(0) * self.effective_mass(0)
     }
 

@@ -46,13 +46,13 @@ struct Scene {
     manifolds: Vec<Manifold>,
     bodies: Vec<SolverBody>,
     /// With one more for the lanes that are not used.
-    solids: Vec<BodyMass>,
+    masses: Vec<BodyMass>,
 }
 
 impl Scene {
     fn new(seed: u64) -> Self {
         let mut dice = Dice::new(seed);
-        let (mut bodies, mut solids) = (Vec::new(), Vec::new());
+        let (mut bodies, mut masses) = (Vec::new(), Vec::new());
         for i in 0..BODIES {
             let is_fixed = i % 5 == 0;
             let inverse_mass = if is_fixed {
@@ -69,21 +69,21 @@ impl Scene {
                 angular: dice.vector(-1.0, 1.0),
                 unused: 0.0,
             });
-            solids.push(BodyMass::new(
+            masses.push(BodyMass::new(
                 inverse_mass,
                 &inertia,
                 dice.in_range(0.3, 2.0),
             ));
         }
         bodies.push(SolverBody::default());
-        solids.push(BodyMass::new(0.0, &Mat3::ZERO, 1.0));
+        masses.push(BodyMass::new(0.0, &Mat3::ZERO, 1.0));
         let manifolds = (0..3 * BODIES)
             .filter_map(|_| random_manifold(&mut dice))
             .collect();
         Self {
             manifolds,
             bodies,
-            solids,
+            masses,
         }
     }
 
@@ -91,12 +91,12 @@ impl Scene {
     fn rows(&self) -> Vec<PointRows> {
         let rows = self.manifolds.iter().flat_map(|manifold| {
             let pair = [manifold.a, manifold.b];
-            let solids = pair.map(|body| &self.solids[body as usize]);
-            let sides = solids.map(|solid| RowBody {
+            let masses = pair.map(|body| &self.masses[body as usize]);
+            let sides = masses.map(|solid| RowBody {
                 inverse_mass: solid.inverse_mass(),
                 inverse_inertia: solid.inverse_inertia(),
             });
-            let extent = solids[0].extent().min(solids[1].extent());
+            let extent = masses[0].extent().min(masses[1].extent());
             let points = manifold.points().iter();
             points.map(move |point| PointRows::new(manifold, point, pair, sides, extent, SLOP))
         });
@@ -174,7 +174,7 @@ impl Blocks {
         let mut points = vec![Point::default(); count];
         let source = Source {
             manifolds: &scene.manifolds.iter().collect(),
-            solids: &scene.solids,
+            masses: &scene.masses,
             share: 1.0,
             slop: SLOP,
         };
