@@ -29,6 +29,7 @@ pub mod fracture;
 pub mod geometry;
 pub mod mass;
 pub mod math;
+mod merge;
 pub mod plugin;
 pub mod simd;
 pub mod slice;

@@ -255,6 +255,7 @@ impl Bonds {
         }
         let name = |m: &ManifoldHead| (bodies.id(m.a), bodies.id(m.b));
         let mut next = 0;
+        // A merge by pairs too, but one list shrinks meanwhile and the other is written by index.
         joints.retain_mut(|joint| {
             let rest = manifolds.heads()[next..].iter();
             next += rest.take_while(|m| name(m) < joint.bodies).count();

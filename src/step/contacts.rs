@@ -5,6 +5,7 @@ use crate::collide::narrow_phase::NarrowPhase;
 use crate::contact::manifolds::{ManifoldRef, Manifolds};
 use crate::contact::pairs::broad_phase::Broadphase;
 use crate::fracture::Fractures;
+use crate::merge::merge;
 use crate::solver::contact_solver::{ContactSolver, Round};
 use crate::solver::rows::contact_rows::PointRows;
 use crate::solver::settings::SubstepSettings;
@@ -76,15 +77,13 @@ impl Contacts {
         let solver = &self.solver;
         let name = |m: &ManifoldRef| (bodies.id(m.a), bodies.id(m.b));
         let is_new = |m: &ManifoldRef| !solver.is_solved(m.a) && !solver.is_solved(m.b);
-        let mut new = self.manifolds.iter().filter(is_new).peekable();
+        let new = self.manifolds.iter().filter(is_new);
+        let solved = self.solved.iter();
         self.joined.clear();
-        for solved in self.solved.iter() {
-            while let Some(before) = new.next_if(|new| name(new) < name(&solved)) {
-                self.joined.push(before);
-            }
-            self.joined.push(solved);
+        for manifold in merge(solved, new, |solved, new| name(solved).cmp(&name(new))) {
+            let (solved, new) = manifold.into_options();
+            (solved.into_iter().chain(new)).for_each(|manifold| self.joined.push(manifold));
         }
-        new.for_each(|manifold| self.joined.push(manifold));
         std::mem::swap(&mut self.manifolds, &mut self.joined);
     }
 

@@ -13,7 +13,7 @@ use allocation_counter::measure;
 use bevy_cleave::geometry::{MeshError, TriMesh, primitives};
 use bevy_cleave::math::Plane;
 use bevy_cleave::slice::{
-    CapNormals, Cut, Halves, MeshSlicer, SliceOptions, slice_mesh, split_components,
+    CapNormals, Halves, MeshSlicer, SliceOptions, slice_mesh, split_components,
 };
 use glam::{Vec2, Vec3, Vec4};
 

@@ -11,6 +11,7 @@ use crate::contact::point::ContactPoint;
 use crate::contact::point::MAX_POINTS;
 use crate::geometry::{KdBox, KdCode};
 use crate::math::rotate;
+use crate::merge::merge;
 use glam::{Quat, Vec3};
 use std::cmp::Ordering;
 
@@ -44,15 +45,16 @@ impl WarmStart<'_> {
                 .for_each(|entry| entry.taken = false);
         }
         let mut matched = Matched::default();
-        let mut pairs = share.pairs.iter().peekable();
-        for (head, points) in run.each() {
-            let bodies = bodies_of(head, self.ids);
-            while pairs.next_if(|pair| pair.bodies < bodies).is_some() {}
-            let range = pairs
-                .peek()
-                .filter(|pair| pair.bodies == bodies)
-                .map_or(0..0, |pair| share.range(pair));
-            self.fill(head, points, &mut share.entries[range], &mut matched);
+        let manifolds =
+            (run.each()).map(|(head, points)| (bodies_of(head, self.ids), head, points));
+        for pair in merge(share.pairs, manifolds, |pair, (bodies, ..)| {
+            pair.bodies.cmp(bodies)
+        }) {
+            let (pair, manifold) = pair.into_options();
+            if let Some((_, head, points)) = manifold {
+                let range = pair.map_or(0..0, |pair| share.range(pair));
+                self.fill(head, points, &mut share.entries[range], &mut matched);
+            }
         }
         matched
     }

@@ -44,6 +44,7 @@ use crate::contact::manifolds::{ManifoldHead, Manifolds};
 use crate::contact::point::ContactPoint;
 use crate::geometry::{KdBox, KdCode};
 use crate::math::rotate;
+use crate::merge::merge;
 use crate::threads::parts::WORTH_HELP;
 use crate::threads::team::Team;
 use bevy_ecs::resource::Resource;
@@ -185,14 +186,18 @@ fn move_pairs(
         ids.binary_search(&a).is_ok() || ids.binary_search(&b).is_ok()
     };
     spare.clear();
-    let mut rest = to.pairs.iter().peekable();
-    for pair in from.pairs.iter().filter(|pair| moves(pair)) {
-        while let Some(other) = rest.next_if(|other| other.bodies < pair.bodies) {
-            spare.copy_pair(to, other, 1.0);
-        }
-        spare.copy_pair(from, pair, scale);
+    let moved = from.pairs.iter().filter(|pair| moves(pair));
+    for pair in merge(moved, &to.pairs, |moved, other| {
+        moved.bodies.cmp(&other.bodies)
+    }) {
+        let (moved, other) = pair.into_options();
+        moved
+            .into_iter()
+            .for_each(|pair| spare.copy_pair(from, pair, scale));
+        other
+            .into_iter()
+            .for_each(|pair| spare.copy_pair(to, pair, 1.0));
     }
-    rest.for_each(|other| spare.copy_pair(to, other, 1.0));
     std::mem::swap(to, spare);
     spare.clear();
     for pair in from.pairs.iter().filter(|pair| !moves(pair)) {

@@ -9,6 +9,7 @@ use crate::contact::impulses::{CacheEntry, ContactCache, EntryTable, PairRecord}
 use crate::geometry::predicates::{length_scale, merge_tolerance};
 use crate::geometry::{ConvexHull, KdBox, KdCode};
 use crate::math::{Plane, rotate};
+use crate::merge::merge;
 use glam::{Quat, Vec3};
 
 /// Cosine of the largest angle between faces that are taken for parts of one: half a degree.
@@ -174,14 +175,14 @@ impl ContactCache {
             }
             passed.sort_by_key(|&(bodies, _)| bodies);
             next.clear();
-            let mut passed = passed.chunk_by(|a, b| a.0 == b.0).peekable();
-            for pair in current.pairs.iter().filter(|pair| !is_of(pair)) {
-                while let Some(new) = passed.next_if(|new| new[0].0 < pair.bodies) {
-                    next.push_pair(new);
-                }
-                next.copy_pair(current, pair, 1.0);
+            let kept = current.pairs.iter().filter(|pair| !is_of(pair));
+            let passed = passed.chunk_by(|a, b| a.0 == b.0);
+            for pair in merge(kept, passed, |kept, passed| kept.bodies.cmp(&passed[0].0)) {
+                let (kept, passed) = pair.into_options();
+                kept.into_iter()
+                    .for_each(|pair| next.copy_pair(current, pair, 1.0));
+                passed.into_iter().for_each(|new| next.push_pair(new));
             }
-            passed.for_each(|new| next.push_pair(new));
             std::mem::swap(current, next);
         }
     }

@@ -10,6 +10,7 @@ use crate::contact::impulses::{
 };
 use crate::contact::manifolds::{ManifoldRef, Manifolds};
 use crate::contact::point::ContactPoint;
+use crate::merge::{Merged, merge};
 use crate::threads::parts::{SizedParts, front_mut};
 use glam::Quat;
 use std::ops::Range;
@@ -29,10 +30,10 @@ impl<'s> Solved<'s> {
         Self { range, ..*self }
     }
 
-    /// Names of the bodies of the manifold with this index within the run, if there are so many.
-    fn name(&self, index: usize) -> Option<(BodyId, BodyId)> {
-        let head = self.manifolds.heads()[self.range.clone()].get(index)?;
-        Some(bodies_of(head, self.ids))
+    /// By index within the run: the bodies of each manifold.
+    fn names(&self) -> impl Iterator<Item = (usize, (BodyId, BodyId))> {
+        let heads = self.manifolds.heads()[self.range.clone()].iter();
+        heads.map(|head| bodies_of(head, self.ids)).enumerate()
     }
 
     /// The manifold with this index within the run.
@@ -82,27 +83,25 @@ impl ChunkUpdate {
     pub(crate) fn update(&mut self, share: Chunk, solved: &Solved) {
         self.changes.clear();
         (self.pairs, self.entries) = (share.pairs.len(), share.entries.len());
-        let mut next = 0;
-        let mut name = solved.name(next);
-        for (index, pair) in share.pairs.iter().enumerate() {
-            while name.is_some_and(|name| name < pair.bodies) {
-                self.note_new(index, next, solved);
-                next += 1;
-                name = solved.name(next);
-            }
-            let same = (name == Some(pair.bodies)).then(|| solved.manifold(next));
+        let mut index = 0;
+        for found in merge(share.pairs, solved.names(), |pair, (_, name)| {
+            pair.bodies.cmp(name)
+        }) {
+            let (pair, manifold) = match found {
+                Merged::Left(pair) => (pair, None),
+                Merged::Both(pair, (manifold, _)) => (pair, Some(manifold)),
+                Merged::Right((new, _)) => {
+                    self.note_new(index, new, solved);
+                    continue;
+                }
+            };
+            let same = manifold.map(|manifold| solved.manifold(manifold));
             let range = share.range(pair);
             let entries = &mut share.entries[range];
             if !renew_in_place(entries, same, solved.rotations) {
-                self.note_changed(index, entries, same.map(|same| (next, same)));
+                self.note_changed(index, entries, manifold.zip(same));
             }
-            if same.is_some() {
-                next += 1;
-                name = solved.name(next);
-            }
-        }
-        for new in next..solved.range.len() {
-            self.note_new(share.pairs.len(), new, solved);
+            index += 1;
         }
     }
 

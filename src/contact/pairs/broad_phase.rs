@@ -8,6 +8,7 @@
 use crate::contact::body_id::BodyId;
 use crate::contact::layers::CollisionLayers;
 use crate::math::{Aabb, Plane};
+use crate::merge::{Merged, merge};
 use glam::Vec3;
 use obvhs::bvh2::Bvh2;
 
@@ -292,17 +293,16 @@ impl Broadphase {
         };
         self.fresh.sort_unstable_by_key(key);
         self.merged.clear();
-        let mut fresh = self.fresh.iter().copied().peekable();
-        for &pair in &self.pairs {
-            if self.is_renewed[pair.a as usize] || self.is_renewed[pair.b as usize] {
-                continue;
+        let stays =
+            |pair: &&Pair| !self.is_renewed[pair.a as usize] && !self.is_renewed[pair.b as usize];
+        let old = self.pairs.iter().filter(stays);
+        for pair in merge(old, &self.fresh, |old, fresh| key(old).cmp(&key(fresh))) {
+            match pair {
+                Merged::Left(pair) | Merged::Right(pair) => self.merged.push(*pair),
+                // Not both: a fresh pair has a renewed slot.
+                Merged::Both(old, fresh) => self.merged.extend([old, fresh]),
             }
-            while let Some(next) = fresh.next_if(|next| key(next) < key(&pair)) {
-                self.merged.push(next);
-            }
-            self.merged.push(pair);
         }
-        self.merged.extend(fresh);
         std::mem::swap(&mut self.pairs, &mut self.merged);
         self.revision += 1;
     }

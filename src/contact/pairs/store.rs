@@ -13,6 +13,7 @@ use crate::contact::pairs::touches::NO_TOUCH;
 use crate::contact::pairs::touches::Slab;
 use crate::contact::pairs::touches::Touch;
 use crate::contact::pairs::touches::Touches;
+use crate::merge::{Merged, merge};
 use crate::simd::prefetch::prefetch;
 
 /// Of so many touches, one may have come since they were sorted, and lie anywhere.
@@ -66,22 +67,20 @@ impl PairStore {
         }
         self.new_terms.clear();
         let (states, touches) = (&mut self.states, &mut self.touches);
-        let mut forget = |states: &mut Slab<PairState>, term: &mut RecycleTest| {
-            states.free.push(term.state);
-            touches.end(&mut term.touch);
-        };
-        let mut old = self.names.iter().zip(&mut self.terms).peekable();
-        for name in &self.new_names {
-            while let Some((_, term)) = old.next_if(|(old, _)| *old < name) {
-                forget(states, term);
+        let old = self.names.iter().zip(&mut self.terms);
+        for pair in merge(old, &self.new_names, |(old, _), new| old.cmp(new)) {
+            match pair {
+                Merged::Left((_, gone)) => {
+                    states.free.push(gone.state);
+                    touches.end(&mut gone.touch);
+                }
+                Merged::Both((_, term), _) => self.new_terms.push(*term),
+                Merged::Right(_) => {
+                    let term = RecycleTest::new(states.add(PairState::default()));
+                    self.new_terms.push(term);
+                }
             }
-            let term = match old.next_if(|(old, _)| *old == name) {
-                Some((_, term)) => *term,
-                None => RecycleTest::new(states.add(PairState::default())),
-            };
-            self.new_terms.push(term);
         }
-        old.for_each(|(_, term)| forget(states, term));
         std::mem::swap(&mut self.names, &mut self.new_names);
         std::mem::swap(&mut self.terms, &mut self.new_terms);
     }

@@ -278,7 +278,11 @@ mod tests {
                 .map(|_| (dice.next_u32() >> 16) as u8 & 3)
                 .collect();
             collect(&sides, &mut bits);
-            for (part, width) in [(0, None), (0, Avx2::find()), (1, None), (1, Avx2::find())] {
+            let widths = [LaneWidth::Four, LaneWidth::Widest];
+            for (part, width) in [0, 1]
+                .into_iter()
+                .flat_map(|part| widths.map(|w| (part, w)))
+            {
                 let mut numbers = vec![u32::MAX; count];
                 let has = |bits: Bits| bits[part];
                 select_and_number(width, &mut selection, &bits, has, &mut numbers);
