@@ -369,6 +369,7 @@ fn tree_box(b: &Aabb) -> obvhs::aabb::Aabb {
 pub(crate) type PairName = (BodyId, BodyId);
 
 /// What the pair is called.
+#[inline]
 pub(crate) fn name_of(pair: Pair, ids: &[BodyId]) -> PairName {
     (ids[pair.a as usize], ids[pair.b as usize])
 }

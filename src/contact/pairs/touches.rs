@@ -24,6 +24,7 @@ pub(crate) struct Slab<T> {
 }
 
 impl<T> Slab<T> {
+    #[inline]
     pub(crate) fn add(&mut self, value: T) -> u32 {
         if let Some(at) = self.free.pop() {
             self.list[at as usize] = value;
@@ -33,6 +34,7 @@ impl<T> Slab<T> {
         self.list.len() as u32 - 1
     }
 
+    #[inline]
     pub(crate) fn len(&self) -> usize {
         self.list.len() - self.free.len()
     }
@@ -48,16 +50,19 @@ pub(crate) struct Touches {
 
 impl Touches {
     /// Where the pair touches, if it does.
+    #[inline]
     pub(crate) fn of(&self, touch: u32) -> Option<&Touch> {
         self.slab.list.get(touch as usize)
     }
 
     /// The touch at a place that a term tells.
+    #[inline]
     pub(crate) fn at(&self, touch: u32) -> &Touch {
         &self.slab.list[touch as usize]
     }
 
     /// Notes where the pair touches.
+    #[inline]
     pub(crate) fn set(&mut self, at: &mut u32, touch: Touch) {
         if let Some(old) = self.slab.list.get_mut(*at as usize) {
             *old = touch;
@@ -68,6 +73,7 @@ impl Touches {
     }
 
     /// Notes that the pair does not touch.
+    #[inline]
     pub(crate) fn end(&mut self, at: &mut u32) {
         if *at != NO_TOUCH {
             self.slab.free.push(*at);
@@ -76,6 +82,7 @@ impl Touches {
     }
 
     /// How many there are.
+    #[inline]
     pub(crate) fn len(&self) -> usize {
         self.slab.len()
     }
