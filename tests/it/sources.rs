@@ -19,7 +19,9 @@ impl Source {
         let names = names
             .iter()
             .map(|name| name.to_str().expect("a plain name"));
-        let names: Vec<_> = names.filter(|name| !["mod", "lib"].contains(name)).collect();
+        let names: Vec<_> = names
+            .filter(|name| !["mod", "lib"].contains(name))
+            .collect();
         let module = names.join("::");
         let text = fs::read_to_string(&path).expect("readable");
         Self { path, module, text }
@@ -187,9 +189,27 @@ fn imports_are_seen_in_every_form() {
         imports(module, text, &modules).into_iter().collect()
     };
     assert_eq!(found("e", "use crate::a::b::Name;"), ["a::b"]);
-    assert_eq!(found("e", "use crate::a::{b::{Name, d::*}, c as see};"), ["a::b", "a::b::d", "a::c"]);
-    assert_eq!(found("e", "use crate::{a::{\n    c,\n}, e::f::X};"), ["a::c", "e::f"]);
-    assert_eq!(found("a::b::d", "use super::super::c; use super::Name;"), ["a::b", "a::c"]);
-    assert_eq!(found("e", "let x = crate::a::c::make(crate::a::b::N);"), ["a::b", "a::c"]);
-    assert!(found("e", "// use crate::a;\nlet s = \"crate::a\"; let c = '\"'; my_crate::a();").is_empty());
+    assert_eq!(
+        found("e", "use crate::a::{b::{Name, d::*}, c as see};"),
+        ["a::b", "a::b::d", "a::c"]
+    );
+    assert_eq!(
+        found("e", "use crate::{a::{\n    c,\n}, e::f::X};"),
+        ["a::c", "e::f"]
+    );
+    assert_eq!(
+        found("a::b::d", "use super::super::c; use super::Name;"),
+        ["a::b", "a::c"]
+    );
+    assert_eq!(
+        found("e", "let x = crate::a::c::make(crate::a::b::N);"),
+        ["a::b", "a::c"]
+    );
+    assert!(
+        found(
+            "e",
+            "// use crate::a;\nlet s = \"crate::a\"; let c = '\"'; my_crate::a();"
+        )
+        .is_empty()
+    );
 }
