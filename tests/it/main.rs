@@ -8,6 +8,7 @@ mod hull_chain;
 mod mlcp_files;
 mod models;
 mod slice_common;
+mod sources;
 
 mod allocation;
 mod bonds;
