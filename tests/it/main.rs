@@ -14,6 +14,7 @@ mod bonds;
 mod boxes;
 mod contact;
 mod contact_cache;
+mod docs;
 mod fracture;
 mod fracture_budget;
 mod fracture_in_step;
