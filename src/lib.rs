@@ -2,19 +2,25 @@
 //!
 //! Bodies are convex polyhedra with exact mass, center and inertia. Contacts are rows of one mixed linear
 //! complementarity problem, warm-started from a cache keyed by KD codes. A plane cuts a body, and the mesh that rides in
-//! it, into closed pieces that are bodies of their own. The README has an example to start from.
+//! it, into closed pieces that are bodies of their own. The README has a scene to start from, in an app and without one.
 //!
 //! # Where to read on
 //!
-//! - [`step`]: the loop, one function per phase; [`Simulation`](step::Simulation) runs it on plain data, without an app.
-//! - [`plugin`]: the same phases as system sets; [`ecs::components`] and [`ecs::cut`]: what a user of the plugin meets.
-//! - [`mod@slice`]: a plane against meshes and hulls; [`fracture`]: who breaks, and what becomes of the motion.
-//! - [`solver`]: the problem ([`solver::mlcp`]), its rows, and what solves it.
-//! - [`contact`], [`mass`], [`geometry`], [`math`]: what the others are built on; each uses only those after it.
+//! Users need the [`prelude`] and what is public in these rooms:
+//!
+//! - [`plugin`]: the phases of a step as system sets; [`ecs`]: components, commands and messages.
+//! - [`step`]: the loop, one function per phase; [`Simulation`](prelude::Simulation) runs it on plain data, without an app.
+//! - [`solver`]: methods and settings ([`SolverConfig`](prelude::SolverConfig)); [`bodies`]: what a body is made from.
+//! - [`fracture`]: who breaks, and what becomes of the motion; [`mod@slice`]: a plane against meshes and hulls, patterns.
+//! - [`contact`], [`mass`], [`geometry`], [`math`]: what the others are built on.
+//!
+//! How it works inside is told in the repository: `docs/architecture.md` opens with the way of one contact through a step and says
+//! where to find what, `docs/glossary.md` has the terms. Layers from the bottom up, each of which uses only those before it: `math`, `simd`,
+//! `threads`, `geometry`, `mass`, `slice`, `contact`, `bodies`, `solver`, `collide`, `fracture`, `step`, `ecs`, `plugin`.
 //!
 //! # Conventions
 //!
-//! - SI units: m, kg, s, rad, N s. Right-handed axes; only the default [`Gravity`](solver::Gravity) prefers one (-y).
+//! - SI units: m, kg, s, rad, N s. Right-handed axes; only the default [`Gravity`](prelude::Gravity) prefers one (-y).
 //! - A body's frame is that of its shape as given and of its entity's `Transform`; it need not be at the center of mass.
 //!   Linear velocity is that of the center of mass; velocities are in world axes.
 //! - Normals point from body A to body B, A being the one with the smaller id. Separation is negative where they overlap.

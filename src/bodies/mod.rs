@@ -1,6 +1,17 @@
-//! The bodies of a simulation as flat arrays, one entry per slot.
+//! The bodies of a simulation as flat arrays, one entry per slot: what they are, where they are, how they move.
 //!
-//! Must not know contacts, rows or how anything is solved. Read [`store`] first.
+//! | file | holds |
+//! |---|---|
+//! | `store.rs` | `Bodies`, the arrays; slots and ids |
+//! | `body.rs` | what a body is made from, and why one is refused |
+//! | `solver_body.rs` | the rows of eight numbers that sweeps touch: velocity, mass, motion |
+//! | `free_rotation.rs` | rotation without torque that keeps angular momentum and energy |
+//! | `integrate.rs` | phase 7: bodies are put where the solver has moved them |
+//! | `breaking.rs` | what a body bears, and what it was hit with |
+//! | `sleep_state.rs`, `waking.rs` | who rests and who sleeps; setters wake at once |
+//!
+//! Must not know manifolds, rows or how anything is solved: when islands fall asleep is the solver's business, who breaks that of
+//! `fracture`. Read `store.rs` first, then `solver_body.rs`.
 
 pub mod body;
 pub mod breaking;

@@ -1,6 +1,10 @@
-//! Feeds the rooms of `contact` with bodies: boxes that last some steps, pairs, manifolds.
+//! Feeds the rooms of `contact` with bodies: phases 3 and 4 of a step.
 //!
-//! Must not know what is done with manifolds.
+//! `proxies.rs` tells the broad phase of bodies that have left their boxes, which last some steps. `narrow_phase.rs` goes through the
+//! pairs, run by run on several threads; `narrow_phase/part.rs` is one run: which of its pairs are recycled, which are tested, and
+//! the manifolds of those that touch.
+//!
+//! Must not know what is done with manifolds. Read `narrow_phase/part.rs` first: `PairRun::test` is the whole way of a pair.
 
 pub mod narrow_phase;
 pub mod proxies;

@@ -1,6 +1,17 @@
 //! Contacts: which bodies may touch, where they touch, and what the solver last said about it.
 //!
-//! Must not know velocities, masses or the solver.
+//! Three rooms: `narrow` tests one pair of shapes, `pairs` finds pairs and keeps what is known of them, `impulses` is the contact
+//! cache. The files here are what they have in common:
+//!
+//! | file | holds |
+//! |---|---|
+//! | `point.rs`, `manifolds.rs` | a contact point, and the manifolds of a step, as all that follows sees them |
+//! | `local_manifold.rs` | what a test finds, in the frames of the two bodies |
+//! | `body_manifold.rs` | the same bound to both bodies, to be seen anew after they have moved |
+//! | `reduce.rs` | at most four points of many |
+//! | `material.rs`, `layers.rs`, `body_id.rs` | friction, restitution, density; who may touch whom; what orders everything |
+//!
+//! Must not know velocities, masses or the solver. Read `point.rs` first, then `body_manifold.rs`.
 
 pub mod body_id;
 pub mod body_manifold;

@@ -1,13 +1,25 @@
 //! Bodies that break: which ones, through which planes, and what becomes of their motion.
 //!
 //! Cuts that were asked for are made at the start of a step. A body that is hit with more than it bears breaks in the very
-//! step: the solver gives up its island, the part of the impulses that the body bears acts on it and on what hit it, and
+//! step: the solver gives up its island, the part of the impulses that the body withstands acts on it and on what hit it, and
 //! the island is solved anew with the pieces. So what hit it goes on with the rest of its momentum, and nothing bounces off
-//! a pane that is not there any more. Only a blow that comes anew breaks a body: a load that it stands may last for ever.
+//! a pane that is not there any more. Only an impact that comes anew breaks a body; a sustained load below its strength never
+//! fatigues it.
 //!
 //! A body is cut in its own frame; each piece becomes a body about its own center of mass and moves as that part of the parent did:
 //! `v_i = v + omega x r_i`, `omega_i = omega`, which conserves momentum, angular momentum and energy exactly; the
 //! [`Ledger`] shows the rounding.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `breaking.rs` | when: on request, overloaded, or after waiting for the budget (`budget.rs`) |
+//! | `impact.rs` | impulses of a step by body: what they break, and what of them acts before |
+//! | `pieces.rs`, `conservation.rs`, `ledger.rs` | pieces as bodies; what rounding takes from them; before and after |
+//! | `inheritance.rs`, `bond_inheritance.rs` | which piece gets the multipliers and the bonds of the parent |
+//! | `bonds.rs`, `neighbors.rs`, `shared_area.rs` | what holds bodies together, and over which area |
+//!
+//! Must not know entities. How an impact divides a shape is decided in `slice`, whether it is too much in `bodies/breaking.rs` while
+//! the island is solved. Read `breaking.rs` first.
 
 mod bond_inheritance;
 pub mod bonds;

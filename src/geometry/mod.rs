@@ -1,7 +1,18 @@
 //! Shapes: triangle meshes, convex hulls, primitives, and the KD code of a point in a box.
 //!
-//! Nothing here knows of mass, motion or the ECS. Coordinates are metres in the body's own frame; triangles and face
-//! loops run counter-clockwise seen from outside.
+//! | file | holds |
+//! |---|---|
+//! | `predicates.rs` | every geometric tolerance, derived from rounding; exact side tests |
+//! | `mesh.rs`, `closed.rs`, `weld.rs` | triangle meshes and whether they are closed |
+//! | `hull.rs` | the convex hull of a point cloud |
+//! | `convex.rs`, `face.rs`, `around.rs` | a hull with polygon faces and edges |
+//! | `hull_lanes.rs`, `edge_tables.rs`, `triangle_corners.rs` | the same for several numbers at a time |
+//! | `moments.rs` | volume integrals from faces |
+//! | `convex_mesh.rs`, `primitives.rs` | the shapes that a body can have |
+//! | `kd_code.rs` | cells of a box, for the contact cache |
+//!
+//! Must not know mass, motion, contacts or the ECS. Coordinates are meters in the body's own frame; triangles and face loops run
+//! counter-clockwise seen from outside. Read `predicates.rs` first.
 
 mod around;
 mod closed;

@@ -1,6 +1,11 @@
-//! Several numbers at a time, with whatever the processor has, and asking for memory before it is read.
+//! Several numbers at a time, with whatever the processor has, and prefetching memory before it is read.
 //!
-//! A loop is written once ([`lanes`]) and run with the registers that [`dispatch`] finds. Must not know what the numbers mean.
+//! `lanes.rs` has the trait that loops over eight numbers are written for, and its plain form; `x86.rs` the forms for AVX2, AVX-512VL and
+//! SSE2; `dispatch.rs` decides at run time which one a kernel runs with. `float4.rs` and `doubles.rs` are for geometry and rotation,
+//! `vec3.rs` for vectors of any of them, `prefetch.rs` for memory.
+//!
+//! All forms round every operation on its own and in the same order, so they give the same bits. Must not know what the numbers
+//! mean. Read `lanes.rs` first.
 
 pub mod dispatch;
 pub mod doubles;

@@ -3,13 +3,17 @@
 //! Works in the body's frame on plain data. Both sides are made from the same classification of the same vertices, so
 //! they are exactly complementary: no gap, no overlap, no crack.
 //!
-//! Vertices nearer to the plane than [`plane_tolerance`](crate::geometry::predicates::plane_tolerance) are on it and stay
+//! Vertices nearer to the plane than `plane_tolerance` (`geometry/predicates.rs`) are on it and stay
 //! where they are. From then on every decision follows from the three-way side of each vertex, never from a second look at
 //! coordinates. A closed mesh therefore gives closed parts, whatever its shape; only the shape of the cap's triangles
 //! depends on geometry.
 //!
-//! The cut of meshes follows the paper step by step and takes any closed surface; the tests hold the cuts of convex hulls
-//! (`convex.rs`) and of cells (`cells.rs`), which know more and are faster, against it and against each other.
+//! The cut of meshes (`clip.rs`, `border.rs`, `cap.rs`) follows the paper step by step and takes any closed surface; the tests hold the
+//! cuts of convex hulls (`convex.rs`) and of cells (`cells.rs`), which know more and are faster, against it and against each other.
+//! How an impact divides a body is a pattern (`pattern.rs`), which gives planes, cells or sites (`cutting.rs`); another pattern goes
+//! there. What makes a body breakable is `fracturable.rs`.
+//!
+//! Must not know bodies or contacts. Read `clip.rs` first.
 //!
 //! # References
 //! - The steps (old-vertex table, undirected-edge table, border from directed edges without partner, fan cap) are those

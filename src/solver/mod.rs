@@ -1,4 +1,19 @@
-//! One mixed linear complementarity problem, and the methods that solve it.
+//! From manifolds and bodies to new velocities: one mixed linear complementarity problem, and the methods that solve it.
+//!
+//! | room | is | must not know |
+//! |---|---|---|
+//! | `rows` | the problem row by row: statement, sweep, residual; read this first | lanes, batches |
+//! | `graph` | who is solved with whom, and in which order: answers are integers | impulses |
+//! | `wide` | what eight contacts do | islands, batches, teams |
+//! | `batch` | time: the sub-steps of some islands | how manifolds were found |
+//! | `exact` | the problem solved to rounding, in double precision (feature `exact`) | time |
+//!
+//! Above them, the way of a step: `contact_solver.rs` finds islands and batches and has them solved, `estimates.rs` says what each
+//! manifold and island asks for (`adaptivity.rs`), `deferral.rs` and `breakage_probe.rs` see to large islands in which bodies break,
+//! `results.rs` takes back what was found. `config.rs` is what users set, `settings.rs` the numbers of one sub-step that follow from
+//! it, `free_flight.rs` what touches nothing, `sleep.rs` when islands at rest are left out.
+//!
+//! Must not know how contacts were found, nor entities. After `rows`, read `batch/substep.rs`: one sub-step, line by line.
 
 pub mod adaptivity;
 pub mod batch;

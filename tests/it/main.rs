@@ -15,6 +15,7 @@ mod bonds;
 mod boxes;
 mod contact;
 mod contact_cache;
+mod docs;
 mod fracture;
 mod fracture_budget;
 mod fracture_in_step;

@@ -1,4 +1,11 @@
 //! Where two shapes touch: one pair at a time, in the frame of the first.
+//!
+//! `sat.rs` finds the axis that separates best, over faces and, with `edge_search.rs`, over pairs of edges; `clipping.rs` makes points
+//! of it; `half_space.rs` is the case of a floor. `scratch.rs` has the buffers, and what is handed in (`SatCache`: what was found the
+//! last time, which changes the effort and never the answer) and out (`SatResult`).
+//!
+//! A test of another shape goes here: it gives a `LocalManifold`, or an axis and a distance. Must not know the world: no bodies, no
+//! pairs, no steps. Read `examine_hulls` in `sat.rs` first.
 
 mod clipping;
 mod edge_search;

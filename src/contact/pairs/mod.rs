@@ -1,4 +1,10 @@
 //! Which bodies may touch, and what is kept about a pair from step to step.
+//!
+//! `broad_phase.rs` makes boxes into pairs, sorted by the ids of their bodies. `recycle.rs` decides whether what the last test of a pair
+//! found still holds: a contact is recycled there. `store.rs` keeps that in flat lists, those that touch apart from the others
+//! (`touches.rs`).
+//!
+//! Must not know shapes, nor how a test is done. Read `recycle.rs` first.
 
 pub mod broad_phase;
 pub mod recycle;

@@ -14,6 +14,8 @@
 //!
 //! A problem without solution (a body pushed out of two walls at once) gets the impulses of very stiff springs, which
 //! are finite and do not depend on the start.
+//!
+//! Must not know time, batches or lanes. Read `problem.rs` first, then `driver.rs`.
 
 mod blocks;
 mod cholesky;
