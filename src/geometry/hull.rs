@@ -4,7 +4,7 @@
 //! fourth one lies, and `robust` answers it exactly. With exact answers the set of facets that a new point sees is
 //! always a disc, a new facet never has zero area (a point in line with a horizon edge lies in the planes of both facets
 //! at that edge and sees neither), and coplanar or repeated points need no special case. Rounding can therefore not
-//! break the topology, whatever the input; `docs/decisions.md` has the comparison with other implementations.
+//! break the topology, whatever the input; `docs/decisions/convex_hull.md` has the comparison with other implementations.
 //!
 //! # References
 //! - C. B. Barber, D. P. Dobkin, H. Huhdanpaa, "The Quickhull Algorithm for Convex Hulls", ACM TOMS 22(4), 1996.
