@@ -32,8 +32,8 @@ use crate::bodies::integrate;
 use crate::bodies::store::Bodies;
 use crate::collide::narrow_phase::{self};
 use crate::collide::proxies::Lookahead;
-use crate::contact::impulses::{CacheStats, ContactCache};
-use crate::fracture::{Bonds, Fractures, break_overloaded, make_cuts, note_loads};
+use crate::contact::impulses::{CacheStats, ContactCache, TouchingBodies};
+use crate::fracture::{Bonds, Fractures, Inherited, break_overloaded, make_cuts, note_loads};
 use crate::threads::team::Team;
 
 impl Simulation {
@@ -161,13 +161,12 @@ pub fn generate_contacts(
         if !settings.config.warm_start {
             return CacheStats::default();
         }
-        let Bodies {
-            ids,
-            rotation,
-            kd_box,
-            ..
-        } = &*bodies;
-        cache.warm_start_by(team, manifolds, ids, rotation, kd_box, settings.step_dt)
+        let touching = TouchingBodies {
+            ids: &bodies.ids,
+            rotations: &bodies.rotation,
+            boxes: &bodies.kd_box,
+        };
+        cache.warm_start_by(team, manifolds, touching, settings.step_dt)
     });
     report.manifolds = manifolds.len();
     report.contacts = manifolds.points().len();
@@ -230,12 +229,12 @@ pub fn fracture(
         let Contacts {
             manifolds, solver, ..
         } = contacts;
+        let inherited = Inherited { cache, bonds };
         break_overloaded(
             fractures,
             bodies,
             manifolds,
-            cache,
-            bonds,
+            inherited,
             &settings.budget,
             solver,
         );

@@ -3,6 +3,10 @@
 //! Looked at while the step is being solved. As soon as one body of a batch is overloaded, the solve is given up: the body
 //! breaks, and the step is solved anew with its pieces. If nothing may break any more in the step, it is only noted.
 
+use crate::bodies::body::RigidBody;
+use crate::bodies::store::Bodies;
+use crate::slice::fracturable::Fracturable;
+
 /// What one body of a batch bears in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BreakingLimit {
@@ -38,5 +42,47 @@ impl ImpactLoad {
     pub fn add(&mut self, impulse: f32, speed: f32) {
         self.impulse += impulse;
         self.energy += 0.5 * impulse * speed.max(0.0);
+    }
+}
+
+impl Bodies {
+    /// What the body bears in a step, with number 0; `None` if it does not break, or has borne more already.
+    pub(crate) fn limit(&self, slot: u32) -> Option<BreakingLimit> {
+        let fracturable = self.fracturable(slot)?;
+        let is_at_risk =
+            self.kind(slot) == RigidBody::Dynamic && !self.is_overloaded[slot as usize];
+        is_at_risk.then_some(BreakingLimit {
+            body: 0,
+            impulse: fracturable.strength,
+            energy: fracturable.min_energy,
+        })
+    }
+
+    /// Most pieces that a blow may make of the body.
+    pub(crate) fn max_pieces(&self, slot: u32) -> usize {
+        self.fracturable(slot).map_or(0, |f| f.max_pieces.into())
+    }
+
+    /// How the body breaks; `None` if it does not or the slot is free.
+    pub fn fracturable(&self, slot: u32) -> Option<&Fracturable> {
+        self.info.get(slot as usize)?.as_ref()?.fracturable.as_ref()
+    }
+
+    /// Whether any body can break.
+    pub fn any_fracturable(&self) -> bool {
+        self.fracturable > 0
+    }
+
+    /// Makes a body breakable or unbreakable, and wakes it if that changes anything: its own weight may break it.
+    pub fn set_fracturable(&mut self, slot: u32, fracturable: Option<Fracturable>) {
+        if self.is_asleep(slot) && self.info(slot).fracturable != fracturable {
+            self.wake(slot);
+        }
+        self.fracturable += usize::from(fracturable.is_some());
+        self.fracturable -= usize::from(self.info(slot).fracturable.is_some());
+        self.info[slot as usize]
+            .as_mut()
+            .expect("slot holds a body")
+            .fracturable = fracturable;
     }
 }

@@ -2,9 +2,10 @@
 
 use crate::bodies::body::BodyError;
 use crate::bodies::body::{BodyInfo, RigidBody};
+use crate::bodies::inertia::inverse_inertia;
 use crate::bodies::sleep_state::Status;
 use crate::bodies::solver_body::{Motion, SolverBody};
-use crate::bodies::store::{Bodies, inverse_inertia};
+use crate::bodies::store::Bodies;
 use crate::mass::MassProperties;
 use crate::threads::parts::{front, front_mut};
 use crate::threads::team::{MAX_PARTS, Team};

@@ -16,6 +16,7 @@
 pub mod body;
 pub mod breaking;
 pub mod free_rotation;
+pub(crate) mod inertia;
 pub mod integrate;
 pub mod sleep_state;
 pub mod solver_body;

@@ -9,14 +9,12 @@ use crate::bodies::solver_body::Motion;
 use crate::bodies::solver_body::SolverBody;
 
 use crate::bodies::body::{BodyInfo, check_pose, check_velocity};
-use crate::bodies::breaking::BreakingLimit;
 use crate::bodies::free_rotation::FreeRotation;
 use crate::bodies::sleep_state::Sleep;
 use crate::contact::body_id::BodyId;
 use crate::geometry::{ConvexMesh, KdBox};
-use crate::mass::{MassError, MassProperties};
+use crate::mass::MassProperties;
 use crate::math::{Pose, rotate};
-use crate::slice::fracturable::Fracturable;
 use bevy_ecs::resource::Resource;
 use glam::{Mat3, Quat, Vec3};
 
@@ -43,7 +41,7 @@ pub struct Bodies {
     /// Least extent of the hull's box, m: what slop and contact margin are relative to.
     pub(crate) min_extent: Vec<f32>,
     /// Largest distance of the hull from the center of mass, m.
-    radius: Vec<f32>,
+    pub(super) radius: Vec<f32>,
     /// Changes with shape, mass or material: what is kept about the body elsewhere is out of date then.
     pub(crate) version: Vec<u32>,
     /// Whether the impulses of the last step were more than the body bears: what did not break it then is a load that it
@@ -54,7 +52,7 @@ pub struct Bodies {
     /// Slots whose mass properties the last mass phase computed.
     pub(crate) fresh_mass: Vec<u32>,
     /// Number of bodies that can break.
-    fracturable: usize,
+    pub(super) fracturable: usize,
     /// Number of dynamic bodies.
     dynamic: usize,
     /// Who rests, and what was changed since.
@@ -222,41 +220,9 @@ impl Bodies {
         (v.linear, v.angular)
     }
 
-    /// Mass properties in the body's frame; zero mass before the first mass phase and for half-spaces.
-    pub fn mass(&self, slot: u32) -> &MassProperties {
-        &self.mass[slot as usize]
-    }
-
-    /// Density of the body, kg/m3.
-    pub fn density(&self, slot: u32) -> f32 {
-        self.info(slot).density
-    }
-
     /// Velocities and inverse masses of all slots: what a solver works on.
     pub fn solver_bodies(&self) -> &[SolverBody] {
         &self.velocity
-    }
-
-    /// What the body bears in a step, with number 0; `None` if it does not break, or has borne more already.
-    pub(crate) fn limit(&self, slot: u32) -> Option<BreakingLimit> {
-        let fracturable = self.fracturable(slot)?;
-        let is_at_risk =
-            self.kind(slot) == RigidBody::Dynamic && !self.is_overloaded[slot as usize];
-        is_at_risk.then_some(BreakingLimit {
-            body: 0,
-            impulse: fracturable.strength,
-            energy: fracturable.min_energy,
-        })
-    }
-
-    /// Most pieces that a blow may make of the body.
-    pub(crate) fn max_pieces(&self, slot: u32) -> usize {
-        self.fracturable(slot).map_or(0, |f| f.max_pieces.into())
-    }
-
-    /// How the body breaks; `None` if it does not or the slot is free.
-    pub fn fracturable(&self, slot: u32) -> Option<&Fracturable> {
-        self.info.get(slot as usize)?.as_ref()?.fracturable.as_ref()
     }
 
     /// Whether `slot` holds the body with this id, and not a later one.
@@ -303,7 +269,7 @@ impl Bodies {
     }
 
     /// Sets center of mass and rotation from the pose of the body's frame.
-    fn place(&mut self, slot: u32, pose: Pose) {
+    pub(super) fn place(&mut self, slot: u32, pose: Pose) {
         let i = slot as usize;
         self.rotation[i] = pose.rotation;
         self.center[i] = pose.position + rotate(pose.rotation, self.mass[i].center);
@@ -313,52 +279,6 @@ impl Bodies {
     pub(crate) fn halt(&mut self, slot: u32) {
         let v = &mut self.velocity[slot as usize];
         (v.linear, v.angular) = (Vec3::ZERO, Vec3::ZERO);
-    }
-
-    /// Kinetic energy of a dynamic body, J.
-    pub fn kinetic_energy(&self, slot: u32) -> f64 {
-        self.kinetic_energy_at(slot, self.rotation[slot as usize])
-    }
-
-    /// Kinetic energy of a dynamic body if its rotation were `rotation`, J.
-    fn kinetic_energy_at(&self, slot: u32, rotation: Quat) -> f64 {
-        let (v, omega) = self.velocity(slot);
-        let m = self.mass(slot);
-        let spin = rotate((rotation * m.principal_frame).inverse(), omega);
-        0.5 * (f64::from(m.mass) * f64::from(v.length_squared())
-            + f64::from((m.principal * spin).dot(spin)))
-    }
-
-    /// Kinetic and potential energy (zero at the origin) of all dynamic bodies under `gravity` (m/s2), J: where they are, or
-    /// where the solver has moved them.
-    pub(crate) fn energy(&self, gravity: Vec3, after_motion: bool) -> [f64; 2] {
-        let dynamic = |&slot: &u32| self.is_active(slot) && self.kind(slot) == RigidBody::Dynamic;
-        let mut energy = [0.0; 2];
-        for slot in self.iter().filter(dynamic) {
-            let i = slot as usize;
-            let (center, rotation) = if after_motion {
-                (
-                    self.center[i] + self.motion[i].shift,
-                    self.motion[i].rotation,
-                )
-            } else {
-                (self.center[i], self.rotation[i])
-            };
-            let weight = f64::from(self.mass(slot).mass) * gravity.as_dvec3();
-            energy[0] += self.kinetic_energy_at(slot, rotation);
-            energy[1] -= weight.dot(center.as_dvec3());
-        }
-        energy
-    }
-
-    /// Whether the body's mass was given instead of computed.
-    pub fn has_mass_override(&self, slot: u32) -> bool {
-        self.info(slot).mass_override.is_some()
-    }
-
-    /// Whether any body can break.
-    pub fn any_fracturable(&self) -> bool {
-        self.fracturable > 0
     }
 
     /// Takes over shape, density, material, layers and strength from `desc`, but neither pose nor velocity nor kind. Wakes
@@ -388,19 +308,6 @@ impl Bodies {
             self.mark_shape_changed(slot);
         }
         Ok(())
-    }
-
-    /// Makes a body breakable or unbreakable, and wakes it if that changes anything: its own weight may break it.
-    pub fn set_fracturable(&mut self, slot: u32, fracturable: Option<Fracturable>) {
-        if self.is_asleep(slot) && self.info(slot).fracturable != fracturable {
-            self.wake(slot);
-        }
-        self.fracturable += usize::from(fracturable.is_some());
-        self.fracturable -= usize::from(self.info(slot).fracturable.is_some());
-        self.info[slot as usize]
-            .as_mut()
-            .expect("slot holds a body")
-            .fracturable = fracturable;
     }
 
     pub(crate) fn info(&self, slot: u32) -> &BodyInfo {
@@ -434,61 +341,9 @@ impl Bodies {
         };
     }
 
-    /// Recomputes the mass properties of one body, keeping its frame where it is.
-    pub(crate) fn refresh_mass(&mut self, slot: u32) -> Result<(), MassError> {
-        let i = slot as usize;
-        let pose = self.pose(slot);
-        let info = self.info(slot);
-        let kind = info.kind;
-        self.mass[i] = match (&info.shape, info.mass_override) {
-            (Shape::HalfSpace(_), _) => MassProperties::default(),
-            (Shape::Convex(_), Some(given)) => given,
-            (Shape::Convex(mesh), None) => MassProperties::of_hull(mesh.hull(), info.density)?,
-        };
-        let movable = kind == RigidBody::Dynamic;
-        self.velocity[i].inverse_mass = if movable {
-            1.0 / self.mass[i].mass
-        } else {
-            0.0
-        };
-        if kind == RigidBody::Static {
-            self.halt(slot);
-        }
-        self.radius[i] = self.radius_about(slot, self.mass[i].center);
-        self.renew_version(slot);
-        self.place(slot, pose);
-        self.refresh_world(slot);
-        self.fresh_mass.push(slot);
-        Ok(())
-    }
-
-    fn renew_version(&mut self, slot: u32) {
+    pub(super) fn renew_version(&mut self, slot: u32) {
         let version = &mut self.version[slot as usize];
         *version = version.wrapping_add(1);
-    }
-
-    /// Largest distance of the body's hull from its center of mass, m; 0 for half-spaces.
-    pub(crate) fn radius(&self, slot: u32) -> f32 {
-        self.radius[slot as usize]
-    }
-
-    fn radius_about(&self, slot: u32, center: Vec3) -> f32 {
-        let vertices = self
-            .convex(slot)
-            .map_or(&[][..], |mesh| mesh.hull().vertices());
-        vertices
-            .iter()
-            .map(|v| v.distance_squared(center))
-            .fold(0.0, f32::max)
-            .sqrt()
-    }
-
-    /// Recomputes what follows from the pose: inverse inertia.
-    pub(crate) fn refresh_world(&mut self, slot: u32) {
-        let i = slot as usize;
-        if self.velocity[i].inverse_mass > 0.0 {
-            self.inverse_inertia[i] = inverse_inertia(&self.mass[i], self.rotation[i]);
-        }
     }
 
     fn grow(&mut self) -> u32 {
@@ -509,11 +364,4 @@ impl Bodies {
         self.is_overloaded.push(false);
         slot
     }
-}
-
-/// Inverse inertia tensor about the center of mass, world axes, 1/(kg m2).
-pub(crate) fn inverse_inertia(mass: &MassProperties, rotation: Quat) -> Mat3 {
-    let r = Mat3::from_quat(rotation * mass.principal_frame);
-    let Vec3 { x, y, z } = mass.principal.recip();
-    Mat3::from_cols(r.x_axis * x, r.y_axis * y, r.z_axis * z) * r.transpose()
 }

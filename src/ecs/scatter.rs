@@ -66,19 +66,18 @@ pub(crate) fn renew_entities(world: &mut World, renewal: &mut SystemState<BodySy
 
 /// System: writes motion, then what is left: marks of bodies that fell asleep, and problems of the step.
 pub(crate) fn write_entities(
-    mut commands: Commands,
     mut bodies: ResMut<Bodies>,
     mut state: ResMut<PluginState>,
     report: Res<StepReport>,
     mut warnings: ResMut<Messages<BodyWarning>>,
     (mut motion, tick): (Query<WrittenMotion, Without<Sleeping>>, SystemChangeTick),
-    marked: Query<(), With<Sleeping>>,
+    mut marks: SleepMarks,
 ) {
     let state = &mut *state;
     state.entities.written = tick.this_run();
     scatter(&bodies, &mut motion);
     report_problems(&report, &bodies, &state.entities, &mut warnings);
-    mark_asleep(&mut commands, &bodies, &state.entities, &marked);
+    marks.set(&bodies, &state.entities);
     bodies.forget_sleep_changes();
 }
 
@@ -99,18 +98,22 @@ fn unmark_woken(
     }
 }
 
-/// Marks the entities whose bodies fell asleep, after they were written for the last time.
-fn mark_asleep(
-    commands: &mut Commands,
-    bodies: &Bodies,
-    entities: &BodyEntities,
-    marked: &Query<(), With<Sleeping>>,
-) {
-    for &(slot, id) in bodies.sleep_changes() {
-        if bodies.is_current(slot, id) && bodies.is_asleep(slot) {
-            let entity = entities.of(slot, id);
-            if let Some(entity) = entity.filter(|&entity| !marked.contains(entity)) {
-                commands.entity(entity).insert(Sleeping);
+/// Marks entities as sleeping.
+#[derive(SystemParam)]
+pub(crate) struct SleepMarks<'w, 's> {
+    commands: Commands<'w, 's>,
+    marked: Query<'w, 's, (), With<Sleeping>>,
+}
+
+impl SleepMarks<'_, '_> {
+    /// Marks the entities whose bodies fell asleep, after they were written for the last time.
+    fn set(&mut self, bodies: &Bodies, entities: &BodyEntities) {
+        for &(slot, id) in bodies.sleep_changes() {
+            if bodies.is_current(slot, id) && bodies.is_asleep(slot) {
+                let entity = entities.of(slot, id);
+                if let Some(entity) = entity.filter(|&entity| !self.marked.contains(entity)) {
+                    self.commands.entity(entity).insert(Sleeping);
+                }
             }
         }
     }

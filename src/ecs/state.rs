@@ -3,7 +3,7 @@
 use crate::bodies::body::BodyError;
 use crate::contact::body_id::BodyId;
 use crate::ecs::components::BodyEntities;
-use crate::fracture::bonds::Bond;
+use crate::fracture::bond::Bond;
 use crate::math::Plane;
 use crate::step::StepSettings;
 use bevy_ecs::prelude::*;

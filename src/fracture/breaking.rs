@@ -50,6 +50,8 @@ pub(super) struct FractureState {
     impacts: Vec<ImpulseSum>,
     shares: Vec<f32>,
     cutter: PieceCutter,
+    /// Who broke since impulses were last handed on.
+    lines: Lines,
 }
 
 impl FractureState {
@@ -68,6 +70,15 @@ impl FractureState {
     pub(super) fn left(&self, budget: &FractureBudget) -> usize {
         budget.left(self.made, self.alive.len(), self.awake)
     }
+}
+
+/// What pieces take over from the bodies that they were part of.
+#[derive(Debug)]
+pub struct Inherited<'f> {
+    /// Multipliers of contacts.
+    pub cache: &'f mut ContactCache,
+    /// What they are bonded to.
+    pub bonds: &'f mut Bonds,
 }
 
 /// Makes the cuts that were asked for and breaks what has waited for its turn; removes pieces whose time is over.
@@ -92,15 +103,13 @@ pub fn make_cuts(
     if fractures.requests.is_empty() && fractures.state.waiting.is_empty() {
         return;
     }
-    let mut lines = Lines::new();
     for (plan, requests) in collect_requests(fractures, bodies) {
         bodies.wake(plan.slot);
         // A load that the parent stood must not break a piece that was cut off, but a blow may.
         let stands = bodies.is_overloaded[plan.slot as usize];
         let division = PieceSet::new(bodies, &plan, &mut fractures.state.cutter);
-        let made = division.and_then(|division| {
-            fractures.replace(bodies, bonds, plan.slot, division, budget, &mut lines)
-        });
+        let made = division
+            .and_then(|division| fractures.replace(bodies, bonds, plan.slot, division, budget));
         match made {
             Ok(fracture) => fracture
                 .pieces
@@ -112,9 +121,9 @@ pub fn make_cuts(
             }
         }
     }
-    break_waiting(fractures, bodies, bonds, budget, &mut lines);
+    break_waiting(fractures, bodies, bonds, budget);
     bodies.resume_woken(cache);
-    transfer_impulses(&lines, bodies, cache);
+    fractures.hand_on_impulses(bodies, cache);
 }
 
 /// Breaks the bodies that have waited longest, as far as the budget goes. What was cut in this step waits no more.
@@ -123,7 +132,6 @@ fn break_waiting(
     bodies: &mut Bodies,
     bonds: &mut Bonds,
     budget: &FractureBudget,
-    lines: &mut Lines,
 ) {
     let mut waiting = std::mem::take(&mut fractures.state.waiting);
     waiting.retain(|entry| {
@@ -139,7 +147,7 @@ fn break_waiting(
         // One that makes no pieces bears it.
         let cutter = &mut fractures.state.cutter;
         if let Some(division) = divide(bodies, slot, &entry.impact, left, cutter) {
-            let _ = fractures.replace(bodies, bonds, slot, division, budget, lines);
+            let _ = fractures.replace(bodies, bonds, slot, division, budget);
         }
         false
     });
@@ -154,8 +162,7 @@ pub fn break_overloaded(
     fractures: &mut Fractures,
     bodies: &mut Bodies,
     manifolds: &Manifolds,
-    cache: &mut ContactCache,
-    bonds: &mut Bonds,
+    Inherited { cache, bonds }: Inherited<'_>,
     budget: &FractureBudget,
     solver: &ContactSolver,
 ) {
@@ -188,13 +195,12 @@ pub fn break_overloaded(
         }
     }
     impact::apply_shares(&state.shares, bodies, manifolds);
-    let mut lines = Lines::new();
     for (slot, division, blow) in divisions {
-        if let Ok(fracture) = fractures.replace(bodies, bonds, slot, division, budget, &mut lines) {
+        if let Ok(fracture) = fractures.replace(bodies, bonds, slot, division, budget) {
             fracture.blow = Some(blow);
         }
     }
-    transfer_impulses(&lines, bodies, cache);
+    fractures.hand_on_impulses(bodies, cache);
 }
 
 /// After the last round: notes which bodies have got through the step although its impulses were more than they bear, and
@@ -267,13 +273,12 @@ impl Fractures {
         slot: u32,
         division: PieceSet,
         budget: &FractureBudget,
-        lines: &mut Lines,
     ) -> Result<&mut crate::fracture::Fracture, CutError> {
         let line = Line::of(bodies, slot);
         let fracture = replace(bodies, slot, division, budget)?;
         bonds.inherit(bodies, &line, &fracture.pieces);
-        lines.push((line, fracture.pieces.clone()));
         let state = &mut self.state;
+        state.lines.push((line, fracture.pieces.clone()));
         state.made += fracture.pieces.len();
         let pieces = fracture.pieces.iter().zip(&fracture.ids);
         state.alive.extend(pieces.map(|(&slot, &body)| Alive {
@@ -283,6 +288,12 @@ impl Fractures {
         }));
         self.done.push(fracture);
         Ok(self.done.last_mut().expect("just pushed"))
+    }
+
+    /// Hands the impulses of all that broke on to its pieces.
+    fn hand_on_impulses(&mut self, bodies: &Bodies, cache: &mut ContactCache) {
+        transfer_impulses(&self.state.lines, bodies, cache);
+        self.state.lines.clear();
     }
 }
 

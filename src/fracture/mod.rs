@@ -21,6 +21,7 @@
 //! Must not know entities. How an impact divides a shape is decided in `slice`, whether it is too much in `bodies/breaking.rs` while
 //! the island is solved. Read `breaking.rs` first.
 
+pub mod bond;
 mod bond_inheritance;
 pub mod bonds;
 mod breaking;
@@ -33,8 +34,9 @@ mod neighbors;
 mod pieces;
 mod shared_area;
 
-pub use bonds::{Bond, BondError, Bonds, BrokenBond};
-pub use breaking::{break_overloaded, make_cuts, note_loads};
+pub use bond::{Bond, BondError};
+pub use bonds::{Bonds, BrokenBond};
+pub use breaking::{Inherited, break_overloaded, make_cuts, note_loads};
 pub use budget::FractureBudget;
 pub use ledger::{Invariants, Ledger};
 

@@ -3,7 +3,8 @@
 //! All are centerd on the origin of their bounding box and are built as the hull of their corners, which are computed in
 //! `f64` from `+ - * /` and `sqrt` alone, so that they have the same bits on every platform.
 
-use crate::geometry::convex::{ConvexHull, HullError};
+use crate::geometry::convex::ConvexHull;
+use crate::geometry::hull_error::HullError;
 use glam::{DVec2, DVec3, Vec3};
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_4};
 use std::ops::RangeInclusive;

@@ -29,6 +29,7 @@ mod mass;
 mod mlcp;
 mod pattern;
 mod recycling;
+mod shape;
 mod sleep;
 mod slice;
 mod slice_hull;

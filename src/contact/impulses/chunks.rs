@@ -3,7 +3,8 @@
 //! Manifolds, pairs and entries are in the same order, so a run of manifolds goes with a run of pairs and a run of entries.
 
 use crate::contact::body_id::BodyId;
-use crate::contact::impulses::{CacheEntry, EntryTable, PairRecord, bodies_of};
+use crate::contact::impulses::table::{EntryTable, PairRecord};
+use crate::contact::impulses::{CacheEntry, bodies_of};
 use crate::contact::manifolds::ManifoldHead;
 use crate::threads::parts::SizedParts;
 use std::ops::Range;

@@ -15,12 +15,20 @@ use crate::merge::merge;
 use glam::{Quat, Vec3};
 use std::cmp::Ordering;
 
+/// What a warm start reads of bodies, by slot.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TouchingBodies<'s> {
+    pub(crate) ids: &'s [BodyId],
+    /// World from body.
+    pub(crate) rotations: &'s [Quat],
+    /// What contact codes refer to; none for a half-space.
+    pub(crate) boxes: &'s [Option<KdBox>],
+}
+
 /// What all parts of a warm start read.
 #[derive(Debug)]
 pub(crate) struct WarmStart<'s> {
-    pub(crate) ids: &'s [BodyId],
-    pub(crate) rotations: &'s [Quat],
-    pub(crate) boxes: &'s [Option<KdBox>],
+    pub(crate) bodies: TouchingBodies<'s>,
     /// What stored impulses are multiplied with.
     pub(crate) scale: f32,
     /// Whether entries may be marked as taken from an earlier look.
@@ -46,7 +54,7 @@ impl WarmStart<'_> {
         }
         let mut matched = Matched::default();
         let manifolds =
-            (run.each()).map(|(head, points)| (bodies_of(head, self.ids), head, points));
+            (run.each()).map(|(head, points)| (bodies_of(head, self.bodies.ids), head, points));
         for pair in merge(share.pairs, manifolds, |pair, (bodies, ..)| {
             pair.bodies.cmp(bodies)
         }) {
@@ -67,7 +75,7 @@ impl WarmStart<'_> {
         entries: &mut [CacheEntry],
         matched: &mut Matched,
     ) {
-        let rotation = self.rotations[head.a as usize];
+        let rotation = self.bodies.rotations[head.a as usize];
         let normal = head.normal;
         let stats = &mut matched.stats;
         if continues(points, entries) {
@@ -79,7 +87,7 @@ impl WarmStart<'_> {
             }
             return;
         }
-        let [a, b] = [head.a, head.b].map(|slot| self.boxes[slot as usize].as_ref());
+        let [a, b] = [head.a, head.b].map(|slot| self.bodies.boxes[slot as usize].as_ref());
         let measure = Nearness::of(a, b);
         matched.any_taken = true;
         let found = match_points(points, entries, &measure, stats);

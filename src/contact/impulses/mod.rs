@@ -38,9 +38,11 @@
 
 mod chunks;
 mod matching;
+mod table;
 mod transfer;
 mod update;
 
+pub(crate) use matching::TouchingBodies;
 pub use transfer::{Child, Split};
 
 use crate::contact::body_id::BodyId;
@@ -48,13 +50,13 @@ use crate::contact::manifolds::{ManifoldHead, Manifolds};
 use crate::contact::point::ContactPoint;
 use crate::geometry::{KdBox, KdCode};
 use crate::math::rotate;
-use crate::merge::merge;
 use crate::threads::parts::WORTH_HELP;
 use crate::threads::team::Team;
 use bevy_ecs::resource::Resource;
 use chunks::ChunkPlan;
 use glam::{Quat, Vec3};
 use matching::{Matched, WarmStart};
+use table::{EntryTable, PairRecord, move_pairs};
 use update::{ChunkUpdate, Solved};
 
 /// An entry is evicted when it was not hit for more than this many steps.
@@ -101,113 +103,9 @@ impl CacheEntry {
     }
 }
 
-/// A run of entries that belong to one pair.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-struct PairRecord {
-    bodies: (BodyId, BodyId),
-    first: u32,
-    count: u32,
-}
-
-impl PairRecord {
-    fn range(&self) -> std::ops::Range<usize> {
-        self.first as usize..(self.first + self.count) as usize
-    }
-}
-
-/// Pairs sorted by bodies, and their entries one after the other.
-#[derive(Clone, Debug, Default)]
-struct EntryTable {
-    pairs: Vec<PairRecord>,
-    entries: Vec<CacheEntry>,
-}
-
-impl EntryTable {
-    fn clear(&mut self) {
-        self.pairs.clear();
-        self.entries.clear();
-    }
-
-    /// Entries of a pair.
-    fn of(&self, bodies: (BodyId, BodyId)) -> &[CacheEntry] {
-        let found = self.pairs.binary_search_by_key(&bodies, |pair| pair.bodies);
-        &self.entries[found.map_or(0..0, |i| self.pairs[i].range())]
-    }
-
-    /// Index of the first pair, from `start` on, that is not before `bodies`. Looks at `guess` first.
-    fn first_from(&self, start: usize, bodies: (BodyId, BodyId), guess: usize) -> usize {
-        let is_before = |pair: &PairRecord| pair.bodies < bodies;
-        if guess > start
-            && let Some([before, from]) = self.pairs.get(guess - 1..=guess)
-            && is_before(before)
-            && !is_before(from)
-        {
-            return guess;
-        }
-        start + self.pairs[start..].partition_point(is_before)
-    }
-
-    /// Appends a pair of another table with its impulses scaled.
-    fn copy_pair(&mut self, other: &EntryTable, pair: &PairRecord, scale: f32) {
-        let first = self.entries.len();
-        let entries = other.entries[pair.range()].iter();
-        self.entries.extend(entries.map(|entry| CacheEntry {
-            normal_impulse: scale * entry.normal_impulse,
-            friction_impulse: scale * entry.friction_impulse,
-            ..*entry
-        }));
-        self.close_pair(pair.bodies, first);
-    }
-
-    /// Ends a pair whose entries have been pushed since `first`; a pair without entries is not recorded.
-    fn close_pair(&mut self, bodies: (BodyId, BodyId), first: usize) {
-        let count = (self.entries.len() - first) as u32;
-        if count > 0 {
-            self.pairs.push(PairRecord {
-                bodies,
-                first: first as u32,
-                count,
-            });
-        }
-    }
-}
-
 /// `to / from`, or zero if `from` is.
 fn ratio(to: f32, from: f32) -> f32 {
     if from > 0.0 { to / from } else { 0.0 }
-}
-
-/// Moves the pairs of the bodies in `ids` (ascending) and scales their impulses. `spare` is for the use of this function.
-fn move_pairs(
-    from: &mut EntryTable,
-    to: &mut EntryTable,
-    spare: &mut EntryTable,
-    ids: &[BodyId],
-    scale: f32,
-) {
-    let moves = |pair: &PairRecord| {
-        let (a, b) = pair.bodies;
-        ids.binary_search(&a).is_ok() || ids.binary_search(&b).is_ok()
-    };
-    spare.clear();
-    let moved = from.pairs.iter().filter(|pair| moves(pair));
-    for pair in merge(moved, &to.pairs, |moved, other| {
-        moved.bodies.cmp(&other.bodies)
-    }) {
-        let (moved, other) = pair.into_options();
-        moved
-            .into_iter()
-            .for_each(|pair| spare.copy_pair(from, pair, scale));
-        other
-            .into_iter()
-            .for_each(|pair| spare.copy_pair(to, pair, 1.0));
-    }
-    std::mem::swap(to, spare);
-    spare.clear();
-    for pair in from.pairs.iter().filter(|pair| !moves(pair)) {
-        spare.copy_pair(from, pair, 1.0);
-    }
-    std::mem::swap(from, spare);
 }
 
 /// How the points of a step were matched.
@@ -356,7 +254,12 @@ impl ContactCache {
         h: f32,
     ) -> CacheStats {
         Team::lead_if(is_worth_help(manifolds.len()), |team| {
-            self.warm_start_by(team, manifolds, ids, rotations, boxes, h)
+            let bodies = TouchingBodies {
+                ids,
+                rotations,
+                boxes,
+            };
+            self.warm_start_by(team, manifolds, bodies, h)
         })
     }
 
@@ -365,17 +268,14 @@ impl ContactCache {
         &mut self,
         team: Option<&Team>,
         manifolds: &mut Manifolds,
-        ids: &[BodyId],
-        rotations: &[Quat],
-        boxes: &[Option<KdBox>],
+        bodies: TouchingBodies<'_>,
         h: f32,
     ) -> CacheStats {
-        debug_assert!(is_sorted(manifolds.heads(), ids));
-        self.plan.split(&self.current, manifolds.heads(), ids);
+        debug_assert!(is_sorted(manifolds.heads(), bodies.ids));
+        self.plan
+            .split(&self.current, manifolds.heads(), bodies.ids);
         let pass = WarmStart {
-            ids,
-            rotations,
-            boxes,
+            bodies,
             // No step before (or one of no length): entries are matched, multipliers start at zero.
             scale: ratio(h, self.h),
             any_taken: self.any_taken,

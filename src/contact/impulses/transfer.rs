@@ -5,7 +5,8 @@
 //! starts with its share of what they carried together. Points that are fewer than span a face stay as they are.
 
 use crate::contact::body_id::BodyId;
-use crate::contact::impulses::{CacheEntry, ContactCache, EntryTable, PairRecord};
+use crate::contact::impulses::table::{EntryTable, PairRecord};
+use crate::contact::impulses::{CacheEntry, ContactCache};
 use crate::geometry::predicates::{length_scale, merge_tolerance};
 use crate::geometry::{ConvexHull, KdBox, KdCode};
 use crate::math::{Plane, rotate};

@@ -5,9 +5,8 @@
 
 use crate::contact::body_id::BodyId;
 use crate::contact::impulses::chunks::Chunk;
-use crate::contact::impulses::{
-    CacheEntry, EntryTable, MAX_AGE, PairRecord, bodies_of, continues_as, is_exact,
-};
+use crate::contact::impulses::table::{EntryTable, PairRecord};
+use crate::contact::impulses::{CacheEntry, MAX_AGE, bodies_of, continues_as, is_exact};
 use crate::contact::manifolds::{ManifoldRef, Manifolds};
 use crate::contact::point::ContactPoint;
 use crate::merge::{Merged, merge};

@@ -5,22 +5,20 @@
 
 use crate::contact::local_manifold::{LocalManifold, LocalPoint};
 use crate::contact::narrow::edge_search::EdgeAxis;
-use crate::contact::narrow::scratch::{FaceAxis, NarrowScratch};
+use crate::contact::narrow::scratch::{FaceAxis, HullPair, NarrowScratch};
 use crate::contact::point::MAX_POINTS;
 use crate::contact::reduce::{Candidate, CornerKind, reduce};
-use crate::geometry::ConvexHull;
 use crate::geometry::hull_lanes::point;
-use crate::math::{Plane, Pose};
+use crate::math::Plane;
 use glam::Vec3;
 
 /// The contact of two crossing edges: their closest points.
 pub(crate) fn edge_patch(
-    a: &ConvexHull,
-    b: &ConvexHull,
+    pair: &HullPair<'_>,
     axis: &EdgeAxis,
-    b_in_a: &Pose,
     scratch: &NarrowScratch,
 ) -> LocalManifold {
+    let HullPair { a, b, b_in_a, .. } = *pair;
     let edge_a = a.edges()[axis.edges[0]]
         .vertices
         .map(|v| a.vertices()[v as usize]);
@@ -69,10 +67,7 @@ fn closest_points(p: [Vec3; 2], q: [Vec3; 2]) -> (Vec3, Vec3) {
 /// A face contact being made.
 #[derive(Debug)]
 pub(crate) struct Clipping<'h> {
-    pub(crate) a: &'h ConvexHull,
-    pub(crate) b: &'h ConvexHull,
-    pub(crate) b_in_a: &'h Pose,
-    pub(crate) margin: f32,
+    pub(crate) pair: HullPair<'h>,
     pub(crate) merge: f32,
 }
 
@@ -93,9 +88,9 @@ impl Clipping<'_> {
             ..
         } = scratch;
         let (hull, corners) = if b_refers {
-            (self.b, b_in_a.as_slice())
+            (self.pair.b, b_in_a.as_slice())
         } else {
-            (self.a, self.a.lanes.points.as_slice())
+            (self.pair.a, self.pair.a.lanes.points.as_slice())
         };
         let outline = hull.face_loop(&hull.faces()[axis.face]);
         let mut from = point(corners, outline[outline.len() - 1] as usize);
@@ -118,7 +113,7 @@ impl Clipping<'_> {
         for corner in polygon.iter_mut() {
             corner.separation = reference.distance(corner.at);
         }
-        polygon.retain(|corner| corner.separation <= self.margin);
+        polygon.retain(|corner| corner.separation <= self.pair.margin);
         reduce(polygon, reference.normal, self.merge);
         LocalManifold {
             recycle_distance,
@@ -139,7 +134,7 @@ impl Clipping<'_> {
         }
         let reference = self.reference_plane(axis, b_refers, scratch);
         let at = if b_refers {
-            self.a.vertices()[axis.support]
+            self.pair.a.vertices()[axis.support]
         } else {
             point(&scratch.b_in_a, axis.support)
         };
@@ -176,7 +171,7 @@ impl Clipping<'_> {
         b_refers: bool,
         scratch: &mut NarrowScratch,
     ) {
-        let incident = if b_refers { self.a } else { self.b };
+        let incident = if b_refers { self.pair.a } else { self.pair.b };
         let normal = if b_refers {
             reference.normal
         } else {
@@ -184,7 +179,7 @@ impl Clipping<'_> {
         };
         let face = incident.most_opposed_face(axis.support, normal);
         let corners = if b_refers {
-            self.a.lanes.points.as_slice()
+            self.pair.a.lanes.points.as_slice()
         } else {
             scratch.b_in_a.as_slice()
         };
@@ -230,7 +225,7 @@ impl Clipping<'_> {
             };
             patch.push(LocalPoint {
                 on_a,
-                on_b: self.b_in_a.inverse_transform_point(on_b),
+                on_b: self.pair.b_in_a.inverse_transform_point(on_b),
                 separation: corner.separation,
                 share_b: if with_b { 1.0 } else { 0.0 },
                 along,

@@ -10,6 +10,7 @@
 
 pub use crate::contact::narrow::half_space::collide_half_space;
 use crate::contact::narrow::scratch::FaceAxis;
+use crate::contact::narrow::scratch::HullPair;
 use crate::contact::narrow::scratch::MERGE;
 use crate::contact::narrow::scratch::NarrowScratch;
 use crate::contact::narrow::scratch::SatCache;
@@ -74,7 +75,15 @@ pub(crate) fn examine_hulls(
     match SatAxes::find(a, b, middles, margin, hint, scratch) {
         Err(apart) => apart,
         Ok(None) => SatResult::Touching(LocalManifold::default()),
-        Ok(Some(axes)) => axes.choose(a, b, &b_in_a, margin, hint, scratch),
+        Ok(Some(axes)) => {
+            let pair = HullPair {
+                a,
+                b,
+                b_in_a: &b_in_a,
+                margin,
+            };
+            axes.choose(pair, hint, scratch)
+        }
     }
 }
 
@@ -126,27 +135,26 @@ impl SatAxes {
         Ok(comparable.then_some(Self { face_a, face_b }))
     }
 
-    /// Weighs the faces against each other and against the edges, and makes the contact.
-    fn choose(
-        &self,
-        a: &ConvexHull,
-        b: &ConvexHull,
-        b_in_a: &Pose,
-        margin: f32,
-        hint: SatCache,
-        scratch: &mut NarrowScratch,
-    ) -> SatResult {
-        let Self { face_a, face_b } = self;
-        let (extent_a, extent_b) = (a.aabb().diagonal(), b.aabb().diagonal());
-        let size = extent_a.min(extent_b);
-        let slack = |separation: f32| PREFER_ABSOLUTE * size + PREFER_RELATIVE * separation.abs();
+    /// Whether B has the reference face, for hulls whose diagonals are these, m.
+    #[inline(always)]
+    fn b_refers(&self, [extent_a, extent_b]: [f32; 2], slack: impl Fn(f32) -> f32) -> bool {
+        let [of_a, of_b] = [self.face_a.separation, self.face_b.separation];
         // On a tie the larger hull offers the reference face, so that the points sit on the smaller one's corners.
         let b_is_larger = extent_b > extent_a * (1.0 + PREFER_RELATIVE);
-        let b_refers = if b_is_larger {
-            face_b.separation >= face_a.separation - slack(face_a.separation)
+        if b_is_larger {
+            of_b >= of_a - slack(of_a)
         } else {
-            face_b.separation > face_a.separation + slack(face_a.separation)
-        };
+            of_b > of_a + slack(of_a)
+        }
+    }
+
+    /// Weighs the faces against each other and against the edges, and makes the contact.
+    fn choose(&self, pair: HullPair<'_>, hint: SatCache, scratch: &mut NarrowScratch) -> SatResult {
+        let (Self { face_a, face_b }, HullPair { a, b, margin, .. }) = (self, pair);
+        let extents = [a, b].map(|hull| hull.aabb().diagonal());
+        let size = extents[0].min(extents[1]);
+        let slack = |separation: f32| PREFER_ABSOLUTE * size + PREFER_RELATIVE * separation.abs();
+        let b_refers = self.b_refers(extents, slack);
         let face = if b_refers { face_b } else { face_a };
 
         // Edges matter if they separate by more than this. No axis separates by more than the distance of the hulls.
@@ -156,15 +164,12 @@ impl SatAxes {
         let gap = hint.gap.min(self.gap_at_most(a, b, scratch));
         let search = |floor: f32, scratch: &mut NarrowScratch| {
             // The hulls overlap by no more than along any axis.
-            let hinted = hint.axis.map(|axis| distance_along(a, b, b_in_a, axis));
+            let hinted = (hint.axis).map(|axis| distance_along(a, b, pair.b_in_a, axis));
             let best = hinted.map_or(best_of_faces, |s| s.max(best_of_faces));
             scratch.load_near_edges(a, b, [face_a, face_b], gap.max(-best));
             // What is worth less than the hint is not the best; rounding of the hint is far below the slack.
-            best_edge_pair(
-                a,
-                scratch,
-                hinted.map_or(floor, |s| floor.max(s - slack(s))),
-            )
+            let floor = hinted.map_or(floor, |s| floor.max(s - slack(s)));
+            best_edge_pair(a, scratch, floor)
         };
         let edge = (gap > threshold)
             .then(|| search(threshold, scratch))
@@ -177,22 +182,17 @@ impl SatAxes {
                 };
             }
             if edge.separation > bar {
-                return SatResult::Touching(edge_patch(a, b, &edge, b_in_a, scratch));
+                return SatResult::Touching(edge_patch(&pair, &edge, scratch));
             }
         }
-        let contact = Clipping {
-            a,
-            b,
-            b_in_a,
-            margin,
-            merge: MERGE * size,
-        };
+        let merge = MERGE * size;
+        let contact = Clipping { pair, merge };
         let patch = contact.face_patch(face, b_refers, scratch);
         if patch.count > 0 {
             return SatResult::Touching(patch);
         }
         SatResult::Touching(match search(best_of_faces, scratch) {
-            Some(edge) if edge.separation <= margin => edge_patch(a, b, &edge, b_in_a, scratch),
+            Some(edge) if edge.separation <= margin => edge_patch(&pair, &edge, scratch),
             _ => contact.support_patch(face, b_refers, scratch),
         })
     }

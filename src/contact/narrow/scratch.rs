@@ -10,6 +10,17 @@ use glam::{Mat3, Vec3};
 /// Points nearer than this share of the smaller hull's diagonal are one contact point.
 pub(crate) const MERGE: f32 = 1e-4;
 
+/// Two hulls that may touch.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct HullPair<'h> {
+    pub(crate) a: &'h ConvexHull,
+    pub(crate) b: &'h ConvexHull,
+    /// B's pose in A's frame.
+    pub(crate) b_in_a: &'h Pose,
+    /// How far they may be apart and touch, m.
+    pub(crate) margin: f32,
+}
+
 /// Buffers of the narrow phase, one per thread; they grow to the largest hulls seen and are then reused.
 #[derive(Clone, Debug, Default)]
 pub struct NarrowScratch {

@@ -62,9 +62,7 @@ impl<'a, 'c, const BONDED: bool> Sweep<'a, 'c, BONDED> {
         let zero = L::splat(0.0);
         let mut largest = zero;
         for (at, block) in blocks.iter().enumerate() {
-            if *is_far && let Some(next) = blocks.get(at + AHEAD[0]) {
-                prefetch(next);
-            }
+            prefetch_if(*is_far, blocks, at + AHEAD[0]);
             if let (Some(aim), Some(next)) = (aim, blocks.get(at + BODIES_AHEAD)) {
                 aim.prefetch(next);
             }
@@ -75,9 +73,7 @@ impl<'a, 'c, const BONDED: bool> Sweep<'a, 'c, BONDED> {
             let mut change = zero;
             let start = block.points.start - *first_point;
             for i in start..start + block.points.len() {
-                if *is_far && let Some(next) = points.get(i + AHEAD[1]) {
-                    prefetch(next);
-                }
+                prefetch_if(*is_far, points, i + AHEAD[1]);
                 let point = &mut points[i];
                 let anchors = load_anchors(point);
                 if let Some((aim, of_block)) = &aim {
@@ -107,6 +103,14 @@ impl<'a, 'c, const BONDED: bool> Sweep<'a, 'c, BONDED> {
             }
         }
         largest_lane(largest)
+    }
+}
+
+/// Asks for what a list has at `index`, if it is far away.
+#[inline(always)]
+fn prefetch_if<T>(is_far: bool, list: &[T], index: usize) {
+    if is_far && let Some(next) = list.get(index) {
+        prefetch(next);
     }
 }
 
