@@ -217,8 +217,7 @@ fn can_step(settings: Settings, mut has_warned: Local<bool>) -> bool {
 /// Reads entities too, now that they have bodies: with one body, systems and the resources that they take are most of what the
 /// plugin adds to a step.
 fn mass_properties(
-    mut state: ResMut<PluginState>,
-    mut bodies: ResMut<Bodies>,
+    (mut state, mut bodies): (ResMut<PluginState>, ResMut<Bodies>),
     mut report: ResMut<StepReport>,
     (mut bonds, mut warnings): (ResMut<Bonds>, ResMut<Messages<BodyWarning>>),
     readings: gather::Readings,
