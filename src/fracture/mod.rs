@@ -22,7 +22,7 @@
 //! the island is solved. Read `breaking.rs` first.
 
 mod bond_inheritance;
-pub mod bonds;
+pub(crate) mod bonds;
 mod breaking;
 mod budget;
 mod conservation;
@@ -34,7 +34,7 @@ mod pieces;
 mod shared_area;
 
 pub use bonds::{Bond, BondError, Bonds, BrokenBond};
-pub use breaking::{break_overloaded, make_cuts, note_loads};
+pub(crate) use breaking::{break_overloaded, make_cuts, note_loads};
 pub use budget::FractureBudget;
 pub use ledger::{Invariants, Ledger};
 

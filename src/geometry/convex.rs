@@ -42,8 +42,7 @@ pub enum HullError {
         /// Number of points.
         found: usize,
     },
-    /// The size of the points' bounding box, or their distance from the origin, is outside
-    /// [`SIZE_RANGE`].
+    /// The size of the points' bounding box, or their distance from the origin, is out of range.
     #[error("a body of size {size} m is outside the range of 1e-6 m to 1e6 m")]
     Size {
         /// Length scale, m.

@@ -16,16 +16,16 @@
 
 mod around;
 mod closed;
-pub mod convex;
-pub mod convex_mesh;
+pub(crate) mod convex;
+pub(crate) mod convex_mesh;
 pub(crate) mod edge_tables;
-pub mod face;
-pub mod hull;
+pub(crate) mod face;
+pub(crate) mod hull;
 pub(crate) mod hull_lanes;
-pub mod kd_code;
-pub mod mesh;
+pub(crate) mod kd_code;
+pub(crate) mod mesh;
 pub(crate) mod moments;
-pub mod predicates;
+pub(crate) mod predicates;
 pub mod primitives;
 mod triangle_corners;
 mod weld;

@@ -278,7 +278,7 @@ fn cut_goes_where_the_body_was_seen_however_fast_it_is() {
         simulation.step(H);
     }
     let pose = simulation.bodies.pose(slot);
-    let along = bevy_cleave::math::rotate(pose.rotation, Vec3::X);
+    let along = bevy_cleave::testing::math::rotate(pose.rotation, Vec3::X);
     simulation
         .slice(slot, Plane::through(pose.position, along))
         .expect("a body");

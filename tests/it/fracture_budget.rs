@@ -1,7 +1,7 @@
 //! What a scene can afford to break: pieces of a step and in all, the queue for the rest, and when pieces go.
 
 use bevy_cleave::prelude::*;
-use bevy_cleave::solver::config::SleepConfig;
+use bevy_cleave::solver::SleepConfig;
 use glam::Vec3;
 use std::collections::BTreeSet;
 

@@ -10,13 +10,13 @@ use crate::models::{
     FLAT_CLOUDS, MODELS, assert_edge_is_bad, closed_models, clouds, model, model_mesh, reference,
     single,
 };
-use bevy_cleave::geometry::predicates;
-use bevy_cleave::geometry::predicates::{PlaneError, Side, side};
 use bevy_cleave::geometry::{
-    ConvexHull, ConvexMesh, HalfSpace, HullDefect, HullError, MeshError, TriMesh,
+    ConvexHull, ConvexMesh, HalfSpace, HullDefect, HullError, MeshError, PlaneError, Side, TriMesh,
     convex_hull_triangles, primitives,
 };
 use bevy_cleave::math::{Aabb, Plane, Pose};
+use bevy_cleave::testing::predicates;
+use bevy_cleave::testing::predicates::side;
 use glam::{DVec3, Quat, Vec2, Vec3, Vec4};
 use proptest::prelude::*;
 
