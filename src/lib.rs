@@ -57,7 +57,9 @@ pub mod prelude {
         Bond, BondError, Bonds, BreakingImpact, BrokenBond, CutError, CutRequest, Fracture,
         FractureBudget, Fractures, Ledger,
     };
-    pub use crate::geometry::{ConvexHull, ConvexMesh, HalfSpace, HullError, MeshError, TriMesh};
+    pub use crate::geometry::{
+        ConvexHull, ConvexMesh, HalfSpaceShape, HullError, MeshError, TriMesh,
+    };
     pub use crate::mass::MassProperties;
     pub use crate::math::{Aabb, Plane, Pose};
     pub use crate::plugin::{CleavePlugin, PhysicsSchedule, PhysicsSystems};

@@ -32,7 +32,7 @@ mod weld;
 
 pub(crate) use closed::{EdgeCensus, KnownClosed};
 pub use convex::{ConvexHull, HullDefect, HullError};
-pub use convex_mesh::{ConvexMesh, HalfSpace};
+pub use convex_mesh::{ConvexMesh, HalfSpaceShape};
 pub use face::{Edge, Face};
 pub use hull::convex_hull_triangles;
 pub use kd_code::{KdBox, KdCode};

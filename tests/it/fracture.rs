@@ -11,7 +11,7 @@ fn cuboid(x: f32, y: f32, z: f32) -> ConvexMesh {
 
 fn with_floor() -> Simulation {
     let mut simulation = Simulation::default();
-    let floor = BodyDesc::floor(HalfSpace { normal: Vec3::Y });
+    let floor = BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y });
     simulation.bodies.insert(floor).expect("usable");
     simulation
 }

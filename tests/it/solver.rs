@@ -18,7 +18,7 @@ fn cube(size: f32) -> ConvexMesh {
 
 fn with_floor() -> Simulation {
     let mut simulation = Simulation::default();
-    let floor = BodyDesc::floor(HalfSpace { normal: Vec3::Y });
+    let floor = BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y });
     simulation.bodies.insert(floor).expect("usable");
     simulation
 }
@@ -287,7 +287,7 @@ fn sliding_stops_where_coulomb_says_in_every_direction() {
 fn friction_that_is_taken_away_lets_go_at_once() {
     let mut simulation = Simulation::default();
     let tilt = Quat::from_rotation_z(0.3);
-    let mut slope = BodyDesc::floor(HalfSpace { normal: Vec3::Y });
+    let mut slope = BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y });
     slope.pose.rotation = tilt;
     add(&mut simulation, slope);
     let mut desc = BodyDesc::dynamic(cube(1.0), tilt * Vec3::new(0.0, 0.5, 0.0));

@@ -53,7 +53,7 @@ fn a_bonded_wall_is_solved_as_precisely_as_contacts_are() {
 /// A wall on the ground, its feet bonded to nothing, and a ball of 200 kg that flies at it with the given speed, m/s.
 fn wall_and_ball(speed: f32) -> (Simulation, Vec<u32>) {
     let (mut simulation, slots) = lintel(8, 8);
-    let ground = HalfSpace { normal: Vec3::Y };
+    let ground = HalfSpaceShape { normal: Vec3::Y };
     let mut floor = BodyDesc::floor(ground);
     floor.pose.position.y = -0.1;
     simulation.bodies.insert(floor).expect("usable");
