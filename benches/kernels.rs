@@ -4,19 +4,16 @@
 mod common;
 
 use bevy_app::{App, TaskPoolPlugin};
-use bevy_cleave::bodies::integrate;
-use bevy_cleave::contact::narrow::half_space::collide_half_space;
-use bevy_cleave::contact::narrow::sat::collide_hulls;
-use bevy_cleave::contact::narrow::scratch::NarrowScratch;
-use bevy_cleave::contact::pairs::broad_phase::{Broadphase, Proxy, ProxyKind, ProxyShape};
+use bevy_cleave::contact::{NarrowScratch, collide_hulls};
 use bevy_cleave::geometry::KdBox;
 use bevy_cleave::prelude::*;
 use bevy_cleave::slice::{
     HullHalves, HullSlicer, SliceOptions, cut_by_planes, slice_hull, slice_mesh,
 };
-use bevy_cleave::solver::contact_solver::ContactSolver;
-use bevy_cleave::solver::rows::pgs;
-use bevy_cleave::solver::settings::SubstepSettings;
+use bevy_cleave::testing::batch::{ContactSolver, SubstepSettings};
+use bevy_cleave::testing::bodies::integrate_positions;
+use bevy_cleave::testing::contact::{Broadphase, Proxy, ProxyKind, ProxyShape, collide_half_space};
+use bevy_cleave::testing::pgs;
 use bevy_time::Time;
 use common::scenes::{heap, pile, random_points};
 use criterion::{BatchSize, BenchmarkId, Criterion, criterion_group, criterion_main};
@@ -219,12 +216,12 @@ fn solve(c: &mut Criterion) {
     }
 }
 
-fn integrate_positions(c: &mut Criterion) {
+fn integrate(c: &mut Criterion) {
     let mut settled = Lazy::new(1000);
     c.bench_function("integrate/1000", |b| {
         let bodies = &mut settled.get().bodies;
         let mut problems = Vec::new();
-        b.iter(|| integrate::integrate_positions(bodies, &mut problems));
+        b.iter(|| integrate_positions(bodies, &mut problems));
     });
 }
 
@@ -305,6 +302,6 @@ criterion_group! {
         .warm_up_time(Duration::from_millis(500))
         .measurement_time(Duration::from_secs(2));
     targets = hull_build, mass, slice, cut_by_three_planes, broadphase, manifold, contact_cache, build_rows, solve,
-        integrate_positions, whole_step
+        integrate, whole_step
 }
 criterion_main!(kernels);

@@ -12,9 +12,10 @@
 mod support;
 
 use bevy_cleave::geometry::ConvexHull;
-use bevy_cleave::mass::{VolumeIntegrals, approximate, principal_axes};
+use bevy_cleave::mass::{VolumeIntegrals, principal_axes};
 use bevy_cleave::math::{Aabb, Plane};
 use bevy_cleave::slice::{HullHalves, slice_hull};
+use bevy_cleave::testing::approximate;
 use glam::{DMat3, Vec3};
 use std::path::{Path, PathBuf};
 use support::{Error, model, stats};

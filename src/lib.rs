@@ -28,7 +28,7 @@
 //! - State and geometry are `f32`, volume integrals and exact predicates `f64`. The step uses `+ - * /` and square roots
 //!   only, in a fixed order: the same scene gives the same bits on any number of threads.
 pub mod bodies;
-pub mod collide;
+mod collide;
 pub mod contact;
 pub mod ecs;
 pub mod fracture;
@@ -37,45 +37,134 @@ pub mod mass;
 pub mod math;
 mod merge;
 pub mod plugin;
-pub mod simd;
+mod simd;
 pub mod slice;
 pub mod solver;
 pub mod step;
-pub mod threads;
+mod threads;
 
 /// What most users need.
 pub mod prelude {
-    pub use crate::bodies::body::{BodyDesc, BodyError, RigidBody, Shape};
-    pub use crate::bodies::store::Bodies;
-    pub use crate::contact::body_id::BodyId;
-    pub use crate::contact::impulses::ContactCache;
-    pub use crate::contact::layers::CollisionLayers;
-    pub use crate::contact::material::{CombineRule, Density, Friction, Restitution};
-    pub use crate::ecs::bond::BondCommands;
-    pub use crate::ecs::components::{
-        AngularVelocity, BodyHandle, BodyProblem, BodyWarning, BondBroken, Fractured,
-        LinearVelocity, MassOverride, Sleeping,
+    pub use crate::bodies::{Bodies, BodyDesc, BodyError, RigidBody, Shape};
+    pub use crate::contact::{
+        BodyId, CollisionLayers, CombineRule, ContactCache, Density, Friction, Restitution,
     };
-    pub use crate::ecs::cut::SliceCommands;
-    pub use crate::ecs::spawn::SpawnBody;
+    pub use crate::ecs::{
+        AngularVelocity, BodyHandle, BodyProblem, BodyWarning, BondBroken, BondCommands, Fractured,
+        LinearVelocity, MassOverride, Sleeping, SliceCommands, SpawnBody,
+    };
     pub use crate::fracture::{
         Bond, BondError, Bonds, BreakingImpact, BrokenBond, CutError, CutRequest, Fracture,
         FractureBudget, Fractures, Ledger,
     };
-    pub use crate::geometry::{ConvexHull, ConvexMesh, HalfSpace, HullError, MeshError, TriMesh};
+    pub use crate::geometry::{
+        ConvexHull, ConvexMesh, HalfSpaceShape, HullError, MeshError, TriMesh,
+    };
     pub use crate::mass::MassProperties;
     pub use crate::math::{Aabb, Plane, Pose};
     pub use crate::plugin::{CleavePlugin, PhysicsSchedule, PhysicsSystems};
-    pub use crate::slice::fracturable::Fracturable;
-    pub use crate::slice::pattern::FracturePattern;
+    pub use crate::slice::{Fracturable, FracturePattern};
     #[cfg(feature = "exact")]
-    pub use crate::solver::config::Exact;
-    pub use crate::solver::config::{
+    pub use crate::solver::Exact;
+    pub use crate::solver::{
         FrictionModel, Gravity, Method, Pgs, SleepConfig, SoftStep, SolverConfig,
     };
     pub use crate::step::{
         Contacts, IslandReport, Simulation, StepError, StepReport, StepSettings,
     };
+}
+
+/// Inside views for the tests, benches and examples of this crate, by room. No part of the interface: it changes at will.
+#[doc(hidden)]
+pub mod testing {
+    pub mod approximate {
+        pub use crate::mass::approximate::{
+            mean_of_vertices, off_diagonals_dropped, vertices_as_particles,
+        };
+    }
+    pub mod batch {
+        pub use crate::solver::adaptivity::IslandRequirements;
+        pub use crate::solver::batch::{Batch, Step};
+        pub use crate::solver::contact_solver::ContactSolver;
+        pub use crate::solver::settings::{SolverOverrides, SubstepSettings};
+    }
+    pub mod bodies {
+        pub use crate::bodies::integrate::integrate_positions;
+        pub use crate::bodies::solver_body::{BodyMass, SolverBody};
+    }
+    pub mod collide {
+        pub use crate::collide::narrow_phase::{NarrowPhase, update_pairs};
+        pub use crate::collide::proxies::Lookahead;
+    }
+    pub mod contact {
+        pub use crate::contact::body_manifold::ManifoldBody;
+        pub use crate::contact::impulses::{CacheEntry, MAX_AGE};
+        pub use crate::contact::narrow::half_space::collide_half_space;
+        pub use crate::contact::pairs::broad_phase::{
+            Broadphase, Pair, Proxy, ProxyKind, ProxyShape,
+        };
+    }
+    #[cfg(feature = "exact")]
+    pub mod exact {
+        pub use crate::solver::exact::problem::{
+            Body, Bounds, Contact, ContactProblem, DenseProblem,
+        };
+        pub use crate::solver::exact::{
+            CERTIFIED, Certificate, ExactScratch, solve, solve_bodies, solve_dense,
+        };
+    }
+    pub mod fracture {
+        pub use crate::fracture::bonds::BREAKING_SHARE;
+    }
+    pub mod graph {
+        pub use crate::solver::graph::coloring::Coloring;
+        pub use crate::solver::graph::contact_order::ContactOrder;
+        pub use crate::solver::graph::indices::{BodyNumber, LaneSlot, ManifoldIndex};
+        pub use crate::solver::graph::islands::{Island, Islands};
+        pub use crate::solver::graph::lane_assignment::{
+            AssignmentRule, ContactEdge, LaneAssignment,
+        };
+        pub use crate::solver::graph::ordered_packing::{OrderedPacking, Packer};
+        pub use crate::solver::graph::partition::{Partition, leaves, stages};
+    }
+    pub mod math {
+        pub use crate::math::{rotate, tangents};
+    }
+    pub mod pgs {
+        pub use crate::solver::rows::pgs::{
+            ContactRows, apply_impulses, friction_in_box, relax, solve, sweep,
+        };
+    }
+    pub mod predicates {
+        pub use crate::geometry::predicates::{
+            CONVEX_RELATIVE, FLAT_RELATIVE, ON_PLANE_RELATIVE, check_plane, convex_tolerance,
+            length_scale, plane_tolerance, side, signed_distance,
+        };
+    }
+    pub mod rows {
+        pub use crate::solver::rows::acceleration::{ImpulseSystem, Momentum, PointContacts};
+        pub use crate::solver::rows::contact_rows::{PointRows, Row, RowBody};
+        pub use crate::solver::rows::mlcp::DenseMlcp;
+        pub use crate::solver::rows::residual::{ResidualSum, Solved};
+        pub use crate::solver::rows::soft_step::{Bias, Softness};
+    }
+    pub mod simd {
+        pub use crate::simd::dispatch::run;
+        pub use crate::simd::lanes::{F8, Kernel, LaneWidth, Lanes, WIDTH};
+    }
+    pub mod slice {
+        pub use crate::slice::crack_area::CrackArea;
+    }
+    pub mod threads {
+        pub use crate::threads::team::{Shared, Team};
+    }
+    pub mod wide {
+        pub use crate::solver::wide::block::{Block, Point};
+        pub use crate::solver::wide::bond::BondConstraint;
+        pub use crate::solver::wide::contacts::ContactBlocks;
+        pub use crate::solver::wide::pass::Pass;
+        pub use crate::solver::wide::prepare::{Source, fill};
+    }
 }
 
 #[cfg(doctest)]

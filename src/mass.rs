@@ -13,7 +13,7 @@
 //! - B. Mirtich, "Fast and Accurate Computation of Polyhedral Mass Properties", Journal of Graphics Tools 1(2), 1996.
 //! - G. H. Golub, C. F. Van Loan, *Matrix Computations*, 4th ed., section 8.5 (Jacobi methods).
 
-pub mod approximate;
+pub(crate) mod approximate;
 
 use crate::geometry::moments::{Moments, SolidMoments};
 use crate::geometry::{ConvexHull, TriMesh};

@@ -16,11 +16,11 @@
 //!
 //! Sleeping bodies are woken in phase 4, where it is known who touches them; see [`sleep`](crate::solver::sleep).
 
-pub mod contacts;
+pub(crate) mod contacts;
 mod measure;
-pub mod report;
-pub mod settings;
-pub mod simulation;
+pub(crate) mod report;
+pub(crate) mod settings;
+pub(crate) mod simulation;
 
 use crate::step::measure::report_solution;
 pub use contacts::Contacts;

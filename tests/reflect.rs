@@ -14,7 +14,7 @@ fn components_and_resources_are_registered_as_such() {
     let registry = app.world().resource::<AppTypeRegistry>().read();
     let components = [
         TypeId::of::<RigidBody>(),
-        TypeId::of::<HalfSpace>(),
+        TypeId::of::<HalfSpaceShape>(),
         TypeId::of::<LinearVelocity>(),
         TypeId::of::<AngularVelocity>(),
         TypeId::of::<Density>(),

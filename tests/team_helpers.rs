@@ -1,6 +1,6 @@
 //! Helpers stay for the next phase. In a process of its own: a team has one leader at a time, and here nobody else is one.
 
-use bevy_cleave::threads::team::Team;
+use bevy_cleave::testing::threads::Team;
 use bevy_tasks::{ComputeTaskPool, TaskPoolBuilder};
 use std::time::Duration;
 

@@ -45,7 +45,7 @@ pub(crate) fn app() -> App {
 
 /// A floor, and a wall of bricks in running bond with half bricks at its ends.
 pub(crate) fn wall() -> Result<Vec<BodyDesc>, support::Error> {
-    let mut bodies = vec![BodyDesc::floor(HalfSpace::new(Vec3::Y)?)];
+    let mut bodies = vec![BodyDesc::floor(HalfSpaceShape::new(Vec3::Y)?)];
     let half_length = Vec3::new(0.5, 1.0, 1.0) * BRICK;
     let [whole, half] = [BRICK, half_length].map(|size| ConvexMesh::cuboid(size.x, size.y, size.z));
     let (whole, half) = (whole?, half?);

@@ -29,7 +29,7 @@ impl Demo {
             eye,
             target,
         };
-        demo.add(BodyDesc::floor(HalfSpace::new(Vec3::Y)?), Vec3::ZERO)?;
+        demo.add(BodyDesc::floor(HalfSpaceShape::new(Vec3::Y)?), Vec3::ZERO)?;
         Ok(demo)
     }
 

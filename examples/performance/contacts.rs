@@ -1,14 +1,12 @@
 //! Contacts of a scene in one batch, for what runs over blocks.
 
 use crate::H;
-use bevy_cleave::contact::manifolds::Manifolds;
+use bevy_cleave::contact::Manifolds;
 use bevy_cleave::prelude::*;
-use bevy_cleave::simd::lanes::LaneWidth;
-use bevy_cleave::solver::adaptivity::IslandRequirements;
-use bevy_cleave::solver::batch::{Batch, Step};
-use bevy_cleave::solver::graph::islands::Islands;
-use bevy_cleave::solver::settings::SubstepSettings;
-use bevy_cleave::solver::wide::pass::Pass;
+use bevy_cleave::testing::batch::{Batch, IslandRequirements, Step, SubstepSettings};
+use bevy_cleave::testing::graph::Islands;
+use bevy_cleave::testing::simd::LaneWidth;
+use bevy_cleave::testing::wide::Pass;
 
 /// A simulation of `bodies` after some steps.
 pub(crate) fn settled(bodies: Vec<BodyDesc>, config: SolverConfig, steps: u32) -> Simulation {

@@ -2,8 +2,7 @@
 //!
 //! Through the solver's own [`Lanes`], so that it is the same kind of code: no multiplication is fused with an addition.
 
-use bevy_cleave::simd::dispatch::run;
-use bevy_cleave::simd::lanes::{F8, Kernel, LaneWidth, Lanes, WIDTH};
+use bevy_cleave::testing::simd::{F8, Kernel, LaneWidth, Lanes, WIDTH, run};
 use std::hint::black_box;
 use std::time::Instant;
 

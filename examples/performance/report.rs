@@ -4,8 +4,8 @@ use crate::counts::Counts;
 use crate::limits::{LEVELS, WIDTHS};
 use crate::roofline::{OPERATIONS, Roofline, SLIP, chain, flops};
 use crate::{Error, machine};
-use bevy_cleave::bodies::solver_body::SolverBody;
-use bevy_cleave::solver::wide::block::{Block, Point};
+use bevy_cleave::testing::bodies::SolverBody;
+use bevy_cleave::testing::wide::{Block, Point};
 use std::fmt::Write;
 use std::path::Path;
 

@@ -3,7 +3,7 @@
 use crate::mlcp_files::sweeps::{Method, Profile, micros, velocity_error};
 use crate::mlcp_files::{File, load_all};
 use crate::support::stats;
-use bevy_cleave::solver::exact::ExactScratch;
+use bevy_cleave::testing::exact::ExactScratch;
 use std::time::Instant;
 
 /// Velocity errors to which a problem counts as solved.

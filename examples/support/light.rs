@@ -2,7 +2,7 @@
 
 use super::raster::{fill_triangle, parallel};
 use super::render::Triangle;
-use bevy_cleave::math::tangents;
+use bevy_cleave::testing::math::tangents;
 use glam::{Vec2, Vec3};
 
 /// Number of directions that stand for the sky, and the pixels along one side of their depth pictures.

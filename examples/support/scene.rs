@@ -17,7 +17,7 @@ pub fn shatter(path: &str) -> Result<Vec<BodyDesc>, Error> {
     model.pose.rotation = Quat::from_rotation_z(0.12) * Quat::from_rotation_y(0.7);
     model.angular_velocity = Vec3::new(0.1, 0.3, 0.1);
     model.fracturable = Some(breakable(1500.0, 3, 2));
-    let mut scene = vec![BodyDesc::floor(HalfSpace::new(Vec3::Y)?), model];
+    let mut scene = vec![BodyDesc::floor(HalfSpaceShape::new(Vec3::Y)?), model];
     let shapes = [
         painted(primitives::cuboid(0.6, 0.6, 0.6)?)?,
         painted(primitives::regular_prism(6, 0.35, 0.7)?)?,

@@ -3,7 +3,7 @@
 use crate::contact::layers::CollisionLayers;
 use crate::contact::material::{Friction, MaterialError, Restitution};
 use crate::geometry::predicates::check_plane;
-use crate::geometry::{ConvexMesh, HalfSpace, PlaneError};
+use crate::geometry::{ConvexMesh, HalfSpaceShape, PlaneError};
 use crate::mass::{MassError, MassProperties};
 use crate::math::{Plane, Pose};
 use crate::slice::fracturable::{Fracturable, FracturableError};
@@ -30,7 +30,7 @@ pub enum Shape {
     /// A convex hull, perhaps with a mesh riding in it.
     Convex(ConvexMesh),
     /// Everything behind a plane; only for bodies that are not dynamic.
-    HalfSpace(HalfSpace),
+    HalfSpace(HalfSpaceShape),
 }
 
 impl Shape {
@@ -97,7 +97,7 @@ impl BodyDesc {
     }
 
     /// A static half-space through the origin with the given outward normal: a floor.
-    pub fn floor(half_space: HalfSpace) -> Self {
+    pub fn floor(half_space: HalfSpaceShape) -> Self {
         Self::new(RigidBody::Static, Shape::HalfSpace(half_space))
     }
 }
@@ -146,8 +146,8 @@ pub enum BodyError {
     /// A component that every body has was removed.
     #[error("a component that RigidBody requires (Transform, velocities, materials) was removed")]
     Incomplete,
-    /// Neither `ConvexMesh` nor `HalfSpace` is there.
-    #[error("a RigidBody needs a ConvexMesh or a HalfSpace")]
+    /// Neither `ConvexMesh` nor `HalfSpaceShape` is there.
+    #[error("a RigidBody needs a ConvexMesh or a HalfSpaceShape")]
     NoShape,
 }
 

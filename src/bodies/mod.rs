@@ -13,12 +13,15 @@
 //! Must not know manifolds, rows or how anything is solved: when islands fall asleep is the solver's business, who breaks that of
 //! `fracture`. Read `store.rs` first, then `solver_body.rs`.
 
-pub mod body;
-pub mod breaking;
-pub mod free_rotation;
+pub(crate) mod body;
+pub(crate) mod breaking;
+pub(crate) mod free_rotation;
 pub(crate) mod inertia;
-pub mod integrate;
-pub mod sleep_state;
-pub mod solver_body;
-pub mod store;
+pub(crate) mod integrate;
+pub(crate) mod sleep_state;
+pub(crate) mod solver_body;
+pub(crate) mod store;
 mod waking;
+
+pub use body::{BodyDesc, BodyError, RigidBody, Shape};
+pub use store::Bodies;

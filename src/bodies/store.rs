@@ -3,7 +3,7 @@
 //! A body keeps its slot for life; slots of removed bodies are reused. Everything that is ordered is ordered by
 //! [`BodyId`], never by slot, so results do not depend on which slots were free.
 
-pub use crate::bodies::body::{BodyDesc, BodyError, RigidBody, Shape};
+pub(crate) use crate::bodies::body::{BodyDesc, BodyError, RigidBody};
 use crate::bodies::sleep_state::Status;
 use crate::bodies::solver_body::Motion;
 use crate::bodies::solver_body::SolverBody;
@@ -221,6 +221,7 @@ impl Bodies {
     }
 
     /// Velocities and inverse masses of all slots: what a solver works on.
+    #[doc(hidden)]
     pub fn solver_bodies(&self) -> &[SolverBody] {
         &self.velocity
     }

@@ -17,7 +17,8 @@ impl Bodies {
     }
 
     /// Wakes the body and all that fell asleep in one island with it; of a fixed body, all that rests on it. A body that
-    /// is awake stays so for at least [`SleepConfig::time`]. Changes by other methods of [`Bodies`] do this by themselves.
+    /// is awake stays so for at least [`SleepConfig::time`](crate::solver::SleepConfig::time). Changes by other methods of
+    /// [`Bodies`] do this by themselves.
     pub fn wake(&mut self, slot: u32) {
         if !self.is_asleep(slot) {
             self.sleep.reset(slot);
@@ -39,8 +40,9 @@ impl Bodies {
         }
     }
 
-    /// Lets the body fall asleep without waiting for [`SleepConfig::time`], at the end of the next step: if it is at rest by
-    /// the limits of [`SleepConfig`] then, and so are all bodies of its island. For scenes that start at rest.
+    /// Lets the body fall asleep without waiting for [`SleepConfig::time`](crate::solver::SleepConfig::time), at the end of
+    /// the next step: if it is at rest by the limits of [`SleepConfig`](crate::solver::SleepConfig) then, and so are all
+    /// bodies of its island. For scenes that start at rest.
     pub fn request_sleep(&mut self, slot: u32) {
         if self.is_asleep(slot) {
             return;

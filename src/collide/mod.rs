@@ -6,5 +6,5 @@
 //!
 //! Must not know what is done with manifolds. Read `narrow_phase/part.rs` first: `PairRun::test` is the whole way of a pair.
 
-pub mod narrow_phase;
-pub mod proxies;
+pub(crate) mod narrow_phase;
+pub(crate) mod proxies;

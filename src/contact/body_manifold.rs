@@ -27,6 +27,7 @@ impl Manifold {
     /// The manifold of a patch: anchors in world axes and contact codes, all impulses zero.
     ///
     /// The combined `friction` and `restitution` are copied.
+    #[doc(hidden)]
     pub fn from_local(
         a: &ManifoldBody,
         b: &ManifoldBody,

@@ -13,14 +13,24 @@
 //!
 //! Must not know velocities, masses or the solver. Read `point.rs` first, then `body_manifold.rs`.
 
-pub mod body_id;
-pub mod body_manifold;
-pub mod impulses;
-pub mod layers;
-pub mod local_manifold;
-pub mod manifolds;
-pub mod material;
-pub mod narrow;
-pub mod pairs;
-pub mod point;
+pub(crate) mod body_id;
+pub(crate) mod body_manifold;
+pub(crate) mod impulses;
+pub(crate) mod layers;
+pub(crate) mod local_manifold;
+pub(crate) mod manifolds;
+pub(crate) mod material;
+pub(crate) mod narrow;
+pub(crate) mod pairs;
+pub(crate) mod point;
 mod reduce;
+
+pub use body_id::BodyId;
+pub use impulses::{CacheStats, ContactCache};
+pub use layers::CollisionLayers;
+pub use local_manifold::{LocalManifold, LocalPoint};
+pub use manifolds::{Manifold, ManifoldHead, ManifoldRef, Manifolds};
+pub use material::{CombineRule, Density, Friction, MaterialError, Restitution};
+pub use narrow::sat::collide_hulls;
+pub use narrow::scratch::NarrowScratch;
+pub use point::{ContactPoint, MAX_POINTS};

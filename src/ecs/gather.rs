@@ -14,7 +14,7 @@ use crate::ecs::gather::motion::{ReadMotion, gather_motion};
 use crate::ecs::state::BodyQueue;
 use crate::ecs::state::PluginState;
 use crate::fracture::Bonds;
-use crate::geometry::{ConvexMesh, HalfSpace};
+use crate::geometry::{ConvexMesh, HalfSpaceShape};
 use crate::mass::MassProperties;
 use crate::math::Pose;
 use crate::slice::fracturable::Fracturable;
@@ -30,7 +30,7 @@ use bevy_transform::components::Transform;
 pub(crate) struct BodyParts {
     kind: &'static RigidBody,
     convex: Option<&'static ConvexMesh>,
-    half_space: Option<&'static HalfSpace>,
+    half_space: Option<&'static HalfSpaceShape>,
     transform: &'static Transform,
     linear: &'static LinearVelocity,
     angular: &'static AngularVelocity,
@@ -68,7 +68,7 @@ pub(crate) fn on_body_discarded(
 
 /// Components that a body's description is made from and that may go while the body stays.
 type Removable = (
-    (ConvexMesh, HalfSpace, MassOverride, Fracturable),
+    (ConvexMesh, HalfSpaceShape, MassOverride, Fracturable),
     (Transform, LinearVelocity, AngularVelocity),
     (Density, Friction, Restitution, CollisionLayers),
 );
@@ -273,7 +273,7 @@ fn pose_of(transform: &Transform) -> Result<Pose, BodyError> {
 /// What of a body's description changed.
 type Changes = Or<(
     Changed<ConvexMesh>,
-    Changed<HalfSpace>,
+    Changed<HalfSpaceShape>,
     Changed<Density>,
     Changed<MassOverride>,
     Changed<Friction>,
@@ -285,7 +285,7 @@ type Changes = Or<(
 /// The same components, table by table.
 type ChangeTicks = (
     Option<Ref<'static, ConvexMesh>>,
-    Option<Ref<'static, HalfSpace>>,
+    Option<Ref<'static, HalfSpaceShape>>,
     Option<Ref<'static, Density>>,
     Option<Ref<'static, MassOverride>>,
     Option<Ref<'static, Friction>>,

@@ -13,12 +13,20 @@
 //! The first layer that knows entities, queries and commands. Must not know the order of the phases: that is `plugin.rs`. Read
 //! `components.rs` first.
 
-pub mod bond;
-pub mod components;
-pub mod cut;
-pub mod gather;
+pub(crate) mod bond;
+pub(crate) mod components;
+pub(crate) mod cut;
+pub(crate) mod gather;
 #[cfg(feature = "reflect")]
 pub(crate) mod reflect;
-pub mod scatter;
-pub mod spawn;
+pub(crate) mod scatter;
+pub(crate) mod spawn;
 pub(crate) mod state;
+
+pub use bond::BondCommands;
+pub use components::{
+    AngularVelocity, BodyHandle, BodyProblem, BodyWarning, BondBroken, Fractured, LinearVelocity,
+    MassOverride, Sleeping,
+};
+pub use cut::SliceCommands;
+pub use spawn::SpawnBody;

@@ -8,7 +8,7 @@ use crate::contact::layers::CollisionLayers;
 use crate::contact::material::{Density, Friction, Restitution};
 use crate::ecs::components::{AngularVelocity, LinearVelocity, MassOverride, Sleeping};
 use crate::fracture::{FractureBudget, Ledger};
-use crate::geometry::HalfSpace;
+use crate::geometry::HalfSpaceShape;
 use crate::mass::MassProperties;
 use crate::slice::fracturable::Fracturable;
 use crate::solver::config::{Gravity, SolverConfig};
@@ -21,7 +21,7 @@ use bevy_reflect::{FromReflect, GetTypeRegistration, TypePath};
 /// Registers all types of the plugin that have `Reflect`. Fields' types follow by themselves.
 pub(crate) fn register_types(app: &mut App) {
     component::<RigidBody>(app);
-    component::<HalfSpace>(app);
+    component::<HalfSpaceShape>(app);
     component::<LinearVelocity>(app);
     component::<AngularVelocity>(app);
     component::<Density>(app);

@@ -37,7 +37,7 @@ pub const BREAKING_SHARE: f32 = 1e-3;
 
 /// How far a point may be off, as a share of the same extent, until the bond is broken whatever it bears. A blow may tear bodies
 /// farther apart than sweeps can tell in a step; to pull them back from there would be energy out of nothing.
-pub const TEARING_SHARE: f32 = 0.01;
+pub(crate) const TEARING_SHARE: f32 = 0.01;
 
 /// A bond that is no more.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -74,7 +74,7 @@ impl FractureState {
 
 /// What pieces take over from the bodies that they were part of.
 #[derive(Debug)]
-pub struct Inherited<'f> {
+pub(crate) struct Inherited<'f> {
     /// Multipliers of contacts.
     pub cache: &'f mut ContactCache,
     /// What they are bonded to.
@@ -85,7 +85,7 @@ pub struct Inherited<'f> {
 ///
 /// Pieces get slots, parents lose theirs, and the parents' multipliers and bonds go to the pieces. Results are in `fractures`. `h`:
 /// length of the step, s.
-pub fn make_cuts(
+pub(crate) fn make_cuts(
     fractures: &mut Fractures,
     bodies: &mut Bodies,
     cache: &mut ContactCache,
@@ -158,7 +158,7 @@ fn break_waiting(
 ///
 /// `manifolds` hold the impulses until then. They act on the bodies that wait as far as what breaks bears them; the rest is
 /// for the pieces. Results are added to `fractures`.
-pub fn break_overloaded(
+pub(crate) fn break_overloaded(
     fractures: &mut Fractures,
     bodies: &mut Bodies,
     manifolds: &Manifolds,
@@ -205,7 +205,7 @@ pub fn break_overloaded(
 
 /// After the last round: notes which bodies have got through the step although its impulses were more than they bear, and
 /// lets those break later that would have, had there been a budget or a round for them.
-pub fn note_loads(
+pub(crate) fn note_loads(
     fractures: &mut Fractures,
     bodies: &mut Bodies,
     manifolds: &Manifolds,

@@ -21,9 +21,9 @@
 //! Must not know entities. How an impact divides a shape is decided in `slice`, whether it is too much in `bodies/breaking.rs` while
 //! the island is solved. Read `breaking.rs` first.
 
-pub mod bond;
+pub(crate) mod bond;
 mod bond_inheritance;
-pub mod bonds;
+pub(crate) mod bonds;
 mod breaking;
 mod budget;
 mod conservation;
@@ -36,7 +36,7 @@ mod shared_area;
 
 pub use bond::{Bond, BondError};
 pub use bonds::{Bonds, BrokenBond};
-pub use breaking::{Inherited, break_overloaded, make_cuts, note_loads};
+pub(crate) use breaking::{Inherited, break_overloaded, make_cuts, note_loads};
 pub use budget::FractureBudget;
 pub use ledger::{Invariants, Ledger};
 

@@ -1,4 +1,4 @@
-//! The shapes a body can have: `ConvexMesh`, shared and immutable, and the static `HalfSpace`.
+//! The shapes a body can have: `ConvexMesh`, shared and immutable, and the static `HalfSpaceShape`.
 
 use crate::geometry::predicates::{PlaneError, check_plane};
 use crate::geometry::{ConvexHull, HullError, MeshError, TriMesh, primitives};
@@ -149,12 +149,12 @@ impl ConvexMesh {
 #[derive(Clone, Copy, Debug, PartialEq, Component)]
 #[component(summary_tick)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
-pub struct HalfSpace {
+pub struct HalfSpaceShape {
     /// Outward unit normal in the entity's frame; the plane goes through the entity's origin.
     pub normal: Vec3,
 }
 
-impl HalfSpace {
+impl HalfSpaceShape {
     /// The half-space below the plane through the entity's origin with this outward normal, which is scaled to unit
     /// length.
     ///

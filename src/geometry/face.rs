@@ -7,7 +7,7 @@ use std::ops::Range;
 pub struct Face {
     /// Plane of the face, its normal pointing outwards.
     pub plane: Plane,
-    /// First entry of the face's loop in [`ConvexHull::loops`].
+    /// First entry of the face's loop in [`ConvexHull::loops`](crate::geometry::ConvexHull::loops).
     pub first: u32,
     /// Number of vertices of the loop.
     pub count: u32,

@@ -41,7 +41,7 @@ pub fn convex_hull_triangles(points: &[DVec3]) -> Result<Vec<[u32; 3]>, HullErro
 impl ConvexHull {
     /// The convex hull of `points` (m).
     ///
-    /// Triangles in one plane, within [`merge_tolerance`], become one polygon face with the plane of the largest of them;
+    /// Triangles in one plane, within `merge_tolerance`, become one polygon face with the plane of the largest of them;
     /// that plane supports the hull, so no point lies outside it by more than its rounding to `f32`. Points inside a face
     /// or on a straight edge are left out. Vertices keep the order they have in `points`.
     ///

@@ -15,7 +15,7 @@ use glam::{DVec3, UVec3, Vec3};
 const BITS: [u32; 3] = [11, 11, 10];
 
 /// Cells along x, y, z: `2^11`, `2^11`, `2^10`.
-pub const CELLS: UVec3 = UVec3::new(1 << BITS[0], 1 << BITS[1], 1 << BITS[2]);
+pub(crate) const CELLS: UVec3 = UVec3::new(1 << BITS[0], 1 << BITS[1], 1 << BITS[2]);
 
 /// How far the code box reaches below the hull's box, as a fraction of its edge: `(sqrt 3 - 1) / 40`.
 ///
@@ -23,10 +23,10 @@ pub const CELLS: UVec3 = UVec3::new(1 << BITS[0], 1 << BITS[1], 1 << BITS[2]);
 /// edge (corners, middles, thirds: where boxes, bricks and their pieces touch) at least 0.40 cells of an edge's 2048
 /// away from a split plane (0.20 cells of 1024). On an unshifted grid such a point lies exactly on a split plane and
 /// jitter of any size changes its code every other step.
-pub const PAD_BELOW: f32 = 0.018_301_27;
+pub(crate) const PAD_BELOW: f32 = 0.018_301_27;
 
 /// How far the code box reaches above the hull's box, as a fraction of its edge: `(sqrt 5 - 2) / 24`.
-pub const PAD_ABOVE: f32 = 0.009_836_166;
+pub(crate) const PAD_ABOVE: f32 = 0.009_836_166;
 
 /// The path to a leaf of the implicit KD-tree over a box.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -34,7 +34,7 @@ pub struct KdCode(pub u32);
 
 impl KdCode {
     /// The code of the leaf that is number `cell.x` along x, `cell.y` along y, `cell.z` along z, each clamped to the
-    /// leaves that exist ([`CELLS`]).
+    /// leaves that exist (`CELLS`).
     pub fn from_cell(cell: UVec3) -> Self {
         let cell = cell.min(CELLS - 1);
         Self(
@@ -62,7 +62,7 @@ pub struct KdBox {
 impl KdBox {
     /// The code box of a body whose hull has the given bounding box.
     ///
-    /// Larger than `aabb` by [`PAD_BELOW`] and [`PAD_ABOVE`], so that contacts on the boundary lie inside and
+    /// Larger than `aabb` by `PAD_BELOW` and `PAD_ABOVE`, so that contacts on the boundary lie inside and
     /// symmetric places stay away from split planes.
     pub fn around(aabb: Aabb) -> Self {
         let edges = aabb.extents();

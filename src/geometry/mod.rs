@@ -16,25 +16,25 @@
 
 mod around;
 mod closed;
-pub mod convex;
-pub mod convex_mesh;
+pub(crate) mod convex;
+pub(crate) mod convex_mesh;
 mod coplanar;
 pub(crate) mod edge_tables;
-pub mod face;
-pub mod hull;
-pub mod hull_error;
+pub(crate) mod face;
+pub(crate) mod hull;
+pub(crate) mod hull_error;
 pub(crate) mod hull_lanes;
-pub mod kd_code;
-pub mod mesh;
+pub(crate) mod kd_code;
+pub(crate) mod mesh;
 pub(crate) mod moments;
-pub mod predicates;
+pub(crate) mod predicates;
 pub mod primitives;
 mod triangle_corners;
 mod weld;
 
 pub(crate) use closed::{EdgeCensus, KnownClosed};
 pub use convex::ConvexHull;
-pub use convex_mesh::{ConvexMesh, HalfSpace};
+pub use convex_mesh::{ConvexMesh, HalfSpaceShape};
 pub use face::{Edge, Face};
 pub use hull::convex_hull_triangles;
 pub use hull_error::{HullDefect, HullError};

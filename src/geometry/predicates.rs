@@ -35,7 +35,7 @@ pub const ON_PLANE_RELATIVE: f32 = 1.0e-6;
 /// around its origin has coordinates up to `s / 2`), and the fourth corner of a parallelogram is seen from the plane of
 /// the other three with all four errors, `2.1e-7 s`. Larger than needed, and joined faces cost volume: this value keeps
 /// the volume of all real hulls in the tests to 1e-6.
-pub const MERGE_RELATIVE: f32 = 2.5e-7;
+pub(crate) const MERGE_RELATIVE: f32 = 2.5e-7;
 
 /// How far a vertex may lie outside the plane of a face of a valid hull, relative to the length scale.
 ///
@@ -54,13 +54,13 @@ pub const FLAT_RELATIVE: f32 = 2.0 * CONVEX_RELATIVE;
 ///
 /// Inertia grows with the fifth power of the length: with this range and densities of solids it stays within what `f32`
 /// can hold, as do its inverse and the squares of areas.
-pub const SIZE_RANGE: RangeInclusive<f64> = 1.0e-6..=1.0e6;
+pub(crate) const SIZE_RANGE: RangeInclusive<f64> = 1.0e-6..=1.0e6;
 
 /// How far the length of a unit normal may be from 1.
 ///
 /// Normalising and rotating by an `f32` quaternion each leave a few `u`; a hundred such operations in a row stay below.
 /// A plane whose normal has length `1 + e` is displaced by `e` times its distance from the origin.
-pub const UNIT_NORMAL_TOLERANCE: f32 = 1.0e-5;
+pub(crate) const UNIT_NORMAL_TOLERANCE: f32 = 1.0e-5;
 
 /// The length that tolerances of geometry in this box are relative to, m: see the module's head.
 pub fn length_scale(aabb: &Aabb) -> f32 {
@@ -74,18 +74,13 @@ pub fn plane_tolerance(size: f32) -> f32 {
 }
 
 /// How far a corner may lie from the plane of the face it is joined to, in a hull of length scale `size` (m), m.
-pub fn merge_tolerance(size: f32) -> f32 {
+pub(crate) fn merge_tolerance(size: f32) -> f32 {
     MERGE_RELATIVE * size
 }
 
 /// How far a vertex may lie outside a face of a hull of length scale `size` (m), m.
 pub fn convex_tolerance(size: f32) -> f32 {
     CONVEX_RELATIVE * size
-}
-
-/// The thickness (m) that a body of length scale `size` (m) must exceed.
-pub fn flat_tolerance(size: f32) -> f32 {
-    FLAT_RELATIVE * size
 }
 
 /// Where a point lies with respect to a plane.

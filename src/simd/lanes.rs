@@ -153,7 +153,7 @@ pub trait Kernel {
 
 /// Lanes in plain Rust.
 #[derive(Clone, Copy, Debug)]
-pub struct Plain([f32; WIDTH]);
+pub(crate) struct Plain([f32; WIDTH]);
 
 impl Plain {
     #[inline(always)]

@@ -7,11 +7,11 @@
 //! All forms round every operation on its own and in the same order, so they give the same bits. Must not know what the numbers
 //! mean. Read `lanes.rs` first.
 
-pub mod dispatch;
-pub mod doubles;
+pub(crate) mod dispatch;
+pub(crate) mod doubles;
 pub(crate) mod float4;
-pub mod lanes;
-pub mod prefetch;
-pub mod vec3;
+pub(crate) mod lanes;
+pub(crate) mod prefetch;
+pub(crate) mod vec3;
 #[cfg(target_arch = "x86_64")]
 pub(crate) mod x86;

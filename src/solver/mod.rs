@@ -15,19 +15,24 @@
 //!
 //! Must not know how contacts were found, nor entities. After `rows`, read `batch/substep.rs`: one sub-step, line by line.
 
-pub mod adaptivity;
-pub mod batch;
+pub(crate) mod adaptivity;
+pub(crate) mod batch;
 mod breakage_probe;
-pub mod config;
-pub mod contact_solver;
+pub(crate) mod config;
+pub(crate) mod contact_solver;
 mod deferral;
 mod estimates;
 #[cfg(feature = "exact")]
-pub mod exact;
+pub(crate) mod exact;
 mod free_flight;
-pub mod graph;
-pub mod results;
-pub mod rows;
-pub mod settings;
-pub mod sleep;
-pub mod wide;
+pub(crate) mod graph;
+pub(crate) mod results;
+pub(crate) mod rows;
+pub(crate) mod settings;
+pub(crate) mod sleep;
+pub(crate) mod wide;
+
+#[cfg(feature = "exact")]
+pub use config::Exact;
+pub use config::{FrictionModel, Gravity, Method, Pgs, SleepConfig, SoftStep, SolverConfig};
+pub use rows::mlcp::Residual;

@@ -94,6 +94,7 @@ impl Contacts {
     }
 
     /// Islands and rows of the last step.
+    #[doc(hidden)]
     pub fn solver(&self) -> &ContactSolver {
         &self.solver
     }

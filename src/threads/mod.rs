@@ -6,5 +6,5 @@
 //! How a list is cut depends on the scene only, never on how many threads there are, and what parts find is put together in their
 //! order: any number of threads gives the same bits. Must not know what is in the lists. Read `team.rs` first.
 
-pub mod parts;
-pub mod team;
+pub(crate) mod parts;
+pub(crate) mod team;

@@ -37,10 +37,10 @@ const PAUSES: u32 = 4;
 const LINGER: u32 = 400;
 
 /// Most parts that a list is cut into.
-pub const MAX_PARTS: usize = 8;
+pub(crate) const MAX_PARTS: usize = 8;
 
 /// Most tasks of a list.
-pub const MAX_TASKS: usize = 32;
+pub(crate) const MAX_TASKS: usize = 32;
 
 /// The team of the compute task pool.
 static TEAM: OnceLock<Team> = OnceLock::new();

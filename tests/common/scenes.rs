@@ -26,7 +26,7 @@ pub(crate) fn falling_and_breaking() -> Vec<BodyDesc> {
         FracturePattern::RandomPlane,
         FracturePattern::Star { planes: 3 },
     ];
-    let mut bodies = vec![BodyDesc::floor(HalfSpace { normal: Vec3::Y })];
+    let mut bodies = vec![BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y })];
     for i in 0..12_u8 {
         let n = f32::from(i);
         let position = Vec3::new(0.9 * (n % 3.0) - 0.8, 1.0 + 0.9 * n, 0.4 * (n % 2.0));
@@ -79,7 +79,7 @@ pub(crate) fn heap(count: usize) -> Vec<BodyDesc> {
         desc.pose.rotation = Quat::from_vec4(jitter[i].extend(1.0)).normalize();
         desc
     });
-    let floor = BodyDesc::floor(HalfSpace { normal: Vec3::Y });
+    let floor = BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y });
     std::iter::once(floor).chain(falling).collect()
 }
 

@@ -15,7 +15,7 @@ pub(crate) fn floor(mu: f32) -> BodyDesc {
 pub(crate) fn half_space(normal: Vec3, mu: f32) -> BodyDesc {
     BodyDesc {
         friction: Friction::new(mu),
-        ..BodyDesc::floor(HalfSpace::new(normal).expect("a direction"))
+        ..BodyDesc::floor(HalfSpaceShape::new(normal).expect("a direction"))
     }
 }
 

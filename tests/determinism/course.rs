@@ -1,6 +1,6 @@
 //! What happened in a run: as a hash, and as figures that tell whether it was what the scene is for.
 
-use bevy_cleave::contact::body_id::BodyId;
+use bevy_cleave::contact::BodyId;
 use bevy_cleave::prelude::*;
 use glam::Vec3;
 

@@ -19,7 +19,7 @@ mod run;
 mod scene;
 mod sleepers;
 
-use bevy_cleave::simd::lanes::LaneWidth;
+use bevy_cleave::testing::simd::LaneWidth;
 use common::{scenes as heaps, structures};
 use course::Hashes;
 use golden::GOLDEN;

@@ -6,7 +6,7 @@ use crate::heaps::heap;
 use crate::sleepers;
 use crate::structures::{pyramid, tower};
 use bevy_cleave::prelude::*;
-use bevy_cleave::solver::graph::contact_order::ContactOrder;
+use bevy_cleave::testing::graph::ContactOrder;
 
 /// A scene with hashes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -260,6 +260,6 @@ impl Scene {
 
 /// Leaves of an island.
 fn leaves(manifolds: usize) -> usize {
-    debug_assert!(bevy_cleave::solver::graph::partition::leaves(LARGE_ISLAND) == 2);
-    bevy_cleave::solver::graph::partition::leaves(manifolds)
+    debug_assert!(bevy_cleave::testing::graph::leaves(LARGE_ISLAND) == 2);
+    bevy_cleave::testing::graph::leaves(manifolds)
 }

@@ -2,11 +2,10 @@
 //! which it is told nothing of them too.
 
 use crate::common::dice::Dice;
-use bevy_cleave::collide::narrow_phase::{NarrowPhase, update_pairs};
-use bevy_cleave::collide::proxies::Lookahead;
-use bevy_cleave::contact::pairs::broad_phase::Broadphase;
 use bevy_cleave::math::Aabb;
 use bevy_cleave::prelude::*;
+use bevy_cleave::testing::collide::{Lookahead, NarrowPhase, update_pairs};
+use bevy_cleave::testing::contact::Broadphase;
 use glam::Vec3;
 
 const H: f32 = 1.0 / 60.0;

@@ -1,17 +1,14 @@
 //! Broad phase, separating axis and manifolds against versions too simple to be wrong.
 
-use bevy_cleave::contact::body_id::BodyId;
-use bevy_cleave::contact::body_manifold::ManifoldBody;
-use bevy_cleave::contact::layers::CollisionLayers;
-use bevy_cleave::contact::local_manifold::LocalManifold;
-use bevy_cleave::contact::manifolds::Manifold;
-use bevy_cleave::contact::narrow::half_space::collide_half_space;
-use bevy_cleave::contact::narrow::sat::collide_hulls;
-use bevy_cleave::contact::narrow::scratch::NarrowScratch;
-use bevy_cleave::contact::pairs::broad_phase::{Broadphase, Pair, Proxy, ProxyKind, ProxyShape};
+use bevy_cleave::contact::{
+    BodyId, CollisionLayers, LocalManifold, Manifold, NarrowScratch, collide_hulls,
+};
 use bevy_cleave::geometry::primitives::icosphere;
 use bevy_cleave::geometry::{ConvexHull, KdBox, KdCode};
 use bevy_cleave::math::{Aabb, Plane, Pose};
+use bevy_cleave::testing::contact::{
+    Broadphase, ManifoldBody, Pair, Proxy, ProxyKind, ProxyShape, collide_half_space,
+};
 use glam::{DVec3, Mat3, Quat, Vec3};
 
 use crate::common::dice::Dice;

@@ -1,17 +1,13 @@
 //! The contact cache: ages, matching, scaling, and hit rates of resting, sliding and rolling bodies.
 
 use crate::common::dice::Dice;
-use bevy_cleave::contact::body_id::BodyId;
-use bevy_cleave::contact::body_manifold::ManifoldBody;
-use bevy_cleave::contact::impulses::MAX_AGE;
-use bevy_cleave::contact::impulses::{CacheStats, ContactCache};
-use bevy_cleave::contact::manifolds::{Manifold, ManifoldHead, Manifolds};
-use bevy_cleave::contact::narrow::half_space::collide_half_space;
-use bevy_cleave::contact::narrow::sat::collide_hulls;
-use bevy_cleave::contact::narrow::scratch::NarrowScratch;
-use bevy_cleave::contact::point::ContactPoint;
+use bevy_cleave::contact::{
+    BodyId, CacheStats, ContactCache, ContactPoint, Manifold, ManifoldHead, Manifolds,
+    NarrowScratch, collide_hulls,
+};
 use bevy_cleave::geometry::{ConvexHull, KdBox, KdCode};
 use bevy_cleave::math::{Aabb, Plane, Pose};
+use bevy_cleave::testing::contact::{MAX_AGE, ManifoldBody, collide_half_space};
 use glam::{Quat, Vec3};
 use std::collections::HashMap;
 

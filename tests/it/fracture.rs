@@ -11,7 +11,7 @@ fn cuboid(x: f32, y: f32, z: f32) -> ConvexMesh {
 
 fn with_floor() -> Simulation {
     let mut simulation = Simulation::default();
-    let floor = BodyDesc::floor(HalfSpace { normal: Vec3::Y });
+    let floor = BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y });
     simulation.bodies.insert(floor).expect("usable");
     simulation
 }
@@ -278,7 +278,7 @@ fn cut_goes_where_the_body_was_seen_however_fast_it_is() {
         simulation.step(H);
     }
     let pose = simulation.bodies.pose(slot);
-    let along = bevy_cleave::math::rotate(pose.rotation, Vec3::X);
+    let along = bevy_cleave::testing::math::rotate(pose.rotation, Vec3::X);
     simulation
         .slice(slot, Plane::through(pose.position, along))
         .expect("a body");

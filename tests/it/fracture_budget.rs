@@ -1,7 +1,7 @@
 //! What a scene can afford to break: pieces of a step and in all, the queue for the rest, and when pieces go.
 
 use bevy_cleave::prelude::*;
-use bevy_cleave::solver::config::SleepConfig;
+use bevy_cleave::solver::SleepConfig;
 use glam::Vec3;
 use std::collections::BTreeSet;
 
@@ -22,7 +22,7 @@ fn row_of(count: u8, pattern: FracturePattern, budget: FractureBudget) -> Simula
         budget,
         ..Default::default()
     };
-    let floor = BodyDesc::floor(HalfSpace { normal: Vec3::Y });
+    let floor = BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y });
     simulation.bodies.insert(floor).expect("usable");
     for i in 0..count {
         let mut desc = BodyDesc::dynamic(cube(), Vec3::new(2.0 * f32::from(i), 2.25, 0.0));

@@ -175,7 +175,7 @@ fn a_brick_of_a_large_wall_breaks_in_the_step_of_the_blow() {
 /// A slab under a load; fractures in ten seconds. The slab's impulses of a step at rest come to about twice the weight.
 fn press(strength: f32) -> usize {
     let mut simulation = Simulation::default();
-    let floor = BodyDesc::floor(HalfSpace { normal: Vec3::Y });
+    let floor = BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y });
     simulation.bodies.insert(floor).expect("usable");
     let mut slab = BodyDesc::dynamic(cuboid(Vec3::new(2.0, 0.2, 2.0)), 0.1 * Vec3::Y);
     slab.fracturable = Some(Fracturable::with_strength(strength));
@@ -253,7 +253,7 @@ fn pieces_that_break_in_the_same_step_are_accounted_for() {
 /// share of its contact points with the floor that found a multiplier.
 fn cut_in_place(inherits: bool) -> (f32, f32) {
     let mut simulation = Simulation::default();
-    let floor = BodyDesc::floor(HalfSpace { normal: Vec3::Y });
+    let floor = BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y });
     simulation.bodies.insert(floor).expect("usable");
     let slot = simulation
         .bodies
@@ -321,7 +321,7 @@ fn pieces_inherit_the_multipliers_of_their_corners() {
 #[test]
 fn pieces_start_with_their_share_of_what_the_face_bore() {
     let mut simulation = Simulation::default();
-    let floor = BodyDesc::floor(HalfSpace { normal: Vec3::Y });
+    let floor = BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y });
     let floor = simulation.bodies.insert(floor).expect("usable");
     let block = BodyDesc::dynamic(cuboid(Vec3::new(4.0, 2.0, 4.0)), Vec3::Y);
     let block = simulation.bodies.insert(block).expect("usable");

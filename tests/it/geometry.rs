@@ -10,13 +10,13 @@ use crate::models::{
     FLAT_CLOUDS, MODELS, assert_edge_is_bad, closed_models, clouds, model, model_mesh, reference,
     single,
 };
-use bevy_cleave::geometry::predicates;
-use bevy_cleave::geometry::predicates::{PlaneError, Side, side};
 use bevy_cleave::geometry::{
-    ConvexHull, ConvexMesh, HalfSpace, HullDefect, HullError, MeshError, TriMesh,
-    convex_hull_triangles, primitives,
+    ConvexHull, ConvexMesh, HalfSpaceShape, HullDefect, HullError, MeshError, PlaneError, Side,
+    TriMesh, convex_hull_triangles, primitives,
 };
 use bevy_cleave::math::{Aabb, Plane, Pose};
+use bevy_cleave::testing::predicates;
+use bevy_cleave::testing::predicates::side;
 use glam::{DVec3, Quat, Vec2, Vec3, Vec4};
 use proptest::prelude::*;
 
@@ -481,16 +481,20 @@ fn planes_and_half_spaces_check_their_normals() {
         ));
     }
     assert_eq!(
-        HalfSpace::new(Vec3::new(0.0, 1e-30, 0.0)).unwrap().normal,
+        HalfSpaceShape::new(Vec3::new(0.0, 1e-30, 0.0))
+            .unwrap()
+            .normal,
         Vec3::Y
     );
     assert_eq!(
-        HalfSpace::new(Vec3::new(0.0, -1e30, 0.0)).unwrap().normal,
+        HalfSpaceShape::new(Vec3::new(0.0, -1e30, 0.0))
+            .unwrap()
+            .normal,
         Vec3::NEG_Y
     );
-    assert_eq!(HalfSpace::new(Vec3::ZERO), Err(PlaneError::ZeroNormal));
+    assert_eq!(HalfSpaceShape::new(Vec3::ZERO), Err(PlaneError::ZeroNormal));
     assert!(matches!(
-        HalfSpace::new(Vec3::NAN),
+        HalfSpaceShape::new(Vec3::NAN),
         Err(PlaneError::NotFinite { .. })
     ));
     let floor = Plane {

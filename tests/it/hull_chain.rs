@@ -1,13 +1,13 @@
 //! The predicate of the property test and of the fuzz target: bytes choose a body and a chain of cuts, and every cut has
 //! to be right. It judges by volumes of its own, not by the slicer's classification.
 
-use bevy_cleave::geometry::predicates::{
-    CONVEX_RELATIVE, FLAT_RELATIVE, ON_PLANE_RELATIVE, length_scale,
-};
 use bevy_cleave::geometry::{ConvexHull, HullDefect, primitives};
 use bevy_cleave::mass::{VolumeIntegrals, volume_integrals};
 use bevy_cleave::math::Plane;
 use bevy_cleave::slice::{Cut, HullHalves, HullSlicer, SliceError};
+use bevy_cleave::testing::predicates::{
+    CONVEX_RELATIVE, FLAT_RELATIVE, ON_PLANE_RELATIVE, length_scale,
+};
 use glam::{DVec3, Vec3};
 
 /// Distances from a vertex or face, as shares of the size.

@@ -2,12 +2,11 @@
 //! contacts that they have for who sees them for the first time.
 
 use crate::common::dice::Dice;
-use bevy_cleave::collide::narrow_phase::{NarrowPhase, update_pairs};
-use bevy_cleave::collide::proxies::Lookahead;
-use bevy_cleave::contact::manifolds::Manifolds;
-use bevy_cleave::contact::pairs::broad_phase::Broadphase;
+use bevy_cleave::contact::Manifolds;
 use bevy_cleave::prelude::*;
 use bevy_cleave::step::mass_properties;
+use bevy_cleave::testing::collide::{Lookahead, NarrowPhase, update_pairs};
+use bevy_cleave::testing::contact::Broadphase;
 use glam::Vec3;
 
 /// Bodies along an edge of the block that they fill.

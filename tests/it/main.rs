@@ -28,6 +28,7 @@ mod layering;
 mod mass;
 mod mlcp;
 mod pattern;
+mod prelude;
 mod recycling;
 mod shape;
 mod sleep;

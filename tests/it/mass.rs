@@ -11,9 +11,9 @@ use crate::models::{
 };
 use bevy_cleave::geometry::{ConvexHull, ConvexMesh, HullError, convex_hull_triangles};
 use bevy_cleave::mass::{
-    MassError, MassProperties, VolumeIntegrals, approximate, particle_inertia, principal_axes,
-    volume_integrals,
+    MassError, MassProperties, VolumeIntegrals, particle_inertia, principal_axes, volume_integrals,
 };
+use bevy_cleave::testing::approximate;
 use glam::{DMat3, DQuat, DVec3, Mat3, Vec3};
 use proptest::prelude::*;
 

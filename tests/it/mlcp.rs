@@ -6,18 +6,15 @@
 
 use crate::mlcp_files::sweeps::{Method, Profile};
 use crate::mlcp_files::{File, Problem, load_all};
-use bevy_cleave::bodies::solver_body::SolverBody;
-use bevy_cleave::contact::point::ContactPoint;
+use bevy_cleave::contact::ContactPoint;
 use bevy_cleave::prelude::*;
-use bevy_cleave::solver::config::FrictionModel;
-use bevy_cleave::solver::exact;
-use bevy_cleave::solver::exact::problem::Bounds;
-use bevy_cleave::solver::exact::{CERTIFIED, Certificate, ExactScratch};
-use bevy_cleave::solver::rows::acceleration::{ImpulseSystem, Momentum, PointContacts};
-use bevy_cleave::solver::rows::contact_rows::{PointRows, RowBody};
-use bevy_cleave::solver::rows::pgs;
-use bevy_cleave::solver::rows::residual::ResidualSum;
-use bevy_cleave::solver::rows::residual::Solved;
+use bevy_cleave::solver::FrictionModel;
+use bevy_cleave::testing::bodies::SolverBody;
+use bevy_cleave::testing::exact::{Bounds, CERTIFIED, Certificate, ExactScratch};
+use bevy_cleave::testing::rows::{
+    ImpulseSystem, Momentum, PointContacts, PointRows, ResidualSum, RowBody, Solved,
+};
+use bevy_cleave::testing::{exact, pgs};
 use glam::{Mat3, Vec3};
 use std::time::Instant;
 
@@ -225,7 +222,7 @@ type Scene = (Vec<PointRows>, Vec<SolverBody>, Vec<Mat3>);
 /// Two columns of three cubes that touch a floor.
 fn two_columns() -> Scene {
     let mut simulation = Simulation::default();
-    let floor = BodyDesc::floor(HalfSpace { normal: Vec3::Y });
+    let floor = BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y });
     simulation.bodies.insert(floor).expect("usable");
     let cube = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("valid size");
     for i in 0..6_u8 {
@@ -240,7 +237,7 @@ fn two_columns() -> Scene {
 /// A column of cubes that touch a floor, the highest `factor` times as heavy as the others.
 fn column(count: u8, factor: f32) -> Scene {
     let mut simulation = Simulation::default();
-    let floor = BodyDesc::floor(HalfSpace { normal: Vec3::Y });
+    let floor = BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y });
     simulation.bodies.insert(floor).expect("usable");
     let cube = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("valid size");
     for i in 0..count {

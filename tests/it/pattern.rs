@@ -5,18 +5,16 @@ use crate::common::dice::Dice;
 use crate::common::properties::cases;
 use crate::models::{MODELS, closed_models, model_mesh};
 use crate::slice_common::{defect, impact_on, model_hull};
-use bevy_cleave::geometry::predicates::length_scale;
 use bevy_cleave::geometry::{ConvexHull, PlaneError, TriMesh, primitives};
 use bevy_cleave::mass::VolumeIntegrals;
 use bevy_cleave::math::{Plane, Pose};
-use bevy_cleave::prelude::{BodyDesc, ConvexMesh, HalfSpace, Simulation};
-use bevy_cleave::slice::crack_area::CrackArea;
-use bevy_cleave::slice::cutting::CellPlanes;
-use bevy_cleave::slice::fracturable::Fracturable;
+use bevy_cleave::prelude::{BodyDesc, ConvexMesh, HalfSpaceShape, Simulation};
 use bevy_cleave::slice::{
-    Cutting, FracturePattern, HullSlicer, Impact, Piece, PieceCutter, SliceError, SliceOptions,
-    cells_for_energy,
+    CellPlanes, Cutting, Fracturable, FracturePattern, HullSlicer, Impact, Piece, PieceCutter,
+    SliceError, SliceOptions, cells_for_energy,
 };
+use bevy_cleave::testing::predicates::length_scale;
+use bevy_cleave::testing::slice::CrackArea;
 use glam::{Quat, Vec3};
 use proptest::prelude::*;
 use std::sync::Arc;
@@ -669,7 +667,7 @@ fn bodies_break_into_cells_in_a_simulation() {
     };
     for (pattern, count) in [(brick, 6), (voronoi, 30)] {
         let mut simulation = Simulation::default();
-        let floor = BodyDesc::floor(HalfSpace { normal: Vec3::Y });
+        let floor = BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y });
         simulation.bodies.insert(floor).unwrap();
         let shape = ConvexMesh::cuboid(1.0, 0.5, 0.4).unwrap();
         let mut desc = BodyDesc::dynamic(shape, Vec3::new(0.0, 2.0, 0.0));

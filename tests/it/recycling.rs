@@ -2,10 +2,7 @@
 #![allow(clippy::print_stdout, reason = "figures are told with --nocapture")]
 
 use crate::common::dice::Dice;
-use bevy_cleave::contact::manifolds::{Manifold, ManifoldRef};
-use bevy_cleave::contact::narrow::sat::collide_hulls;
-use bevy_cleave::contact::narrow::scratch::NarrowScratch;
-use bevy_cleave::contact::point::ContactPoint;
+use bevy_cleave::contact::{ContactPoint, Manifold, ManifoldRef, NarrowScratch, collide_hulls};
 use bevy_cleave::prelude::*;
 use glam::{Quat, Vec3};
 

@@ -6,12 +6,13 @@ use crate::models::{MODELS, assert_edge_is_bad, closed_models, model_mesh};
 use crate::slice_common::{
     Worst, check_hull_cut, check_mesh_cut, defect, impact_on, last_face_area, model_hull,
 };
-use bevy_cleave::geometry::predicates::length_scale;
 use bevy_cleave::geometry::{ConvexHull, MeshError, PlaneError, TriMesh, primitives};
-use bevy_cleave::math::{Plane, tangents};
+use bevy_cleave::math::Plane;
 use bevy_cleave::slice::{
     Cut, FracturePattern, Impact, SliceError, SliceOptions, cut_by_planes, slice_hull, slice_mesh,
 };
+use bevy_cleave::testing::math::tangents;
+use bevy_cleave::testing::predicates::length_scale;
 use glam::{Vec2, Vec3, Vec4};
 use proptest::prelude::*;
 

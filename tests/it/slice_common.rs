@@ -4,10 +4,10 @@
 
 use crate::common::dice::Dice;
 use crate::models::model_mesh;
-use bevy_cleave::geometry::predicates::{length_scale, plane_tolerance, signed_distance};
 use bevy_cleave::geometry::{ConvexHull, TriMesh};
 use bevy_cleave::math::{Aabb, Plane};
 use bevy_cleave::slice::{Cut, Halves, HullHalves, Impact, SliceOptions, slice_hull, slice_mesh};
+use bevy_cleave::testing::predicates::{length_scale, plane_tolerance, signed_distance};
 use glam::{DVec3, Vec3};
 
 /// The hull of a model, as every body made from it has.

@@ -5,10 +5,10 @@ use crate::common::properties::cases;
 use crate::hull_chain::{check_cut, check_part, cut_chain};
 use crate::models::{MODELS, model_mesh};
 use allocation_counter::measure;
-use bevy_cleave::geometry::predicates::length_scale;
 use bevy_cleave::geometry::{ConvexHull, primitives};
 use bevy_cleave::math::Plane;
 use bevy_cleave::slice::{Cut, HullHalves, HullSlicer, SliceError, slice_hull};
+use bevy_cleave::testing::predicates::length_scale;
 use glam::Vec3;
 use proptest::prelude::*;
 

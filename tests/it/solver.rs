@@ -1,14 +1,12 @@
 //! The solver against dense algebra, and the step against answers known in advance.
 
 use crate::common::dice::Dice;
-use bevy_cleave::bodies::solver_body::SolverBody;
-use bevy_cleave::contact::point::ContactPoint;
+use bevy_cleave::contact::ContactPoint;
 use bevy_cleave::prelude::*;
-use bevy_cleave::solver::rows::contact_rows::{PointRows, Row};
-use bevy_cleave::solver::rows::mlcp::{DenseMlcp, Residual};
-use bevy_cleave::solver::rows::pgs;
-use bevy_cleave::solver::rows::residual::ResidualSum;
-use bevy_cleave::solver::rows::residual::Solved;
+use bevy_cleave::solver::Residual;
+use bevy_cleave::testing::bodies::SolverBody;
+use bevy_cleave::testing::pgs;
+use bevy_cleave::testing::rows::{DenseMlcp, PointRows, ResidualSum, Row, Solved};
 use glam::{DVec3, Quat, Vec3};
 
 const H: f32 = 1.0 / 60.0;
@@ -20,7 +18,7 @@ fn cube(size: f32) -> ConvexMesh {
 
 fn with_floor() -> Simulation {
     let mut simulation = Simulation::default();
-    let floor = BodyDesc::floor(HalfSpace { normal: Vec3::Y });
+    let floor = BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y });
     simulation.bodies.insert(floor).expect("usable");
     simulation
 }
@@ -289,7 +287,7 @@ fn sliding_stops_where_coulomb_says_in_every_direction() {
 fn friction_that_is_taken_away_lets_go_at_once() {
     let mut simulation = Simulation::default();
     let tilt = Quat::from_rotation_z(0.3);
-    let mut slope = BodyDesc::floor(HalfSpace { normal: Vec3::Y });
+    let mut slope = BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y });
     slope.pose.rotation = tilt;
     add(&mut simulation, slope);
     let mut desc = BodyDesc::dynamic(cube(1.0), tilt * Vec3::new(0.0, 0.5, 0.0));
@@ -314,7 +312,7 @@ fn friction_that_is_taken_away_lets_go_at_once() {
 
 #[test]
 fn box_friction_is_stronger_along_the_diagonal_of_its_tangents() {
-    let normal_tangents = bevy_cleave::math::tangents(Vec3::Y);
+    let normal_tangents = bevy_cleave::testing::math::tangents(Vec3::Y);
     let diagonal = (normal_tangents[0] + normal_tangents[1]).normalize();
     let boxed: SolverConfig = Pgs {
         friction: FrictionModel::Box,

@@ -163,7 +163,7 @@ fn body_without_a_shape_and_dynamic_half_space_are_refused() {
     let falling_floor = |world: &mut World| {
         Some(
             world
-                .spawn((RigidBody::Dynamic, HalfSpace { normal: Vec3::Y }))
+                .spawn((RigidBody::Dynamic, HalfSpaceShape { normal: Vec3::Y }))
                 .id(),
         )
     };
@@ -176,7 +176,11 @@ fn body_without_a_shape_and_dynamic_half_space_are_refused() {
 fn half_space_without_a_direction_is_refused() {
     for normal in [Vec3::ZERO, Vec3::NAN] {
         let floor = move |world: &mut World| {
-            Some(world.spawn((RigidBody::Static, HalfSpace { normal })).id())
+            Some(
+                world
+                    .spawn((RigidBody::Static, HalfSpaceShape { normal }))
+                    .id(),
+            )
         };
         check_warned(&run(floor, |_, _| ()), |p| {
             matches!(p, BodyProblem::Body(BodyError::HalfSpace(_)))

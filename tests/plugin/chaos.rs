@@ -316,11 +316,11 @@ fn change(entity: &mut EntityWorldMut<'_>, dice: &mut Dice) {
         18 => entity.insert(Sleeping),
         19 => entity.remove::<Sleeping>(),
         20 => entity.remove::<(Transform, Density)>(),
-        21 => entity.insert(HalfSpace { normal: Vec3::NAN }),
+        21 => entity.insert(HalfSpaceShape { normal: Vec3::NAN }),
         22 => entity.insert(MassOverride(MassProperties::default())),
         _ => match dice.below(4) {
             0 => entity.clear(),
-            _ => entity.remove::<(HalfSpace, MassOverride)>(),
+            _ => entity.remove::<(HalfSpaceShape, MassOverride)>(),
         },
     };
 }

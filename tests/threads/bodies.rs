@@ -16,7 +16,7 @@ pub(crate) type Outcome = (Vec<[u32; 6]>, Option<StepError>);
 fn run_large(is_calm: bool) -> Outcome {
     let mut simulation = Simulation::default();
     simulation.config.measure_error = true;
-    let floor = BodyDesc::floor(HalfSpace { normal: Vec3::Y });
+    let floor = BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y });
     simulation.bodies.insert(floor).expect("usable");
     let cube = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("valid size");
     for i in 0..20 * 5 * 20 {

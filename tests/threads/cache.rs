@@ -2,12 +2,12 @@
 
 use crate::common::dice::Dice;
 use crate::{alone, on_threads};
-use bevy_cleave::contact::body_id::BodyId;
-use bevy_cleave::contact::impulses::{CacheEntry, CacheStats, ContactCache};
-use bevy_cleave::contact::manifolds::{Manifold, ManifoldHead, Manifolds};
-use bevy_cleave::contact::point::ContactPoint;
+use bevy_cleave::contact::{
+    BodyId, CacheStats, ContactCache, ContactPoint, Manifold, ManifoldHead, Manifolds,
+};
 use bevy_cleave::geometry::KdBox;
 use bevy_cleave::math::Aabb;
+use bevy_cleave::testing::contact::CacheEntry;
 use glam::{Quat, Vec3};
 
 const BODIES: usize = 80;

@@ -1,7 +1,7 @@
 //! Threads that share short lists of tasks: each task is done once, whatever the number of helpers.
 
 use crate::pool;
-use bevy_cleave::threads::team::{Shared, Team};
+use bevy_cleave::testing::threads::{Shared, Team};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
 

@@ -3,8 +3,9 @@
 use crate::bodies::Body;
 use bevy_cleave::geometry::{ConvexHull, TriMesh};
 use bevy_cleave::mass::VolumeIntegrals;
-use bevy_cleave::math::{Plane, tangents};
+use bevy_cleave::math::Plane;
 use bevy_cleave::slice::{Cut, Halves, HullHalves, HullSlicer, MeshSlicer, SliceOptions, slice_hull, slice_mesh};
+use bevy_cleave::testing::math::tangents;
 use boolmesh::prelude::{Manifold, OpType, compute_boolean};
 use glam::Vec3;
 use parry3d::math::Vector;

@@ -43,7 +43,7 @@ mod transfer;
 mod update;
 
 pub(crate) use matching::TouchingBodies;
-pub use transfer::{Child, Split};
+pub(crate) use transfer::{Child, Split};
 
 use crate::contact::body_id::BodyId;
 use crate::contact::manifolds::{ManifoldHead, Manifolds};
@@ -65,7 +65,7 @@ pub const MAX_AGE: u32 = 10;
 /// How far a point may move in a step and still count as the same, as a share of the smaller body's longest edge.
 ///
 /// A rolling or spinning body that moves farther has other contacts; corners of one body are farther apart.
-pub const NEAR_SHARE: f32 = 0.02;
+pub(crate) const NEAR_SHARE: f32 = 0.02;
 
 /// What the cache knows of one contact point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -143,7 +143,7 @@ impl CacheStats {
     }
 }
 
-/// Contact multipliers from step to step; see the [module](self).
+/// Contact multipliers from step to step.
 #[derive(Clone, Debug, Default, Resource)]
 pub struct ContactCache {
     current: EntryTable,
@@ -187,17 +187,20 @@ impl ContactCache {
     }
 
     /// Entries of a pair, `a < b`: those hit last first.
+    #[doc(hidden)]
     pub fn entries_of(&self, a: BodyId, b: BodyId) -> impl Iterator<Item = &CacheEntry> {
         let tables = [&self.current, &self.parked];
         tables.into_iter().flat_map(move |table| table.of((a, b)))
     }
 
     /// Pairs that have entries and are not parked, sorted.
+    #[doc(hidden)]
     pub fn pairs(&self) -> impl Iterator<Item = (BodyId, BodyId)> {
         self.current.pairs.iter().map(|pair| pair.bodies)
     }
 
     /// Forgets all contacts of the bodies for which `is_gone` says so, in one pass.
+    #[doc(hidden)]
     pub fn remove_bodies(&mut self, is_gone: impl Fn(BodyId) -> bool) {
         let lives = |pair: &PairRecord| !is_gone(pair.bodies.0) && !is_gone(pair.bodies.1);
         for table in [&mut self.current, &mut self.parked] {
@@ -211,6 +214,7 @@ impl ContactCache {
 
     /// Sets aside all pairs of the bodies in `ids` (ascending): they neither age nor are matched until they are
     /// [fetched](Self::resume).
+    #[doc(hidden)]
     pub fn suspend(&mut self, ids: &[BodyId]) {
         if self.parked.pairs.is_empty() {
             self.parked_h = self.h;
@@ -226,6 +230,7 @@ impl ContactCache {
     }
 
     /// Takes back the pairs of the bodies in `ids` (ascending) as if they had been stored by the last step.
+    #[doc(hidden)]
     pub fn resume(&mut self, ids: &[BodyId]) {
         if self.current.pairs.is_empty() {
             self.h = self.parked_h;
@@ -245,6 +250,7 @@ impl ContactCache {
     /// `manifolds` are sorted by the ids of `(a, b)`, with `id(a) < id(b)`; `ids`, `rotations` (world from body) and
     /// `boxes` are indexed by slot; `h` is the length of the coming step, s. A body without a box (a half-space) has
     /// code 0 and is matched on the other body's side alone.
+    #[doc(hidden)]
     pub fn warm_start(
         &mut self,
         manifolds: &mut Manifolds,
@@ -298,6 +304,7 @@ impl ContactCache {
     ///
     /// Takes the same arguments as [`Self::warm_start`], after the solve. Every point of `manifolds` becomes an entry of
     /// age 0, in place of the entry it was matched to; all other entries grow one step older.
+    #[doc(hidden)]
     pub fn store_and_age(
         &mut self,
         manifolds: &Manifolds,

@@ -24,28 +24,28 @@ const MAX_RAISE: f32 = 4.0;
 
 /// A piece of a body that was cut.
 #[derive(Clone, Copy, Debug)]
-pub struct Child<'a> {
+pub(crate) struct Child<'a> {
     /// The new body.
-    pub id: BodyId,
+    pub(crate) id: BodyId,
     /// Origin of its frame in the parent's frame, m; the axes of both are the same.
-    pub origin: Vec3,
+    pub(crate) origin: Vec3,
     /// Its shape.
-    pub hull: &'a ConvexHull,
+    pub(crate) hull: &'a ConvexHull,
     /// The box that its contact codes refer to.
-    pub code_box: KdBox,
+    pub(crate) code_box: KdBox,
 }
 
 /// A body that was cut, and its pieces.
 #[derive(Clone, Debug)]
-pub struct Split<'a> {
+pub(crate) struct Split<'a> {
     /// The body that is no more.
-    pub parent: BodyId,
+    pub(crate) parent: BodyId,
     /// `world_from_body` of the parent and of all pieces.
-    pub rotation: Quat,
+    pub(crate) rotation: Quat,
     /// The box that the parent's contact codes refer to.
-    pub code_box: KdBox,
+    pub(crate) code_box: KdBox,
     /// The pieces.
-    pub heirs: Vec<Child<'a>>,
+    pub(crate) heirs: Vec<Child<'a>>,
 }
 
 impl Split<'_> {
@@ -155,7 +155,7 @@ impl ContactCache {
     ///
     /// A point is known by its cell, so that it may be off by half a cell when its piece is looked for. Pieces have higher
     /// ids than all other bodies.
-    pub fn transfer(&mut self, families: &[Split], rotation_of: impl Fn(BodyId) -> Quat) {
+    pub(crate) fn transfer(&mut self, families: &[Split], rotation_of: impl Fn(BodyId) -> Quat) {
         let rotation = |id: BodyId| {
             let family = families.iter().find(|family| family.parent == id);
             family.map_or_else(|| rotation_of(id), |family| family.rotation)

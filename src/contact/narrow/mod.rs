@@ -9,6 +9,6 @@
 
 mod clipping;
 mod edge_search;
-pub mod half_space;
-pub mod sat;
-pub mod scratch;
+pub(crate) mod half_space;
+pub(crate) mod sat;
+pub(crate) mod scratch;

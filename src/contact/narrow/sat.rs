@@ -8,7 +8,6 @@
 //! on the Gauss map. Verifying each edge axis by its supports, and leaving out the edges that the best faces rule out,
 //! are ours.
 
-pub use crate::contact::narrow::half_space::collide_half_space;
 use crate::contact::narrow::scratch::FaceAxis;
 use crate::contact::narrow::scratch::HullPair;
 use crate::contact::narrow::scratch::MERGE;

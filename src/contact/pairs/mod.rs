@@ -6,7 +6,7 @@
 //!
 //! Must not know shapes, nor how a test is done. Read `recycle.rs` first.
 
-pub mod broad_phase;
-pub mod recycle;
-pub mod store;
-pub mod touches;
+pub(crate) mod broad_phase;
+pub(crate) mod recycle;
+pub(crate) mod store;
+pub(crate) mod touches;

@@ -12,7 +12,7 @@ mod energy_guard;
 #[cfg(feature = "exact")]
 mod exact_substep;
 mod impacts;
-pub mod layout;
+pub(crate) mod layout;
 mod load;
 mod motion;
 mod overload;
@@ -21,12 +21,12 @@ mod pass;
 mod reanchoring;
 mod results;
 mod subdomain_slices;
-pub mod substep;
+pub(crate) mod substep;
 mod sweeps;
 mod targets;
 mod warm_start;
 
-pub use contacts::{BatchContacts, MovingManifold};
+pub(crate) use contacts::{BatchContacts, MovingManifold};
 pub use load::Step;
 
 use crate::bodies::breaking::{BreakingLimit, ImpactLoad};

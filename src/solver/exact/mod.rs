@@ -23,7 +23,7 @@ mod dense;
 mod driver;
 mod interior;
 mod newton;
-pub mod problem;
+pub(crate) mod problem;
 mod rows;
 mod velocity;
 

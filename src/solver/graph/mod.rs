@@ -12,12 +12,12 @@
 //! Answers are integers: must not know impulses or rows. Two bodies that are joined by something else than a
 //! manifold would have to be told to `islands.rs` and `lane_assignment.rs`. Read `islands.rs` first.
 
-pub mod bisection;
-pub mod coloring;
-pub mod contact_order;
-pub mod indices;
-pub mod islands;
-pub mod lane_assignment;
-pub mod ordered_packing;
-pub mod partition;
-pub mod relative_motion;
+pub(crate) mod bisection;
+pub(crate) mod coloring;
+pub(crate) mod contact_order;
+pub(crate) mod indices;
+pub(crate) mod islands;
+pub(crate) mod lane_assignment;
+pub(crate) mod ordered_packing;
+pub(crate) mod partition;
+pub(crate) mod relative_motion;

@@ -21,7 +21,7 @@ use std::ops::Range;
 
 /// Least manifolds of a leaf, on average: some 50 us of a sweep, a hundred times what threads need to meet. A cut costs
 /// structures precision, for support gets across it once per sweep only, so there are no more of them than pay.
-pub const MIN_MANIFOLDS: usize = 2000;
+pub(crate) const MIN_MANIFOLDS: usize = 2000;
 
 /// Number of leaves of an island with `manifolds` manifolds: a power of two.
 pub fn leaves(manifolds: usize) -> usize {

@@ -77,7 +77,7 @@ pub struct Momentum<T, V> {
 
 /// How far the momentum has grown.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct AccelerationWeight<T> {
+pub(crate) struct AccelerationWeight<T> {
     /// `k`, counted anew from every restart.
     kept: u16,
     /// What the last sweep changed.
@@ -86,18 +86,18 @@ pub struct AccelerationWeight<T> {
 
 impl<T: Number> AccelerationWeight<T> {
     /// Forgets the sweeps before.
-    pub fn restart(&mut self) {
+    pub(crate) fn restart(&mut self) {
         self.kept = 0;
     }
 
     /// Weight `beta_k` of the momentum before the next sweep; `None` where there is none yet.
-    pub fn weight(&self) -> Option<T> {
+    pub(crate) fn weight(&self) -> Option<T> {
         let k = T::from(f32::from(self.kept));
         (self.kept > 0).then(|| (k / (k + T::from(3.0))).min(T::from(MAX_WEIGHT)))
     }
 
     /// Takes note of the largest velocity change of a sweep.
-    pub fn note(&mut self, change: T) {
+    pub(crate) fn note(&mut self, change: T) {
         let is_worse = self.kept > 1 && change > self.change;
         self.kept = if is_worse { 0 } else { self.kept + 1 };
         self.change = change;

@@ -30,7 +30,7 @@ use glam::{DVec2, Vec2};
 ///
 /// `a` is the row's diagonal entry of `A`. Zero exactly at a solution. The factor makes it the mass norm of a single
 /// row, so that rows of all kinds and bodies of all masses add up: unit kg^(1/2) m/s.
-pub fn natural_map(lambda: f64, w: f64, a: f64, lo: f64, hi: f64) -> f64 {
+pub(crate) fn natural_map(lambda: f64, w: f64, a: f64, lo: f64, hi: f64) -> f64 {
     if a <= 0.0 {
         return 0.0;
     }
@@ -40,7 +40,7 @@ pub fn natural_map(lambda: f64, w: f64, a: f64, lo: f64, hi: f64) -> f64 {
 /// Residual of a pair of friction rows that is kept in the disc of the given `radius`; see [`natural_map`].
 ///
 /// The projection onto the disc is exact for equal diagonal entries, so both rows are scaled with the larger one.
-pub fn natural_map_disc(lambda: DVec2, w: DVec2, a: DVec2, radius: f64) -> f64 {
+pub(crate) fn natural_map_disc(lambda: DVec2, w: DVec2, a: DVec2, radius: f64) -> f64 {
     let a = a.max_element();
     if a <= 0.0 {
         return 0.0;
@@ -55,7 +55,7 @@ pub fn natural_map_disc(lambda: DVec2, w: DVec2, a: DVec2, radius: f64) -> f64 {
 }
 
 /// The point of the disc of the given radius about zero that is nearest to `lambda`.
-pub fn project_to_disc(lambda: Vec2, radius: f32) -> Vec2 {
+pub(crate) fn project_to_disc(lambda: Vec2, radius: f32) -> Vec2 {
     let length_squared = lambda.length_squared();
     if length_squared <= radius * radius {
         lambda

@@ -7,9 +7,9 @@
 //! Slow and plain: the lanes of `wide` do the same eight at a time, and tests hold them against this. Must not know lanes, blocks,
 //! islands or batches. Read `mlcp.rs` first.
 
-pub mod acceleration;
-pub mod contact_rows;
-pub mod mlcp;
-pub mod pgs;
-pub mod residual;
-pub mod soft_step;
+pub(crate) mod acceleration;
+pub(crate) mod contact_rows;
+pub(crate) mod mlcp;
+pub(crate) mod pgs;
+pub(crate) mod residual;
+pub(crate) mod soft_step;

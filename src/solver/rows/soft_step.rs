@@ -55,7 +55,7 @@ impl Softness {
 }
 
 /// The normal velocity that a point should have after the bodies have moved, m/s.
-pub fn relaxed_velocity(rebound: f32, impulse: f32, target_velocity: f32) -> f32 {
+pub(crate) fn relaxed_velocity(rebound: f32, impulse: f32, target_velocity: f32) -> f32 {
     if rebound > 0.0 {
         rebound
     } else if impulse > 0.0 {
@@ -66,7 +66,7 @@ pub fn relaxed_velocity(rebound: f32, impulse: f32, target_velocity: f32) -> f32
     }
 }
 
-/// How position bias is computed; see [`soft_step`](crate::solver::rows::soft_step).
+/// How position bias is computed; see `soft_step`.
 #[derive(Clone, Copy, Debug)]
 pub struct Bias {
     /// Length of the sub-step, s.

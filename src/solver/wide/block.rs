@@ -19,7 +19,7 @@ use glam::{Mat3, Vec3};
 use std::ops::Range;
 
 /// Marks a lane without a manifold.
-pub const NO_MANIFOLD: u32 = u32::MAX;
+pub(crate) const NO_MANIFOLD: u32 = u32::MAX;
 
 /// Gap of points that are not there, m: far more than anything closes in a step.
 pub(crate) const FAR: f32 = 1e18;
@@ -49,7 +49,7 @@ pub struct Block {
     pub inverse_inertia: [[F8; 6]; 2],
     /// Overlap that is left alone, m.
     pub slop: F8,
-    /// See [`PointRows::speed_scale`].
+    /// See [`PointRows::speed_scale`](crate::solver::rows::contact_rows::PointRows::speed_scale).
     pub speed_scale: F8,
 }
 
@@ -103,13 +103,14 @@ impl Default for Block {
 }
 
 /// A vector of one lane.
-pub fn vector(lanes: &[F8; 3], lane: usize) -> Vec3 {
+pub(crate) fn vector(lanes: &[F8; 3], lane: usize) -> Vec3 {
     let [x, y, z] = lanes;
     Vec3::new(x.0[lane], y.0[lane], z.0[lane])
 }
 
 /// Sets a vector of one lane.
-pub fn set_vector(lanes: &mut [F8; 3], lane: usize, value: Vec3) {
+#[cfg(test)]
+pub(crate) fn set_vector(lanes: &mut [F8; 3], lane: usize, value: Vec3) {
     for (lanes, value) in lanes.iter_mut().zip(value.to_array()) {
         lanes.0[lane] = value;
     }

@@ -53,7 +53,7 @@ pub struct BondedManifold {
 }
 
 /// Whether a manifold is in the list, which is sorted by manifolds, with a bond that was made since the last step.
-pub fn is_new_bond(bonded: &[BondedManifold], manifold: ManifoldIndex) -> bool {
+pub(crate) fn is_new_bond(bonded: &[BondedManifold], manifold: ManifoldIndex) -> bool {
     let found = bonded.binary_search_by_key(&manifold, |bond| bond.manifold);
     found.is_ok_and(|at| bonded[at].is_new)
 }

@@ -15,14 +15,14 @@
 //!
 //! Must not know islands, batches, or who does which part. Read `block.rs` first, then `sweep.rs`; each says which rows of `rows` it does.
 
-pub mod bias;
-pub mod block;
-pub mod body_pair;
-pub mod bond;
-pub mod contacts;
-pub mod extrapolate;
-pub mod pass;
-pub mod point_rows;
-pub mod prepare;
-pub mod reanchor;
-pub mod sweep;
+pub(crate) mod bias;
+pub(crate) mod block;
+pub(crate) mod body_pair;
+pub(crate) mod bond;
+pub(crate) mod contacts;
+pub(crate) mod extrapolate;
+pub(crate) mod pass;
+pub(crate) mod point_rows;
+pub(crate) mod prepare;
+pub(crate) mod reanchor;
+pub(crate) mod sweep;

@@ -74,7 +74,7 @@ fn edges_corners_gaps_and_tilted_faces_are_not_bonded() {
 #[test]
 fn what_stands_on_the_ground_is_bonded_to_it_by_its_lower_face() {
     let (mut simulation, slots) = simulation([
-        BodyDesc::floor(HalfSpace { normal: Vec3::Y }),
+        BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y }),
         BodyDesc::dynamic(super::scene::cube(), 0.5 * Vec3::Y),
         fixed(super::scene::cube(), Vec3::new(5.0, 0.5, 0.0)),
     ]);

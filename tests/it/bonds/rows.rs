@@ -1,21 +1,14 @@
 //! Bonded blocks against the rows they stand for: one sweep does what Gauss-Seidel does row by row.
 
 use crate::common::dice::Dice;
-use bevy_cleave::bodies::solver_body::BodyMass;
-use bevy_cleave::bodies::solver_body::SolverBody;
-use bevy_cleave::contact::manifolds::{Manifold, ManifoldHead};
-use bevy_cleave::contact::point::{ContactPoint, MAX_POINTS};
-use bevy_cleave::math::tangents;
-use bevy_cleave::simd::lanes::{F8, LaneWidth, WIDTH};
-use bevy_cleave::solver::config::FrictionModel;
-use bevy_cleave::solver::rows::contact_rows::PointRows;
-use bevy_cleave::solver::rows::pgs;
-use bevy_cleave::solver::rows::soft_step::Softness;
-use bevy_cleave::solver::wide::block::{Block, Point};
-use bevy_cleave::solver::wide::bond::BondConstraint;
-use bevy_cleave::solver::wide::contacts::ContactBlocks;
-use bevy_cleave::solver::wide::pass::Pass;
-use bevy_cleave::solver::wide::prepare::{Source, fill};
+use bevy_cleave::contact::{ContactPoint, MAX_POINTS, Manifold, ManifoldHead};
+use bevy_cleave::solver::FrictionModel;
+use bevy_cleave::testing::bodies::{BodyMass, SolverBody};
+use bevy_cleave::testing::math::tangents;
+use bevy_cleave::testing::pgs;
+use bevy_cleave::testing::rows::{PointRows, Softness};
+use bevy_cleave::testing::simd::{F8, LaneWidth, WIDTH};
+use bevy_cleave::testing::wide::{Block, BondConstraint, ContactBlocks, Pass, Point, Source, fill};
 use glam::{Mat3, Vec3};
 use std::cell::Cell;
 

@@ -5,7 +5,7 @@ use super::scene::{
 };
 use allocation_counter::measure;
 use bevy_cleave::prelude::*;
-use bevy_cleave::simd::lanes::LaneWidth;
+use bevy_cleave::testing::simd::LaneWidth;
 use glam::Vec3;
 
 /// Strength of common mortar, Pa.
@@ -53,7 +53,7 @@ fn a_bonded_wall_is_solved_as_precisely_as_contacts_are() {
 /// A wall on the ground, its feet bonded to nothing, and a ball of 200 kg that flies at it with the given speed, m/s.
 fn wall_and_ball(speed: f32) -> (Simulation, Vec<u32>) {
     let (mut simulation, slots) = lintel(8, 8);
-    let ground = HalfSpace { normal: Vec3::Y };
+    let ground = HalfSpaceShape { normal: Vec3::Y };
     let mut floor = BodyDesc::floor(ground);
     floor.pose.position.y = -0.1;
     simulation.bodies.insert(floor).expect("usable");
@@ -208,7 +208,7 @@ fn a_bonded_stick_tumbles_as_one_body() {
     let at = centers(&simulation, &slots);
     let length = at[0].distance(at[3]);
     // None of the three bonds is stretched by what would break one.
-    let most = 3.0 * bevy_cleave::fracture::bonds::BREAKING_SHARE;
+    let most = 3.0 * bevy_cleave::testing::fracture::BREAKING_SHARE;
     assert!((length - 3.0).abs() < most, "{length} m long");
     let middle = 0.5 * (at[0] + at[3]);
     assert!(at[1].distance(middle) < 0.502, "straight");

@@ -10,7 +10,7 @@ use glam::{Quat, Vec3};
 /// A floor and ten unit cubes on it, placed askew by up to 1 mm, all shifted by `offset`.
 fn tower(offset: Vec3) -> Simulation {
     let mut simulation = simulation([]);
-    let mut floor = BodyDesc::floor(HalfSpace { normal: Vec3::Y });
+    let mut floor = BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y });
     floor.friction = Friction::new(0.6);
     floor.pose.position = offset;
     add(&mut simulation, floor);
@@ -103,7 +103,7 @@ fn tower_of_ten_does_not_explode_10_km_from_the_origin() {
 fn slide(tilt_deg: f32, offset: Vec3) -> f32 {
     let mut simulation = simulation([]);
     let rotation = Quat::from_rotation_z(-tilt_deg.to_radians());
-    let mut slope = BodyDesc::floor(HalfSpace { normal: Vec3::Y });
+    let mut slope = BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y });
     slope.friction = Friction::new(0.6);
     slope.pose = Pose::new(offset, rotation);
     add(&mut simulation, slope);

@@ -59,7 +59,7 @@ fn twenty_seven_overlapping_cubes_in_a_box_do_not_explode() {
         .into_iter()
         .flat_map(|n| [n, -n])
     {
-        let mut wall = BodyDesc::floor(HalfSpace { normal });
+        let mut wall = BodyDesc::floor(HalfSpaceShape { normal });
         wall.pose.position = -2.0 * normal;
         add(&mut simulation, wall);
     }

@@ -3,14 +3,13 @@
 use super::support::*;
 use crate::common::dice::Dice;
 use crate::common::structures::*;
-use bevy_cleave::contact::body_id::BodyId;
-use bevy_cleave::contact::impulses::{CacheStats, ContactCache};
-use bevy_cleave::contact::manifolds::{ManifoldHead, Manifolds};
-use bevy_cleave::contact::point::ContactPoint;
+use bevy_cleave::contact::{
+    BodyId, CacheStats, ContactCache, ContactPoint, ManifoldHead, Manifolds,
+};
 use bevy_cleave::geometry::ConvexHull;
-use bevy_cleave::math::rotate;
 use bevy_cleave::prelude::*;
 use bevy_cleave::step;
+use bevy_cleave::testing::math::rotate;
 use glam::{Quat, Vec3};
 
 /// Where the multipliers that a step starts from come from.

@@ -6,9 +6,10 @@
 
 pub(crate) mod sweeps;
 
-use bevy_cleave::solver::exact;
-use bevy_cleave::solver::exact::problem::{Body, Bounds, Contact, ContactProblem, DenseProblem};
-use bevy_cleave::solver::exact::{Certificate, ExactScratch};
+use bevy_cleave::testing::exact;
+use bevy_cleave::testing::exact::{
+    Body, Bounds, Certificate, Contact, ContactProblem, DenseProblem, ExactScratch,
+};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;

@@ -4,10 +4,10 @@
 //! unique and the error is known.
 
 use super::{File, Reference};
-use bevy_cleave::solver::exact::problem::Bounds;
-use bevy_cleave::solver::rows::acceleration::{ImpulseSystem, Momentum};
-use bevy_cleave::solver::rows::pgs;
-use bevy_cleave::solver::rows::pgs::ContactRows;
+use bevy_cleave::testing::exact::Bounds;
+use bevy_cleave::testing::pgs;
+use bevy_cleave::testing::pgs::ContactRows;
+use bevy_cleave::testing::rows::{ImpulseSystem, Momentum};
 use std::time::Instant;
 
 /// A method of sweeps. One unit of work is one update of every row.

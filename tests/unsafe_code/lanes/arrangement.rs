@@ -2,10 +2,10 @@
 
 use crate::common::dice::Dice;
 use crate::common::properties::cases;
-use bevy_cleave::solver::graph::contact_order::ContactOrder;
-use bevy_cleave::solver::graph::indices::{BodyNumber, LaneSlot};
-use bevy_cleave::solver::graph::lane_assignment::{AssignmentRule, ContactEdge, LaneAssignment};
-use bevy_cleave::solver::graph::partition::{Partition, leaves, stages};
+use bevy_cleave::testing::graph::{
+    AssignmentRule, BodyNumber, ContactEdge, ContactOrder, LaneAssignment, LaneSlot, Partition,
+    leaves, stages,
+};
 use glam::Vec3;
 use proptest::prelude::*;
 use std::ops::Range;

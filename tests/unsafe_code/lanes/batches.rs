@@ -2,19 +2,14 @@
 
 use crate::common::dice::Dice;
 use crate::common::properties::cases;
-use bevy_cleave::bodies::solver_body::SolverBody;
-use bevy_cleave::contact::manifolds::{Manifold, ManifoldHead, Manifolds};
-use bevy_cleave::contact::point::MAX_POINTS;
+use bevy_cleave::contact::{MAX_POINTS, Manifold, ManifoldHead, Manifolds};
 use bevy_cleave::prelude::*;
-use bevy_cleave::solver::adaptivity::IslandRequirements;
-use bevy_cleave::solver::batch::{Batch, Step};
-use bevy_cleave::solver::graph::indices::{BodyNumber, LaneSlot, ManifoldIndex};
-use bevy_cleave::solver::graph::islands::Islands;
-use bevy_cleave::solver::graph::partition::stages;
-use bevy_cleave::solver::settings::SubstepSettings;
-use bevy_cleave::solver::wide::block::Block;
 use bevy_cleave::step;
-use bevy_cleave::threads::team::Team;
+use bevy_cleave::testing::batch::{Batch, IslandRequirements, Step, SubstepSettings};
+use bevy_cleave::testing::bodies::SolverBody;
+use bevy_cleave::testing::graph::{BodyNumber, Islands, LaneSlot, ManifoldIndex, stages};
+use bevy_cleave::testing::threads::Team;
+use bevy_cleave::testing::wide::Block;
 use glam::Vec3;
 use proptest::prelude::*;
 use std::collections::HashMap;

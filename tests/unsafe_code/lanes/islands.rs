@@ -2,12 +2,10 @@
 
 use crate::common::dice::Dice;
 use crate::common::properties::cases;
-use bevy_cleave::contact::manifolds::ManifoldHead;
-use bevy_cleave::contact::point::MAX_POINTS;
+use bevy_cleave::contact::{MAX_POINTS, ManifoldHead};
 use bevy_cleave::prelude::*;
-use bevy_cleave::solver::graph::indices::{BodyNumber, ManifoldIndex};
-use bevy_cleave::solver::graph::islands::{Island, Islands};
 use bevy_cleave::step;
+use bevy_cleave::testing::graph::{BodyNumber, Island, Islands, ManifoldIndex};
 use glam::Vec3;
 use proptest::prelude::*;
 

@@ -7,7 +7,7 @@ mod islands;
 mod operations;
 mod schedule;
 
-use bevy_cleave::simd::lanes::LaneWidth;
+use bevy_cleave::testing::simd::LaneWidth;
 
 /// All widths; the first one is what the others are held against.
 const WIDTHS: [LaneWidth; 3] = [LaneWidth::One, LaneWidth::Four, LaneWidth::Widest];

@@ -2,9 +2,8 @@
 
 use super::WIDTHS;
 use crate::common::dice::Dice;
-use bevy_cleave::bodies::solver_body::SolverBody;
-use bevy_cleave::simd::dispatch::run;
-use bevy_cleave::simd::lanes::{F8, Kernel, LaneWidth, Lanes, WIDTH};
+use bevy_cleave::testing::bodies::SolverBody;
+use bevy_cleave::testing::simd::{F8, Kernel, LaneWidth, Lanes, WIDTH, run};
 use glam::Vec3;
 use std::cell::Cell;
 

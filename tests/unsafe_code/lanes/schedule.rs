@@ -2,10 +2,8 @@
 
 use crate::common::dice::Dice;
 use crate::common::properties::cases;
-use bevy_cleave::simd::lanes::WIDTH;
-use bevy_cleave::solver::graph::coloring::Coloring;
-use bevy_cleave::solver::graph::indices::LaneSlot;
-use bevy_cleave::solver::graph::ordered_packing::{OrderedPacking, Packer};
+use bevy_cleave::testing::graph::{Coloring, LaneSlot, OrderedPacking, Packer};
+use bevy_cleave::testing::simd::WIDTH;
 use proptest::prelude::*;
 
 /// Two bodies, of which either may be one that contacts do not move, and a number of points.

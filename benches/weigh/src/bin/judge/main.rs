@@ -14,8 +14,7 @@
 mod file;
 
 use bevy_cleave::prelude::FrictionModel;
-use bevy_cleave::solver::exact::problem::{Bounds, DenseProblem};
-use bevy_cleave::solver::exact::{ExactScratch, solve_dense};
+use bevy_cleave::testing::exact::{Bounds, DenseProblem, ExactScratch, solve_dense};
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{
     DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SecondOrderConeT, SolverStatus,

@@ -1,6 +1,6 @@
 //! The loop that all are compared on, written once over operations on eight numbers.
 
-use bevy_cleave::simd::lanes::F8;
+use bevy_cleave::testing::simd::F8;
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg32;
 

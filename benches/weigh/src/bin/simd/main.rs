@@ -8,7 +8,7 @@ mod kernel;
 mod others;
 mod ours;
 
-use bevy_cleave::simd::lanes::LaneWidth;
+use bevy_cleave::testing::simd::LaneWidth;
 use fearless_simd::Level;
 use kernel::Scene;
 use pulp::x86::V3;

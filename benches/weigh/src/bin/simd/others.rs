@@ -1,7 +1,7 @@
 //! The operations of the other crates.
 
 use crate::kernel::{self, Ops, Scene};
-use bevy_cleave::simd::lanes::F8;
+use bevy_cleave::testing::simd::F8;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, f32x8};
 use pulp::x86::V3;

@@ -1,7 +1,7 @@
 //! The operations of the library.
 
 use crate::kernel::{self, Ops, Scene};
-use bevy_cleave::simd::lanes::{F8, Kernel, LaneWidth, Lanes, run};
+use bevy_cleave::testing::simd::{F8, Kernel, LaneWidth, Lanes, run};
 use std::marker::PhantomData;
 
 struct Ours<L>(PhantomData<L>);

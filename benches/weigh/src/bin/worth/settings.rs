@@ -1,9 +1,9 @@
 //! The settings that are compared, by name.
 
 use bevy_cleave::prelude::*;
-use bevy_cleave::simd::lanes::LaneWidth;
-use bevy_cleave::solver::graph::contact_order::ContactOrder;
-use bevy_cleave::solver::settings::SolverOverrides;
+use bevy_cleave::testing::batch::SolverOverrides;
+use bevy_cleave::testing::graph::ContactOrder;
+use bevy_cleave::testing::simd::LaneWidth;
 use weigh::Error;
 
 /// What is set before the first step.
