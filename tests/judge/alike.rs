@@ -4,8 +4,9 @@
 //! changes everything, so may rounding; where it does not, the bound is that of the law.
 
 use super::laws::{Breach, Law};
-use super::run::Run;
-use super::scene::{Role, Scene};
+use super::run::{Run, State};
+use super::scene::{Actor, Role, Scene};
+use bevy_cleave::math::rotate;
 use glam::{DVec3, Vec3};
 
 /// Nudge, as a share of a body's size.
@@ -26,23 +27,23 @@ const HEIGHT: f64 = 1e-3;
 /// Whether what slides over many pieces does as over one.
 pub(crate) fn judge_seam(scene: &Scene) -> Option<Breach> {
     let (pieces, whole) = (scene.version(Role::Here), scene.version(Role::There));
-    let side = scene
-        .gravity
-        .normalize_or(Vec3::NEG_Y)
-        .any_orthonormal_vector();
-    let nudged = nudged(&whole, side);
+    let bounds = Bounds::new(scene);
+    let up = bounds.up.as_vec3();
+    let side = up.any_orthonormal_vector();
+    let nudges = [side, side + up.cross(side)];
+    let nudges = nudges.map(|nudge| nudged(&whole, nudge));
     let mut runs = [
         Run::new(&pieces, false)?,
         Run::new(&whole, false)?,
-        Run::new(&nudged, false)?,
+        Run::new(&nudges[0], false)?,
+        Run::new(&nudges[1], false)?,
     ];
-    let bounds = Bounds::new(scene);
     let mut worst: Option<Breach> = None;
     for step in 1..=scene.steps {
         runs.iter_mut().for_each(Run::step);
-        let [here, there, nudge] = &runs;
-        let (off, free) = (bounds.off(here, there), bounds.off(nudge, there));
-        let excess = off / (1.0_f64).max(TIMES * free);
+        let [here, there, nudges @ ..] = &runs;
+        let free = nudges.iter().map(|nudge| bounds.off(nudge, there));
+        let excess = bounds.off(here, there) / (1.0_f64).max(TIMES * free.fold(0.0, f64::max));
         if excess > worst.as_ref().map_or(1.0, |worst| worst.excess) {
             worst = Some(Breach {
                 law: Law::Seam,
@@ -57,7 +58,8 @@ pub(crate) fn judge_seam(scene: &Scene) -> Option<Breach> {
 /// The scene with its dynamic bodies pushed a little, one more than the other.
 pub(crate) fn nudged(scene: &Scene, side: Vec3) -> Scene {
     let mut nudged = scene.clone();
-    let dynamic = nudged.actors.iter_mut().filter(|actor| actor.is_dynamic());
+    let moved = |actor: &&mut Actor| actor.is_dynamic() && actor.role == Role::Both;
+    let dynamic = nudged.actors.iter_mut().filter(moved);
     for (i, actor) in dynamic.enumerate() {
         let share = [1.0, 0.5, 0.75][i % 3];
         actor.pose.position += share * NUDGE * actor.form.radius() * side;
@@ -67,30 +69,34 @@ pub(crate) fn nudged(scene: &Scene, side: Vec3) -> Scene {
 
 /// What two runs may differ by.
 struct Bounds {
-    velocity: f64,
+    /// Share of the speed.
+    share: f64,
+    /// Speed at the start, m/s.
+    speed: f64,
+    /// Normal of the floor.
     up: DVec3,
 }
 
 impl Bounds {
     fn new(scene: &Scene) -> Self {
-        let dynamic = scene.actors.iter().filter(|actor| actor.is_dynamic());
-        let speed = dynamic.fold(0.0_f32, |speed, a| speed.max(a.linear.length()));
+        let sliding = scene.actors.iter().filter(|a| a.role == Role::Both);
+        let speed = sliding.fold(0.0_f32, |speed, a| speed.max(a.linear.length()));
         let is_smooth = scene.actors.iter().all(|actor| actor.friction == 0.0);
-        let share = [VELOCITY_WITH_FRICTION, VELOCITY][usize::from(is_smooth)];
-        let gravity = scene.gravity.as_dvec3();
+        let whole = scene.actors.iter().find(|a| a.role == Role::There);
+        let up = whole.map_or(Vec3::Y, |whole| rotate(whole.pose.rotation, Vec3::Y));
         Self {
-            velocity: share * f64::from(speed),
-            up: -gravity.normalize_or(DVec3::NEG_Y),
+            share: [VELOCITY_WITH_FRICTION, VELOCITY][usize::from(is_smooth)],
+            speed: speed.into(),
+            up: up.as_dvec3(),
         }
     }
 
     /// The largest difference between the bodies of both, as a multiple of its bound.
     fn off(&self, one: &Run<'_>, other: &Run<'_>) -> f64 {
-        let pairs = one.dynamic().zip(other.dynamic());
-        pairs.fold(0.0, |worst, ((_, a, _), (_, b, _))| {
-            let (_, radius) = one.size(a);
-            let (a, b) = (one.state(a), other.state(b));
-            let velocity = (a.linear - b.linear).length() / self.velocity;
+        let pairs = sliding(one).zip(sliding(other));
+        pairs.fold(0.0, |worst, ((radius, a), (_, b))| {
+            let bound = self.share * self.speed.max(b.linear.length());
+            let velocity = (a.linear - b.linear).length() / bound;
             let height = self.up.dot(a.centre - b.centre).abs() / (2.0 * HEIGHT * radius);
             worst.max(velocity).max(height)
         })
@@ -99,12 +105,17 @@ impl Bounds {
     /// What the first body does in both.
     fn describe(&self, [one, other]: [&Run<'_>; 2], step: u32) -> String {
         let say = |run: &Run<'_>| {
-            let state = run.dynamic().next().map(|(_, slot, _)| run.state(slot));
-            state.map_or(String::new(), |state| {
+            sliding(run).next().map_or(String::new(), |(_, state)| {
                 let speed = state.linear.length();
                 format!("{speed:.4} m/s at {:.5} m", self.up.dot(state.centre))
             })
         };
         format!("step {step}: {} on pieces, {} on one", say(one), say(other))
     }
+}
+
+/// Radius and motion of the bodies that are in both versions.
+fn sliding<'r>(run: &'r Run<'_>) -> impl Iterator<Item = (f64, State)> + 'r {
+    let both = run.dynamic().filter(|(_, _, a)| a.role == Role::Both);
+    both.map(|(_, slot, _)| (run.size(slot).1, run.state(slot)))
 }

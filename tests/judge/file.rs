@@ -27,6 +27,9 @@ pub(crate) fn write(scene: &Scene, comments: &[String]) -> String {
     line(&mut text, "laws", &laws.join(" "));
     vector(&mut text, "gravity", scene.gravity);
     line(&mut text, "rate", &scene.rate.to_string());
+    if scene.soft > 0 {
+        line(&mut text, "soft", &scene.soft.to_string());
+    }
     line(&mut text, "steps", &scene.steps.to_string());
     for actor in &scene.actors {
         write_actor(&mut text, actor);
@@ -92,6 +95,7 @@ pub(crate) fn read(text: &str) -> Result<Scene, String> {
         laws: Vec::new(),
         gravity: Vec3::ZERO,
         rate: 60.0,
+        soft: 0,
         steps: 0,
         actors: Vec::new(),
     };
@@ -117,6 +121,7 @@ fn read_line(scene: &mut Scene, word: &str, rest: &[&str]) -> Result<(), String>
         }
         ("gravity", _) => scene.gravity = Vec3::from_array(numbers(rest)?),
         ("rate", _) => [scene.rate] = numbers(rest)?,
+        ("soft", [parts]) => scene.soft = parts.parse().map_err(|_| "no number")?,
         ("steps", [steps]) => scene.steps = steps.parse().map_err(|_| "no number")?,
         ("body", [kind, role]) => scene.actors.push(Actor {
             kind: value_of(&KINDS, kind)?,

@@ -20,7 +20,7 @@ use bevy_cleave::prelude::RigidBody;
 use glam::{Quat, Vec3};
 
 /// Families by name.
-pub(crate) const FAMILIES: [(&str, fn(&mut Dice) -> Draft); 25] = [
+pub(crate) const FAMILIES: [(&str, fn(&mut Dice) -> Draft); 28] = [
     ("boxes", heaps::boxes),
     ("hulls", heaps::hulls),
     ("round", heaps::round),
@@ -39,18 +39,24 @@ pub(crate) const FAMILIES: [(&str, fn(&mut Dice) -> Draft); 25] = [
     ("turntables", structures::turntables),
     ("arches", structures::arches),
     ("houses", structures::houses),
+    ("soft_houses", structures::soft_houses),
+    ("soft_arches", structures::soft_arches),
     ("bounces", flights::bounces),
     ("swarms", flights::swarms),
     ("shots", flights::shots),
+    ("ledges", slides::ledges),
     ("slides", slides::slides),
     ("passes", passes::passes),
     ("copies", heaps::copies),
     ("steps", heaps::steps),
 ];
 
-/// Least and most steps that a fall by one length, and a scene, may take.
-const LEAST_FINE: f32 = 0.5;
+/// Steps of the unit of time, at least: of 1, a body falls from rest by half of its length in one step.
+const COARSE: f32 = 1.0;
+
+/// Most steps of a scene, and the least that it is given to come to rest.
 const MOST_STEPS: f32 = 2500.0;
+const LEAST_TO_REST: f32 = 120.0;
 
 /// How long a body must rest until it sleeps (`SleepConfig::time`), and half of it more, s.
 const FALL_ASLEEP: f32 = 0.75;
@@ -61,8 +67,12 @@ pub(crate) struct Draft {
     /// How long it is given.
     pub(crate) time: f32,
     pub(crate) laws: Vec<Law>,
-    /// Whether bodies have weight.
-    pub(crate) is_heavy: bool,
+    /// Steps of the unit of time, at least [`COARSE`].
+    pub(crate) least_steps: f32,
+    /// See [`Scene::soft`].
+    pub(crate) soft: u32,
+    /// Which way gravity acts, a unit vector; zero: not at all.
+    pub(crate) down: Vec3,
 }
 
 /// The scene of a family and a seed; `None` if there is no such family.
@@ -81,6 +91,18 @@ pub(crate) fn scene(family: &str, seed: u64) -> Option<Scene> {
 }
 
 impl Draft {
+    /// How many steps the scene takes if its unit of time is `unit` of them and there are `rate` in a second.
+    fn steps(&self, unit: f32, rate: f32) -> f32 {
+        let has = |law| self.laws.contains(&law);
+        let pause = if has(Law::Sleep) {
+            FALL_ASLEEP * rate
+        } else {
+            0.0
+        };
+        let least = if has(Law::Rest) { LEAST_TO_REST } else { 1.0 };
+        (self.time * unit).max(least) + pause
+    }
+
     /// Draws units and turns the scene into SI.
     fn finish(self, dice: &mut Dice) -> Scene {
         let (length, gravity, rate, steps) = loop {
@@ -94,10 +116,8 @@ impl Draft {
             };
             let rate = [60.0, 60.0, 60.0, 60.0, 30.0, 50.0, 120.0, 240.0][dice.below(8)];
             let unit = rate * (length / gravity).sqrt();
-            let sleeps = self.laws.contains(&Law::Sleep);
-            let pause = if sleeps { FALL_ASLEEP * rate } else { 0.0 };
-            let steps = self.time * unit + pause;
-            if unit >= LEAST_FINE && steps <= MOST_STEPS {
+            let steps = self.steps(unit, rate);
+            if unit >= self.least_steps && steps <= MOST_STEPS {
                 break (length, gravity, rate, steps.ceil() as u32);
             }
         };
@@ -105,12 +125,9 @@ impl Draft {
             family: String::new(),
             seed: 0,
             laws: self.laws,
-            gravity: if self.is_heavy {
-                -gravity * Vec3::Y
-            } else {
-                Vec3::ZERO
-            },
+            gravity: gravity * self.down,
             rate,
+            soft: self.soft,
             steps,
             actors: self.actors,
         };

@@ -25,6 +25,10 @@ impl<'s> Run<'s> {
         if sleeps {
             simulation.config.sleep = SleepConfig::on();
         }
+        if scene.soft > 0 {
+            (simulation.config.substeps, simulation.config.max_substeps) = (scene.soft, scene.soft);
+            simulation.config.tolerance = None;
+        }
         let mut slots = Vec::new();
         for actor in &scene.actors {
             slots.push(simulation.bodies.insert(actor.desc()?).ok()?);

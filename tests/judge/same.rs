@@ -8,11 +8,15 @@ use super::run::Run;
 use super::scene::{Form, Role, Scene};
 use glam::{DVec3, Quat, Vec3};
 
-/// How far a body may be from where it is in the scene itself, as a share of its largest extent. Turned and moved, only
-/// rounding differs. Mirrored or in another order, sweeps go through the contacts in another order, and end when they change
-/// velocities by less than a hundredth of the fastest: that much of a way of some lengths.
+/// How far a body may be from where it is in the scene itself, as a share of its largest extent. Moved, only rounding
+/// differs. Turned, mirrored or in another order, friction has other axes and sweeps go through the contacts in another
+/// order; they end when they change velocities by less than a hundredth of the fastest: that much of a way of some lengths.
 const ROUNDING: f64 = 1e-3;
 const ORDER: f64 = 0.03;
+
+/// How many times 1e-4 of their size bodies are nudged, for what ends of sweeps and parts of a step may change.
+const BY_SWEEPS: f32 = 10.0;
+const BY_STEPS: f32 = 100.0;
 
 /// How far steps of a quarter may be from steps of a half, beyond how far these are from whole ones: what an impact that falls
 /// into another part of a step changes.
@@ -49,7 +53,7 @@ impl Way {
         [
             Self {
                 turn: Quat::from_xyzw(0.36, -0.48, 0.64, 0.48),
-                ..Self::plain("turned", ROUNDING)
+                ..Self::plain("turned", ORDER)
             },
             Self {
                 shift: size * Vec3::new(5.0, -3.0, 7.0),
@@ -133,9 +137,9 @@ fn runs(scenes: &[Scene]) -> Option<Vec<Run<'_>>> {
     scenes.iter().map(|scene| Run::new(scene, false)).collect()
 }
 
-/// The scene nudged in three directions.
-fn nudges(scene: &Scene) -> [Scene; 3] {
-    Vec3::AXES.map(|axis| nudged(scene, axis))
+/// The scene nudged in three directions, `times` as far as a floor's scenes are.
+fn nudges(scene: &Scene, times: f32) -> [Scene; 3] {
+    Vec3::AXES.map(|axis| nudged(scene, times * axis))
 }
 
 /// How far the runs of nudged scenes are from that of the scene itself, in largest extents.
@@ -150,7 +154,7 @@ pub(crate) fn judge_same(scene: &Scene) -> Option<Breach> {
     let scene = &scene.version(Role::Here);
     let ways = Way::all(scene);
     let told = ways.each_ref().map(|way| way.say(scene));
-    let nudges = nudges(scene);
+    let nudges = nudges(scene, BY_SWEEPS);
     let mut right = Run::new(scene, false)?;
     let (mut told, mut nudged) = (runs(&told)?, runs(&nudges)?);
     let mut worst: Option<Breach> = None;
@@ -184,7 +188,7 @@ pub(crate) fn judge_finer(scene: &Scene) -> Option<Breach> {
         rate: scene.rate * f32::from(parts),
         ..scene.clone()
     });
-    let nudges = nudges(scene);
+    let nudges = nudges(scene, BY_STEPS);
     let (mut finer, mut nudged) = (runs(&finer)?, runs(&nudges)?);
     for _ in 0..scene.steps {
         for (run, parts) in finer.iter_mut().zip(PARTS) {

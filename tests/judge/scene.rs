@@ -134,6 +134,8 @@ pub(crate) struct Scene {
     pub(crate) gravity: Vec3,
     /// Steps per second.
     pub(crate) rate: f32,
+    /// With how many sub-steps, no more and no less, each of one sweep before and one after the motion; 0: default settings.
+    pub(crate) soft: u32,
     /// How many steps the laws are given.
     pub(crate) steps: u32,
     pub(crate) actors: Vec<Actor>,

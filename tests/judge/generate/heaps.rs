@@ -1,7 +1,7 @@
 //! Heaps that fall, and unlike boxes on top of each other.
 
 use super::piles::{self, Pile, heap};
-use super::{Draft, broken as fragments, drive, forms, log_range, once_in, set_material};
+use super::{COARSE, Draft, broken as fragments, drive, forms, log_range, once_in, set_material};
 use crate::judge::dice::Dice;
 use crate::judge::laws::Law;
 use crate::judge::scene::{Actor, Form};
@@ -47,7 +47,9 @@ fn settle(dice: &mut Dice, mut bodies: Vec<Actor>, height: f32, rolling: f32) ->
         actors,
         time: time_to_rest(height, friction, restitution) + rolling,
         laws: LAWS.into(),
-        is_heavy: true,
+        least_steps: COARSE,
+        soft: 0,
+        down: Vec3::NEG_Y,
     }
 }
 

@@ -1,6 +1,6 @@
 //! A body that flies past another and does not touch it.
 
-use super::{Draft, forms, log_range, once_in};
+use super::{COARSE, Draft, forms, log_range, once_in};
 use crate::judge::dice::Dice;
 use crate::judge::laws::Law;
 use crate::judge::scene::{Actor, Form, Role};
@@ -69,6 +69,8 @@ pub(super) fn passes(dice: &mut Dice) -> Draft {
         actors: vec![obstacle, body],
         time: 2.0 * start / speed,
         laws: vec![Law::Finite, Law::Cause],
-        is_heavy: false,
+        least_steps: COARSE,
+        soft: 0,
+        down: Vec3::ZERO,
     }
 }

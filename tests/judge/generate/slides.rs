@@ -1,12 +1,13 @@
 //! A body that slides over a floor in many pieces, and over the same floor in one.
 
-use super::{Draft, broken, log_range, once_in, set_material};
+use super::{COARSE, Draft, broken, log_range, once_in, piles, set_material};
 use crate::judge::dice::Dice;
 use crate::judge::laws::Law;
 use crate::judge::scene::{Actor, Form, Role};
 use bevy_cleave::geometry::primitives;
 use bevy_cleave::math::Plane;
-use glam::{DVec3, Quat, Vec2, Vec3};
+use bevy_cleave::prelude::RigidBody;
+use glam::{Quat, Vec2, Vec3};
 
 /// Thickness of the floor.
 const THICKNESS: f32 = 1.0;
@@ -111,22 +112,8 @@ fn slab(size: Vec2) -> (Form, Vec3) {
     (form, 0.5 * Vec3::new(size.x, -THICKNESS, size.y))
 }
 
-pub(super) fn slides(dice: &mut Dice) -> Draft {
-    let speed = log_range(dice, 0.03, 16.0);
-    let friction = if once_in(dice, 2) {
-        0.0
-    } else {
-        dice.in_range(0.05, 0.8)
-    };
-    let way = if speed > 3.0 { 12.0 } else { 4.0 };
-    let time = (way / speed).min(30.0);
-    // Along the tiles or askew to them.
-    let heading = match dice.below(3) {
-        0 => Vec3::X,
-        _ => (dice.direction().abs() * Vec3::new(1.0, 0.0, 1.0)).normalize_or(Vec3::X),
-    };
-    let start = Vec3::new(2.0, 0.0, 2.0);
-    let size = Vec2::new(4.0 + way * heading.x, 4.0 + way * heading.z);
+/// A floor of `size` in pieces and in one, and what may lie below it.
+fn floors(dice: &mut Dice, size: Vec2) -> Vec<Actor> {
     let mut actors = match dice.below(4) {
         0 => prisms(dice, size),
         1 => cut(dice, size),
@@ -138,25 +125,107 @@ pub(super) fn slides(dice: &mut Dice) -> Draft {
         role: Role::There,
         ..Actor::fixed(slab, middle)
     });
+    actors
+}
+
+/// Lets the floor rest on a half-space instead of being fixed.
+fn set_down(floor: &mut Vec<Actor>) {
+    for piece in floor.iter_mut() {
+        piece.kind = RigidBody::Dynamic;
+        piece.density *= 10.0;
+    }
+    let ground = Actor::fixed(Form::HalfSpace(Vec3::Y), -THICKNESS * Vec3::Y);
+    floor.push(ground);
+}
+
+/// Which way gravity acts on what slides along `heading`: onto the floor, or along it as down a wall. A second wall makes a
+/// shaft; `height` is that of what slides.
+fn set_upright(dice: &mut Dice, floor: &mut Vec<Actor>, heading: Vec3, height: f32) -> Vec3 {
+    if once_in(dice, 2) {
+        let mut opposite = floor.clone();
+        for wall in &mut opposite {
+            wall.pose.position.y = height - wall.pose.position.y;
+        }
+        floor.extend(opposite);
+        return heading;
+    }
+    (heading - dice.in_range(0.0, 0.5) * Vec3::Y).normalize()
+}
+
+/// What slides, on its lowest corner or face at height 0, and its highest corner.
+fn lying(dice: &mut Dice) -> (Actor, f32) {
     let form = slider(dice);
-    let turn = Quat::from_xyzw(0.0, dice.in_range(-1.0, 1.0), 0.0, 1.0).normalize();
-    let rotation = if once_in(dice, 3) {
-        turn
+    let heights = broken::hull_of(&form);
+    let heights = heights.vertices().iter().map(|v| v.y);
+    let (low, high) = heights.fold((f32::MAX, f32::MIN), |(low, high), y| {
+        (low.min(y), high.max(y))
+    });
+    let mut body = Actor::new(form, -low * Vec3::Y);
+    if once_in(dice, 3) {
+        body.pose.rotation = Quat::from_xyzw(0.0, dice.in_range(-1.0, 1.0), 0.0, 1.0).normalize();
+    }
+    (body, high - low)
+}
+
+pub(super) fn slides(dice: &mut Dice) -> Draft {
+    let speed = log_range(dice, 0.03, 16.0);
+    let friction = if once_in(dice, 2) {
+        0.0
     } else {
-        Quat::IDENTITY
+        dice.in_range(0.05, 0.8)
     };
-    let hull = broken::hull_of(&form);
-    let corners = hull.vertices().iter().map(|v| v.as_dvec3().dot(DVec3::Y));
-    let height = -corners.fold(f64::MAX, f64::min) as f32;
-    let mut body = Actor::new(form, start + height * Vec3::Y);
-    body.pose.rotation = rotation;
+    let way = if speed > 3.0 { 12.0 } else { 4.0 };
+    // Along the tiles or askew to them.
+    let heading = match dice.below(3) {
+        0 => Vec3::X,
+        _ => (dice.direction().abs() * Vec3::new(1.0, 0.0, 1.0)).normalize_or(Vec3::X),
+    };
+    let size = Vec2::new(4.0 + way * heading.x, 4.0 + way * heading.z);
+    let mut actors = floors(dice, size);
+    let (mut body, height) = lying(dice);
+    body.pose.position += Vec3::new(2.0, 0.0, 2.0);
     body.linear = speed * heading;
+    let (mut down, mut time) = (Vec3::NEG_Y, (way / speed).min(30.0));
+    match dice.below(5) {
+        0 => {
+            down = set_upright(dice, &mut actors, heading, height);
+            // Until it has fallen all the way.
+            time = time.min((2.0 * way + speed * speed).sqrt() - speed);
+        }
+        1 if friction == 0.0 => set_down(&mut actors),
+        _ => {}
+    }
     actors.push(body);
     set_material(&mut actors, friction, 0.0);
     Draft {
         actors,
         time,
         laws: vec![Law::Finite, Law::Seam],
-        is_heavy: true,
+        least_steps: COARSE,
+        soft: 0,
+        down,
+    }
+}
+
+/// A box that slides too slowly to get over a ledge of 1e-3 to 0.3 of its size, however it tips: the ledge stops it.
+pub(super) fn ledges(dice: &mut Dice) -> Draft {
+    let ledge = log_range(dice, 1e-3, 0.3);
+    // With less than half of the energy that lifting it over takes.
+    let speed = ledge.sqrt() * dice.in_range(0.1, 1.0);
+    let size = Vec3::new(1.0, log_range(dice, 0.4, 1.0), 1.0);
+    let mut body = Actor::new(Form::Box(size), 0.5 * size.y * Vec3::Y);
+    body.linear = speed * Vec3::X;
+    let way = dice.in_range(0.1, 1.0);
+    let wall = Form::Box(Vec3::new(0.2, 1.0, 10.0));
+    let at = Vec3::new(0.5 + way + 0.1, ledge - 0.5, 0.0);
+    let mut actors = vec![piles::box_floor(), Actor::fixed(wall, at), body];
+    set_material(&mut actors, 0.0, 0.0);
+    Draft {
+        actors,
+        time: (3.0 * way / speed).min(60.0),
+        laws: vec![Law::Finite, Law::Energy, Law::Overlap, Law::Tunnel],
+        least_steps: COARSE,
+        soft: 0,
+        down: Vec3::NEG_Y,
     }
 }

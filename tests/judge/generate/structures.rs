@@ -1,6 +1,6 @@
 //! What stands because it is in balance: towers, decks, arches, houses of cards, stacks on slopes and on turntables.
 
-use super::{Draft, drive, log_range, once_in, piles, set_material};
+use super::{COARSE, Draft, drive, log_range, once_in, piles, set_material};
 use crate::judge::dice::Dice;
 use crate::judge::laws::Law;
 use crate::judge::scene::{Actor, Form};
@@ -25,7 +25,9 @@ fn standing(mut actors: Vec<Actor>, friction: f32) -> Draft {
         actors,
         time: TIME,
         laws: LAWS.into(),
-        is_heavy: true,
+        least_steps: COARSE,
+        soft: 0,
+        down: Vec3::NEG_Y,
     }
 }
 
@@ -74,9 +76,9 @@ pub(super) fn towers(dice: &mut Dice) -> Draft {
     standing(actors, friction)
 }
 
-/// 3 to 24 thin plates of one thickness on top of each other.
+/// 3 to 60 thin plates of one thickness on top of each other.
 pub(super) fn decks(dice: &mut Dice) -> Draft {
-    let count = log_range(dice, 3.0, 25.0) as usize;
+    let count = log_range(dice, 3.0, 61.0) as usize;
     let thickness = log_range(dice, 2e-3, 0.05);
     let mut actors = floor(dice);
     actors.extend(column(dice, &vec![thickness; count]));
@@ -136,6 +138,8 @@ pub(super) fn turntables(dice: &mut Dice) -> Draft {
     }
     let mut draft = standing(actors, friction);
     draft.laws = vec![Law::Finite, Law::Overlap, Law::Rest, Law::Stand];
+    // So that the table does not turn by more than a twentieth of a turn in a step.
+    draft.least_steps = 2.0;
     draft
 }
 
@@ -207,10 +211,36 @@ fn card(lean: Vec2, thickness: f32) -> [Vec2; 9] {
     ]
 }
 
-/// A house of cards of one to three levels. The feet push out with less than 0.75 of the load times the tangent of the lean,
-/// so that friction of 0.4 would do.
+/// A house of cards of one to three levels.
 pub(super) fn houses(dice: &mut Dice) -> Draft {
     let levels = 1 + dice.below(3);
+    house(dice, levels)
+}
+
+/// A draft with a fixed number of sub-steps: more may not be worse than fewer, and from four on nothing falls.
+fn softly(dice: &mut Dice, mut draft: Draft) -> Draft {
+    draft.soft = [4, 5, 6, 8, 10, 12, 16][dice.below(7)];
+    draft.laws = vec![Law::Finite, Law::Stand];
+    // The time between two sub-steps is what counts: of rates of the usual order.
+    draft.least_steps = 10.0;
+    draft
+}
+
+/// Up to five levels.
+pub(super) fn soft_houses(dice: &mut Dice) -> Draft {
+    let levels = 1 + dice.below(5);
+    let draft = house(dice, levels);
+    softly(dice, draft)
+}
+
+pub(super) fn soft_arches(dice: &mut Dice) -> Draft {
+    let draft = arches(dice);
+    softly(dice, draft)
+}
+
+/// A house of cards. The feet push out with less than 0.75 of the load times the tangent of the lean,
+/// so that friction of 0.4 would do.
+fn house(dice: &mut Dice, levels: usize) -> Draft {
     // Angles to the upright of 11 to 28 degrees.
     let across = by_half_tangent(dice.in_range(0.1, 0.25));
     let lean = Vec2::new(across.y, across.x);

@@ -11,8 +11,10 @@ use crate::judge::run::Run;
 const STAYS: f64 = 0.02;
 const DEEP: f64 = 0.25;
 
-/// How often the scene is looked at.
+/// How often the scene is looked at, and the least number of steps in between: what a blow pressed together has these to come
+/// apart.
 const LOOKS: u32 = 24;
+const LEAST_STRIDE: u32 = 8;
 
 pub(super) struct Overlap {
     /// Steps between two looks.
@@ -31,7 +33,7 @@ impl Overlap {
             (least, _) => least,
         });
         Self {
-            stride: (run.scene.steps / LOOKS).max(1),
+            stride: (run.scene.steps / LOOKS).max(LEAST_STRIDE),
             least: least.collect(),
             before: Vec::new(),
             worst: None,
