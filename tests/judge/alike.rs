@@ -97,7 +97,7 @@ impl Bounds {
         pairs.fold(0.0, |worst, ((radius, a), (_, b))| {
             let bound = self.share * self.speed.max(b.linear.length());
             let velocity = (a.linear - b.linear).length() / bound;
-            let height = self.up.dot(a.centre - b.centre).abs() / (2.0 * HEIGHT * radius);
+            let height = self.up.dot(a.center - b.center).abs() / (2.0 * HEIGHT * radius);
             worst.max(velocity).max(height)
         })
     }
@@ -107,7 +107,7 @@ impl Bounds {
         let say = |run: &Run<'_>| {
             sliding(run).next().map_or(String::new(), |(_, state)| {
                 let speed = state.linear.length();
-                format!("{speed:.4} m/s at {:.5} m", self.up.dot(state.centre))
+                format!("{speed:.4} m/s at {:.5} m", self.up.dot(state.center))
             })
         };
         format!("step {step}: {} on pieces, {} on one", say(one), say(other))

@@ -52,11 +52,11 @@ pub(crate) const FAMILIES: [(&str, fn(&mut Dice) -> Draft); 28] = [
 ];
 
 /// Steps of the unit of time, at least: of 1, a body falls from rest by half of its length in one step.
-const COARSE: f32 = 1.0;
+const COARSEST: f32 = 1.0;
 
 /// Most steps of a scene, and the least that it is given to come to rest.
-const MOST_STEPS: f32 = 2500.0;
-const LEAST_TO_REST: f32 = 120.0;
+const MAX_STEPS: f32 = 2500.0;
+const MIN_STEPS_TO_REST: f32 = 120.0;
 
 /// How long a body must rest until it sleeps (`SleepConfig::time`), and half of it more, s.
 const FALL_ASLEEP: f32 = 0.75;
@@ -67,8 +67,8 @@ pub(crate) struct Draft {
     /// How long it is given.
     pub(crate) time: f32,
     pub(crate) laws: Vec<Law>,
-    /// Steps of the unit of time, at least [`COARSE`].
-    pub(crate) least_steps: f32,
+    /// Steps of the unit of time, at least [`COARSEST`].
+    pub(crate) min_steps_per_unit: f32,
     /// See [`Scene::soft`].
     pub(crate) soft: u32,
     /// Which way gravity acts, a unit vector; zero: not at all.
@@ -99,8 +99,12 @@ impl Draft {
         } else {
             0.0
         };
-        let least = if has(Law::Rest) { LEAST_TO_REST } else { 1.0 };
-        (self.time * unit).max(least) + pause
+        let min = if has(Law::Rest) {
+            MIN_STEPS_TO_REST
+        } else {
+            1.0
+        };
+        (self.time * unit).max(min) + pause
     }
 
     /// Draws units and turns the scene into SI.
@@ -117,7 +121,7 @@ impl Draft {
             let rate = [60.0, 60.0, 60.0, 60.0, 30.0, 50.0, 120.0, 240.0][dice.below(8)];
             let unit = rate * (length / gravity).sqrt();
             let steps = self.steps(unit, rate);
-            if unit >= self.least_steps && steps <= MOST_STEPS {
+            if unit >= self.min_steps_per_unit && steps <= MAX_STEPS {
                 break (length, gravity, rate, steps.ceil() as u32);
             }
         };

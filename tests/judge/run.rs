@@ -66,14 +66,14 @@ impl<'s> Run<'s> {
         let bodies = &self.simulation.bodies;
         let (linear, angular) = bodies.velocity(slot);
         State {
-            centre: bodies.centre_of_mass(slot).as_dvec3(),
+            center: bodies.center_of_mass(slot).as_dvec3(),
             pose: bodies.pose(slot),
             linear: linear.as_dvec3(),
             angular: angular.as_dvec3(),
         }
     }
 
-    /// Mass (kg) and inertia about the centre of mass, world axes, kg m2.
+    /// Mass (kg) and inertia about the center of mass, world axes, kg m2.
     pub(crate) fn inertia(&self, slot: u32) -> (f64, DMat3) {
         let mass = self.simulation.bodies.mass(slot);
         let rotation = self.simulation.bodies.pose(slot).rotation.as_dquat();
@@ -82,17 +82,17 @@ impl<'s> Run<'s> {
         (f64::from(mass.mass), turn * inertia * turn.transpose())
     }
 
-    /// Least extent of a body's box and its largest distance from its centre of mass, m.
+    /// Least extent of a body's box and its largest distance from its center of mass, m.
     pub(crate) fn size(&self, slot: u32) -> (f64, f64) {
         let bodies = &self.simulation.bodies;
         let Some(mesh) = bodies.convex(slot) else {
             return (0.0, 0.0);
         };
-        let centre = bodies.mass(slot).centre;
-        let reach = |far: f32, v: &glam::Vec3| far.max(v.distance(centre));
+        let center = bodies.mass(slot).center;
+        let reach = |far: f32, v: &glam::Vec3| far.max(v.distance(center));
         let radius = mesh.hull().vertices().iter().fold(0.0, reach);
-        let least = mesh.aabb().extents().min_element();
-        (f64::from(least), f64::from(radius))
+        let min_extent = mesh.aabb().extents().min_element();
+        (f64::from(min_extent), f64::from(radius))
     }
 
     /// The body as it lies, or nothing for a half-space.
@@ -131,7 +131,7 @@ impl<'s> Run<'s> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct State {
     /// Centre of mass, m.
-    pub(crate) centre: DVec3,
+    pub(crate) center: DVec3,
     pub(crate) pose: Pose,
     /// m/s.
     pub(crate) linear: DVec3,
@@ -141,6 +141,6 @@ pub(crate) struct State {
 
 impl State {
     pub(crate) fn is_finite(&self) -> bool {
-        self.centre.is_finite() && self.linear.is_finite() && self.angular.is_finite()
+        self.center.is_finite() && self.linear.is_finite() && self.angular.is_finite()
     }
 }

@@ -96,20 +96,20 @@ impl Way {
 
     /// How far the bodies are from where they are in the scene itself, in their largest extents.
     fn off(&self, told: &Run<'_>, scene: &Run<'_>) -> f64 {
-        let mut centres: Vec<DVec3> = told
+        let mut centers: Vec<DVec3> = told
             .dynamic()
-            .map(|(_, slot, _)| told.state(slot).centre)
+            .map(|(_, slot, _)| told.state(slot).center)
             .collect();
         if self.is_reversed {
-            centres.reverse();
+            centers.reverse();
         }
         let right = scene.dynamic().map(|(_, slot, _)| {
             let (_, radius) = scene.size(slot);
-            (self.place(scene.state(slot).centre), radius)
+            (self.place(scene.state(slot).center), radius)
         });
-        let offs = right.zip(centres);
-        offs.fold(0.0, |worst, ((right, radius), centre)| {
-            worst.max(right.distance(centre) / (2.0 * radius))
+        let offs = right.zip(centers);
+        offs.fold(0.0, |worst, ((right, radius), center)| {
+            worst.max(right.distance(center) / (2.0 * radius))
         })
     }
 }

@@ -74,7 +74,7 @@ pub(crate) struct Actor {
     pub(crate) role: Role,
     pub(crate) form: Form,
     pub(crate) pose: Pose,
-    /// Velocity of the centre of mass, m/s.
+    /// Velocity of the center of mass, m/s.
     pub(crate) linear: Vec3,
     /// rad/s, world axes.
     pub(crate) angular: Vec3,

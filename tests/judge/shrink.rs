@@ -1,12 +1,13 @@
 //! The smallest scene that still breaks a law: bodies are taken away, time is cut short, shapes and numbers made simpler, as
 //! long as it is sound and still fails.
 //!
-//! A change must not make the scene fail for another reason: bodies must not overlap at the start, nothing may lose the
-//! floor that it needs, and what needs time to come to rest keeps it.
+//! A change must not make the scene fail for another reason: bodies must not overlap at the start, nothing may lose what it
+//! stands on or become what the law is not about, and what needs time to come to rest keeps it.
 
 use super::laws::{Law, judge};
 use super::run::Run;
 use super::scene::{Actor, Form, Role, Scene};
+use bevy_cleave::prelude::RigidBody;
 use glam::{Quat, Vec3};
 
 /// Overlap at the start that is rounding, as a share of the smaller least extent.
@@ -75,13 +76,13 @@ fn is_sound(scene: &Scene) -> bool {
         return false;
     };
     let solids = run.solids();
-    let least = |i: usize| match run.size(run.slots[i]) {
+    let min_extent = |i: usize| match run.size(run.slots[i]) {
         (0.0, _) => f64::INFINITY,
-        (least, _) => least,
+        (min_extent, _) => min_extent,
     };
     run.dynamic().all(|(i, ..)| {
         (0..solids.len()).filter(|&j| j != i).all(|j| {
-            let bound = -ROUNDING * least(i).min(least(j));
+            let bound = -ROUNDING * min_extent(i).min(min_extent(j));
             run.gap(&solids, i, j, bound) >= bound
         })
     })
@@ -108,11 +109,14 @@ fn less_short(scene: &Scene, _: usize) -> Option<Scene> {
     (!is_fixed).then(|| changed(scene, |s| s.steps -= s.steps / 10))?
 }
 
+/// 60 steps in a second where there are fewer: coarser ones might be too coarse.
 fn usual_rate(scene: &Scene, _: usize) -> Option<Scene> {
-    changed(scene, |s| {
-        s.steps = (s.steps as f32 * 60.0 / s.rate) as u32;
-        s.rate = 60.0;
-    })
+    (scene.rate < 60.0).then(|| {
+        changed(scene, |s| {
+            s.steps = (s.steps as f32 * 60.0 / s.rate) as u32;
+            s.rate = 60.0;
+        })
+    })?
 }
 
 /// Down is -y, if turning back the vector of gravity is all it takes.
@@ -128,7 +132,7 @@ fn without(scene: &Scene, actor: usize) -> Option<Scene> {
     let needed = match gone.kind {
         _ if gone.role == Role::There => true,
         _ if gone.role == Role::Here => scene.has(Law::Seam) && is_near(scene, actor),
-        bevy_cleave::prelude::RigidBody::Dynamic => false,
+        RigidBody::Dynamic => scene.has(Law::Stand) && touching(scene, actor) > 1,
         _ => needs_time(scene) || scene.has(Law::Stand),
     };
     (!needed).then(|| {
@@ -136,6 +140,18 @@ fn without(scene: &Scene, actor: usize) -> Option<Scene> {
             s.actors.remove(actor);
         })
     })?
+}
+
+/// How many bodies touch a body at the start: what is on top of a tower touches one, and nothing leans on it.
+fn touching(scene: &Scene, actor: usize) -> usize {
+    let Some(run) = Run::new(scene, false) else {
+        return usize::MAX;
+    };
+    let solids = run.solids();
+    let (_, radius) = run.size(run.slots[actor]);
+    let others = (0..solids.len()).filter(|&other| other != actor);
+    let touches = |&other: &usize| run.gap(&solids, actor, other, radius) < ROUNDING * radius;
+    others.filter(touches).count()
 }
 
 /// Whether a moving body of the scene compared with comes near a piece of the floor.
@@ -177,6 +193,9 @@ fn with_corners(
         return None;
     };
     let form = change(corners)?;
+    if scene.has(Law::Stand) {
+        return None;
+    }
     with_actor(scene, actor, |actor| actor.form = form)
 }
 
@@ -203,9 +222,10 @@ fn fewer_corners(scene: &Scene, actor: usize) -> Option<Scene> {
 }
 
 fn still(scene: &Scene, actor: usize) -> Option<Scene> {
-    let is_told = scene.has(Law::Cause) || scene.has(Law::Seam);
+    let is_told = scene.has(Law::Cause) || scene.has(Law::Seam) || scene.has(Law::Tunnel);
+    let is_carried = scene.actors.iter().any(|a| a.kind == RigidBody::Kinematic);
     let is_dynamic = scene.actors.get(actor)?.is_dynamic();
-    (is_dynamic && !is_told).then(|| {
+    (is_dynamic && !is_told && !is_carried).then(|| {
         with_actor(scene, actor, |a| {
             (a.linear, a.angular) = (Vec3::ZERO, Vec3::ZERO);
         })
@@ -214,7 +234,8 @@ fn still(scene: &Scene, actor: usize) -> Option<Scene> {
 
 fn straight(scene: &Scene, actor: usize) -> Option<Scene> {
     with_actor(scene, actor, |a| {
-        if a.role == Role::Both || scene.has(Law::Cause) {
+        let is_free = a.role == Role::Both || scene.has(Law::Cause);
+        if is_free && !scene.has(Law::Stand) {
             a.pose.rotation = Quat::IDENTITY;
         }
     })
@@ -222,7 +243,9 @@ fn straight(scene: &Scene, actor: usize) -> Option<Scene> {
 
 fn plain(scene: &Scene, actor: usize) -> Option<Scene> {
     with_actor(scene, actor, |a| {
-        a.restitution = 0.0;
+        if !scene.has(Law::Elastic) {
+            a.restitution = 0.0;
+        }
         // Less friction could let slide what is to rest.
         if a.friction > 0.0 {
             a.friction = a.friction.max(0.5);
@@ -237,7 +260,8 @@ fn denser(scene: &Scene, actor: usize) -> Option<Scene> {
 /// Two digits for sizes, places and speeds.
 fn rounded(scene: &Scene, actor: usize) -> Option<Scene> {
     // Pieces of a floor would not be flush any more.
-    let is_told = scene.has(Law::Seam) || scene.actors.get(actor)?.role != Role::Both;
+    let is_exact = scene.has(Law::Seam) || scene.has(Law::Stand);
+    let is_told = is_exact || scene.actors.get(actor)?.role != Role::Both;
     (!is_told).then(|| {
         with_actor(scene, actor, |a| {
             if let Form::Box(size) = &mut a.form {

@@ -41,13 +41,13 @@ pub(crate) fn pieces(dice: &mut Dice) -> Vec<ConvexHull> {
         _ => forms::cuboid(dice),
     };
     let hull = hull_of(&form);
-    let least = 1e-3 * hull.volume();
+    let min_volume = 1e-3 * hull.volume();
     let count = 2 + dice.below(3);
     let planes: Vec<Plane> = (0..count)
         .map(|_| Plane::through(0.15 * dice.vector(-1.0, 1.0), dice.direction()))
         .collect();
     let mut pieces = cut(hull, planes);
-    pieces.retain(|piece| piece.volume() > least);
+    pieces.retain(|piece| piece.volume() > min_volume);
     pieces
 }
 
@@ -55,5 +55,5 @@ pub(crate) fn pieces(dice: &mut Dice) -> Vec<ConvexHull> {
 pub(crate) fn in_place(piece: &ConvexHull, offset: Vec3) -> Actor {
     let corners = piece.vertices();
     let mean = corners.iter().sum::<Vec3>() / corners.len() as f32;
-    Actor::new(forms::centred(corners), mean + offset)
+    Actor::new(forms::centered(corners), mean + offset)
 }

@@ -1,6 +1,6 @@
 //! Bodies that bounce, collide in free space, or are shot at thin plates.
 
-use super::{COARSE, Draft, forms, log_range, once_in, piles, set_material};
+use super::{COARSEST, Draft, forms, log_range, once_in, piles, set_material};
 use crate::judge::dice::Dice;
 use crate::judge::laws::Law;
 use crate::judge::scene::{Actor, Form};
@@ -34,7 +34,7 @@ pub(super) fn bounces(dice: &mut Dice) -> Draft {
         time: 60.0,
         laws: laws[..if is_lossless { 4 } else { 3 }].into(),
         // Turning by up to 3 in the unit of time.
-        least_steps: 3.0,
+        min_steps_per_unit: 3.0,
         soft: 0,
         down: Vec3::NEG_Y,
     }
@@ -65,7 +65,7 @@ pub(super) fn swarms(dice: &mut Dice) -> Draft {
         actors,
         time: (8.0 / speed).min(60.0),
         laws: vec![Law::Finite, Law::Energy, Law::Momentum, Law::Overlap],
-        least_steps: COARSE,
+        min_steps_per_unit: COARSEST,
         soft: 0,
         down: Vec3::ZERO,
     }
@@ -109,7 +109,7 @@ pub(super) fn shots(dice: &mut Dice) -> Draft {
         // Until it was through by now, and never so long that it gets around the edge.
         time: (start + 10.0) / speed,
         laws: vec![Law::Finite, Law::Tunnel],
-        least_steps: COARSE,
+        min_steps_per_unit: COARSEST,
         soft: 0,
         down: Vec3::ZERO,
     }

@@ -38,13 +38,13 @@ fn hull_of(dice: &mut Dice, draw: impl Fn(&mut Dice) -> Vec<Vec3>) -> Form {
         let size = hull.aabb().extents();
         // Flat bodies have a family of their own.
         if hull.volume() > 0.02 * f64::from(size.element_product()) {
-            return centred(hull.vertices());
+            return centered(hull.vertices());
         }
     }
 }
 
 /// Corners about their mean.
-pub(crate) fn centred(corners: &[Vec3]) -> Form {
+pub(crate) fn centered(corners: &[Vec3]) -> Form {
     let mean = corners.iter().sum::<Vec3>() / corners.len() as f32;
     Form::Hull(corners.iter().map(|c| *c - mean).collect())
 }

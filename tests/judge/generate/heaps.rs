@@ -1,7 +1,7 @@
 //! Heaps that fall, and unlike boxes on top of each other.
 
 use super::piles::{self, Pile, heap};
-use super::{COARSE, Draft, broken as fragments, drive, forms, log_range, once_in, set_material};
+use super::{COARSEST, Draft, broken as fragments, drive, forms, log_range, once_in, set_material};
 use crate::judge::dice::Dice;
 use crate::judge::laws::Law;
 use crate::judge::scene::{Actor, Form};
@@ -47,7 +47,7 @@ fn settle(dice: &mut Dice, mut bodies: Vec<Actor>, height: f32, rolling: f32) ->
         actors,
         time: time_to_rest(height, friction, restitution) + rolling,
         laws: LAWS.into(),
-        least_steps: COARSE,
+        min_steps_per_unit: COARSEST,
         soft: 0,
         down: Vec3::NEG_Y,
     }
@@ -132,8 +132,8 @@ pub(super) fn masses(dice: &mut Dice) -> Draft {
 pub(super) fn broken(dice: &mut Dice) -> Draft {
     let pieces = fragments::pieces(dice);
     if once_in(dice, 2) {
-        let centred = pieces.iter().map(|piece| forms::centred(piece.vertices()));
-        let forms = centred.collect();
+        let centered = pieces.iter().map(|piece| forms::centered(piece.vertices()));
+        let forms = centered.collect();
         return heap_of(dice, forms, 20.0);
     }
     let low = |low: f32, v: &Vec3| low.min(v.y);

@@ -1,6 +1,6 @@
 //! A body that flies past another and does not touch it.
 
-use super::{COARSE, Draft, forms, log_range, once_in};
+use super::{COARSEST, Draft, forms, log_range, once_in};
 use crate::judge::dice::Dice;
 use crate::judge::laws::Law;
 use crate::judge::scene::{Actor, Form, Role};
@@ -54,7 +54,7 @@ pub(super) fn passes(dice: &mut Dice) -> Draft {
     let is_turning = once_in(dice, 3);
     let below = if is_turning {
         body.angular = log_range(dice, 0.01, 10.0) * dice.direction();
-        // Twice, because a hull's centre of mass need not be at its origin.
+        // Twice, because a hull's center of mass need not be at its origin.
         2.0 * body.form.radius()
     } else {
         reach(&body.form, body.pose.rotation, -above)
@@ -69,7 +69,7 @@ pub(super) fn passes(dice: &mut Dice) -> Draft {
         actors: vec![obstacle, body],
         time: 2.0 * start / speed,
         laws: vec![Law::Finite, Law::Cause],
-        least_steps: COARSE,
+        min_steps_per_unit: COARSEST,
         soft: 0,
         down: Vec3::ZERO,
     }

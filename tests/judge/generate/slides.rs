@@ -1,6 +1,6 @@
 //! A body that slides over a floor in many pieces, and over the same floor in one.
 
-use super::{COARSE, Draft, broken, log_range, once_in, piles, set_material};
+use super::{COARSEST, Draft, broken, log_range, once_in, piles, set_material};
 use crate::judge::dice::Dice;
 use crate::judge::laws::Law;
 use crate::judge::scene::{Actor, Form, Role};
@@ -13,7 +13,7 @@ use glam::{Quat, Vec2, Vec3};
 const THICKNESS: f32 = 1.0;
 
 /// Most pieces along one side of the floor.
-const MOST: usize = 14;
+const MAX_TILES: usize = 14;
 
 /// What lies on the floor, its frame's origin at least height 0.
 fn slider(dice: &mut Dice) -> Form {
@@ -36,7 +36,7 @@ fn slider(dice: &mut Dice) -> Form {
 
 /// Seams along one side of the floor: even, or anywhere.
 fn seams(dice: &mut Dice, length: f32) -> Vec<f32> {
-    let tile = log_range(dice, 0.2, 4.0).max(length / MOST as f32);
+    let tile = log_range(dice, 0.2, 4.0).max(length / MAX_TILES as f32);
     let count = (length / tile).ceil() as usize;
     let width = length / count as f32;
     let is_even = !once_in(dice, 3);
@@ -201,7 +201,7 @@ pub(super) fn slides(dice: &mut Dice) -> Draft {
         actors,
         time,
         laws: vec![Law::Finite, Law::Seam],
-        least_steps: COARSE,
+        min_steps_per_unit: COARSEST,
         soft: 0,
         down,
     }
@@ -224,7 +224,7 @@ pub(super) fn ledges(dice: &mut Dice) -> Draft {
         actors,
         time: (3.0 * way / speed).min(60.0),
         laws: vec![Law::Finite, Law::Energy, Law::Overlap, Law::Tunnel],
-        least_steps: COARSE,
+        min_steps_per_unit: COARSEST,
         soft: 0,
         down: Vec3::NEG_Y,
     }

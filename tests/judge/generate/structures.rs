@@ -1,6 +1,6 @@
 //! What stands because it is in balance: towers, decks, arches, houses of cards, stacks on slopes and on turntables.
 
-use super::{COARSE, Draft, drive, log_range, once_in, piles, set_material};
+use super::{COARSEST, Draft, drive, log_range, once_in, piles, set_material};
 use crate::judge::dice::Dice;
 use crate::judge::laws::Law;
 use crate::judge::scene::{Actor, Form};
@@ -25,7 +25,7 @@ fn standing(mut actors: Vec<Actor>, friction: f32) -> Draft {
         actors,
         time: TIME,
         laws: LAWS.into(),
-        least_steps: COARSE,
+        min_steps_per_unit: COARSEST,
         soft: 0,
         down: Vec3::NEG_Y,
     }
@@ -139,7 +139,7 @@ pub(super) fn turntables(dice: &mut Dice) -> Draft {
     let mut draft = standing(actors, friction);
     draft.laws = vec![Law::Finite, Law::Overlap, Law::Rest, Law::Stand];
     // So that the table does not turn by more than a twentieth of a turn in a step.
-    draft.least_steps = 2.0;
+    draft.min_steps_per_unit = 2.0;
     draft
 }
 
@@ -222,7 +222,7 @@ fn softly(dice: &mut Dice, mut draft: Draft) -> Draft {
     draft.soft = [4, 5, 6, 8, 10, 12, 16][dice.below(7)];
     draft.laws = vec![Law::Finite, Law::Stand];
     // The time between two sub-steps is what counts: of rates of the usual order.
-    draft.least_steps = 10.0;
+    draft.min_steps_per_unit = 10.0;
     draft
 }
 

@@ -43,7 +43,7 @@ impl Energy {
             rise: Worst::default(),
             loss: Worst::default(),
         };
-        let depth = |slot| energy.gravity.dot(run.state(slot).centre);
+        let depth = |slot| energy.gravity.dot(run.state(slot).center);
         let deepest = run
             .dynamic()
             .fold(f64::MIN, |deep, (_, slot, _)| deep.max(depth(slot)));
@@ -67,7 +67,7 @@ impl Energy {
             let (mass, inertia) = run.inertia(slot);
             let kinetic = mass * (state.linear - self.frame).length_squared()
                 + state.angular.dot(inertia * state.angular);
-            let fallen = self.gravity.dot(state.centre - time * self.frame);
+            let fallen = self.gravity.dot(state.center - time * self.frame);
             0.5 * kinetic - mass * fallen
         });
         bodies.sum()

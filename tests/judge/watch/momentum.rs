@@ -1,7 +1,7 @@
 //! Momentum stays where nothing acts from outside.
 //!
 //! Equal and opposite impulses on two `f32` velocities leave what rounding leaves: 6e-8 of a velocity for each of some 1e4
-//! updates, added up like a random walk, 1e-5 of the sum of all momenta. Angular momentum about the common centre is only
+//! updates, added up like a random walk, 1e-5 of the sum of all momenta. Angular momentum about the common center is only
 //! kept as well as the two bodies' contact points stay together within a step: bound 1e-2 of the sum of all.
 
 use super::Worst;
@@ -63,7 +63,7 @@ impl Momentum {
     }
 }
 
-/// Momentum, and angular momentum about the common centre of mass, of each body.
+/// Momentum, and angular momentum about the common center of mass, of each body.
 fn momenta(run: &Run<'_>) -> Vec<[DVec3; 2]> {
     let bodies = run.dynamic().map(|(_, slot, _)| {
         let (mass, inertia) = run.inertia(slot);
@@ -74,10 +74,10 @@ fn momenta(run: &Run<'_>) -> Vec<[DVec3; 2]> {
     let mean = |of: fn(&super::super::run::State) -> DVec3| {
         bodies.iter().map(|(m, _, s)| *m * of(s)).sum::<DVec3>() / mass
     };
-    let (centre, drift) = (mean(|s| s.centre), mean(|s| s.linear));
+    let (center, drift) = (mean(|s| s.center), mean(|s| s.linear));
     let each = bodies.iter().map(|(mass, inertia, state)| {
         let spin = *inertia * state.angular;
-        let orbit = (state.centre - centre).cross(*mass * (state.linear - drift));
+        let orbit = (state.center - center).cross(*mass * (state.linear - drift));
         [*mass * state.linear, spin + orbit]
     });
     each.collect()

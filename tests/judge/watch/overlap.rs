@@ -14,13 +14,13 @@ const DEEP: f64 = 0.25;
 /// How often the scene is looked at, and the least number of steps in between: what a blow pressed together has these to come
 /// apart.
 const LOOKS: u32 = 24;
-const LEAST_STRIDE: u32 = 8;
+const MIN_STRIDE: u32 = 8;
 
 pub(super) struct Overlap {
     /// Steps between two looks.
     stride: u32,
     /// Least extent of each actor, m; infinite for what has none.
-    least: Vec<f64>,
+    min_extents: Vec<f64>,
     /// Pairs that overlapped at the last look.
     before: Vec<(usize, usize)>,
     worst: Option<Breach>,
@@ -28,13 +28,13 @@ pub(super) struct Overlap {
 
 impl Overlap {
     pub(super) fn new(run: &Run<'_>) -> Self {
-        let least = run.slots.iter().map(|&slot| match run.size(slot) {
+        let min_extents = run.slots.iter().map(|&slot| match run.size(slot) {
             (0.0, _) => f64::INFINITY,
-            (least, _) => least,
+            (min_extent, _) => min_extent,
         });
         Self {
-            stride: (run.scene.steps / LOOKS).max(LEAST_STRIDE),
-            least: least.collect(),
+            stride: (run.scene.steps / LOOKS).max(MIN_STRIDE),
+            min_extents: min_extents.collect(),
             before: Vec::new(),
             worst: None,
         }
@@ -55,8 +55,8 @@ impl Overlap {
                 if !actors[i].is_dynamic() && !actors[j].is_dynamic() {
                     continue;
                 }
-                let least = self.least[i].min(self.least[j]);
-                let depth = -run.gap(&solids, i, j, -STAYS * least) / least;
+                let min_extent = self.min_extents[i].min(self.min_extents[j]);
+                let depth = -run.gap(&solids, i, j, -STAYS * min_extent) / min_extent;
                 if depth <= STAYS {
                     continue;
                 }

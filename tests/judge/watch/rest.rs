@@ -52,15 +52,15 @@ impl Rest {
         let gravity = f64::from(run.scene.gravity.length());
         for (i, slot, _) in run.dynamic() {
             let state = run.state(slot);
-            let (least, radius) = run.size(slot);
+            let (min_extent, radius) = run.size(slot);
             let (carried, turned) = floor.map_or((DVec3::ZERO, DVec3::ZERO), |floor| {
-                let arm = state.centre - floor.centre;
+                let arm = state.center - floor.center;
                 (floor.linear + floor.angular.cross(arm), floor.angular)
             });
             let speed =
                 (state.linear - carried).length() + radius * (state.angular - turned).length();
             self.worst
-                .note(speed / (SPEED * (gravity * least).sqrt()), step, i);
+                .note(speed / (SPEED * (gravity * min_extent).sqrt()), step, i);
         }
     }
 

@@ -1,4 +1,4 @@
-//! What is in balance stays where it is: no centre of mass gets farther than a tenth of its body's least extent from where
+//! What is in balance stays where it is: no center of mass gets farther than a tenth of its body's least extent from where
 //! it was put on its floor, which may move and turn. Contacts under load sag by 1.25e-4 of an extent each, so that 80 on top of each other are allowed a hundred times
 //! what they may need.
 
@@ -34,19 +34,19 @@ impl Stand {
 
     /// Centre of mass of a body in the floor's frame, m.
     fn place(&self, run: &Run<'_>, slot: u32) -> DVec3 {
-        let centre = run.state(slot).centre;
-        self.floor.map_or(centre, |floor| {
+        let center = run.state(slot).center;
+        self.floor.map_or(center, |floor| {
             let pose = run.simulation.bodies.pose(floor);
             let turn = pose.rotation.as_dquat().normalize();
-            turn.inverse() * (centre - pose.position.as_dvec3())
+            turn.inverse() * (center - pose.position.as_dvec3())
         })
     }
 
     pub(super) fn look(&mut self, run: &Run<'_>, step: u32) {
         for ((i, slot, _), start) in run.dynamic().zip(&self.start) {
-            let (least, _) = run.size(slot);
+            let (min_extent, _) = run.size(slot);
             let shift = self.place(run, slot).distance(*start);
-            self.worst.note(shift / (SHIFT * least), step, i);
+            self.worst.note(shift / (SHIFT * min_extent), step, i);
         }
     }
 

@@ -32,12 +32,12 @@ impl Tunnel {
         tunnel
     }
 
-    /// How far each body's centre of mass is above each plate's middle, m.
+    /// How far each body's center of mass is above each plate's middle, m.
     fn sides(&self, run: &Run<'_>) -> Vec<f64> {
-        let bodies = run.dynamic().map(|(_, slot, _)| run.state(slot).centre);
-        let sides = bodies.flat_map(|centre| {
+        let bodies = run.dynamic().map(|(_, slot, _)| run.state(slot).center);
+        let sides = bodies.flat_map(|center| {
             let plates = self.plates.iter();
-            plates.map(move |plate| plate.normal.dot(centre - plate.middle))
+            plates.map(move |plate| plate.normal.dot(center - plate.middle))
         });
         sides.collect()
     }
