@@ -19,8 +19,11 @@ use super::scene::{Actor, Scene};
 use bevy_cleave::prelude::RigidBody;
 use glam::{Quat, Vec3};
 
+/// Draws a scene of a family.
+pub(crate) type Draw = fn(&mut Dice) -> Draft;
+
 /// Families by name.
-pub(crate) const FAMILIES: [(&str, fn(&mut Dice) -> Draft); 28] = [
+pub(crate) const FAMILIES: [(&str, Draw); 28] = [
     ("boxes", heaps::boxes),
     ("hulls", heaps::hulls),
     ("round", heaps::round),

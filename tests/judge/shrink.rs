@@ -189,13 +189,13 @@ fn with_corners(
     actor: usize,
     change: impl FnOnce(&[Vec3]) -> Option<Form>,
 ) -> Option<Scene> {
-    let Form::Hull(corners) = &scene.actors.get(actor)?.form else {
+    let actor_now = scene.actors.get(actor)?;
+    // What lies on others, or is a piece of a floor, would not fit any more.
+    let is_told = scene.has(Law::Stand) || scene.has(Law::Seam) && actor_now.role != Role::Both;
+    let Form::Hull(corners) = &actor_now.form else {
         return None;
     };
-    let form = change(corners)?;
-    if scene.has(Law::Stand) {
-        return None;
-    }
+    let form = change(corners).filter(|_| !is_told)?;
     with_actor(scene, actor, |actor| actor.form = form)
 }
 
