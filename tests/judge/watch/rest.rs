@@ -1,0 +1,93 @@
+//! What is passive comes to rest, and what rests sleeps, within the time that the scene is given.
+//!
+//! The time is the generator's: so many times what a fall from the scene's height takes. A body rests on its floor, which may
+//! move or turn, when in the last quarter of that time no point of it was ever faster than 1 % of `sqrt(g L)` with its least
+//! extent `L`, which is the speed after a fall by half of `L`: the limit of sleep.
+
+use super::Worst;
+use crate::judge::laws::{Breach, Law};
+use crate::judge::run::Run;
+use glam::DVec3;
+
+/// Fastest speed at rest, as a share of `sqrt(g L)`.
+const SPEED: f64 = 0.01;
+
+/// Steps that are run after all have fallen asleep: nothing is to wake them.
+const AFTER: u32 = 10;
+
+pub(super) struct Rest {
+    /// Slot of the floor that the bodies rest on, if it moves.
+    floor: Option<u32>,
+    /// For how many steps all have slept.
+    asleep: u32,
+    worst: Worst,
+}
+
+impl Rest {
+    pub(super) fn new(run: &Run<'_>) -> Self {
+        let actors = run.scene.actors.iter().zip(&run.slots);
+        let mut moving = actors.filter(|(actor, _)| {
+            !actor.is_dynamic() && (actor.linear, actor.angular) != Default::default()
+        });
+        Self {
+            floor: moving.next().map(|(_, &slot)| slot),
+            asleep: 0,
+            worst: Worst::default(),
+        }
+    }
+
+    pub(super) fn look(&mut self, run: &Run<'_>, step: u32) {
+        let all_sleep = run
+            .dynamic()
+            .all(|(_, slot, _)| run.simulation.bodies.is_asleep(slot));
+        self.asleep = if all_sleep { self.asleep + 1 } else { 0 };
+        let is_late = 4 * (run.scene.steps - step) <= run.scene.steps;
+        if is_late && run.scene.has(Law::Rest) {
+            self.measure(run, step);
+        }
+    }
+
+    fn measure(&mut self, run: &Run<'_>, step: u32) {
+        let floor = self.floor.map(|slot| run.state(slot));
+        let gravity = f64::from(run.scene.gravity.length());
+        for (i, slot, _) in run.dynamic() {
+            let state = run.state(slot);
+            let (min_extent, radius) = run.size(slot);
+            let (carried, turned) = floor.map_or((DVec3::ZERO, DVec3::ZERO), |floor| {
+                let arm = state.center - floor.center;
+                (floor.linear + floor.angular.cross(arm), floor.angular)
+            });
+            let speed =
+                (state.linear - carried).length() + radius * (state.angular - turned).length();
+            self.worst
+                .note(speed / (SPEED * (gravity * min_extent).sqrt()), step, i);
+        }
+    }
+
+    /// Whether nothing will happen any more.
+    pub(super) fn is_over(&self) -> bool {
+        self.asleep >= AFTER
+    }
+
+    pub(super) fn breach(&self, run: &Run<'_>) -> Option<Breach> {
+        if self.is_over() {
+            return None;
+        }
+        let moves = self.worst.breach(Law::Rest, |worst| {
+            let share = SPEED * worst.excess;
+            format!(
+                "body {} moves with {share:.2} of sqrt(g L) in step {}",
+                worst.actor, worst.step
+            )
+        });
+        let asleep = run.simulation.bodies.asleep();
+        let bodies = run.dynamic().count();
+        moves.or_else(|| {
+            run.scene.has(Law::Sleep).then(|| Breach {
+                law: Law::Sleep,
+                excess: 1.0,
+                what: format!("{asleep} of {bodies} bodies sleep in the end"),
+            })
+        })
+    }
+}
