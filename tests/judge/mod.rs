@@ -9,7 +9,7 @@
 pub(crate) mod alike;
 pub(crate) mod cause;
 pub(crate) mod clock;
-#[path = "../dice/mod.rs"]
+#[path = "../common/dice.rs"]
 pub(crate) mod dice;
 pub(crate) mod file;
 pub(crate) mod generate;

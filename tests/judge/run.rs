@@ -26,8 +26,13 @@ impl<'s> Run<'s> {
             simulation.config.sleep = SleepConfig::on();
         }
         if scene.soft > 0 {
-            (simulation.config.substeps, simulation.config.max_substeps) = (scene.soft, scene.soft);
-            simulation.config.tolerance = None;
+            simulation.config.method = SoftStep {
+                min_substeps: scene.soft,
+                max_substeps: scene.soft,
+                tolerance: None,
+                ..SoftStep::default()
+            }
+            .into();
         }
         let mut slots = Vec::new();
         for actor in &scene.actors {

@@ -51,7 +51,7 @@ impl Form {
             Self::Box(s) => ConvexMesh::cuboid(s.x, s.y, s.z).ok()?,
             Self::Hull(points) => ConvexMesh::from_points(points).ok()?,
             Self::HalfSpace(normal) => {
-                return Some(Shape::HalfSpace(HalfSpace::new(*normal).ok()?));
+                return Some(Shape::HalfSpace(HalfSpaceShape::new(*normal).ok()?));
             }
         };
         Some(Shape::Convex(mesh))

@@ -6,7 +6,7 @@ use crate::judge::scene::{Actor, Form};
 use bevy_cleave::geometry::ConvexHull;
 use bevy_cleave::math::Plane;
 use bevy_cleave::prelude::Shape;
-use bevy_cleave::slice::convex::slice_hull;
+use bevy_cleave::slice::slice_hull;
 use glam::Vec3;
 
 /// The hull of a form.
