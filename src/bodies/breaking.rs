@@ -47,6 +47,7 @@ impl ImpactLoad {
 
 impl Bodies {
     /// What the body bears in a step, with number 0; `None` if it does not break, or has borne more already.
+    #[inline]
     pub(crate) fn limit(&self, slot: u32) -> Option<BreakingLimit> {
         let fracturable = self.fracturable(slot)?;
         let is_at_risk =
@@ -64,6 +65,7 @@ impl Bodies {
     }
 
     /// How the body breaks; `None` if it does not or the slot is free.
+    #[inline]
     pub fn fracturable(&self, slot: u32) -> Option<&Fracturable> {
         self.info.get(slot as usize)?.as_ref()?.fracturable.as_ref()
     }

@@ -8,6 +8,7 @@ use glam::{Mat3, Quat, Vec3};
 
 impl Bodies {
     /// Mass properties in the body's frame; zero mass before the first mass phase and for half-spaces.
+    #[inline]
     pub fn mass(&self, slot: u32) -> &MassProperties {
         &self.mass[slot as usize]
     }
@@ -87,6 +88,7 @@ impl Bodies {
     }
 
     /// Largest distance of the body's hull from its center of mass, m; 0 for half-spaces.
+    #[inline]
     pub(crate) fn radius(&self, slot: u32) -> f32 {
         self.radius[slot as usize]
     }

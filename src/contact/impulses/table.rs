@@ -13,6 +13,7 @@ pub(super) struct PairRecord {
 }
 
 impl PairRecord {
+    #[inline]
     pub(super) fn range(&self) -> std::ops::Range<usize> {
         self.first as usize..(self.first + self.count) as usize
     }
@@ -32,12 +33,14 @@ impl EntryTable {
     }
 
     /// Entries of a pair.
+    #[inline]
     pub(super) fn of(&self, bodies: (BodyId, BodyId)) -> &[CacheEntry] {
         let found = self.pairs.binary_search_by_key(&bodies, |pair| pair.bodies);
         &self.entries[found.map_or(0..0, |i| self.pairs[i].range())]
     }
 
     /// Index of the first pair, from `start` on, that is not before `bodies`. Looks at `guess` first.
+    #[inline]
     pub(super) fn first_from(&self, start: usize, bodies: (BodyId, BodyId), guess: usize) -> usize {
         let is_before = |pair: &PairRecord| pair.bodies < bodies;
         if guess > start
