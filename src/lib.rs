@@ -15,8 +15,8 @@
 //! - [`contact`], [`mass`], [`geometry`], [`math`]: what the others are built on.
 //!
 //! How it works inside is told in the repository: `docs/architecture.md` opens with the way of one contact through a step and says
-//! where to find what, `docs/glossary.md` has the terms. Layers from the bottom up, each of which uses only those before it: `math`, `simd`,
-//! `threads`, `geometry`, `mass`, `slice`, `contact`, `bodies`, `solver`, `collide`, `fracture`, `step`, `ecs`, `plugin`.
+//! where to find what, `docs/glossary.md` has the terms. Floors from the bottom up, each of which uses only those before it: `tuning`, `math`, `merge`,
+//! `simd`, `threads`, `geometry`, `mass`, `slice`, `contact`, `bodies`, `solver`, `collide`, `fracture`, `step`, `ecs`, `plugin`.
 //!
 //! # Conventions
 //!
@@ -42,6 +42,7 @@ pub mod slice;
 pub mod solver;
 pub mod step;
 mod threads;
+mod tuning;
 
 /// What most users need.
 pub mod prelude {

@@ -16,6 +16,7 @@ use crate::simd::dispatch::run;
 use crate::simd::doubles::Doubles;
 use crate::simd::lanes::{Kernel, LaneWidth, Lanes};
 use crate::simd::vec3::V3;
+use crate::tuning::SPINS_WORTH_LANES;
 use glam::{DVec3, Quat, Vec3};
 
 /// Turns per step (rad) below which a body's rotation is taken as steady and its pose is updated once per step.
@@ -39,9 +40,6 @@ const NEGLIGIBLE: f64 = 1e-11;
 
 /// Bodies that turn together.
 pub(crate) const SPINS: usize = 8;
-
-/// From how many bodies on all lanes are calculated, the unused ones in vain.
-const WORTH_LANES: usize = 4;
 
 /// A body that turns so fast that its axes must be followed within a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -149,7 +147,7 @@ impl FreeRotations {
             spins,
             omegas,
         } = self;
-        if *count >= WORTH_LANES {
+        if *count >= SPINS_WORTH_LANES {
             let all = |spins: &mut _, omegas: &mut _, h: &_| {
                 run(width, AdvanceAll { spins, omegas, h });
             };

@@ -8,14 +8,9 @@ use crate::bodies::solver_body::{Motion, SolverBody};
 use crate::bodies::store::Bodies;
 use crate::mass::MassProperties;
 use crate::threads::parts::{front, front_mut};
-use crate::threads::team::{MAX_PARTS, Team};
+use crate::threads::team::Team;
+use crate::tuning::{MAX_PARTS, MIN_MOVED_BODIES, MOVED_BODIES_WORTH_HELP};
 use glam::{Mat3, Quat, Vec3};
-
-/// Bodies from which it pays to have helpers move them that are here anyway: each takes some 15 ns.
-const WORTH_HELP: usize = 512;
-
-/// Least bodies of a part.
-const MIN_BODIES: usize = 256;
 
 /// Moves all bodies and refreshes what follows from their poses.
 ///
@@ -23,7 +18,7 @@ const MIN_BODIES: usize = 256;
 /// instead; `problems` says so.
 pub fn integrate_positions(bodies: &mut Bodies, problems: &mut Vec<(u32, BodyError)>) {
     let awake = bodies.dynamic().saturating_sub(bodies.asleep());
-    Team::lead_present_if(awake >= WORTH_HELP, |team| {
+    Team::lead_present_if(awake >= MOVED_BODIES_WORTH_HELP, |team| {
         let mut overflown = [const { Vec::new() }; MAX_PARTS];
         let parts = parts(bodies, team).zip(&mut overflown);
         Team::each(team, parts, |(mut part, overflown)| {
@@ -50,7 +45,7 @@ struct MassPart<'b> {
 /// Parts of all bodies for a team.
 fn parts<'b>(bodies: &'b mut Bodies, team: Option<&Team>) -> impl Iterator<Item = MassPart<'b>> {
     let count = bodies.slots();
-    let size = Team::part_size(team, count, MIN_BODIES);
+    let size = Team::part_size(team, count, MIN_MOVED_BODIES);
     let (mut status, mut info) = (&bodies.status[..], &bodies.info[..]);
     let (mut mass, mut motion) = (&bodies.mass[..], &bodies.motion[..]);
     let (mut velocity, mut center) = (&mut bodies.velocity[..], &mut bodies.center[..]);

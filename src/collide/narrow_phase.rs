@@ -8,7 +8,7 @@ mod part;
 
 use crate::bodies::store::Bodies;
 use crate::collide::narrow_phase::part::{PairRun, Scene};
-use crate::collide::proxies::{Boxes, Lookahead, MIN_BODIES};
+use crate::collide::proxies::{Boxes, Lookahead};
 use crate::contact::body_id::BodyId;
 use crate::contact::body_manifold::BodyPlace;
 use crate::contact::manifolds::Manifolds;
@@ -17,21 +17,12 @@ use crate::contact::pairs::broad_phase::{Broadphase, Pair};
 use crate::contact::pairs::recycle::{MotionBound, PairBody};
 use crate::contact::pairs::touches::Touch;
 use crate::math::{Pose, rotate};
-use crate::threads::parts::WORTH_HELP;
 use crate::threads::team::Team;
+use crate::tuning::{
+    MAX_PAIR_PARTS, MAX_PART_GROWTH, MIN_PROXIES, PAIRS_PER_PART, PARTS_WORTH_HELP,
+    TOUCHES_WORTH_SORTING,
+};
 use glam::Mat3;
-
-/// Pairs of a part, some 10 us of work while all are at rest, 50 us while they land.
-const PAIRS_PER_PART: usize = 128;
-
-/// Most parts, so that few buffers serve any number of pairs.
-const MAX_PARTS: usize = 32;
-
-/// How many times as large as it should be a part may become.
-const UNEQUAL: usize = 2;
-
-/// Touches from which it pays to have them in the order of the pairs, 1 MB: fewer are in the second-level cache.
-const WORTH_SORTING: usize = 4096;
 
 /// What is known of the pairs from step to step, and buffers.
 #[derive(Debug, Default)]
@@ -51,7 +42,7 @@ pub struct NarrowPhase {
 
 /// Whether the contacts of `pairs` pairs are worth a team.
 pub(crate) fn is_worth_help(pairs: usize) -> bool {
-    pairs >= WORTH_HELP * PAIRS_PER_PART
+    pairs >= PARTS_WORTH_HELP * PAIRS_PER_PART
 }
 
 /// Brings the pairs of `broadphase` up to date with the bodies.
@@ -109,9 +100,12 @@ impl NarrowPhase {
     fn share_out(&mut self, pairs: &[Pair], ids: &[BodyId]) {
         self.find_ends(pairs, ids);
         let most = self.parts.iter().map(|part| part.pairs.len()).max();
-        let count = pairs.len().div_ceil(PAIRS_PER_PART).clamp(1, MAX_PARTS);
-        let too_large = UNEQUAL * pairs.len().div_ceil(count);
-        if most.is_none_or(|most| most > too_large) || self.parts.len() > UNEQUAL * count {
+        let count = pairs
+            .len()
+            .div_ceil(PAIRS_PER_PART)
+            .clamp(1, MAX_PAIR_PARTS);
+        let too_large = MAX_PART_GROWTH * pairs.len().div_ceil(count);
+        if most.is_none_or(|most| most > too_large) || self.parts.len() > MAX_PART_GROWTH * count {
             self.split(pairs, ids, count);
             self.find_ends(pairs, ids);
         }
@@ -156,7 +150,7 @@ impl NarrowPhase {
     /// Sorts the touches of one part, if there are many and the part has need of it: the next part follows in the next step.
     fn sort_touches(&mut self) {
         let touches = self.parts.iter().map(|part| part.known.touches.len());
-        if touches.sum::<usize>() < WORTH_SORTING {
+        if touches.sum::<usize>() < TOUCHES_WORTH_SORTING {
             return;
         }
         self.next_sorted = (self.next_sorted + 1) % self.parts.len();
@@ -168,7 +162,7 @@ impl NarrowPhase {
     fn load_bodies(&mut self, bodies: &Bodies, ahead: Lookahead, team: Option<&Team>) {
         self.bodies.resize(bodies.slots(), PairBody::default());
         self.paces.resize(bodies.slots(), MotionBound::default());
-        let size = Team::part_size(team, bodies.slots(), MIN_BODIES);
+        let size = Team::part_size(team, bodies.slots(), MIN_PROXIES);
         let parts = self.bodies.chunks_mut(size);
         let parts = parts.zip(self.paces.chunks_mut(size)).enumerate();
         Team::each_of_many(team, parts, |(index, (seen, paces))| {

@@ -8,6 +8,7 @@ use crate::geometry::ConvexHull;
 use crate::geometry::hull_lanes::bounds;
 use crate::math::{Aabb, Plane, rotate};
 use crate::threads::team::Team;
+use crate::tuning::{MIN_PROXIES, PROXIES_WORTH_HELP};
 use glam::{Mat3, Quat, Vec3};
 
 /// How far ahead contacts are found besides the bodies' motion, as a share of the body's least extent: far enough that a
@@ -22,12 +23,6 @@ const STEPS_TOLD: f32 = 3.0;
 
 /// How much longer than it must be a box may be that is kept for what was fast, m.
 const SPARE: f32 = 0.2 * BOX_MARGIN;
-
-/// Bodies from which it pays to have helpers look at them: each takes some 20 ns.
-const WORTH_HELP_WITH_BODIES: usize = 1024;
-
-/// Least bodies of a part.
-pub(crate) const MIN_BODIES: usize = 256;
 
 /// How far ahead in time the step looks, so that contacts exist before bodies overlap.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -159,7 +154,7 @@ impl Boxes {
         }
         self.told.resize(bodies.slots(), None);
         // Helpers that come now need not be waited for when the pairs are known.
-        Team::lead_if(bodies.slots() >= WORTH_HELP_WITH_BODIES, |team| {
+        Team::lead_if(bodies.slots() >= PROXIES_WORTH_HELP, |team| {
             self.find_outdated(bodies, ahead, team);
             self.tell(broadphase, bodies, ahead);
             broadphase.find_pairs();
@@ -168,7 +163,7 @@ impl Boxes {
 
     /// Finds the bodies that the broad phase is to be told of.
     fn find_outdated(&mut self, bodies: &Bodies, ahead: Lookahead, team: Option<&Team>) {
-        let size = Team::part_size(team, self.told.len(), MIN_BODIES);
+        let size = Team::part_size(team, self.told.len(), MIN_PROXIES);
         let count = self.told.len().div_ceil(size);
         self.outdated
             .resize(self.outdated.len().max(count), Vec::new());

@@ -9,6 +9,7 @@ use crate::fracture::Fractures;
 use crate::math::Pose;
 use crate::step::StepReport;
 use crate::threads::team::Team;
+use crate::tuning::{ENTITIES_WORTH_HELP, MIN_WRITTEN_ROWS};
 use bevy_ecs::change_detection::{ContiguousComponentTicksMut, ContiguousMut, Tick};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::{SystemChangeTick, SystemParam, SystemState};
@@ -127,19 +128,13 @@ type WrittenMotion = (
     &'static mut AngularVelocity,
 );
 
-/// Bodies from which it pays to have them written by a team: 20 us of work.
-const WORTH_HELP: usize = 2048;
-
-/// Least rows of a part of a table.
-const MIN_ROWS: usize = 512;
-
 /// Writes pose and velocity to the entities whose bodies moved. `Transform` is written, never read back: the pose of record
 /// is the center of mass in [`Bodies`].
 fn scatter(bodies: &Bodies, motion: &mut Query<WrittenMotion, Without<Sleeping>>) {
     // All of these components are stored in tables, so there is a slice for each.
     let tables = motion.contiguous_iter_mut().ok().into_iter().flatten();
     let awake = bodies.len().saturating_sub(bodies.asleep());
-    Team::lead_if(awake >= WORTH_HELP, |team| {
+    Team::lead_if(awake >= ENTITIES_WORTH_HELP, |team| {
         for (handles, transforms, linear, angular) in tables {
             let mut transforms = Column::new(transforms);
             let mut linear = Column::new(linear);
@@ -154,7 +149,7 @@ fn scatter(bodies: &Bodies, motion: &mut Query<WrittenMotion, Without<Sleeping>>
                 );
                 continue;
             }
-            let size = Team::part_size(team, handles.len(), MIN_ROWS);
+            let size = Team::part_size(team, handles.len(), MIN_WRITTEN_ROWS);
             let velocities = linear.parts(size).zip(angular.parts(size));
             let motions = transforms.parts(size).zip(velocities);
             let parts = handles.chunks(size).zip(motions);

@@ -21,11 +21,8 @@ use crate::slice::cutting::Cutting;
 use crate::slice::mesh_slicer::MeshSlicer;
 use crate::slice::separate::separate;
 use crate::slice::{SliceError, SliceOptions};
+use crate::tuning::NEAREST_SITES;
 use glam::Vec3;
-
-/// How many of the nearest points are sorted at a time. A Voronoi cell has about 15 walls, and a few more points are
-/// looked at before it is known to be complete.
-const NEAREST: usize = 32;
 
 /// A piece of a body.
 #[derive(Clone, Debug)]
@@ -236,7 +233,7 @@ impl PieceCutter {
         let mut security = self.clipper.security_radius_squared(site);
         let mut is_left = true;
         'chunks: while !rest.is_empty() {
-            let count = rest.len().min(NEAREST);
+            let count = rest.len().min(NEAREST_SITES);
             if count < rest.len() {
                 rest.select_nth_unstable_by(count, order);
             }

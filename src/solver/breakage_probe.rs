@@ -12,9 +12,7 @@ use crate::solver::batch::Batch;
 use crate::solver::graph::islands::{Island, Islands};
 use crate::solver::rows::contact_rows::{Row, RowBody};
 use crate::solver::settings::SubstepSettings;
-
-/// Manifolds from which an island is large: a tenth of a millisecond, which nobody minds to spend twice.
-const LARGE: usize = 192;
+use crate::tuning::PROBED_MANIFOLDS;
 
 /// How many contacts away from an impact bodies take part.
 const RINGS: usize = 2;
@@ -38,7 +36,7 @@ pub(crate) struct BreakageProbe {
 
 /// Whether an island is rehearsed.
 pub(crate) fn is_large(island: &Island) -> bool {
-    island.manifolds.len() >= LARGE
+    island.manifolds.len() >= PROBED_MANIFOLDS
 }
 
 impl BreakageProbe {

@@ -6,27 +6,15 @@ use crate::solver::adaptivity::IslandRequirements;
 use crate::solver::batch::{Batch, Step};
 use crate::solver::breakage_probe::{BreakageProbe, is_large};
 use crate::solver::graph::islands::Islands;
-use crate::solver::graph::partition::MIN_MANIFOLDS;
 use crate::solver::graph::relative_motion::RelativeMotion;
 use crate::solver::settings::SubstepSettings;
 use crate::solver::wide::bond::BondedManifold;
 use crate::threads::team::Team;
+use crate::tuning::{
+    BATCH_MANIFOLDS, MANIFOLDS_WORTH_A_TEAM, MANIFOLDS_WORTH_HELP, MANIFOLDS_WORTH_THOSE_PRESENT,
+    MIN_MANIFOLDS_OF_PART,
+};
 use std::ops::Range;
-
-/// Calm islands are solved together until they have this many manifolds: enough to fill the lanes of their blocks.
-const BATCH: usize = 192;
-
-/// Manifolds from which it pays to ask other threads for help: about 100 us of work, ten times what they take to come.
-const WORTH_HELP: usize = 256;
-
-/// Manifolds from which it pays to have helpers look at them that are here anyway.
-const WORTH_THOSE_PRESENT: usize = 1024;
-
-/// Manifolds of a batch from which all threads solve it together: there are several subdomains then.
-const WORTH_A_TEAM: usize = 2 * MIN_MANIFOLDS;
-
-/// Least manifolds of a part of a list that a team works through: each takes some 50 ns.
-pub(crate) const MIN_OF_PART: usize = 128;
 
 /// The rows of a step and the working copies of the bodies they join; buffers are reused.
 #[derive(Debug, Default)]
@@ -106,8 +94,8 @@ impl ContactSolver {
         }
         self.progress.resize(bodies.slots(), Progress::Pending);
         // A large scene is worth a team from the start.
-        Team::lead_if(manifolds.len() >= WORTH_A_TEAM, |team| {
-            let is_many = team.is_none() && manifolds.len() >= WORTH_THOSE_PRESENT;
+        Team::lead_if(manifolds.len() >= MANIFOLDS_WORTH_A_TEAM, |team| {
+            let is_many = team.is_none() && manifolds.len() >= MANIFOLDS_WORTH_THOSE_PRESENT;
             Team::lead_present_if(is_many, |present| {
                 self.find_islands(manifolds, bodies, settings, team.or(present));
             });
@@ -130,7 +118,7 @@ impl ContactSolver {
     /// Takes back what contacts and bonds have borne.
     fn store_impulses(&mut self, manifolds: &mut Manifolds, team: Option<&Team>) {
         let batches = &self.batches[self.earlier..][..self.ranges.len()];
-        let size = Team::part_size(team, manifolds.len(), MIN_OF_PART);
+        let size = Team::part_size(team, manifolds.len(), MIN_MANIFOLDS_OF_PART);
         let runs = manifolds.chunks_mut(size).enumerate();
         Team::each_of_many(team, runs, |(part, mut run)| {
             for batch in batches {
@@ -157,9 +145,10 @@ impl ContactSolver {
     /// Whether there is work for several threads.
     fn is_worth_help(&self) -> bool {
         let islands = &self.islands;
-        let is_for_team = |range: &Range<usize>| islands.manifolds_of(range) >= WORTH_A_TEAM;
+        let is_for_team =
+            |range: &Range<usize>| islands.manifolds_of(range) >= MANIFOLDS_WORTH_A_TEAM;
         // A single small batch is solved where its data are.
-        islands.manifolds.len() >= WORTH_HELP
+        islands.manifolds.len() >= MANIFOLDS_WORTH_HELP
             && (self.ranges.len() > 1 || self.ranges.iter().any(is_for_team))
     }
 
@@ -208,7 +197,8 @@ impl ContactSolver {
             batch.load_bonds(bonded, manifolds);
             batch.solve(manifolds, team);
         };
-        let is_for_team = |range: &Range<usize>| islands.manifolds_of(range) >= WORTH_A_TEAM;
+        let is_for_team =
+            |range: &Range<usize>| islands.manifolds_of(range) >= MANIFOLDS_WORTH_A_TEAM;
         let batches_and_ranges = new_batches.iter_mut().zip(&self.ranges);
         for (batch, range) in batches_and_ranges.filter(|(_, range)| is_for_team(range)) {
             solve(batch, range, team);
@@ -230,7 +220,7 @@ impl ContactSolver {
             && end < self.requirements.len()
             && !self.is_deferred[end]
             && self.requirements[end].is_solved_like(requirement)
-            && total + size(end) <= BATCH
+            && total + size(end) <= BATCH_MANIFOLDS
         {
             total += size(end);
             end += 1;

@@ -4,13 +4,14 @@ use crate::bodies::store::Bodies;
 use crate::contact::manifolds::{ManifoldHead, ManifoldRef, Manifolds};
 use crate::contact::point::ContactPoint;
 use crate::solver::adaptivity::IslandRequirements;
-use crate::solver::contact_solver::{ContactEstimate, ContactSolver, MIN_OF_PART, Progress};
+use crate::solver::contact_solver::{ContactEstimate, ContactSolver, Progress};
 use crate::solver::graph::indices::ManifoldIndex;
 use crate::solver::graph::relative_motion::RelativeMotion;
 use crate::solver::rows::contact_rows::{Row, RowBody};
 use crate::solver::settings::SubstepSettings;
 use crate::solver::wide::bond::is_new_bond;
 use crate::threads::team::Team;
+use crate::tuning::MIN_MANIFOLDS_OF_PART;
 
 impl ContactSolver {
     /// Finds the islands and what they ask for.
@@ -48,7 +49,7 @@ impl ContactSolver {
         let (step, depends_on_load) = (settings.step_dt(), settings.depends_on_load());
         self.estimates
             .resize(manifolds.len(), ContactEstimate::default());
-        let size = Team::part_size(team, manifolds.len(), MIN_OF_PART);
+        let size = Team::part_size(team, manifolds.len(), MIN_MANIFOLDS_OF_PART);
         let parts = self.estimates.chunks_mut(size).enumerate();
         Team::each_of_many(team, parts, |(part, estimates)| {
             for (index, estimate) in (part * size..).zip(estimates) {

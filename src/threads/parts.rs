@@ -3,9 +3,6 @@
 //! How a list is split depends on the scene only, never on who does which part, and what parts find is put together in
 //! their order: any number of threads gives the same bits.
 
-/// Parts from which a team is worth it. A part is about 10 us of work, as long as helpers take to come.
-pub(crate) const WORTH_HELP: usize = 4;
-
 /// Takes the first `count` elements off a list.
 pub(crate) fn front<'l, T>(list: &mut &'l [T], count: usize) -> &'l [T] {
     let (front, rest) = list.split_at(count);

@@ -13,6 +13,7 @@
     reason = "tasks borrow from the leader's stack, and write to parts of one list"
 )]
 
+use crate::tuning::{HELPER_LINGER, HELPER_PAUSES, HELPER_SPINS, MAX_PARTS, MAX_TASKS};
 use bevy_tasks::ComputeTaskPool;
 use smallvec::SmallVec;
 use std::any::Any;
@@ -26,21 +27,6 @@ use std::thread::available_parallelism;
 
 /// A list of tasks: does the one with the given number.
 type Tasks<'a> = &'a (dyn Fn(usize) + Sync);
-
-/// Looks for a task without yielding, then with: a helper whose core is wanted elsewhere must let go of it.
-const SPINS: u32 = 2000;
-
-/// Pauses between two looks for a task, some 100 ns.
-const PAUSES: u32 = 4;
-
-/// Looks for a task after the last phase until a helper goes: some 50 us, longer than what phases leave between them.
-const LINGER: u32 = 400;
-
-/// Most parts that a list is cut into.
-pub(crate) const MAX_PARTS: usize = 8;
-
-/// Most tasks of a list.
-pub(crate) const MAX_TASKS: usize = 32;
 
 /// The team of the compute task pool.
 static TEAM: OnceLock<Team> = OnceLock::new();
@@ -234,13 +220,13 @@ impl Team {
     fn help(&self, thread: usize) {
         let _leave = Dismissal(&self.are_here[thread - 1]);
         let mut idle = 0;
-        while idle < LINGER || self.is_led.load(Ordering::Acquire) {
+        while idle < HELPER_LINGER || self.is_led.load(Ordering::Acquire) {
             if self.take_one(thread) {
                 idle = 0;
-            } else if idle < SPINS {
+            } else if idle < HELPER_SPINS {
                 idle += 1;
                 // Long pauses: a core's other thread may be the leader's.
-                (0..PAUSES).for_each(|_| spin_loop());
+                (0..HELPER_PAUSES).for_each(|_| spin_loop());
             } else {
                 std::thread::yield_now();
             }
@@ -319,7 +305,7 @@ impl Drop for WaitForAll<'_> {
             .fetch_add(forgotten.count_ones(), Ordering::Release);
         let mut spins = 0;
         while self.team.done.load(Ordering::Acquire) < self.count {
-            if spins < SPINS {
+            if spins < HELPER_SPINS {
                 spins += 1;
                 spin_loop();
             } else {

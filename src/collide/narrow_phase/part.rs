@@ -19,14 +19,9 @@ use crate::contact::pairs::store::PairStore;
 use crate::contact::pairs::touches::Touch;
 use crate::math::{Plane, Pose, rotate};
 use crate::simd::prefetch::prefetch;
+use crate::tuning::{PAIR_RUN, PAIRS_AHEAD};
 use glam::Vec3;
 use std::ops::Range;
-
-/// How many touching pairs ahead their touches and bodies are asked for.
-const AHEAD: usize = 8;
-
-/// Pairs that are looked at before the first of them is looked at closer: a bit each.
-const RUN: usize = 64;
 
 /// What all parts read.
 pub(crate) struct Scene<'s> {
@@ -91,7 +86,7 @@ impl PairRun {
         // Whether a pair touches cannot be guessed, so each is listed, and those that do not are written over.
         self.touching.resize(pairs.len() + 1, [0; 2]);
         let mut count = 0;
-        for (first, pairs) in (0..).step_by(RUN).zip(pairs.chunks(RUN)) {
+        for (first, pairs) in (0..).step_by(PAIR_RUN).zip(pairs.chunks(PAIR_RUN)) {
             let unsure = self.find_unsure(scene, pairs, first);
             for at in bits(unsure) {
                 self.renew(scene, pairs[at], first + at);
@@ -173,7 +168,7 @@ impl PairRun {
     ) {
         let touches = &self.known.touches;
         for (k, &[at, touch]) in self.touching.iter().enumerate() {
-            if let Some(&[next, touch]) = self.touching.get(k + AHEAD) {
+            if let Some(&[next, touch]) = self.touching.get(k + PAIRS_AHEAD) {
                 prefetch(touches.at(touch));
                 for body in scene.pair(pairs[next as usize]) {
                     prefetch(&body.place);

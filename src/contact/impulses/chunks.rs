@@ -7,10 +7,8 @@ use crate::contact::impulses::table::{EntryTable, PairRecord};
 use crate::contact::impulses::{CacheEntry, bodies_of};
 use crate::contact::manifolds::ManifoldHead;
 use crate::threads::parts::SizedParts;
+use crate::tuning::MANIFOLDS_PER_PART;
 use std::ops::Range;
-
-/// Manifolds of a part: some 10 us of work.
-pub(crate) const MANIFOLDS_PER_PART: usize = 192;
 
 /// Where the parts of a table begin and end. From pass to pass most stay where they are.
 #[derive(Clone, Debug, Default)]

@@ -50,8 +50,8 @@ use crate::contact::manifolds::{ManifoldHead, Manifolds};
 use crate::contact::point::ContactPoint;
 use crate::geometry::{KdBox, KdCode};
 use crate::math::rotate;
-use crate::threads::parts::WORTH_HELP;
 use crate::threads::team::Team;
+use crate::tuning::PARTS_WORTH_HELP;
 use bevy_ecs::resource::Resource;
 use chunks::ChunkPlan;
 use glam::{Quat, Vec3};
@@ -353,7 +353,7 @@ impl ContactCache {
 
 /// Whether a pass over the entries of so many manifolds is worth a team.
 fn is_worth_help(manifolds: usize) -> bool {
-    manifolds >= WORTH_HELP * chunks::MANIFOLDS_PER_PART
+    manifolds >= PARTS_WORTH_HELP * crate::tuning::MANIFOLDS_PER_PART
 }
 
 /// Names of a manifold's bodies.

@@ -15,9 +15,7 @@ use crate::contact::pairs::touches::Touch;
 use crate::contact::pairs::touches::Touches;
 use crate::merge::{Merged, merge};
 use crate::simd::prefetch::prefetch;
-
-/// Of so many touches, one may have come since they were sorted, and lie anywhere.
-const DISORDER: usize = 8;
+use crate::tuning::TOUCH_DISORDER;
 
 /// What is known of a run of pairs.
 #[derive(Debug, Default)]
@@ -87,7 +85,7 @@ impl PairStore {
 
     /// Puts the touches into the order of the pairs, if many of them have come since they were. `spare`: a list of any content.
     pub(crate) fn sort_touches(&mut self, spare: &mut Vec<Touch>) {
-        if self.touches.unsorted * DISORDER <= self.touches.len() {
+        if self.touches.unsorted * TOUCH_DISORDER <= self.touches.len() {
             return;
         }
         spare.clear();

@@ -5,6 +5,7 @@ use crate::bodies::store::Bodies;
 use crate::ecs::components::*;
 use crate::ecs::gather::pose_of;
 use crate::ecs::scatter::transform_of;
+use crate::tuning::COMPARED_ROWS;
 use bevy_ecs::change_detection::Tick;
 use bevy_ecs::prelude::*;
 use bevy_math::Vec3;
@@ -66,17 +67,14 @@ pub(super) fn gather_motion(
 /// Most have not, so many are compared at once.
 fn strange_rows<const N: usize>(columns: [&[Tick]; N], own: Tick) -> impl Iterator<Item = usize> {
     let count = columns.iter().map(|column| column.len()).min().unwrap_or(0);
-    let starts = (0..count).step_by(ROWS);
-    let runs = starts.map(move |start| start..(start + ROWS).min(count));
+    let starts = (0..count).step_by(COMPARED_ROWS);
+    let runs = starts.map(move |start| start..(start + COMPARED_ROWS).min(count));
     let is_strange = move |run: &Range<usize>| {
         let mut columns = columns.iter().map(|column| &column[run.clone()]);
         columns.any(|ticks| ticks.iter().fold(false, |any, &tick| any | (tick != own)))
     };
     runs.filter(is_strange).flatten()
 }
-
-/// Rows that are compared at once.
-const ROWS: usize = 64;
 
 fn read_motion(
     bodies: &mut Bodies,

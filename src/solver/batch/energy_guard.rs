@@ -17,8 +17,8 @@
 use crate::bodies::solver_body::SolverBody;
 use crate::solver::batch::Batch;
 use crate::solver::batch::layout::Member;
-use crate::solver::graph::bisection::MAX_LEAVES;
 use crate::threads::team::Team;
+use crate::tuning::MAX_LEAVES;
 use glam::Vec3;
 use std::ops::{Add, Range};
 

@@ -15,12 +15,10 @@ use crate::solver::wide::block::PointImpact;
 use crate::solver::wide::prepare::{Source, fill};
 use crate::solver::wide::reanchor::{AnchorStart, ReanchoredBlock, ReanchoredBlocks};
 use crate::threads::parts::{front, front_mut};
-use crate::threads::team::{MAX_PARTS, Team};
+use crate::threads::team::Team;
+use crate::tuning::{MAX_PARTS, MIN_MEASURED_PAIRS};
 use glam::Mat3;
 use std::ops::Range;
-
-/// Least pairs of a part of which a team finds the largest extent: each takes some 5 ns.
-const MIN_PAIRS: usize = 1024;
 
 /// Which of two bodies carries their contact points: the smaller one, whose corners they mostly are, if it can move.
 fn anchor_body(slots: [usize; 2], bodies: &Bodies) -> usize {
@@ -169,7 +167,7 @@ impl Batch {
             let [a, b] = pair.map(|number| masses[number.index()].extent());
             a.min(b)
         };
-        let size = Team::part_size(team, pairs.len(), MIN_PAIRS);
+        let size = Team::part_size(team, pairs.len(), MIN_MEASURED_PAIRS);
         let mut most = [0.0; MAX_PARTS];
         let parts = pairs.chunks(size).zip(&mut most);
         Team::each(team, parts, |(pairs, most)| {

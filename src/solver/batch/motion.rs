@@ -8,9 +8,9 @@ use crate::simd::lanes::LaneWidth;
 use crate::solver::batch::layout::{Layout, Member};
 use crate::solver::batch::subdomain_slices::{each_part, parts_by_body};
 use crate::solver::batch::{Batch, TurningBody};
-use crate::solver::graph::bisection::MAX_LEAVES;
 use crate::threads::parts::front_mut;
 use crate::threads::team::Team;
+use crate::tuning::MAX_LEAVES;
 use glam::{Mat3, Vec3};
 
 impl Batch {

@@ -6,10 +6,8 @@ use crate::solver::graph::partition;
 use crate::solver::wide::contacts::{ContactBlocks, cells};
 use crate::solver::wide::pass::Pass;
 use crate::threads::team::{Shared, Team};
+use crate::tuning::NEAR_CACHE;
 use std::sync::atomic::{AtomicU32, Ordering};
-
-/// Bytes that a core's second-level cache keeps of what is gone through again and again; most have 512 KiB to 2 MiB.
-const NEAR_CACHE: usize = 1 << 19;
 
 impl Batch {
     /// Does a pass over all contacts, several subdomains at a time if there is a team; returns the largest velocity change if it

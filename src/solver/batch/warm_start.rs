@@ -15,14 +15,11 @@ use crate::simd::dispatch::run;
 use crate::solver::batch::Batch;
 use crate::solver::batch::energy_guard::{LinearSums, Sums};
 use crate::solver::batch::subdomain_slices::{each_part, parts_by_body};
-use crate::solver::graph::bisection::MAX_LEAVES;
 use crate::solver::wide::bias::Warm;
 use crate::solver::wide::contacts::cells;
 use crate::solver::wide::pass::Pass;
 use crate::threads::team::Team;
-
-/// Of so many blocks, one may follow the motion; if more do, all contacts are asked in each sub-step.
-const BLOCKS_PER_FOLLOWING: usize = 8;
+use crate::tuning::{BLOCKS_PER_FOLLOWING, MAX_LEAVES};
 
 impl Batch {
     /// Gives the bodies what the impulses of the sub-step before are worth.

@@ -5,19 +5,10 @@
 //! many parts there are.
 
 use crate::threads::parts::front_mut;
-use crate::threads::team::{MAX_PARTS, Team};
+use crate::threads::team::Team;
+use crate::tuning::{CUT_PLACES, MAX_LEAVES, MAX_PARTS, MIN_BISECTED_BODIES};
 use glam::Vec3;
 use smallvec::SmallVec;
-
-/// Most leaves.
-pub(crate) const MAX_LEAVES: usize = 16;
-
-/// Places for a cut along an axis. Odd, so that none is in the middle, where symmetric structures have bodies that rounding
-/// would move across.
-const SLABS: usize = 61;
-
-/// Least bodies of a part, some 3 us of a pass.
-const MIN_PART: usize = 512;
 
 /// The bodies of a half, and the cut through it.
 #[derive(Clone, Copy, Debug)]
@@ -26,7 +17,7 @@ struct Half {
     max: Vec3,
     axis: usize,
     /// Bodies by slab.
-    counts: [u32; SLABS],
+    counts: [u32; CUT_PLACES],
     /// The first slab of the second half.
     slab: usize,
 }
@@ -37,7 +28,7 @@ impl Default for Half {
             min: Vec3::INFINITY,
             max: Vec3::NEG_INFINITY,
             axis: 0,
-            counts: [0; SLABS],
+            counts: [0; CUT_PLACES],
             slab: 0,
         }
     }
@@ -59,7 +50,7 @@ impl Half {
     fn slab_of(&self, center: Vec3) -> usize {
         let (from, to) = (self.min[self.axis], self.max[self.axis]);
         let share = (center[self.axis] - from) / (to - from);
-        ((SLABS as f32 * share) as usize).min(SLABS - 1)
+        ((CUT_PLACES as f32 * share) as usize).min(CUT_PLACES - 1)
     }
 
     /// Cuts where the halves are most nearly of a size.
@@ -179,7 +170,7 @@ impl Bisection {
 
     fn parts(&mut self, team: Option<&Team>) -> SmallVec<[BisectionPart<'_>; MAX_PARTS]> {
         let count = self.bodies.len();
-        let size = Team::part_size(team, count, MIN_PART);
+        let size = Team::part_size(team, count, MIN_BISECTED_BODIES);
         let mut rest = &mut self.bodies[..];
         let parts = (0..count).step_by(size).map(|first| BisectionPart {
             first,

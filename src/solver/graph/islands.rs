@@ -9,14 +9,12 @@ use crate::contact::manifolds::ManifoldHead;
 use crate::solver::graph::indices::{BodyNumber, ManifoldIndex};
 use crate::solver::graph::relative_motion::RelativeMotion;
 use crate::threads::team::Team;
+use crate::tuning::MIN_LINKS;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Marks a body that has no number yet.
 const NONE: u32 = u32::MAX;
-
-/// Least manifolds of a part whose links are made: each takes some 10 ns.
-const MIN_LINKS: usize = 512;
 
 /// One group.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -13,19 +13,16 @@
 //! alone. Each subdomain keeps the order of its manifolds. A thread keeps to its leaves, whose data stay in its cache; stages of
 //! a coloring would hand half of all bodies to the other core dozens of times per sweep.
 
-use crate::solver::graph::bisection::{Bisection, MAX_LEAVES};
+use crate::solver::graph::bisection::Bisection;
 use crate::solver::graph::indices::BodyNumber;
 use crate::threads::team::Team;
+use crate::tuning::{MAX_LEAVES, MIN_LEAF_MANIFOLDS};
 use glam::Vec3;
 use std::ops::Range;
 
-/// Least manifolds of a leaf, on average: some 50 us of a sweep, a hundred times what threads need to meet. A cut costs
-/// structures precision, for support gets across it once per sweep only, so there are no more of them than pay.
-pub(crate) const MIN_MANIFOLDS: usize = 2000;
-
 /// Number of leaves of an island with `manifolds` manifolds: a power of two.
 pub fn leaves(manifolds: usize) -> usize {
-    let most = (manifolds / MIN_MANIFOLDS).clamp(1, MAX_LEAVES);
+    let most = (manifolds / MIN_LEAF_MANIFOLDS).clamp(1, MAX_LEAVES);
     1 << most.ilog2()
 }
 

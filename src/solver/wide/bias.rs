@@ -10,6 +10,7 @@ use crate::solver::wide::block::{Block, Point, load_anchors};
 use crate::solver::wide::body_pair::{BodyPair, Frame, Masses, load_three};
 use crate::solver::wide::bond::{BondConstraint, RATE};
 use crate::solver::wide::contacts::ContactBlocks;
+use crate::tuning::FAR_BODIES;
 use std::cell::Cell;
 
 /// Sets the target velocities; see [`Pass::UpdateBias`](crate::solver::wide::pass::Pass::UpdateBias).
@@ -60,10 +61,6 @@ pub(crate) struct BiasTargets<'a, L> {
     is_first: bool,
     is_far: bool,
 }
-
-/// Bodies from which their displacements are asked for ahead: 192 KiB, which are gone from the near cache when all contacts
-/// have been gone through.
-const FAR_BODIES: usize = 6144;
 
 /// What of it is the same for all points of a block.
 pub(crate) struct BlockAim<L> {

@@ -10,12 +10,7 @@ use crate::simd::vec3::V3;
 use crate::solver::wide::block::points_of;
 use crate::solver::wide::block::{Block, FAR, Point, load_anchors};
 use crate::solver::wide::body_pair::Masses;
-
-/// How many blocks ahead the manifolds that they are filled from are asked for.
-const AHEAD: usize = 4;
-
-/// How many points ahead they are asked for.
-const POINTS_AHEAD: usize = 6;
+use crate::tuning::{FILLED_BLOCKS_AHEAD, FILLED_POINTS_AHEAD};
 
 /// What blocks are filled from.
 #[derive(Clone, Copy, Debug)]
@@ -88,14 +83,14 @@ impl Kernel for Fill<'_> {
     fn run<L: Lanes>(self) {
         let mut rest = self.points;
         for i in 0..self.blocks.len() {
-            if let Some(next) = self.blocks.get(i + AHEAD) {
+            if let Some(next) = self.blocks.get(i + FILLED_BLOCKS_AHEAD) {
                 prefetch(next);
                 for &manifold in &next.manifolds[..next.used] {
                     let manifolds = self.source.manifolds;
                     manifolds.prefetch(manifold as usize, next.points.len());
                 }
             }
-            if let Some(next) = rest.get(POINTS_AHEAD) {
+            if let Some(next) = rest.get(FILLED_POINTS_AHEAD) {
                 prefetch(next);
             }
             let block = &mut self.blocks[i];

@@ -15,12 +15,7 @@ use crate::solver::wide::block::{Point, load_anchors};
 use crate::solver::wide::body_pair::{BodyPair, Frame, Masses, load_three, project, store_three};
 use crate::solver::wide::bond::{BondConstraint, ImpulseBounds};
 use crate::solver::wide::contacts::ContactBlocks;
-
-/// How many blocks and points ahead of a sweep they are asked for: some 200 ns, in which far memory answers.
-const AHEAD: [usize; 2] = [3, 6];
-
-/// The same for what a block needs to know of bodies besides their velocities.
-const BODIES_AHEAD: usize = 2;
+use crate::tuning::{BLOCKS_AHEAD, BODIES_AHEAD, POINTS_AHEAD};
 
 /// What the two sweeps have in common.
 pub(crate) struct Sweep<'a, 'c, const BONDED: bool> {
@@ -62,7 +57,7 @@ impl<'a, 'c, const BONDED: bool> Sweep<'a, 'c, BONDED> {
         let zero = L::splat(0.0);
         let mut largest = zero;
         for (at, block) in blocks.iter().enumerate() {
-            prefetch_if(*is_far, blocks, at + AHEAD[0]);
+            prefetch_if(*is_far, blocks, at + BLOCKS_AHEAD);
             if let (Some(aim), Some(next)) = (aim, blocks.get(at + BODIES_AHEAD)) {
                 aim.prefetch(next);
             }
@@ -73,7 +68,7 @@ impl<'a, 'c, const BONDED: bool> Sweep<'a, 'c, BONDED> {
             let mut change = zero;
             let start = block.points.start - *first_point;
             for i in start..start + block.points.len() {
-                prefetch_if(*is_far, points, i + AHEAD[1]);
+                prefetch_if(*is_far, points, i + POINTS_AHEAD);
                 let point = &mut points[i];
                 let anchors = load_anchors(point);
                 if let Some((aim, of_block)) = &aim {
