@@ -15,8 +15,9 @@
 //! - [`contact`], [`mass`], [`geometry`], [`math`]: what the others are built on.
 //!
 //! How it works inside is told in the repository: `docs/architecture.md` opens with the way of one contact through a step and says
-//! where to find what, `docs/glossary.md` has the terms. Floors from the bottom up, each of which uses only those before it: `tuning`, `math`, `merge`,
-//! `simd`, `threads`, `geometry`, `mass`, `slice`, `contact`, `bodies`, `solver`, `collide`, `fracture`, `step`, `ecs`, `plugin`.
+//! where to find what, `docs/glossary.md` has the terms. Layers from the bottom up, each of which uses only those before it: `tuning`,
+//! `math`, `merge`, `simd`, `threads`, `geometry`, `mass`, `slice`, `contact`, `bodies`, `solver`, `collide`, `fracture`, `step`, `ecs`,
+//! `plugin`.
 //!
 //! # Conventions
 //!

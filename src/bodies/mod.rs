@@ -7,6 +7,7 @@
 //! | `solver_body.rs` | the rows of eight numbers that sweeps touch: velocity, mass, motion |
 //! | `free_rotation.rs` | rotation without torque that keeps angular momentum and energy |
 //! | `integrate.rs` | phase 7: bodies are put where the solver has moved them |
+//! | `inertia.rs` | how heavy bodies are: inertia and energy from shape and density |
 //! | `breaking.rs` | what a body bears, and what it was hit with |
 //! | `sleep_state.rs`, `waking.rs` | who rests and who sleeps; setters wake at once |
 //!

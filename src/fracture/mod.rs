@@ -16,7 +16,7 @@
 //! | `impact.rs` | impulses of a step by body: what they break, and what of them acts before |
 //! | `pieces.rs`, `conservation.rs`, `ledger.rs` | pieces as bodies; what rounding takes from them; before and after |
 //! | `inheritance.rs`, `bond_inheritance.rs` | which piece gets the multipliers and the bonds of the parent |
-//! | `bonds.rs`, `neighbors.rs`, `shared_area.rs` | what holds bodies together, and over which area |
+//! | `bond.rs`, `bonds.rs`, `neighbors.rs`, `shared_area.rs` | what holds bodies together, and over which area |
 //!
 //! Must not know entities. How an impact divides a shape is decided in `slice`, whether it is too much in `bodies/breaking.rs` while
 //! the island is solved. Read `breaking.rs` first.

@@ -4,8 +4,8 @@
 //! |---|---|
 //! | `predicates.rs` | every geometric tolerance, derived from rounding; exact side tests |
 //! | `mesh.rs`, `closed.rs`, `weld.rs` | triangle meshes and whether they are closed |
-//! | `hull.rs` | the convex hull of a point cloud |
-//! | `convex.rs`, `face.rs`, `around.rs` | a hull with polygon faces and edges |
+//! | `hull.rs`, `coplanar.rs` | the convex hull of a point cloud; triangles in one plane become a polygon |
+//! | `convex.rs`, `face.rs`, `around.rs`, `hull_error.rs` | a hull with polygon faces and edges, and why something is none |
 //! | `hull_lanes.rs`, `edge_tables.rs`, `triangle_corners.rs` | the same for several numbers at a time |
 //! | `moments.rs` | volume integrals from faces |
 //! | `convex_mesh.rs`, `primitives.rs` | the shapes that a body can have |
