@@ -44,12 +44,14 @@ fn middle() -> Plane {
 /// below. Loops that are holes run clockwise and become cavities.
 fn double_cones(loops: &[Vec<DVec2>]) -> Option<TriMesh> {
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
-    for ring in loops {
+    for (number, ring) in loops.iter().enumerate() {
+        // Apexes at one place would be welded.
+        let height = 1.0 + 0.01 * number as f32;
         let first = positions.len() as u32;
         let count = ring.len() as u32;
         positions.extend(ring.iter().map(|p| p.as_vec2().extend(0.0)));
         let centre = ring.iter().sum::<DVec2>() / ring.len() as f64;
-        positions.extend([1.0, -1.0].map(|z| centre.as_vec2().extend(z)));
+        positions.extend([height, -height].map(|z| centre.as_vec2().extend(z)));
         for k in 0..count {
             let (a, b) = (first + k, first + (k + 1) % count);
             triangles.push([a, b, first + count]);
@@ -139,22 +141,20 @@ fn cells(dice: &mut Dice) -> Vec<Vec<DVec2>> {
     }
     let mut loops = Vec::new();
     while let Some(&start) = next.keys().next() {
-        let (mut ring, mut at) = (Vec::new(), start);
-        loop {
-            ring.push(DVec2::new(f64::from(at.0), f64::from(at.1)));
-            let Some(mut ends) = next.remove(&at) else {
-                break;
-            };
+        let (mut ring, mut at) = (vec![], start);
+        while let Some(ends) = next.get_mut(&at) {
             let to = ends.pop().expect("never kept empty");
-            if !ends.is_empty() {
-                next.insert(at, ends);
+            if ends.is_empty() {
+                next.remove(&at);
             }
+            ring.push(DVec2::new(f64::from(at.0), f64::from(at.1)));
             at = to;
-            if at == start {
-                break;
+            // A loop that comes to one of its corners again is two that touch there.
+            let place = DVec2::new(f64::from(at.0), f64::from(at.1));
+            if let Some(first) = ring.iter().position(|&p| p == place) {
+                loops.push(ring.split_off(first));
             }
         }
-        loops.push(ring);
     }
     loops
 }
