@@ -11,7 +11,7 @@ mod others;
 
 use bevy_cleave::geometry::TriMesh;
 use bevy_cleave::math::Plane;
-use bevy_cleave::slice::{MeshSlicer, Slice, SliceOptions};
+use bevy_cleave::slice::{Cut, MeshSlicer, SliceOptions};
 use glam::{DVec2, DVec3};
 use std::collections::HashMap;
 use weigh::cpu_us;
@@ -57,7 +57,7 @@ fn main() {
             let mut slicer = MeshSlicer::default();
             let cut = || slicer.slice(mesh, *plane, SliceOptions::default());
             let (us, slice) = least_time(cut);
-            let Ok(Slice::Cut(halves)) = slice else {
+            let Ok(Cut::Cut(halves)) = slice else {
                 continue;
             };
             let (border, ours) = split(&halves.below, halves.cap.triangles, plane);
