@@ -1,10 +1,9 @@
 //! Numbers that only measurements can give: when threads help, how lists are cut, how far ahead memory is asked for.
 //!
 //! Each says its unit, and the machine and scene that chose it; "not measured apart" where it came with its feature and nobody has
-//! varied it since. None has a meaning for physics, and those outside of [who is solved together](#who-is-solved-together) change
-//! times only, no bit of motion. Most were chosen on two machines of the summer and autumn of 2026: an Intel Xeon with 2 MB and an
-//! AMD EPYC (Zen 3) with 512 KiB of second-level cache a core, with two cores in use. `docs/decisions` has the measurements that still
-//! matter.
+//! varied it since. None has a meaning for physics, and all but the last ones (who is solved together) change times only, no bit of
+//! motion. Most were chosen in November 2026 on two machines, an Intel Xeon with 2 MB and an AMD EPYC (Zen 3) with 512 KiB of
+//! second-level cache a core, with two cores in use. `docs/decisions` has the measurements that still matter.
 //!
 //! What bodies may do (m, rad, shares of a size) stays beside its formula:
 //! [sides of planes and sizes](crate::geometry::predicates), [contacts](crate::contact::narrow::sat),

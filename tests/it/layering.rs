@@ -19,7 +19,18 @@ struct Room {
 }
 
 /// Rooms with walls. Files and folders that are not named here are the landing: they put the rooms together.
-const ROOMS: [Room; 9] = [
+const ROOMS: [Room; 10] = [
+    // State and motion: knows what a body is made of, but no contact.
+    Room {
+        name: "bodies",
+        may_use: &[],
+        must_not_use: &[
+            "contact::narrow",
+            "contact::pairs",
+            "contact::impulses",
+            "contact::manifolds",
+        ],
+    },
     // How two shapes touch: knows neither which pairs there are nor what they bore.
     Room {
         name: "contact::narrow",
