@@ -151,7 +151,7 @@ fn without(scene: &Scene, actor: usize) -> Option<Scene> {
         _ if gone.role == Role::There => true,
         _ if gone.role == Role::Here => scene.has(Law::Seam) && is_near(scene, actor),
         RigidBody::Dynamic => scene.has(Law::Stand) && touching(scene, actor) > 1,
-        _ => needs_time(scene) || scene.has(Law::Stand),
+        _ => needs_time(scene) || scene.has(Law::Stand) || scene.has(Law::Seam),
     };
     (!needed).then(|| {
         changed(scene, |s| {
