@@ -183,7 +183,7 @@ fn keep_smallest(verdicts: &[Verdict], folder: &Path) -> Result<(), Box<dyn Erro
             };
             let scene = scene(family, seed).expect("just judged");
             let small = shrink::shrink(&scene, law, SHRINK_RUNS);
-            let path = folder.join(format!("{family}_{name}.txt"));
+            let path = folder.join(format!("{family}_{name}_{seed}.txt"));
             std::fs::write(&path, describe(&small))?;
             println!("{}: {} bodies", path.display(), small.actors.len());
         }

@@ -13,6 +13,9 @@ use glam::{Quat, Vec3};
 /// Overlap at the start that is rounding, as a share of the smaller least extent.
 const ROUNDING: f64 = 1e-3;
 
+/// How far beyond the bound, at least, what is left breaks the law, if the scene itself does: not just so.
+const CLEAR: f64 = 2.0;
+
 /// A simpler scene, if there is one.
 type Change = dyn Fn(&Scene, usize) -> Option<Scene>;
 
@@ -22,7 +25,8 @@ pub(crate) fn shrink(scene: &Scene, law: Law, runs: usize) -> Scene {
         laws: vec![law],
         ..scene.clone()
     };
-    let mut left = runs;
+    let clear = excess(&best).min(CLEAR);
+    let mut trials = Trials { left: runs, clear };
     let scene_changes: [&Change; 4] = [&shorter, &less_short, &usual_rate, &upright];
     let actor_changes: [&Change; 9] = [
         &without,
@@ -36,33 +40,47 @@ pub(crate) fn shrink(scene: &Scene, law: Law, runs: usize) -> Scene {
         &fewer_corners,
     ];
     loop {
-        let before = left;
+        let before = trials.left;
         let size = best.clone();
         for change in scene_changes {
-            attempt(&mut best, &mut left, change, 0);
+            attempt(&mut best, &mut trials, change, 0);
         }
         for change in actor_changes {
             // From the last on, so that numbers of those before stay.
             for actor in (0..best.actors.len()).rev() {
-                attempt(&mut best, &mut left, change, actor);
+                attempt(&mut best, &mut trials, change, actor);
             }
         }
-        if left == 0 || best == size || left == before {
+        if trials.left == 0 || best == size || trials.left == before {
             return best;
         }
     }
 }
 
-fn attempt(best: &mut Scene, left: &mut usize, change: &Change, actor: usize) {
-    while *left > 0 {
+/// Trials that may still be made, and by how much each has to break the law.
+struct Trials {
+    left: usize,
+    clear: f64,
+}
+
+/// By how much the scene breaks its law; zero if it keeps it.
+fn excess(scene: &Scene) -> f64 {
+    let breaches = judge(scene);
+    breaches
+        .iter()
+        .fold(0.0, |most, breach| most.max(breach.excess))
+}
+
+fn attempt(best: &mut Scene, trials: &mut Trials, change: &Change, actor: usize) {
+    while trials.left > 0 {
         let Some(simpler) = change(best, actor).filter(|simpler| simpler != best) else {
             return;
         };
         if !is_sound(&simpler) {
             return;
         }
-        *left -= 1;
-        if judge(&simpler).is_empty() {
+        trials.left -= 1;
+        if excess(&simpler) < trials.clear {
             return;
         }
         *best = simpler;
@@ -133,7 +151,7 @@ fn without(scene: &Scene, actor: usize) -> Option<Scene> {
         _ if gone.role == Role::There => true,
         _ if gone.role == Role::Here => scene.has(Law::Seam) && is_near(scene, actor),
         RigidBody::Dynamic => scene.has(Law::Stand) && touching(scene, actor) > 1,
-        _ => needs_time(scene) || scene.has(Law::Stand),
+        _ => needs_time(scene) || scene.has(Law::Stand) || scene.has(Law::Seam),
     };
     (!needed).then(|| {
         changed(scene, |s| {
