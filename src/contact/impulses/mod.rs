@@ -29,9 +29,9 @@
 //!
 //! No found point had moved by more than 5 mm on both bodies. What a rolling body misses are edges new to the contact.
 //!
-//! `matching.rs` finds the points of a step among the entries, `update.rs` takes the impulses of the solve in, `chunks.rs` splits both for
-//! several threads, and `transfer.rs` gives what a body that was cut bore to its pieces. Must not know bodies or the solver. Read this
-//! file first, then `matching.rs`.
+//! `table.rs` is the sorted list of entries. `matching.rs` finds the points of a step among them, `update.rs` takes the impulses of the solve
+//! in, `chunks.rs` splits both for several threads, and `transfer.rs` gives what a body that was cut bore to its
+//! pieces. Must not know bodies or the solver. Read this file first, then `matching.rs`.
 //!
 //! # References
 //! "Constraint-Based Physics With Real-Time Object Slicing": the key, the ages and the limit of ten steps.
