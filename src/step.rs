@@ -14,7 +14,7 @@
 //! 9 sleep              velocities, poses -> islands at rest, left out from the next step on
 //! ```
 //!
-//! Sleeping bodies are woken in phase 4, where it is known who touches them; see [`sleep`](crate::solver::sleep).
+//! Sleeping bodies are woken in phase 4, where it is known who touches them; see `solver/sleep.rs`.
 
 pub(crate) mod contacts;
 mod measure;

@@ -23,11 +23,11 @@ pub struct StepReport {
     pub contacts: usize,
     /// How the contact cache did.
     pub cache: CacheStats,
-    /// Errors of the solution; only with [`SolverConfig::measure_error`].
+    /// Errors of the solution; only with [`SolverConfig::measure_error`](crate::solver::SolverConfig::measure_error).
     pub error: Option<StepError>,
     /// One body each of the islands in which a sub-step ended above the tolerance, by slot.
     pub unconverged: Vec<u32>,
-    /// The islands; only with [`SolverConfig::measure_islands`].
+    /// The islands; only with [`SolverConfig::measure_islands`](crate::solver::SolverConfig::measure_islands).
     #[cfg_attr(feature = "reflect", reflect(ignore))]
     pub islands: Vec<IslandReport>,
     /// Bodies that were left out since the last step, with the reason, by slot.
@@ -62,8 +62,8 @@ pub struct IslandReport {
     pub contacts: usize,
     /// Sweeps of all sub-steps together.
     pub sweeps: u32,
-    /// Whether a sub-step ended above the tolerance, because [`SolverConfig::max_sweeps`] were done.
+    /// Whether a sub-step ended above the tolerance, because the most sweeps were done.
     pub is_unconverged: bool,
-    /// Its own residual, with [`SolverConfig::measure_error`].
+    /// Its own residual, with [`SolverConfig::measure_error`](crate::solver::SolverConfig::measure_error).
     pub residual: Option<Residual>,
 }

@@ -6,7 +6,7 @@
 use super::laws::{Breach, Law};
 use super::run::{Run, State};
 use super::scene::{Actor, Role, Scene};
-use bevy_cleave::math::rotate;
+use bevy_cleave::testing::math::rotate;
 use glam::{DVec3, Vec3};
 
 /// Nudge, as a share of a body's size.

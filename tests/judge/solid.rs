@@ -6,7 +6,8 @@
 //! Apart, the best axis gives at most their distance; overlapping, exactly the depth.
 
 use bevy_cleave::geometry::ConvexHull;
-use bevy_cleave::math::{Pose, rotate};
+use bevy_cleave::math::Pose;
+use bevy_cleave::testing::math::rotate;
 use glam::{DQuat, DVec3};
 
 /// An edge between two faces.

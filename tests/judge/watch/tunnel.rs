@@ -4,7 +4,7 @@ use super::Worst;
 use crate::judge::laws::{Breach, Law};
 use crate::judge::run::Run;
 use crate::judge::scene::{Actor, Form};
-use bevy_cleave::math::rotate;
+use bevy_cleave::testing::math::rotate;
 use glam::{DVec3, Vec3};
 
 /// A plate: a point in its middle and its normal, and which actor it is.
