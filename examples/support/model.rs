@@ -47,7 +47,7 @@ pub fn load(path: impl AsRef<Path>) -> Result<Model, Error> {
 }
 
 impl Model {
-    /// The same model centerd on the origin, its bounding box scaled to a diagonal of `diagonal` metres.
+    /// The same model centered on the origin, its bounding box scaled to a diagonal of `diagonal` metres.
     pub fn fitted(mut self, diagonal: f32) -> Self {
         let min = self
             .positions

@@ -2,7 +2,7 @@
 
 use crate::bodies::store::Bodies;
 use crate::fracture::bonds::{BondedPair, Bonds};
-use crate::fracture::inheritance::Line;
+use crate::fracture::inheritance::ParentState;
 use crate::fracture::neighbors::area_in_pose;
 use crate::math::Pose;
 use smallvec::SmallVec;
@@ -10,13 +10,13 @@ use smallvec::SmallVec;
 impl Bonds {
     /// Divides the bonds of a body that is gone, each among the pieces that lie face to face on the bonded neighbor: by the
     /// areas over which they do, so that all of them together are as strong as it was. A bond that no piece lies at goes.
-    pub(super) fn inherit(&mut self, bodies: &Bodies, parent: &Line, pieces: &[u32]) {
+    pub(super) fn inherit(&mut self, bodies: &Bodies, parent: &ParentState, pieces: &[u32]) {
         let is_of_parent =
             |joint: &BondedPair| [joint.bodies.0, joint.bodies.1].contains(&parent.id());
         if !self.joints.iter().any(is_of_parent) {
             return;
         }
-        let mut heirs: Vec<BondedPair> = Vec::new();
+        let mut children: Vec<BondedPair> = Vec::new();
         for joint in self.joints.iter().filter(|joint| is_of_parent(joint)) {
             let is_first = joint.bodies.0 == parent.id();
             let other = joint.slots[usize::from(is_first)];
@@ -37,12 +37,12 @@ impl Bonds {
             });
             let places: SmallVec<[(u32, Pose, f32); 4]> = places.collect();
             let whole: f32 = places.iter().map(|(_, _, area)| area).sum();
-            heirs.extend(places.into_iter().map(|(piece, pose, area)| {
+            children.extend(places.into_iter().map(|(piece, pose, area)| {
                 joint.between(bodies, [piece, other], pose, area / whole)
             }));
         }
         self.joints.retain(|joint| !is_of_parent(joint));
-        self.joints.append(&mut heirs);
+        self.joints.append(&mut children);
         self.joints.sort_by_key(|joint| joint.bodies);
     }
 }

@@ -8,7 +8,7 @@ use crate::contact::manifolds::Manifolds;
 use crate::fracture::budget::FractureBudget;
 use crate::fracture::impact;
 use crate::fracture::impact::ImpulseSum;
-use crate::fracture::inheritance::{Line, transfer_impulses};
+use crate::fracture::inheritance::{ParentState, transfer_impulses};
 use crate::fracture::pieces::{BreakPlan, PieceSet, replace};
 use crate::fracture::{Bonds, BreakingImpact, CutError, CutRequest, Fractures, MIN_PIECES};
 use crate::geometry::predicates::check_plane;
@@ -17,7 +17,7 @@ use crate::solver::contact_solver::ContactSolver;
 use smallvec::SmallVec;
 
 /// Bodies that broke, in one go, and their pieces.
-type Lines = Vec<(Line, SmallVec<[u32; 8]>)>;
+type Lines = Vec<(ParentState, SmallVec<[u32; 8]>)>;
 
 /// A body that was hit with more than it bears when there was no budget for it.
 #[derive(Clone, Debug)]
@@ -274,7 +274,7 @@ impl Fractures {
         division: PieceSet,
         budget: &FractureBudget,
     ) -> Result<&mut crate::fracture::Fracture, CutError> {
-        let line = Line::of(bodies, slot);
+        let line = ParentState::of(bodies, slot);
         let fracture = replace(bodies, slot, division, budget)?;
         bonds.inherit(bodies, &line, &fracture.pieces);
         let state = &mut self.state;

@@ -10,7 +10,7 @@ use smallvec::SmallVec;
 
 /// What must be known of a body after it is gone.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Line {
+pub(super) struct ParentState {
     id: BodyId,
     rotation: Quat,
     /// World, m.
@@ -20,7 +20,7 @@ pub(super) struct Line {
     code_box: Option<KdBox>,
 }
 
-impl Line {
+impl ParentState {
     pub(super) fn of(bodies: &Bodies, slot: u32) -> Self {
         Self {
             id: bodies.id(slot),
@@ -41,8 +41,8 @@ impl Line {
         self.center + rotate(self.rotation.inverse(), way)
     }
 
-    fn family<'a>(&self, pieces: &[u32], bodies: &'a Bodies) -> Option<Split<'a>> {
-        let heir = |&slot: &u32| {
+    fn split<'a>(&self, pieces: &[u32], bodies: &'a Bodies) -> Option<Split<'a>> {
+        let child = |&slot: &u32| {
             Some(Child {
                 id: bodies.id(slot),
                 origin: self.origin_of(bodies, slot),
@@ -54,23 +54,23 @@ impl Line {
             parent: self.id,
             rotation: self.rotation,
             code_box: self.code_box?,
-            heirs: pieces.iter().filter_map(heir).collect(),
+            children: pieces.iter().filter_map(child).collect(),
         })
     }
 }
 
 /// Gives the multipliers of bodies that are gone to their pieces, by slot.
 pub(super) fn transfer_impulses(
-    lines: &[(Line, SmallVec<[u32; 8]>)],
+    parents: &[(ParentState, SmallVec<[u32; 8]>)],
     bodies: &Bodies,
     cache: &mut ContactCache,
 ) {
-    if lines.is_empty() {
+    if parents.is_empty() {
         return;
     }
-    let families = lines.iter();
-    let families: Vec<_> = families
-        .filter_map(|(line, pieces)| line.family(pieces, bodies))
+    let splits = parents.iter();
+    let splits: Vec<_> = splits
+        .filter_map(|(parent, pieces)| parent.split(pieces, bodies))
         .collect();
     let mut slots: Vec<_> = bodies.iter().map(|slot| (bodies.id(slot), slot)).collect();
     slots.sort_unstable();
@@ -79,5 +79,5 @@ pub(super) fn transfer_impulses(
         // A body that left since the last step has entries still; nobody will ask for them.
         found.map_or(Quat::IDENTITY, |at| bodies.rotation[slots[at].1 as usize])
     };
-    cache.transfer(&families, rotation_of);
+    cache.transfer(&splits, rotation_of);
 }

@@ -1,6 +1,6 @@
 //! Cuboid, regular prism, icosphere, wedge.
 //!
-//! All are centerd on the origin of their bounding box and are built as the hull of their corners, which are computed in
+//! All are centered on the origin of their bounding box and are built as the hull of their corners, which are computed in
 //! `f64` from `+ - * /` and `sqrt` alone, so that they have the same bits on every platform.
 
 use crate::geometry::convex::ConvexHull;

@@ -9,7 +9,7 @@ use crate::math::{Aabb, Plane, tangents};
 use crate::slice::cutting::CellPlanes;
 use crate::slice::cutting::Cutting;
 use crate::slice::cutting::Planes;
-use crate::slice::random::{PointsInHull, centerd, unit_interval, unit_vector};
+use crate::slice::random::{PointsInHull, centered, unit_interval, unit_vector};
 use glam::{Vec2, Vec3};
 use rand_core::SeedableRng;
 use rand_pcg::Pcg32;
@@ -215,7 +215,7 @@ impl ImpactFrame<'_> {
         let v = self.direction.cross(u);
         (0..count)
             .map(|index| {
-                let jitter = STAR_JITTER * centerd(random);
+                let jitter = STAR_JITTER * centered(random);
                 let part = (f32::from(index) + jitter) / f32::from(count);
                 // Half a turn is all of it: a normal and its opposite belong to the same plane.
                 let turn = direction_at(0.5 * part) * 1.0_f32.copysign(part);
@@ -233,7 +233,7 @@ impl ImpactFrame<'_> {
         let v = self.direction.cross(u);
         let in_space = |flat: Vec2| flat.x * u + flat.y * v;
         let directions: Vec<Vec2> = (0..rays)
-            .map(|ray| direction_at((ray as f32 + RAY_JITTER * centerd(random)) / rays as f32))
+            .map(|ray| direction_at((ray as f32 + RAY_JITTER * centered(random)) / rays as f32))
             .collect();
         let reach = self.hull.vertices().iter().map(|&vertex| {
             let from_point = vertex - self.point;
@@ -242,7 +242,7 @@ impl ImpactFrame<'_> {
         let reach = reach.fold(0.0, f32::max);
         let radii: Vec<f32> = (1..=rings)
             .map(|ring| {
-                let part = (ring as f32 + SHIFT_JITTER * centerd(random)) / (rings + 1) as f32;
+                let part = (ring as f32 + SHIFT_JITTER * centered(random)) / (rings + 1) as f32;
                 reach * part * part
             })
             .collect();
@@ -309,7 +309,7 @@ impl ImpactFrame<'_> {
         });
         let walls: Vec<Plane> = (1..count.max(1))
             .map(|wall| {
-                let part = (f32::from(wall) + SHIFT_JITTER * centerd(random)) / f32::from(count);
+                let part = (f32::from(wall) + SHIFT_JITTER * centered(random)) / f32::from(count);
                 let offset = low + part * (high - low);
                 Plane { normal, offset }
             })

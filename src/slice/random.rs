@@ -11,7 +11,7 @@ pub(super) fn unit_interval(random: &mut Pcg32) -> f32 {
 }
 
 /// A number from [-1/2, 1/2).
-pub(super) fn centerd(random: &mut Pcg32) -> f32 {
+pub(super) fn centered(random: &mut Pcg32) -> f32 {
     unit_interval(random) - 0.5
 }
 

@@ -115,12 +115,12 @@ fn all_patterns_fill_all_models() {
 /// density (`tests/it/fracture_ledger.rs`).
 #[test]
 fn pieces_of_pieces_fill_them() {
-    let centerd = |hull: &ConvexHull| {
+    let centered = |hull: &ConvexHull| {
         let centroid = VolumeIntegrals::of_hull(hull).centroid;
         hull.clone().translated(-centroid.as_vec3())
     };
     let mut dice = Dice::new(5);
-    let mut hulls: Vec<ConvexHull> = MODELS.iter().map(|m| centerd(&model_hull(m))).collect();
+    let mut hulls: Vec<ConvexHull> = MODELS.iter().map(|m| centered(&model_hull(m))).collect();
     hulls.extend((0..40).map(|_| {
         let size = dice.vector(0.02, 1.0);
         primitives::cuboid(size.x, size.y, size.z).unwrap()
@@ -135,7 +135,7 @@ fn pieces_of_pieces_fill_them() {
                 let pieces = divide(hull, None, &cutting);
                 let sum: f64 = pieces.iter().map(|piece| piece.volume).sum();
                 errors.push((sum / hull.volume() - 1.0).abs());
-                next.push(centerd(&pieces[dice.below(pieces.len())].hull));
+                next.push(centered(&pieces[dice.below(pieces.len())].hull));
             }
         }
         let worst = errors.into_iter().fold(0.0, f64::max);

@@ -45,15 +45,15 @@ pub(crate) struct Split<'a> {
     /// The box that the parent's contact codes refer to.
     pub(crate) code_box: KdBox,
     /// The pieces.
-    pub(crate) heirs: Vec<Child<'a>>,
+    pub(crate) children: Vec<Child<'a>>,
 }
 
 impl Split<'_> {
     /// The piece that owns a point of the parent (parent's frame, m): the one that it is deepest in, or nearest to.
     fn owner(&self, point: Vec3) -> Option<usize> {
-        let distance = |&i: &usize| self.heirs[i].height(point);
+        let distance = |&i: &usize| self.children[i].height(point);
         let by_distance = |a: &usize, b: &usize| distance(a).total_cmp(&distance(b));
-        (0..self.heirs.len()).min_by(by_distance)
+        (0..self.children.len()).min_by(by_distance)
     }
 
     /// For the entries of one pair: which piece has each, and what its impulses are multiplied with.
@@ -71,13 +71,13 @@ impl Split<'_> {
         });
         let owned: Vec<_> = owned.collect();
         let face = self.common_face(&owned);
-        let areas: Vec<f32> = (self.heirs.iter())
-            .map(|heir| face.map_or(0.0, |face| heir.area_in(&face)))
+        let areas: Vec<f32> = (self.children.iter())
+            .map(|child| face.map_or(0.0, |face| child.area_in(&face)))
             .collect();
         let (area, total): (f32, f32) = (areas.iter().sum(), owned.iter().map(|o| o.2).sum());
-        let factor = |heir: usize| {
-            let own: f32 = (owned.iter().filter(|o| o.0 == heir).map(|o| o.2)).sum();
-            let fair = total * areas[heir] / area;
+        let factor = |child: usize| {
+            let own: f32 = (owned.iter().filter(|o| o.0 == child).map(|o| o.2)).sum();
+            let fair = total * areas[child] / area;
             // Where there is nothing to go by, all stays as it was.
             if own > 0.0 && fair.is_finite() {
                 fair / own
@@ -85,10 +85,10 @@ impl Split<'_> {
                 1.0
             }
         };
-        let shares = owned.iter().map(|&(heir, point, _)| PieceShare {
-            heir,
+        let shares = owned.iter().map(|&(child, point, _)| PieceShare {
+            child,
             point,
-            factor: factor(heir).min(MAX_RAISE),
+            factor: factor(child).min(MAX_RAISE),
         });
         shares.collect()
     }
@@ -99,8 +99,8 @@ impl Split<'_> {
             let distances = owned.iter().map(|(_, point, _)| plane.distance(*point));
             distances.map(f32::abs).sum()
         };
-        let owners = (0..self.heirs.len()).filter(|heir| owned.iter().any(|o| o.0 == *heir));
-        let faces = owners.flat_map(|heir| self.heirs[heir].faces());
+        let owners = (0..self.children.len()).filter(|child| owned.iter().any(|o| o.0 == *child));
+        let faces = owners.flat_map(|child| self.children[child].faces());
         let best = faces.min_by(|a, b| off(a).total_cmp(&off(b)));
         best.filter(|_| owned.len() >= SPANNING)
     }
@@ -109,7 +109,7 @@ impl Split<'_> {
 /// What one piece gets of an entry.
 #[derive(Clone, Copy, Debug)]
 struct PieceShare {
-    heir: usize,
+    child: usize,
     /// The contact point, parent's frame, m.
     point: Vec3,
     /// What its impulses are multiplied with.
@@ -155,23 +155,22 @@ impl ContactCache {
     ///
     /// A point is known by its cell, so that it may be off by half a cell when its piece is looked for. Pieces have higher
     /// ids than all other bodies.
-    pub(crate) fn transfer(&mut self, families: &[Split], rotation_of: impl Fn(BodyId) -> Quat) {
+    pub(crate) fn transfer(&mut self, splits: &[Split], rotation_of: impl Fn(BodyId) -> Quat) {
         let rotation = |id: BodyId| {
-            let family = families.iter().find(|family| family.parent == id);
-            family.map_or_else(|| rotation_of(id), |family| family.rotation)
+            let split = splits.iter().find(|split| split.parent == id);
+            split.map_or_else(|| rotation_of(id), |split| split.rotation)
         };
-        for family in families {
+        for split in splits {
             let Self { current, next, .. } = self;
-            let is_of = |pair: &&PairRecord| {
-                pair.bodies.0 == family.parent || pair.bodies.1 == family.parent
-            };
+            let is_of =
+                |pair: &&PairRecord| pair.bodies.0 == split.parent || pair.bodies.1 == split.parent;
             let mut passed: Vec<Named> = Vec::new();
             for pair in current.pairs.iter().filter(is_of) {
                 let entries = &current.entries[pair.range()];
-                let is_a = pair.bodies.0 == family.parent;
+                let is_a = pair.bodies.0 == split.parent;
                 let code = |e: &CacheEntry| if is_a { e.code_a } else { e.code_b };
-                let shares = family.shares(entries, code);
-                let pass = |(entry, share)| pass_on(family, pair.bodies, entry, share, rotation);
+                let shares = split.shares(entries, code);
+                let pass = |(entry, share)| pass_on(split, pair.bodies, entry, share, rotation);
                 passed.extend(entries.iter().zip(&shares).map(pass));
             }
             passed.sort_by_key(|&(bodies, _)| bodies);
@@ -199,28 +198,28 @@ impl EntryTable {
 
 /// The entry of a pair of the parent as that of a pair of the piece that owns its point.
 fn pass_on(
-    family: &Split,
+    split: &Split,
     (a, b): (BodyId, BodyId),
     entry: &CacheEntry,
     share: &PieceShare,
     rotation_of: impl Fn(BodyId) -> Quat,
 ) -> Named {
-    let (other, code_of_other) = if a == family.parent {
+    let (other, code_of_other) = if a == split.parent {
         (b, entry.code_b)
     } else {
         (a, entry.code_a)
     };
-    let heir = &family.heirs[share.heir];
-    let own_code = heir.code_box.encode(share.point - heir.origin);
+    let child = &split.children[share.child];
+    let own_code = child.code_box.encode(share.point - child.origin);
     // The friction impulse is that on B, in A's frame. The piece, whose id is higher, is B.
     let on_b = rotate(rotation_of(a), share.factor * entry.friction_impulse);
-    let on_heir = if a == family.parent { -on_b } else { on_b };
+    let on_child = if a == split.parent { -on_b } else { on_b };
     let passed = CacheEntry {
         code_a: code_of_other,
         code_b: own_code,
         normal_impulse: share.factor * entry.normal_impulse,
-        friction_impulse: rotate(rotation_of(other).inverse(), on_heir),
+        friction_impulse: rotate(rotation_of(other).inverse(), on_child),
         ..*entry
     };
-    ((other, heir.id), passed)
+    ((other, child.id), passed)
 }

@@ -92,7 +92,7 @@ impl Batch {
     }
 
     /// Takes the impulses of an impact back to the remembered ones, without losing what they add to the total: those of the bodies
-    /// that were hit, and those that changed as if theirs had been, by `threshold` (m/s) at the point, because a impact goes on
+    /// that were hit, and those that changed as if theirs had been, by `threshold` (m/s) at the point, because an impact goes on
     /// through what stands behind.
     fn restore_warm_start(&mut self, threshold: f32) {
         let is_hit = &self.impacts.is_hit;

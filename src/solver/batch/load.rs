@@ -110,7 +110,7 @@ impl Batch {
         self.impacts.is_broken = false;
     }
 
-    /// Copies the bodies, and adds an dummy one.
+    /// Copies the bodies, and adds a dummy one.
     fn load_bodies(&mut self, bodies: &Bodies, team: Option<&Team>) {
         let (cuts, mut slots) = (&self.layout.cuts, &self.layout.slots[..]);
         self.bodies

@@ -74,7 +74,7 @@ pub struct BondConstraint {
 }
 
 impl BondConstraint {
-    /// Ties a lane; `substep_dt` is the length of a sub-step, s.
+    /// Bonds a lane; `substep_dt` is the length of a sub-step, s.
     pub(crate) fn load(
         &mut self,
         lane: usize,

@@ -15,7 +15,7 @@ pub struct ContactBlocks<'a> {
     pub points: &'a mut [Point],
     /// What the blocks call the first of these points.
     pub first_point: usize,
-    /// Blows of the points; empty where nothing hits.
+    /// Impacts of the points; empty where nothing hits.
     pub impacts: &'a [PointImpact],
     /// Velocities that the numbers in the blocks refer to.
     pub bodies: &'a [Cell<SolverBody>],
