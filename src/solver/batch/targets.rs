@@ -77,7 +77,7 @@ impl Batch {
     fn is_calm(&self) -> bool {
         let threshold = self.settings.restitution_threshold;
         let may_hit = || self.impacts.has_restitution || self.any_closes(threshold);
-        !self.settings.is_exact() && !(self.impacts.can_hit() && may_hit())
+        !(self.settings.is_exact() || self.impacts.can_hit() && may_hit())
     }
 
     /// Finds all points that rebound; returns the fastest rebound, scaled to a size of 1 m, m/s.
