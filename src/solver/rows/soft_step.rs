@@ -54,15 +54,16 @@ impl Softness {
     }
 }
 
-/// The normal velocity that a point should have after the bodies have moved, m/s.
+/// The normal velocity that a point should have after the bodies have moved, m/s. A `rebound` that is not positive is added to the
+/// least that it may have.
 pub(crate) fn relaxed_velocity(rebound: f32, impulse: f32, target_velocity: f32) -> f32 {
     if rebound > 0.0 {
         rebound
     } else if impulse > 0.0 {
         // Pushed, so it has arrived.
-        0.0
+        rebound
     } else {
-        target_velocity.min(0.0)
+        target_velocity.min(0.0) + rebound
     }
 }
 

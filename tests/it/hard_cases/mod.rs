@@ -20,6 +20,7 @@ mod corbel;
 mod dominoes;
 mod flight;
 mod pyramid;
+mod rebounds;
 mod rolling;
 mod sliding;
 mod slopes;
