@@ -15,6 +15,7 @@ mod support;
 
 mod arch;
 mod bounce;
+mod card_houses;
 mod cards;
 mod corbel;
 mod dominoes;
