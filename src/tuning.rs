@@ -62,6 +62,9 @@ pub(crate) const MIN_BISECTED_BODIES: usize = 512;
 /// Least pairs of a part of which a team finds the largest extent: each takes some 5 ns.
 pub(crate) const MIN_MEASURED_PAIRS: usize = 1024;
 
+/// Least bodies of a part of which a team finds the largest inertia: each takes some 5 ns. Not measured apart.
+pub(crate) const MIN_MEASURED_BODIES: usize = 1024;
+
 /// Least bodies of a part that is moved: each takes some 15 ns.
 pub(crate) const MIN_MOVED_BODIES: usize = 256;
 

@@ -14,15 +14,15 @@
 //! bodies are all but at rest; what is left then of loads that still spread through a large pile is more than they fall with
 //! in a sub-step, and a pyramid of 50 rows that was denied it sank by a tenth of a cube instead of a hundredth.
 
-use crate::bodies::solver_body::SolverBody;
+use crate::bodies::solver_body::{BodyMass, SolverBody};
 use crate::solver::batch::Batch;
 use crate::solver::batch::layout::Member;
 use crate::threads::team::Team;
-use crate::tuning::MAX_LEAVES;
+use crate::tuning::{MAX_LEAVES, MAX_PARTS, MIN_MEASURED_BODIES};
 use glam::Vec3;
 use std::ops::{Add, Range};
 
-/// A closer look is taken where linear motion alone has more than this share of the energy that is allowed.
+/// A closer look is taken where bodies may have more than this share of the energy that is allowed for linear motion alone.
 const SUSPICIOUS: f64 = 0.5;
 
 /// Sums over the bodies of an island: kg, J.
@@ -45,6 +45,8 @@ pub(crate) struct LinearSums {
     with_gain: Vec3,
     square: Vec3,
     after: Vec3,
+    /// `m w_1^2`, for the angular velocity.
+    spin: Vec3,
 }
 
 impl LinearSums {
@@ -57,9 +59,18 @@ impl LinearSums {
         self.with_gain += momentum * now.linear;
         self.square += momentum * gain.linear;
         self.after += mass * now.linear * now.linear;
+        self.spin += mass * now.angular * now.angular;
     }
 
-    pub(crate) fn total(&self) -> Sums {
+    /// Whether so little energy is left that it cannot be more than is allowed. `inertia`: largest moment of inertia of a body over
+    /// its mass, m2; `speed`: see [`Sums::allowed`].
+    fn are_fine(&self, inertia: f32, speed: f32) -> bool {
+        let total = self.total();
+        let spin = f64::from(inertia) * f64::from(self.spin.element_sum());
+        total.after + spin <= SUSPICIOUS * total.allowed(speed, 0.0)
+    }
+
+    fn total(&self) -> Sums {
         let [with_gain, square, after] =
             [self.with_gain, self.square, self.after].map(|v| f64::from(v.element_sum()));
         Sums {
@@ -67,6 +78,20 @@ impl LinearSums {
             work: with_gain - square,
             square,
             after,
+        }
+    }
+}
+
+impl Add for LinearSums {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            mass: self.mass + other.mass,
+            with_gain: self.with_gain + other.with_gain,
+            square: self.square + other.square,
+            after: self.after + other.after,
+            spin: self.spin + other.spin,
         }
     }
 }
@@ -99,19 +124,23 @@ impl Sums {
         self.after - 2.0 * self.work - self.square
     }
 
-    /// Twice the energy that is allowed: what it was, or that of `speed`, m/s.
-    fn allowed(&self, speed: f32) -> f64 {
-        self.before().max(self.mass * f64::from(speed * speed))
+    /// Twice the energy that is allowed: what it was, less what the bodies were given by being lifted, or that of `speed`, m/s.
+    fn allowed(&self, speed: f32, lift: f64) -> f64 {
+        let before = self.before() - 2.0 * lift;
+        before.max(self.mass * f64::from(speed * speed))
     }
 
     /// The share of the impulses that leaves no more energy than is allowed.
-    fn share(&self, speed: f32) -> f64 {
-        let allowed = self.allowed(speed);
+    fn share(&self, speed: f32, lift: f64) -> f64 {
+        let allowed = self.allowed(speed, lift);
         if self.after <= allowed {
             return 1.0;
         }
+        // Not negative but for lifts.
         let spare = allowed - self.before();
-        let root = (self.work * self.work + self.square * spare).sqrt();
+        let root = (self.work * self.work + self.square * spare)
+            .max(0.0)
+            .sqrt();
         ((root - self.work) / self.square).clamp(0.0, 1.0)
     }
 }
@@ -123,17 +152,47 @@ impl Batch {
     }
 
     /// Takes the impulses of an island, whose gains are known, times the share that adds no energy. `linear`: sums of linear
-    /// motion alone.
-    pub(crate) fn guard_energy(&mut self, member: &Member, linear: Sums, team: Option<&Team>) {
+    /// motion alone; `island`: its number within the batch.
+    pub(crate) fn guard_energy(
+        &mut self,
+        island: usize,
+        member: &Member,
+        linear: &LinearSums,
+        team: Option<&Team>,
+    ) {
         let speed = self.settings.gravity.length() * self.settings.step_dt();
-        let is_fine = linear.after <= SUSPICIOUS * linear.allowed(speed);
+        let inertia = self
+            .bodies
+            .inertias
+            .get(island)
+            .copied()
+            .unwrap_or(f32::INFINITY);
+        let is_fine = linear.are_fine(inertia, speed);
         if is_fine || !self.is_passive() || self.is_driven(member) {
             return;
         }
-        let share = self.sums(member, team).share(speed);
+        let lift = self.impacts.lifts.get(island).copied().unwrap_or(0.0);
+        let share = self.sums(member, team).share(speed, lift);
         if share < 1.0 {
             self.scale_impulses(member, share as f32);
         }
+    }
+
+    /// Finds the largest moment of inertia over mass of an island's bodies.
+    pub(crate) fn measure_inertia(&mut self, member: usize, team: Option<&Team>) {
+        if !self.is_passive() {
+            return;
+        }
+        let solids = &self.bodies.masses[self.layout.members[member].bodies.clone()];
+        let size = Team::part_size(team, solids.len(), MIN_MEASURED_BODIES);
+        let mut most = [0.0; MAX_PARTS];
+        let parts = solids.chunks(size).zip(&mut most);
+        Team::each(team, parts, |(solids, most)| {
+            *most = solids.iter().map(inertia_over_mass).fold(0.0, f32::max);
+        });
+        self.bodies
+            .inertias
+            .push(most.into_iter().fold(0.0, f32::max));
     }
 
     /// Whether bodies that contacts do not move, but that move, may give energy.
@@ -199,6 +258,19 @@ impl Batch {
                 point.impulse.iter_mut().for_each(|x| x.0[lane] *= share);
             }
         }
+    }
+}
+
+/// The sum of the principal moments, which no moment is above, over the mass, m2; from the invariants of the inverse tensor: with
+/// principal moments `a`, `b`, `c` the sum of its minors is `(a + b + c) / (a b c)`.
+fn inertia_over_mass(body: &BodyMass) -> f32 {
+    let [xx, yy, zz, xy, xz, yz, inverse_mass, _] = body.0.0;
+    let minors = [yy * zz - yz * yz, xx * zz - xz * xz, xx * yy - xy * xy];
+    let determinant = xx * minors[0] + xy * (xz * yz - xy * zz) + xz * (xy * yz - xz * yy);
+    if determinant > 0.0 {
+        inverse_mass * (minors[0] + minors[1] + minors[2]) / determinant
+    } else {
+        0.0
     }
 }
 

@@ -26,7 +26,7 @@ pub(crate) struct ExactBuffers {
     /// Inverse inertia tensors of the bodies, world axes, 1/(kg m2).
     inertia: Vec<Mat3>,
     /// Velocities without contact impulses.
-    free: Vec<SolverBody>,
+    pub(crate) free: Vec<SolverBody>,
 }
 
 impl Batch {

@@ -76,6 +76,7 @@ impl Batch {
         self.load_copies();
         for member in 0..self.layout.members.len() {
             self.measure(member, team);
+            self.measure_inertia(member, team);
             self.load_turning(member, bodies);
         }
         let first = islands.list[range.start].manifolds.start;
@@ -98,6 +99,7 @@ impl Batch {
     /// Forgets the step before, but not who is where.
     fn clear(&mut self) {
         self.bodies.extents.clear();
+        self.bodies.inertias.clear();
         self.impacts.points.clear();
         self.bonds.constraints.clear();
         self.bodies.velocities.clear();

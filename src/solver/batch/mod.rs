@@ -19,6 +19,7 @@ mod overload;
 mod parallel_pass;
 mod pass;
 mod reanchoring;
+mod rebound;
 mod results;
 mod subdomain_slices;
 pub(crate) mod substep;
@@ -74,6 +75,8 @@ pub struct BatchBodies {
     pub turning: Vec<TurningBody>,
     /// By island: the largest extent that a contact is measured by, the lesser of the least extents of two bodies, m.
     pub extents: Vec<f32>,
+    /// By island, if its energy is guarded: largest moment of inertia of a body over its mass, m2.
+    pub(crate) inertias: Vec<f32>,
     /// By island, if a tolerance depends on it: square of the largest speed before contacts act in the sub-step, m2/s2.
     pub(crate) fastest: Vec<f32>,
     /// By body: its velocities at the start of the sub-step, then what contacts have added to them; empty if that is not known.
@@ -107,6 +110,8 @@ pub struct Impacts {
     pub points: Vec<PointImpact>,
     /// Whether any point rebounds.
     pub has_restitution: bool,
+    /// By island, where bodies rebound: energy that they have been given by not falling as far as they were to, J.
+    pub(crate) lifts: Vec<f64>,
     /// By body: whether it was hit in this sub-step.
     pub(crate) is_hit: Vec<bool>,
     /// Bodies that break under too large an impulse.

@@ -1,6 +1,5 @@
 //! The rows of what moves within a step, pointed at where its contact points are by then.
 
-use crate::bodies::solver_body::SolverBody;
 use crate::math::rotate_by;
 use crate::solver::batch::subdomain_slices::subdomain_slices;
 use crate::solver::batch::targets::Targets;
@@ -9,7 +8,7 @@ use crate::solver::wide::block::points_of;
 use crate::solver::wide::reanchor::{BodyRotation, Reanchor, ReanchoredBlocks};
 use crate::threads::parts::{front, front_mut};
 use crate::threads::team::Team;
-use glam::Quat;
+use glam::{Quat, Vec3};
 
 /// Turn within a sub-step, rad, up to which rows that have been solved may be pointed anew.
 const MAX_TURN: f32 = 0.05;
@@ -18,15 +17,19 @@ impl Batch {
     /// Points the rows anew where bodies hit each other: what follows acts where they are now, and impacts are large enough to
     /// matter for the angular momentum.
     pub(crate) fn reanchor_hits(&mut self, targets: &Targets, team: Option<&Team>) {
+        self.impacts.lifts.clear();
         if targets.hits.any {
+            self.weigh_rebounds();
             self.reanchor(MAX_TURN / self.settings.substep_dt, team);
+            self.aim_rebounds();
         }
     }
 
     /// Points the rows of moving manifolds at where their contact points are now.
     ///
-    /// Manifolds of bodies that turn faster than `most` (rad/s) are left as they are: impulses that have acted along the old
-    /// rows could not be taken back along the new ones.
+    /// Between two sub-steps `most` is infinite. Within one, when the bodies have moved but not [turned](Self::turn_bodies) yet,
+    /// points stay where they are on their bodies, and manifolds of bodies that turn faster than `most` (rad/s) are left as they
+    /// are: impulses that have acted along the old rows could not be taken back along the new ones.
     pub(crate) fn reanchor(&mut self, most: f32, team: Option<&Team>) {
         if self.contacts.moving.is_empty() {
             return;
@@ -43,6 +46,11 @@ impl Batch {
         self.contacts
             .rotations
             .resize(self.bodies.velocities.len(), BodyRotation::default());
+        let ahead = if most.is_finite() {
+            self.settings.substep_dt
+        } else {
+            0.0
+        };
         let mut rest = (
             &mut self.contacts.rotations[..],
             &self.bodies.velocities[..],
@@ -76,7 +84,8 @@ impl Batch {
                 if !is_reanchored {
                     continue;
                 }
-                let rotation = spins.map_or_else(|| small_turn(moved), TurningBody::turn);
+                let small_turn = || small_turn(moved.angular - ahead * body.angular);
+                let rotation = spins.map_or_else(small_turn, TurningBody::turn);
                 *turn = BodyRotation::new(rotation, body.angular.length() <= most);
             }
         });
@@ -118,6 +127,6 @@ impl Batch {
 }
 
 /// The turn of a body whose axes need not be followed.
-fn small_turn(moved: &SolverBody) -> Quat {
-    rotate_by(Quat::IDENTITY, moved.angular, 1.0)
+fn small_turn(angle: Vec3) -> Quat {
+    rotate_by(Quat::IDENTITY, angle, 1.0)
 }

@@ -13,7 +13,7 @@
 use crate::bodies::solver_body::SolverBody;
 use crate::simd::dispatch::run;
 use crate::solver::batch::Batch;
-use crate::solver::batch::energy_guard::{LinearSums, Sums};
+use crate::solver::batch::energy_guard::LinearSums;
 use crate::solver::batch::subdomain_slices::{each_part, parts_by_body};
 use crate::solver::wide::bias::Warm;
 use crate::solver::wide::contacts::cells;
@@ -62,22 +62,22 @@ impl Batch {
         let members = std::mem::take(&mut self.layout.members);
         if let ([member], [_, ..]) = (&members[..], self.layout.cuts.leaves()) {
             let linear = self.note_gains_of_leaves(team);
-            self.guard_energy(member, linear, team);
+            self.guard_energy(0, member, &linear, team);
         } else {
             // Behind their bodies there is only the dummy one, which gains nothing.
-            for member in &members {
+            for (island, member) in members.iter().enumerate() {
                 let bodies = member.bodies.clone();
                 let linear = note_contact_velocity_changes(
                     &mut self.bodies.contact_velocity_changes[bodies.clone()],
                     &self.bodies.velocities[bodies],
                 );
-                self.guard_energy(member, linear.total(), team);
+                self.guard_energy(island, member, &linear, team);
             }
         }
         self.layout.members = members;
     }
 
-    fn note_gains_of_leaves(&mut self, team: Option<&Team>) -> Sums {
+    fn note_gains_of_leaves(&mut self, team: Option<&Team>) -> LinearSums {
         let cuts = &self.layout.cuts;
         let parts = parts_by_body(&mut self.bodies.contact_velocity_changes, cuts)
             .zip(parts_by_body(&mut self.bodies.velocities, cuts));
@@ -90,7 +90,7 @@ impl Batch {
                 *sums = note_contact_velocity_changes(contact_velocity_changes, bodies);
             },
         );
-        let sums = sums.iter().map(LinearSums::total);
+        let sums = sums.iter().copied();
         sums.reduce(|a, b| a + b).unwrap_or_default()
     }
 

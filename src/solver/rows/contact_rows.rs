@@ -131,7 +131,8 @@ pub struct PointRows {
     /// What a velocity is multiplied with to compare it with those of other sizes, `(extent / 1 m)^(-1/2)`: under gravity all
     /// speeds grow with the square root of the size.
     pub speed_scale: f32,
-    /// Normal velocity that the point should have after the bodies have moved; 0 if it does not rebound, m/s.
+    /// Normal velocity that the point should have after the bodies have moved, m/s; not positive if it does not rebound, see
+    /// [`PointImpact::rebound`](crate::solver::wide::block::PointImpact::rebound).
     pub rebound: f32,
     /// Sum of the normal impulses of the sub-steps that are over, N s.
     pub total_normal_impulse: f32,

@@ -77,8 +77,11 @@ pub struct Point {
 /// What a point needs where bodies hit each other.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PointImpact {
-    /// Normal velocity after the bodies have moved; 0 if the point does not rebound, m/s.
+    /// Normal velocity after the bodies have moved, m/s. Not positive if the point does not rebound: what is then added to the
+    /// least that it may have.
     pub rebound: F8,
+    /// Twice the energy that the rebound gives, less what stopping the point took, J.
+    pub spare: F8,
     /// Impulses before the impact, N s.
     pub before: [F8; 3],
 }

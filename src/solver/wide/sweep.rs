@@ -249,7 +249,9 @@ impl<L: Lanes> PointUpdate<L> for RelaxPoint {
         let closing = L::load(&state.point.target_velocity).min(zero);
         let may_close = state.impulse[0].if_above(zero, zero, closing);
         let at_rest = state.bounds.if_bonded(zero, may_close);
-        let target = state.rebound.if_above(zero, state.rebound, at_rest);
+        let target = state
+            .rebound
+            .if_above(zero, state.rebound, at_rest + state.rebound);
         let mass = L::load(&state.point.normal_mass);
         let unbounded = state.impulse[0] - (state.velocity[0] - target) * mass;
         let [t1, t2] = state.stopping_friction();

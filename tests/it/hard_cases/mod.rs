@@ -15,11 +15,13 @@ mod support;
 
 mod arch;
 mod bounce;
+mod card_houses;
 mod cards;
 mod corbel;
 mod dominoes;
 mod flight;
 mod pyramid;
+mod rebounds;
 mod rolling;
 mod sliding;
 mod slopes;
