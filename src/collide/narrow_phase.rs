@@ -198,6 +198,7 @@ fn pair_body(bodies: &Bodies, slot: u32, ahead: Lookahead) -> PairBody {
         },
         travel: ahead.travel(bodies, slot),
         turning: ahead.turn(bodies, slot),
+        spin: ahead.spin(bodies, slot),
     }
 }
 

@@ -46,6 +46,11 @@ impl Lookahead {
         self.h * bodies.velocity[slot as usize].angular.length() * bodies.radius(slot)
     }
 
+    /// How the body in `slot` turns within the step, world axes, rad.
+    pub(super) fn spin(&self, bodies: &Bodies, slot: u32) -> Vec3 {
+        self.h * bodies.velocity[slot as usize].angular
+    }
+
     /// How far the body in `slot` goes within the step, m.
     pub(crate) fn travel(&self, bodies: &Bodies, slot: u32) -> Vec3 {
         self.h * bodies.velocity[slot as usize].linear

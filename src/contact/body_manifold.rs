@@ -140,6 +140,18 @@ impl BodyManifold {
         }
     }
 
+    /// The normal, and where each point is on the two bodies, from their centers of mass; world axes, m.
+    pub(crate) fn arms(
+        &self,
+        a: &BodyPlace,
+        b: &BodyPlace,
+    ) -> (Vec3, impl Iterator<Item = [Vec3; 2]>) {
+        let turns = [a.turn, b.turn];
+        let normal = turns[usize::from(self.normal_of_b)] * self.normal;
+        let arms = move |l| [turns[0] * self.on_a.get(l), turns[1] * self.on_b.get(l)];
+        (normal, (0..self.count as usize).map(arms))
+    }
+
     /// What the patch says about two bodies that have moved since, with the given centers of mass (own frames, m).
     pub(crate) fn hint(&self, b_in_a: &Pose, [center_a, center_b]: [Vec3; 2]) -> SatCache {
         let mut gap = f32::INFINITY;

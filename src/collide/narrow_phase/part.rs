@@ -7,21 +7,26 @@ use crate::collide::proxies::CONTACT_MARGIN;
 use crate::contact::body_manifold::BodyManifold;
 use crate::contact::local_manifold::LocalManifold;
 use crate::contact::manifolds::{ManifoldHead, ManifoldWriter};
+use crate::contact::narrow::cast::{Cast, Course, Outcome};
 use crate::contact::narrow::half_space::examine_half_space;
 use crate::contact::narrow::sat::{distance_along, examine_hulls};
 use crate::contact::narrow::scratch::{NarrowScratch, SatCache, SatResult};
 use crate::contact::pairs::broad_phase::Pair;
 use crate::contact::pairs::broad_phase::PairName;
 use crate::contact::pairs::recycle::{
-    MotionBound, PairBody, Recycle, reach_of_test, smaller_extent,
+    MotionBound, PairBody, PairView, Recycle, haste, reach_of_test, smaller_extent,
 };
 use crate::contact::pairs::store::PairStore;
 use crate::contact::pairs::touches::Touch;
 use crate::math::{Plane, Pose, rotate};
 use crate::simd::prefetch::prefetch;
 use crate::tuning::{PAIR_RUN, PAIRS_AHEAD};
-use glam::Vec3;
+use glam::{Quat, Vec3};
 use std::ops::Range;
+
+/// Overlap along an axis, as a share of the smaller body's least extent, up to which the bodies count as getting past each other
+/// there: some times the sag of a soft contact.
+const OVERLAP: f32 = 3e-4;
 
 /// What all parts read.
 pub(crate) struct Scene<'s> {
@@ -38,6 +43,29 @@ impl Scene<'_> {
 
     fn paces(&self, pair: Pair) -> [&MotionBound; 2] {
         [&self.paces[pair.a as usize], &self.paces[pair.b as usize]]
+    }
+
+    /// How a pair of hulls moves within the step, from which they touch with this pose if they are nearer than `reach` (m).
+    fn cast(&self, pair: Pair, b_in_a: Pose, reach: f32) -> Option<Cast<'_>> {
+        let slots = [pair.a, pair.b];
+        let [a, b] = slots.map(|slot| self.bodies.convex(slot));
+        let [now_a, now_b] = self.pair(pair);
+        let from_world = now_a.place.turn.transpose();
+        let extent = smaller_extent(self.paces(pair));
+        Some(Cast {
+            hulls: [a?.hull(), b?.hull()],
+            course: Course {
+                b_in_a,
+                centers: slots.map(|slot| self.bodies.mass[slot as usize].center),
+                travel: from_world * (now_b.travel - now_a.travel),
+                spins: [now_a, now_b].map(|body| from_world * body.spin),
+                radii: [now_a, now_b].map(|body| body.radius),
+                end: haste([now_a, now_b], self.fall),
+            },
+            tolerance: OVERLAP * extent,
+            reach,
+            margin: CONTACT_MARGIN * extent + self.fall,
+        })
     }
 
     /// Bodies farther apart than this, m, cannot touch within the step, if they approach by no more than `approach`.
@@ -111,7 +139,9 @@ impl PairRun {
         for (at, (&pair, term)) in pairs.iter().zip(&self.known.terms[first..]).enumerate() {
             let paces = scene.paces(pair);
             let margin = scene.margin(paces, paces[0].ahead + paces[1].ahead);
-            if term.surely_holds(paces, margin) || !scene.bodies.needs_look(pair) {
+            if term.surely_holds(paces, margin) && PairView::is_quiet(term, paces)
+                || !scene.bodies.needs_look(pair)
+            {
                 continue;
             }
             unsure |= 1 << at;
@@ -128,7 +158,7 @@ impl PairRun {
         let [a, b] = view.bodies;
         let approach = (b.travel - a.travel).length() + a.turning + b.turning;
         let margin = scene.margin(view.paces, approach);
-        let Recycle::Unknown(axis) = view.verdict(margin) else {
+        let Recycle::Unknown(axis) = view.verdict(margin, scene.fall) else {
             return;
         };
         let reach = reach_of_test(view.paces, margin);
@@ -146,15 +176,22 @@ impl PairRun {
         match examine_pair(bodies, pair, b_in_a, reach, hint, &mut self.scratch) {
             SatResult::Separated { axis, distance } => view.set_apart(axis, distance),
             SatResult::Touching(patch) => {
-                let boxes = slots.map(|i| bodies.kd_box[i]);
-                let [a, b] = [pair.a, pair.b].map(|slot| bodies.info(slot));
-                let touch = Touch {
-                    patch: BodyManifold::new(&patch, b_in_a.rotation, centers, boxes),
-                    friction: a.friction.combined(&b.friction),
-                    restitution: a.restitution.combined(&b.restitution),
-                };
-                view.set_near(touch, reach);
+                let bind = |patch: &LocalManifold, turn| touch_of(bodies, pair, patch, turn);
+                let touch = bind(&patch, b_in_a.rotation);
                 view.state.faces = self.scratch.best_faces;
+                if view.needs_cast(&touch.patch, scene.fall)
+                    && let Some(cast) = scene.cast(pair, b_in_a, reach)
+                {
+                    match cast.outcome(&patch, &mut self.scratch) {
+                        Outcome::AsFound => view.set_near(touch, reach),
+                        Outcome::Touches(patch, pose) => {
+                            view.set_passing(Some(bind(&patch, pose.rotation)));
+                        }
+                        Outcome::Misses => view.set_passing(None),
+                    }
+                } else {
+                    view.set_near(touch, reach);
+                }
             }
         }
     }
@@ -188,6 +225,19 @@ impl PairRun {
                 count: touch.patch.count,
             };
         }
+    }
+}
+
+/// A patch of a pair, found while B was turned so in A's frame, with the materials.
+fn touch_of(bodies: &Bodies, pair: Pair, patch: &LocalManifold, turn: Quat) -> Touch {
+    let slots = [pair.a as usize, pair.b as usize];
+    let [a, b] = [pair.a, pair.b].map(|slot| bodies.info(slot));
+    let centers = slots.map(|i| bodies.mass[i].center);
+    let boxes = slots.map(|i| bodies.kd_box[i]);
+    Touch {
+        patch: BodyManifold::new(patch, turn, centers, boxes),
+        friction: a.friction.combined(&b.friction),
+        restitution: a.restitution.combined(&b.restitution),
     }
 }
 

@@ -4,9 +4,12 @@
 //! of it; `half_space.rs` is the case of a floor. `scratch.rs` has the buffers, and what is handed in (`SatCache`: what was found the
 //! last time, which changes the effort and never the answer) and out (`SatResult`).
 //!
+//! `cast.rs` follows a pair that moves far within the step to what it touches first.
+//!
 //! A test of another shape goes here: it gives a `LocalManifold`, or an axis and a distance. Must not know the world: no bodies, no
 //! pairs, no steps. Read `examine_hulls` in `sat.rs` first.
 
+pub(crate) mod cast;
 mod clipping;
 mod edge_search;
 pub(crate) mod half_space;

@@ -234,16 +234,7 @@ fn distance_from_face(hull: &ConvexHull, axis: &FaceAxis, place: Vec3) -> f32 {
 /// The search starts with the face `first`, or with the one that looks most towards the other hull (`towards`): that
 /// changes the effort, never the answer.
 fn best_face(hull: &ConvexHull, points: &[Points4], towards: Vec3, first: Option<u32>) -> FaceAxis {
-    let evaluate = |face: usize| {
-        let plane = hull.faces()[face].plane;
-        let (support, height) = lowest(points.iter(), plane.normal);
-        FaceAxis {
-            face,
-            plane,
-            support,
-            separation: height - plane.offset,
-        }
-    };
+    let evaluate = |face: usize| FaceAxis::new(hull, face, points);
     let start = first.map_or_else(
         || lowest(hull.lanes.planes.iter().map(|p| &p.normals), -towards).0,
         |face| face as usize,

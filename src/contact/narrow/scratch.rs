@@ -3,7 +3,7 @@
 use crate::contact::local_manifold::LocalManifold;
 use crate::contact::reduce::Candidate;
 use crate::geometry::ConvexHull;
-use crate::geometry::hull_lanes::{LANES, Points4, bounds, move_points};
+use crate::geometry::hull_lanes::{LANES, Points4, bounds, lowest, move_points};
 use crate::math::{Aabb, Plane, Pose};
 use glam::{Mat3, Vec3};
 
@@ -82,6 +82,21 @@ pub(crate) struct FaceAxis {
     /// Vertex of the other hull that lies deepest below the face.
     pub(crate) support: usize,
     pub(crate) separation: f32,
+}
+
+impl FaceAxis {
+    /// A face of `hull`, with how far it separates from the points of the other hull, same frame.
+    #[inline]
+    pub(crate) fn new(hull: &ConvexHull, face: usize, points: &[Points4]) -> Self {
+        let plane = hull.faces()[face].plane;
+        let (support, height) = lowest(points.iter(), plane.normal);
+        Self {
+            face,
+            plane,
+            support,
+            separation: height - plane.offset,
+        }
+    }
 }
 
 /// What the test of a pair found.

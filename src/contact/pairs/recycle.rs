@@ -4,7 +4,7 @@
 //! little against each other since: a bound of how far any point of the smaller body has moved as seen from the larger
 //! one tells. The state belongs to the pair and depends on nothing but how its two bodies moved.
 
-use crate::contact::body_manifold::BodyPlace;
+use crate::contact::body_manifold::{BodyManifold, BodyPlace};
 use crate::contact::narrow::scratch::SatCache;
 use crate::contact::pairs::touches::NO_TOUCH;
 use crate::contact::pairs::touches::Touch;
@@ -24,6 +24,13 @@ const RECYCLE_UNSTEADY: f32 = 1e-4;
 /// the smaller body. The points are exact all that way; it is the contact code of the face that is left behind.
 const SLIDE: f32 = 0.1;
 
+/// Approach within a step, as a share of the least extent of the smaller body, from which it is found out what the pair will touch:
+/// what rests shakes by less.
+const APPROACH: f32 = 3e-5;
+
+/// Most of [`haste`], as a share of the step.
+const MAX_HASTE: f32 = 8.0;
+
 /// How much the bound of the motion is raised for rounding, as a share of the lengths that go into it.
 const ROUNDING: f32 = 1e-6;
 
@@ -38,6 +45,8 @@ pub(crate) struct PairBody {
     pub(crate) travel: Vec3,
     /// How far a point of the body may turn within the step, m.
     pub(crate) turning: f32,
+    /// The turn of the step, world axes, rad.
+    pub(crate) spin: Vec3,
 }
 
 /// What the quickest look at a pair needs of a body.
@@ -230,9 +239,54 @@ pub(crate) fn smaller_extent([a, b]: [&MotionBound; 2]) -> f32 {
     a.min_extent.min(b.min_extent)
 }
 
+/// How far points must come towards each other within the step for it to matter by which face, m.
+fn min_approach(paces: [&MotionBound; 2]) -> f32 {
+    APPROACH * smaller_extent(paces)
+}
+
+/// How many times as far a pair of bodies may go in the step as it does by its velocities, if gravity moves what is at rest by
+/// `fall` (m).
+pub(crate) fn haste([a, b]: [&PairBody; 2], fall: f32) -> f32 {
+    let way = (b.travel - a.travel).length() + a.turning + b.turning;
+    // From rest, a body may go anywhere; but then it is slow, and the next step sees it coming.
+    1.0 + (fall / way).min(MAX_HASTE)
+}
+
+/// Whether the motion of the step closes the gap of a point of a patch, by at least so much, m.
+fn closes(patch: &BodyManifold, [a, b]: [&PairBody; 2], least: f32, fall: f32) -> bool {
+    let apart = b.place.center - a.place.center;
+    let travel = b.travel - a.travel;
+    let (normal, mut arms) = patch.arms(&a.place, &b.place);
+    // What the velocity of a point leaves out of its turn.
+    let bend = 0.5 * (a.turning * a.spin.length() + b.turning * b.spin.length());
+    arms.any(|[on_a, on_b]| {
+        let gap = normal.dot(apart + on_b - on_a);
+        let turned = b.spin.cross(on_b) - a.spin.cross(on_a);
+        let approach = bend - normal.dot(travel + turned);
+        approach > least && gap < haste([a, b], fall) * approach
+    })
+}
+
 impl PairView<'_> {
-    /// What the last test says about the pair now, where bodies farther apart than `margin` (m) do not matter.
-    pub(crate) fn verdict(&mut self, margin: f32) -> Recycle {
+    /// Whether the motion of the step may bring the bodies through what the patch says, so that it must be found out what they
+    /// touch.
+    pub(crate) fn needs_cast(&self, patch: &BodyManifold, fall: f32) -> bool {
+        let least = min_approach(self.paces);
+        if patch.count > 0 {
+            closes(patch, self.bodies, least, fall)
+        } else {
+            self.paces[0].ahead + self.paces[1].ahead > least
+        }
+    }
+
+    /// Whether the bodies do not touch, or move so little that [`closes`] need not be asked.
+    pub(crate) fn is_quiet(term: &RecycleTest, paces: [&MotionBound; 2]) -> bool {
+        term.points == 0 || paces[0].ahead + paces[1].ahead <= min_approach(paces)
+    }
+
+    /// What the last test says about the pair now, where bodies farther apart than `margin` (m) do not matter. `fall`: see
+    /// [`haste`].
+    pub(crate) fn verdict(&mut self, margin: f32, fall: f32) -> Recycle {
         let Self {
             term,
             state,
@@ -255,7 +309,11 @@ impl PairView<'_> {
             let normal = patch.normal_for(a.radius < b.radius, sight.rotation);
             moved = motion.along(normal);
         }
-        if moved <= term.tolerance && moved + margin < term.limit {
+        let closes = || match touches.of(term.touch) {
+            Some(touch) => closes(&touch.patch, self.bodies, min_approach(self.paces), fall),
+            None => false,
+        };
+        if moved <= term.tolerance && moved + margin < term.limit && !closes() {
             // The way there and back does not count.
             term.path = self.paces[0].path + self.paces[1].path - f64::from(moved);
             Recycle::Holds
@@ -281,6 +339,17 @@ impl PairView<'_> {
         self.note(0, f32::INFINITY, distance);
         self.state.axis = Some(axis);
         self.touches.end(&mut self.term.touch);
+    }
+
+    /// Notes what this step will make of the pair, which says nothing of the next one: where it will touch, if it will.
+    pub(crate) fn set_passing(&mut self, touch: Option<Touch>) {
+        let points = touch.as_ref().map_or(0, |touch| touch.patch.count);
+        self.note(points, f32::NEG_INFINITY, f32::NEG_INFINITY);
+        self.state.axis = None;
+        match touch {
+            Some(touch) => self.touches.set(&mut self.term.touch, touch),
+            None => self.touches.end(&mut self.term.touch),
+        }
     }
 
     /// Notes that a test now found that the bodies touch, with all points up to `reach` (m).

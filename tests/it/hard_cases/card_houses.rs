@@ -113,7 +113,7 @@ fn soft(substeps: u32) -> SolverConfig {
 fn sweep(house: &House, settings: &[u32]) -> Vec<f32> {
     let moved = (settings.iter()).map(|&substeps| house.moved(soft(substeps), 10.0));
     let moved: Vec<f32> = moved.collect();
-    println!("card houses: {house:?}: {settings:?} sub-steps: moved {moved:.1e?} of a card");
+    println!("card houses: {house:?}: {settings:?} sub-steps: moved {moved:.6?} of a card");
     moved
 }
 
@@ -166,7 +166,7 @@ fn arch_corbel_tower_and_pyramid_stand_better_with_more_sub_steps() {
             run(&mut scene, 10.0);
             displacement(&scene, &start)
         });
-        println!("card houses: {name}: moved {moved:.1e?} m");
+        println!("card houses: {name}: moved {moved:.6?} m");
         assert!(is_never_worse(&moved), "{name}: {moved:?}");
     }
 }

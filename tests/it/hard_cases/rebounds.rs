@@ -43,7 +43,7 @@ fn bouncing(desc: BodyDesc, e: f32, mu: f32) -> BodyDesc {
 }
 
 fn floor(e: f32, mu: f32) -> BodyDesc {
-    bouncing(BodyDesc::floor(HalfSpace { normal: Vec3::Y }), e, mu)
+    bouncing(BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y }), e, mu)
 }
 
 /// A random body at `place`, turned any way, that moves and turns.

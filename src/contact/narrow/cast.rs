@@ -1,0 +1,333 @@
+//! What a pair that moves far within the step touches first, if anything.
+//!
+//! A gap along a separating axis tells that two hulls are apart, not that its plane will be hit: the plane has no end, and the
+//! face has. So where the motion of a step would close the gap, the hulls are moved along it, from axis to axis: up to the
+//! moment at which one stops separating, then on if another one does. If there is none, they touch.
+//!
+//! Where they do, each axis along which they overlap by less than the contact tolerance is as good a wall as any: the hulls
+//! get past each other on either side of it. The one that the motion runs against least is what stops them; the hidden side of a
+//! flush neighbor is not, since its top is not run against at all.
+//!
+//! # References
+//! B. Mirtich, "Impulse-based Dynamic Simulation of Rigid Body Systems", 1996 (conservative advancement); E. Catto,
+//! "Continuous Collision", GDC 2013 (from axis to axis).
+
+use crate::contact::local_manifold::LocalManifold;
+use crate::contact::narrow::clipping::Clipping;
+use crate::contact::narrow::sat::{distance_along, examine_hulls};
+use crate::contact::narrow::scratch::{
+    FaceAxis, HullPair, MERGE, NarrowScratch, SatCache, SatResult,
+};
+use crate::geometry::ConvexHull;
+use crate::geometry::hull_lanes::{Points4, lowest, point};
+use crate::math::{Pose, rotate, rotate_by};
+use glam::{Quat, Vec3};
+
+/// Most moments at which the hulls are looked at. What is not decided then counts as touching, so that nothing is missed.
+const MAX_MOMENTS: usize = 200;
+
+/// Distance that counts as none, as a share of the smaller hull's diagonal: moments that come ever closer end there.
+const TOUCH: f32 = 3e-5;
+
+/// Cosine of the angle between normals that count as one.
+const SAME: f32 = 0.9999;
+
+/// How much less the motion must run against another axis for it to be taken instead.
+const LESS: f32 = 0.5;
+
+/// Share of its length by which a motion may run against a face that it goes along.
+const ALONG: f32 = 0.01;
+
+/// Share of its length by which a motion may take the hulls into each other along a face along which they were clear of each
+/// other: what slides fast is not held down all the way.
+const GRAZE: f32 = 0.02;
+
+/// How two hulls move against each other within a step, in A's frame at its start.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Course {
+    /// At the start.
+    pub(crate) b_in_a: Pose,
+    /// Centers of mass, own frames, m.
+    pub(crate) centers: [Vec3; 2],
+    /// How far B's center goes as seen from A's, m.
+    pub(crate) travel: Vec3,
+    /// How far they turn, rad.
+    pub(crate) spins: [Vec3; 2],
+    /// Largest distances of the surfaces from the centers, m.
+    pub(crate) radii: [f32; 2],
+    /// The moment up to which the motion may go in the step, which is more than 1 where gravity may hasten it.
+    pub(crate) end: f32,
+}
+
+impl Course {
+    /// How A has turned at a moment from 0 to 1.
+    fn turn_of_a(&self, moment: f32) -> Quat {
+        rotate_by(Quat::IDENTITY, self.spins[0], moment)
+    }
+
+    /// From A's center of mass to B's at the start, m.
+    fn apart(&self) -> Vec3 {
+        self.b_in_a.transform_point(self.centers[1]) - self.centers[0]
+    }
+
+    /// B's pose in A's frame at a moment.
+    pub(crate) fn at(&self, moment: f32) -> Pose {
+        let back = self.turn_of_a(moment).inverse();
+        let turn = rotate_by(self.b_in_a.rotation, self.spins[1], moment);
+        let rotation = (back * turn).normalize();
+        let center = self.centers[0] + rotate(back, self.apart() + moment * self.travel);
+        Pose::new(center - rotate(rotation, self.centers[1]), rotation)
+    }
+
+    /// How far turning can bring surfaces together in the whole step, m.
+    fn turning(&self) -> f32 {
+        self.spins[0].length() * self.radii[0] + self.spins[1].length() * self.radii[1]
+    }
+
+    /// How fast B comes towards A along `normal` (A's frame at `moment`) at a point there, m per step.
+    fn approach(&self, moment: f32, normal: Vec3, point: Vec3) -> f32 {
+        let turn = self.turn_of_a(moment);
+        let from_a = rotate(turn, point - self.centers[0]);
+        let from_b = from_a - (self.apart() + moment * self.travel);
+        let velocity = self.travel + self.spins[1].cross(from_b) - self.spins[0].cross(from_a);
+        -velocity.dot(rotate(turn, normal))
+    }
+
+    /// The moment from `first` on at which the centers are nearest.
+    fn nearest_moment(&self, first: f32) -> f32 {
+        let moment = -self.apart().dot(self.travel) / self.travel.length_squared();
+        // Not a number where nothing travels.
+        if moment > first {
+            moment.min(self.end)
+        } else {
+            first
+        }
+    }
+
+    /// The patch as found at a moment with this pose, its normal bound to the body that turns less.
+    fn bind(&self, patch: LocalManifold, pose: &Pose) -> LocalManifold {
+        let turns = self.spins.map(|spin| spin.length_squared());
+        let in_b = rotate(pose.rotation.inverse(), patch.normal);
+        LocalManifold {
+            normal_in_b: (turns[1] < turns[0]).then_some(in_b),
+            ..patch
+        }
+    }
+}
+
+/// What becomes of a pair within the step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Outcome {
+    /// It touches as the patch at the start says.
+    AsFound,
+    /// It touches first as this patch says, which was found at this pose. Good for the step only.
+    Touches(LocalManifold, Pose),
+    /// It does not touch.
+    Misses,
+}
+
+/// A pair that moves.
+#[derive(Debug)]
+pub(crate) struct Cast<'h> {
+    pub(crate) hulls: [&'h ConvexHull; 2],
+    pub(crate) course: Course,
+    /// Overlap that counts as none, m.
+    pub(crate) tolerance: f32,
+    /// Gap up to which a patch has all points, m.
+    pub(crate) reach: f32,
+    /// Gap up to which contacts are kept that the motion does not close, m.
+    pub(crate) margin: f32,
+}
+
+impl Cast<'_> {
+    /// What becomes of a pair whose patch at the start is this one; perhaps an empty one.
+    pub(crate) fn outcome(&self, found: &LocalManifold, scratch: &mut NarrowScratch) -> Outcome {
+        let (moment, normal, touches) = self.first_touch(found, scratch);
+        if !touches {
+            return self.miss(moment, normal, scratch);
+        }
+        let pose = self.course.at(moment);
+        if let Some(axis) = self.lesser_axis(moment, normal, None, scratch) {
+            return self.pass_along(axis, moment, scratch);
+        }
+        let turn = self.course.turn_of_a(moment);
+        let is_same = rotate(turn, normal).dot(found.normal) > SAME;
+        if found.count > 0 && is_same {
+            return Outcome::AsFound;
+        }
+        let [a, b] = self.hulls;
+        match examine_hulls(a, b, pose, self.reach, SatCache::NONE, scratch) {
+            SatResult::Touching(patch) if patch.count > 0 => {
+                Outcome::Touches(self.course.bind(patch, &pose), pose)
+            }
+            _ => Outcome::AsFound,
+        }
+    }
+
+    fn touch(&self) -> f32 {
+        let [a, b] = self.hulls.map(|hull| hull.aabb().diagonal());
+        TOUCH * a.min(b)
+    }
+
+    /// The first moment at which no axis separates the hulls, the normal along which they touch, A's frame at that moment, and
+    /// that they do; or the last axis that separated them, and that they do not.
+    fn first_touch(&self, found: &LocalManifold, scratch: &mut NarrowScratch) -> (f32, Vec3, bool) {
+        let [a, b] = self.hulls;
+        let Course { b_in_a, travel, .. } = self.course;
+        let (touch, turning) = (self.touch(), self.course.turning());
+        // Of an empty patch the axis is not known: that is looked for first.
+        let (mut axis, mut distance, mut moment) = (found.normal, 0.0, 0.0);
+        if found.count > 0 {
+            distance = distance_along(a, b, &b_in_a, axis);
+            if distance <= touch {
+                return (0.0, axis, true);
+            }
+        }
+        for _ in 0..MAX_MOMENTS {
+            let along = rotate(self.course.turn_of_a(moment), axis);
+            let rate = (-travel.dot(along)).max(0.0) + turning;
+            if distance > 0.0 {
+                if distance >= rate * (self.course.end - moment) {
+                    return (moment, axis, false);
+                }
+                moment += distance / rate;
+            }
+            match examine_hulls(a, b, self.course.at(moment), touch, SatCache::NONE, scratch) {
+                SatResult::Touching(patch) if patch.count > 0 => {
+                    return (moment, patch.normal, true);
+                }
+                SatResult::Touching(_) => {
+                    let back = self.course.turn_of_a(moment).inverse();
+                    return (moment, rotate(back, along), true);
+                }
+                SatResult::Separated {
+                    axis: n,
+                    distance: s,
+                } => (axis, distance) = (n, s),
+            }
+        }
+        (moment, axis, true)
+    }
+
+    /// The face that the motion runs against least, among those along which the hulls overlap by less than the tolerance; if
+    /// that is less than `most` (m per step), or much less than against the normal, at this moment.
+    fn lesser_axis(
+        &self,
+        moment: f32,
+        normal: Vec3,
+        most: Option<f32>,
+        scratch: &mut NarrowScratch,
+    ) -> Option<(FaceAxis, bool)> {
+        let [a, b] = self.hulls;
+        let pose = &self.course.at(moment);
+        scratch.load(a, b, pose);
+        // Where they touch, on either: no face separates by more than the height of such a point.
+        let on_a = a.vertices()[lowest(a.lanes.points.iter(), -normal).0];
+        let on_b = point(&scratch.b_in_a, lowest(scratch.b_in_a.iter(), normal).0);
+        let approach = |normal: Vec3| self.course.approach(moment, normal, on_b).max(0.0);
+        let mut least = most.unwrap_or(LESS * approach(normal));
+        if least <= 0.0 {
+            return None;
+        }
+        let tolerance = self.tolerance + GRAZE * moment * self.course.travel.length();
+        let mut best: Option<(FaceAxis, bool)> = None;
+        let sides = [
+            (false, a, on_b),
+            (true, b, pose.inverse_transform_point(on_a)),
+        ];
+        for (b_refers, hull, place) in sides {
+            for (face, plane) in hull.faces().iter().map(|face| face.plane).enumerate() {
+                if plane.distance(place) < -tolerance {
+                    continue;
+                }
+                let normal = if b_refers {
+                    -(scratch.turn * plane.normal)
+                } else {
+                    plane.normal
+                };
+                let against = approach(normal);
+                let is_equal = against == least;
+                if against > least {
+                    continue;
+                }
+                let axis = FaceAxis::new(hull, face, other_points(b_refers, scratch));
+                let is_better =
+                    !is_equal || best.is_none_or(|(b, _)| axis.separation > b.separation);
+                if axis.separation >= -tolerance
+                    && is_better
+                    && self.is_clear(normal, pose, b_refers)
+                {
+                    least = against;
+                    best = Some((axis, b_refers));
+                }
+            }
+        }
+        best
+    }
+
+    /// Whether the hulls overlap by less than the tolerance at the start along a face's normal, A's frame.
+    fn is_clear(&self, normal: Vec3, pose: &Pose, b_refers: bool) -> bool {
+        let [a, b] = self.hulls;
+        let start = &self.course.b_in_a;
+        let normal = if b_refers {
+            rotate(start.rotation, rotate(pose.rotation.inverse(), normal))
+        } else {
+            normal
+        };
+        distance_along(a, b, start, normal) >= -self.tolerance
+    }
+
+    /// The contact along a face that the hulls pass each other on: where they are nearest to each other, so that what slides has
+    /// its next support as soon as it comes there.
+    fn pass_along(
+        &self,
+        (axis, b_refers): (FaceAxis, bool),
+        first: f32,
+        scratch: &mut NarrowScratch,
+    ) -> Outcome {
+        let [a, b] = self.hulls;
+        let pose = self.course.at(self.course.nearest_moment(first));
+        scratch.load(a, b, &pose);
+        let hull = if b_refers { b } else { a };
+        let axis = FaceAxis::new(hull, axis.face, other_points(b_refers, scratch));
+        let clipping = Clipping {
+            pair: HullPair {
+                a,
+                b,
+                b_in_a: &pose,
+                margin: self.reach,
+            },
+            merge: MERGE * a.aabb().diagonal().min(b.aabb().diagonal()),
+        };
+        let patch = clipping.face_patch(&axis, b_refers, scratch);
+        if patch.count > 0 {
+            Outcome::Touches(self.course.bind(patch, &pose), pose)
+        } else {
+            Outcome::Misses
+        }
+    }
+
+    /// A near miss keeps a contact along what the hulls pass each other on, if it is a face that the motion does not run against,
+    /// nor can turning: gravity may.
+    fn miss(&self, moment: f32, axis: Vec3, scratch: &mut NarrowScratch) -> Outcome {
+        let most = ALONG * self.course.travel.length();
+        match self.lesser_axis(moment, axis, Some(most), scratch) {
+            Some(axis)
+                if axis.0.separation < self.margin
+                    && axis.0.separation + self.tolerance > self.course.turning() =>
+            {
+                self.pass_along(axis, moment, scratch)
+            }
+            _ => Outcome::Misses,
+        }
+    }
+}
+
+/// The points of the hull that does not refer, in the frame of the one that does.
+fn other_points(b_refers: bool, scratch: &NarrowScratch) -> &[Points4] {
+    if b_refers {
+        &scratch.a_in_b
+    } else {
+        &scratch.b_in_a
+    }
+}
