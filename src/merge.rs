@@ -65,12 +65,14 @@ where
 
     #[inline(always)]
     fn next(&mut self) -> Option<Self::Item> {
-        let order = match (self.left.peek(), self.right.peek()) {
-            (Some(left), Some(right)) => (self.order)(left, right),
-            (_, None) => Ordering::Less,
-            (None, Some(_)) => Ordering::Greater,
+        // Where one list is at its end, the other needs no look ahead.
+        let Some(right) = self.right.peek() else {
+            return self.left.next().map(Merged::Left);
         };
-        match order {
+        let Some(left) = self.left.peek() else {
+            return self.right.next().map(Merged::Right);
+        };
+        match (self.order)(left, right) {
             Ordering::Less => self.left.next().map(Merged::Left),
             Ordering::Greater => self.right.next().map(Merged::Right),
             Ordering::Equal => self.left.next().zip(self.right.next()).map(both),

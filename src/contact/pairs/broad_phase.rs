@@ -77,7 +77,7 @@ pub struct Pair {
 
 /// A proxy with the box that is kept for it.
 #[derive(Clone, Copy, Debug)]
-struct Ordered {
+struct KeptProxy {
     proxy: Proxy,
     /// For a box: the larger box. For a half-space: empty.
     fat: Aabb,
@@ -86,7 +86,7 @@ struct Ordered {
 /// Finds pairs; lives as long as the world.
 #[derive(Clone, Default)]
 pub struct Broadphase {
-    kept: Vec<Option<Ordered>>,
+    kept: Vec<Option<KeptProxy>>,
     tree: Bvh2,
     half_spaces: Vec<u32>,
     pairs: Vec<Pair>,
@@ -189,7 +189,7 @@ impl Broadphase {
         };
         match self.kept[slot] {
             Some(kept) if still_fits(&kept, &proxy, margin) => {
-                self.kept[slot] = Some(Ordered { proxy, ..kept });
+                self.kept[slot] = Some(KeptProxy { proxy, ..kept });
             }
             Some(kept)
                 if matches!(kept.proxy.shape, ProxyShape::Box(_))
@@ -197,7 +197,7 @@ impl Broadphase {
             {
                 let fat = fat_box(&proxy, margin);
                 self.tree.move_primitive(tree_box(&fat), slot as u32);
-                self.kept[slot] = Some(Ordered { proxy, fat });
+                self.kept[slot] = Some(KeptProxy { proxy, fat });
                 self.mark(slot);
             }
             old => {
@@ -222,7 +222,7 @@ impl Broadphase {
             }
             ProxyShape::HalfSpace(_) => self.half_spaces.push(slot as u32),
         }
-        self.kept[slot] = Some(Ordered { proxy, fat });
+        self.kept[slot] = Some(KeptProxy { proxy, fat });
     }
 
     fn remove(&mut self, slot: usize) {
@@ -309,7 +309,7 @@ impl Broadphase {
 }
 
 /// Whether two bodies' kept boxes overlap and the bodies collide at all.
-fn may_touch(a: &Ordered, b: &Ordered) -> bool {
+fn may_touch(a: &KeptProxy, b: &KeptProxy) -> bool {
     let some_moves = a.proxy.kind == ProxyKind::Moving || b.proxy.kind == ProxyKind::Moving;
     some_moves
         && a.proxy.layers.interact(&b.proxy.layers)
@@ -328,7 +328,7 @@ fn reaches(b: &Aabb, plane: &Plane) -> bool {
 }
 
 /// Whether nothing about a body changed that its pairs depend on.
-fn still_fits(kept: &Ordered, proxy: &Proxy, margin: f32) -> bool {
+fn still_fits(kept: &KeptProxy, proxy: &Proxy, margin: f32) -> bool {
     let same_body = kept.proxy.id == proxy.id
         && kept.proxy.kind == proxy.kind
         && kept.proxy.layers == proxy.layers;
