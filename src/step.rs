@@ -112,6 +112,7 @@ pub fn cut(
         budget, step_dt, ..
     } = settings;
     make_cuts(fractures, bodies, cache, bonds, budget, *step_dt);
+    bonds.note_pairs(bodies);
 }
 
 /// Phase 3: pairs of bodies whose boxes, with all they may reach within the step, overlap.
@@ -238,6 +239,7 @@ pub fn fracture(
             &settings.budget,
             solver,
         );
+        bonds.note_pairs(bodies);
         contacts.stash_solved();
         broadphase(bodies, contacts, settings, report);
         generate_contacts(bodies, contacts, cache, settings, report);

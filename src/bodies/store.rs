@@ -57,6 +57,8 @@ pub struct Bodies {
     dynamic: usize,
     /// Who rests, and what was changed since.
     pub(crate) sleep: Sleep,
+    /// Pairs of bodies that are bonded, ascending: their contact stays where the bond was made, wherever they are going.
+    pub(crate) bonded: Vec<(BodyId, BodyId)>,
     free: Vec<u32>,
     next_id: u32,
     alive: usize,
@@ -71,6 +73,12 @@ impl Bodies {
     /// Whether there are no bodies.
     pub fn is_empty(&self) -> bool {
         self.alive == 0
+    }
+
+    /// Whether the bodies in two slots, the first of which has the smaller id, are bonded.
+    pub(crate) fn are_bonded(&self, a: u32, b: u32) -> bool {
+        let name = || (self.id(a), self.id(b));
+        !self.bonded.is_empty() && self.bonded.binary_search(&name()).is_ok()
     }
 
     /// Number of slots, used or free.

@@ -178,6 +178,14 @@ impl Bonds {
         self.broken.clear();
     }
 
+    /// Tells the bodies which of them are bonded, before their contacts are looked for.
+    pub(crate) fn note_pairs(&self, bodies: &mut Bodies) {
+        bodies.bonded.clear();
+        bodies
+            .bonded
+            .extend(self.joints.iter().map(|joint| joint.bodies));
+    }
+
     /// Before the solve: finds the manifolds of the bonds, and notes in `bonded` what they bear and how far they are off.
     /// Bonds whose bodies are gone go, those whose bodies are apart are broken.
     pub(crate) fn attach(

@@ -180,6 +180,7 @@ impl PairRun {
                 let touch = bind(&patch, b_in_a.rotation);
                 view.state.faces = self.scratch.best_faces;
                 if view.needs_cast(&touch.patch, scene.fall)
+                    && !bodies.are_bonded(pair.a, pair.b)
                     && let Some(cast) = scene.cast(pair, b_in_a, reach)
                 {
                     match cast.outcome(&patch, &mut self.scratch) {
