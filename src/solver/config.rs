@@ -277,7 +277,7 @@ impl Default for SoftStep {
             sweeps: 1,
             relax_sweeps: 1,
             contact_frequency: 0.2,
-            damping_ratio: 1.6,
+            damping_ratio: 10.0,
             tolerance: Some(1e-3),
             max_sweeps: 32,
             max_extra_updates: 30_000,

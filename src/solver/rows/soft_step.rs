@@ -14,14 +14,6 @@
 //!
 //! The frequency is a share of the sub-step rate without an upper limit: a limit bounds how high a stack can be.
 //!
-//! The damping ratio must not be large. Where a sweep corrects only a share `k` of a slow mode of a structure, impulses and
-//! velocities swing against each other, and what pushes overlap out drives the swing: in units of sub-steps, with the share
-//! `l = 1 / (1 + a2)` of an impulse that a soft contact lets go and the share `r = h omega / a1` of an overlap that it pushes out,
-//! the displacement `x` of the mode follows `d3x + l d2x + 2 k dx + r k x = 0`. Its swing decays by `(l - r / 2) / 2` a sub-step:
-//! 0.02 with a ratio of 1.6, 0.004 with 10, which what sweeps do to normals and friction in turn outweighed: houses of cards of
-//! four levels and more fell, the faster the more sub-steps they had. With 1, far from the origin rounding shakes a tower twice
-//! as much.
-//!
 //! # References
 //! Catto, "Soft Constraints", GDC 2011; Catto, "Solver2D", 2024 (soft contacts, relax sweep); Macklin et al., "Small Steps
 //! in Physics Simulation", 2019.

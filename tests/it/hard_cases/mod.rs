@@ -15,7 +15,6 @@ mod support;
 
 mod arch;
 mod bounce;
-mod card_houses;
 mod cards;
 mod corbel;
 mod dominoes;
