@@ -27,33 +27,33 @@ const SPARE: f32 = 0.2 * BOX_MARGIN;
 /// How far ahead in time the step looks, so that contacts exist before bodies overlap.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lookahead {
-    h: f32,
+    step_dt: f32,
     /// How far gravity moves a body in one step, m.
     pub(crate) fall: f32,
 }
 
 impl Lookahead {
-    /// Looks ahead over a step of `h` seconds under `gravity` (m/s2).
-    pub fn new(h: f32, gravity: Vec3) -> Self {
+    /// Looks ahead over a step of `step_dt` seconds under `gravity` (m/s2).
+    pub fn new(step_dt: f32, gravity: Vec3) -> Self {
         Self {
-            h,
-            fall: h * h * gravity.length(),
+            step_dt,
+            fall: step_dt * step_dt * gravity.length(),
         }
     }
 
     /// How far a point of the body in `slot` may turn about the center of mass within the step, m.
     pub(crate) fn turn(&self, bodies: &Bodies, slot: u32) -> f32 {
-        self.h * bodies.velocity[slot as usize].angular.length() * bodies.radius(slot)
+        self.step_dt * bodies.velocity[slot as usize].angular.length() * bodies.radius(slot)
     }
 
     /// How the body in `slot` turns within the step, world axes, rad.
     pub(super) fn spin(&self, bodies: &Bodies, slot: u32) -> Vec3 {
-        self.h * bodies.velocity[slot as usize].angular
+        self.step_dt * bodies.velocity[slot as usize].angular
     }
 
     /// How far the body in `slot` goes within the step, m.
     pub(crate) fn travel(&self, bodies: &Bodies, slot: u32) -> Vec3 {
-        self.h * bodies.velocity[slot as usize].linear
+        self.step_dt * bodies.velocity[slot as usize].linear
     }
 
     /// How far ahead of a body its contacts are looked for in all directions, m.

@@ -83,22 +83,22 @@ pub(crate) struct Inherited<'f> {
 
 /// Makes the cuts that were asked for and breaks what has waited for its turn; removes pieces whose time is over.
 ///
-/// Pieces get slots, parents lose theirs, and the parents' multipliers and bonds go to the pieces. Results are in `fractures`. `h`:
-/// length of the step, s.
+/// Pieces get slots, parents lose theirs, and the parents' multipliers and bonds go to the pieces. Results are in `fractures`.
+/// `step_dt`: length of the step, s.
 pub(crate) fn make_cuts(
     fractures: &mut Fractures,
     bodies: &mut Bodies,
     cache: &mut ContactCache,
     bonds: &mut Bonds,
     budget: &FractureBudget,
-    h: f32,
+    step_dt: f32,
 ) {
     fractures.done.clear();
     fractures.refused.clear();
     fractures.expired.clear();
     fractures.state.made = 0;
     fractures.state.awake = bodies.dynamic() - bodies.asleep();
-    remove_old_pieces(fractures, bodies, cache, budget, h);
+    remove_old_pieces(fractures, bodies, cache, budget, step_dt);
     fractures.state.take_stock(bodies);
     if fractures.requests.is_empty() && fractures.state.waiting.is_empty() {
         return;
@@ -349,7 +349,7 @@ fn remove_old_pieces(
     bodies: &mut Bodies,
     cache: &mut ContactCache,
     budget: &FractureBudget,
-    h: f32,
+    step_dt: f32,
 ) {
     if budget.lifetime.is_infinite() {
         return;
@@ -358,7 +358,11 @@ fn remove_old_pieces(
     fractures.state.alive.retain_mut(|piece| {
         let is_there = bodies.is_current(piece.slot, piece.body);
         let is_asleep = is_there && bodies.is_asleep(piece.slot);
-        piece.slept = if is_asleep { piece.slept + h } else { 0.0 };
+        piece.slept = if is_asleep {
+            piece.slept + step_dt
+        } else {
+            0.0
+        };
         let is_old = piece.slept > budget.lifetime;
         if is_old {
             expired.push((piece.slot, piece.body));

@@ -150,10 +150,10 @@ pub struct ContactCache {
     /// The table being written, and between steps a spare allocation.
     next: EntryTable,
     /// Length of the step whose impulses are stored, s; 0 while there are none.
-    h: f32,
+    step_dt: f32,
     /// Pairs that neither age nor are matched, and the length of the step that their impulses belong to, s.
     parked: EntryTable,
-    parked_h: f32,
+    parked_step_dt: f32,
     /// Whether an entry is marked as taken.
     any_taken: bool,
     /// How the work of the present pass is split, and what comes of each part.
@@ -183,7 +183,7 @@ impl ContactCache {
         self.current.clear();
         self.next.clear();
         self.parked.clear();
-        self.h = 0.0;
+        self.step_dt = 0.0;
     }
 
     /// Entries of a pair, `a < b`: those hit last first.
@@ -217,9 +217,9 @@ impl ContactCache {
     #[doc(hidden)]
     pub fn suspend(&mut self, ids: &[BodyId]) {
         if self.parked.pairs.is_empty() {
-            self.parked_h = self.h;
+            self.parked_step_dt = self.step_dt;
         }
-        let scale = ratio(self.parked_h, self.h);
+        let scale = ratio(self.parked_step_dt, self.step_dt);
         let Self {
             current,
             next,
@@ -233,9 +233,9 @@ impl ContactCache {
     #[doc(hidden)]
     pub fn resume(&mut self, ids: &[BodyId]) {
         if self.current.pairs.is_empty() {
-            self.h = self.parked_h;
+            self.step_dt = self.parked_step_dt;
         }
-        let scale = ratio(self.h, self.parked_h);
+        let scale = ratio(self.step_dt, self.parked_step_dt);
         let Self {
             current,
             next,
@@ -248,7 +248,7 @@ impl ContactCache {
     /// Fills the impulses of all contact points: last step's where the contact persists, zero elsewhere.
     ///
     /// `manifolds` are sorted by the ids of `(a, b)`, with `id(a) < id(b)`; `ids`, `rotations` (world from body) and
-    /// `boxes` are indexed by slot; `h` is the length of the coming step, s. A body without a box (a half-space) has
+    /// `boxes` are indexed by slot; `step_dt` is the length of the coming step, s. A body without a box (a half-space) has
     /// code 0 and is matched on the other body's side alone.
     #[doc(hidden)]
     pub fn warm_start(
@@ -257,7 +257,7 @@ impl ContactCache {
         ids: &[BodyId],
         rotations: &[Quat],
         boxes: &[Option<KdBox>],
-        h: f32,
+        step_dt: f32,
     ) -> CacheStats {
         Team::lead_if(is_worth_help(manifolds.len()), |team| {
             let bodies = TouchingBodies {
@@ -265,7 +265,7 @@ impl ContactCache {
                 rotations,
                 boxes,
             };
-            self.warm_start_by(team, manifolds, bodies, h)
+            self.warm_start_by(team, manifolds, bodies, step_dt)
         })
     }
 
@@ -275,7 +275,7 @@ impl ContactCache {
         team: Option<&Team>,
         manifolds: &mut Manifolds,
         bodies: TouchingBodies<'_>,
-        h: f32,
+        step_dt: f32,
     ) -> CacheStats {
         debug_assert!(is_sorted(manifolds.heads(), bodies.ids));
         self.plan
@@ -283,7 +283,7 @@ impl ContactCache {
         let pass = WarmStart {
             bodies,
             // No step before (or one of no length): entries are matched, multipliers start at zero.
-            scale: ratio(h, self.h),
+            scale: ratio(step_dt, self.step_dt),
             any_taken: self.any_taken,
         };
         let shares = self.plan.shares(&mut self.current);
@@ -310,10 +310,10 @@ impl ContactCache {
         manifolds: &Manifolds,
         ids: &[BodyId],
         rotations: &[Quat],
-        h: f32,
+        step_dt: f32,
     ) {
         debug_assert!(is_sorted(manifolds.heads(), ids));
-        self.h = h;
+        self.step_dt = step_dt;
         self.any_taken = false;
         self.plan.split(&self.current, manifolds.heads(), ids);
         let solved = Solved {

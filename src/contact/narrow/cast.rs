@@ -117,7 +117,10 @@ impl Course {
 
 /// What becomes of a pair within the step.
 #[derive(Clone, Copy, Debug)]
-#[allow(clippy::large_enum_variant, reason = "lives on the stack of one pair's test, never in an array")]
+#[allow(
+    clippy::large_enum_variant,
+    reason = "lives on the stack of one pair's test, never in an array"
+)]
 pub(crate) enum Outcome {
     /// It touches as the patch at the start says.
     AsFound,
