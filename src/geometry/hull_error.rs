@@ -16,8 +16,8 @@ pub enum HullError {
         /// Number of points.
         found: usize,
     },
-    /// The size of the points' bounding box, or their distance from the origin, is outside
-    /// [`SIZE_RANGE`](crate::geometry::predicates::SIZE_RANGE).
+    /// The size of the points' bounding box, or their distance from the origin, is not within
+    /// 1e-6 m to 1e6 m.
     #[error("a body of size {size} m is outside the range of 1e-6 m to 1e6 m")]
     Size {
         /// Length scale, m.

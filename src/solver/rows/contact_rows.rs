@@ -132,7 +132,7 @@ pub struct PointRows {
     /// speeds grow with the square root of the size.
     pub speed_scale: f32,
     /// Normal velocity that the point should have after the bodies have moved, m/s; not positive if it does not rebound, see
-    /// [`PointImpact::rebound`](crate::solver::wide::block::PointImpact::rebound).
+    /// `PointImpact::rebound`.
     pub rebound: f32,
     /// Sum of the normal impulses of the sub-steps that are over, N s.
     pub total_normal_impulse: f32,
