@@ -7,7 +7,7 @@ use crate::collide::proxies::CONTACT_MARGIN;
 use crate::contact::body_manifold::BodyManifold;
 use crate::contact::local_manifold::LocalManifold;
 use crate::contact::manifolds::{ManifoldHead, ManifoldWriter};
-use crate::contact::narrow::cast::{Cast, Course, Outcome};
+use crate::contact::narrow::cast::{Cast, CastResult, Course};
 use crate::contact::narrow::half_space::examine_half_space;
 use crate::contact::narrow::sat::{distance_along, examine_hulls};
 use crate::contact::narrow::scratch::{NarrowScratch, SatCache, SatResult};
@@ -184,11 +184,11 @@ impl PairRun {
                     && let Some(cast) = scene.cast(pair, b_in_a, reach)
                 {
                     match cast.outcome(&patch, &mut self.scratch) {
-                        Outcome::AsFound => view.set_near(touch, reach),
-                        Outcome::Touches(patch, pose) => {
+                        CastResult::AsFound => view.set_near(touch, reach),
+                        CastResult::Touches(patch, pose) => {
                             view.set_passing(Some(bind(&patch, pose.rotation)));
                         }
-                        Outcome::Misses => view.set_passing(None),
+                        CastResult::Misses => view.set_passing(None),
                     }
                 } else {
                     view.set_near(touch, reach);

@@ -121,7 +121,7 @@ impl Course {
     clippy::large_enum_variant,
     reason = "lives on the stack of one pair's test, never in an array"
 )]
-pub(crate) enum Outcome {
+pub(crate) enum CastResult {
     /// It touches as the patch at the start says.
     AsFound,
     /// It touches first as this patch says, which was found at this pose. Good for the step only.
@@ -145,7 +145,7 @@ pub(crate) struct Cast<'h> {
 
 impl Cast<'_> {
     /// What becomes of a pair whose patch at the start is this one; perhaps an empty one.
-    pub(crate) fn outcome(&self, found: &LocalManifold, scratch: &mut NarrowScratch) -> Outcome {
+    pub(crate) fn outcome(&self, found: &LocalManifold, scratch: &mut NarrowScratch) -> CastResult {
         let (moment, normal, touches) = self.first_touch(found, scratch);
         if !touches {
             return self.miss(moment, normal, scratch);
@@ -157,14 +157,14 @@ impl Cast<'_> {
         let turn = self.course.turn_of_a(moment);
         let is_same = rotate(turn, normal).dot(found.normal) > SAME;
         if found.count > 0 && is_same {
-            return Outcome::AsFound;
+            return CastResult::AsFound;
         }
         let [a, b] = self.hulls;
         match examine_hulls(a, b, pose, self.reach, SatCache::NONE, scratch) {
             SatResult::Touching(patch) if patch.count > 0 => {
-                Outcome::Touches(self.course.bind(patch, &pose), pose)
+                CastResult::Touches(self.course.bind(patch, &pose), pose)
             }
-            _ => Outcome::AsFound,
+            _ => CastResult::AsFound,
         }
     }
 
@@ -288,7 +288,7 @@ impl Cast<'_> {
         (axis, b_refers): (FaceAxis, bool),
         first: f32,
         scratch: &mut NarrowScratch,
-    ) -> Outcome {
+    ) -> CastResult {
         let [a, b] = self.hulls;
         let pose = self.course.at(self.course.nearest_moment(first));
         scratch.load(a, b, &pose);
@@ -305,15 +305,15 @@ impl Cast<'_> {
         };
         let patch = clipping.face_patch(&axis, b_refers, scratch);
         if patch.count > 0 {
-            Outcome::Touches(self.course.bind(patch, &pose), pose)
+            CastResult::Touches(self.course.bind(patch, &pose), pose)
         } else {
-            Outcome::Misses
+            CastResult::Misses
         }
     }
 
     /// A near miss keeps a contact along what the hulls pass each other on, if it is a face that the motion does not run against,
     /// nor can turning: gravity may.
-    fn miss(&self, moment: f32, axis: Vec3, scratch: &mut NarrowScratch) -> Outcome {
+    fn miss(&self, moment: f32, axis: Vec3, scratch: &mut NarrowScratch) -> CastResult {
         let most = ALONG * self.course.travel.length();
         match self.lesser_axis(moment, axis, Some(most), scratch) {
             Some(axis)
@@ -322,7 +322,7 @@ impl Cast<'_> {
             {
                 self.pass_along(axis, moment, scratch)
             }
-            _ => Outcome::Misses,
+            _ => CastResult::Misses,
         }
     }
 }
