@@ -14,23 +14,7 @@ use bevy_app::{App, TaskPoolPlugin};
 use bevy_cleave::prelude::*;
 use bevy_time::{Fixed, Time, TimePlugin, TimeUpdateStrategy};
 use common::structures;
-use glam::Vec3;
 use std::time::Instant;
-
-/// A floor and columns of five cubes, `count` in all; one alone lies on the floor.
-fn scene(count: usize) -> Vec<BodyDesc> {
-    let column = structures::tower(5.min(count));
-    let side = ((count / 5) as f64).sqrt().ceil().max(1.0) as usize;
-    let mut bodies = vec![column[0].clone()];
-    for place in 0..count.div_ceil(5) {
-        let at = 2.0 * Vec3::new((place % side) as f32, 0.0, (place / side) as f32);
-        bodies.extend(column[1..].iter().cloned().map(|mut desc| {
-            desc.pose.position += at;
-            desc
-        }));
-    }
-    bodies
-}
 
 fn bare_app() -> App {
     let mut app = App::new();
@@ -57,7 +41,7 @@ fn median(times: &mut [f64]) -> f64 {
 fn compare(count: usize, rounds: usize) {
     let mut plain = Simulation::default();
     let (mut updated, mut scheduled, mut bare) = (app::app(), app::app(), bare_app());
-    for desc in scene(count) {
+    for desc in structures::columns(count) {
         plain.bodies.insert(desc.clone()).expect("usable");
         updated.world_mut().spawn_body(desc.clone());
         scheduled.world_mut().spawn_body(desc);

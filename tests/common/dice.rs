@@ -2,7 +2,8 @@
 #![allow(dead_code, reason = "each test uses some of them")]
 
 use bevy_cleave::math::Plane;
-use glam::{Quat, Vec3};
+use bevy_cleave::testing::bodies::SolverBody;
+use glam::{Mat3, Quat, Vec3};
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg32;
 
@@ -49,6 +50,20 @@ impl Dice {
                 return q.normalize();
             }
         }
+    }
+
+    /// A body that moves and turns by up to 1 m/s and 1 rad/s along each axis, and its inverse inertia, 1/(kg m2).
+    pub(crate) fn solver_body(&mut self, inverse_mass: f32) -> (SolverBody, Mat3) {
+        let r = Mat3::from_quat(self.rotation());
+        let principal = inverse_mass * self.vector(2.0, 20.0);
+        let inverse_inertia = r * Mat3::from_diagonal(principal) * r.transpose();
+        let body = SolverBody {
+            linear: self.vector(-1.0, 1.0),
+            inverse_mass,
+            angular: self.vector(-1.0, 1.0),
+            unused: 0.0,
+        };
+        (body, inverse_inertia)
     }
 
     /// A plane of random direction through a random point between two of the points.

@@ -57,6 +57,21 @@ pub(crate) fn tower(count: usize) -> Vec<BodyDesc> {
     std::iter::once(floor(0.6)).chain(cubes).collect()
 }
 
+/// A floor and columns of five cubes, `count` in all; one alone lies on the floor.
+pub(crate) fn columns(count: usize) -> Vec<BodyDesc> {
+    let column = tower(5.min(count));
+    let side = ((count / 5) as f64).sqrt().ceil().max(1.0) as usize;
+    let mut bodies = vec![column[0].clone()];
+    for place in 0..count.div_ceil(5) {
+        let at = 2.0 * Vec3::new((place % side) as f32, 0.0, (place / side) as f32);
+        bodies.extend(column[1..].iter().cloned().map(|mut desc| {
+            desc.pose.position += at;
+            desc
+        }));
+    }
+    bodies
+}
+
 /// Four unit cubes of 1 t under a fifth of `factor` t, friction 0.6.
 pub(crate) fn mass_ratio(factor: f32) -> Vec<BodyDesc> {
     let mut bodies = tower(5);

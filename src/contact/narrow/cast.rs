@@ -168,9 +168,10 @@ impl Cast<'_> {
         }
     }
 
-    fn touch(&self) -> f32 {
+    /// The smaller hull's diagonal, m.
+    fn size(&self) -> f32 {
         let [a, b] = self.hulls.map(|hull| hull.aabb().diagonal());
-        TOUCH * a.min(b)
+        a.min(b)
     }
 
     /// The first moment at which no axis separates the hulls, the normal along which they touch, A's frame at that moment, and
@@ -178,7 +179,7 @@ impl Cast<'_> {
     fn first_touch(&self, found: &LocalManifold, scratch: &mut NarrowScratch) -> (f32, Vec3, bool) {
         let [a, b] = self.hulls;
         let Course { b_in_a, travel, .. } = self.course;
-        let (touch, turning) = (self.touch(), self.course.turning());
+        let (touch, turning) = (TOUCH * self.size(), self.course.turning());
         // Of an empty patch the axis is not known: that is looked for first.
         let (mut axis, mut distance, mut moment) = (found.normal, 0.0, 0.0);
         if found.count > 0 {
@@ -301,7 +302,7 @@ impl Cast<'_> {
                 b_in_a: &pose,
                 margin: self.reach,
             },
-            merge: MERGE * a.aabb().diagonal().min(b.aabb().diagonal()),
+            merge: MERGE * self.size(),
         };
         let patch = clipping.face_patch(&axis, b_refers, scratch);
         if patch.count > 0 {

@@ -9,7 +9,7 @@ use bevy_cleave::testing::pgs;
 use bevy_cleave::testing::rows::{PointRows, Softness};
 use bevy_cleave::testing::simd::{F8, LaneWidth, WIDTH};
 use bevy_cleave::testing::wide::{Block, BondConstraint, ContactBlocks, Pass, Point, Source, fill};
-use glam::{Mat3, Vec3};
+use glam::Vec3;
 use std::cell::Cell;
 
 /// One block of eight manifolds between sixteen bodies; about half of the manifolds are bonded.
@@ -50,15 +50,8 @@ impl Scene {
         let (mut bodies, mut masses) = (Vec::new(), Vec::new());
         for _ in 0..2 * WIDTH {
             let inverse_mass = dice.in_range(0.2, 5.0);
-            let r = Mat3::from_quat(dice.rotation());
-            let principal = inverse_mass * dice.vector(2.0, 20.0);
-            let inertia = r * Mat3::from_diagonal(principal) * r.transpose();
-            bodies.push(SolverBody {
-                linear: dice.vector(-1.0, 1.0),
-                inverse_mass,
-                angular: dice.vector(-1.0, 1.0),
-                unused: 0.0,
-            });
+            let (body, inertia) = dice.solver_body(inverse_mass);
+            bodies.push(body);
             masses.push(BodyMass::new(inverse_mass, &inertia, 1.0));
         }
         let manifolds: Vec<_> = (0..WIDTH as u32)

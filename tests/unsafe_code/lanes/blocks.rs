@@ -52,15 +52,8 @@ impl Scene {
             } else {
                 dice.in_range(0.2, 5.0)
             };
-            let r = Mat3::from_quat(dice.rotation());
-            let principal = inverse_mass * dice.vector(2.0, 20.0);
-            let inertia = r * Mat3::from_diagonal(principal) * r.transpose();
-            bodies.push(SolverBody {
-                linear: dice.vector(-1.0, 1.0),
-                inverse_mass,
-                angular: dice.vector(-1.0, 1.0),
-                unused: 0.0,
-            });
+            let (body, inertia) = dice.solver_body(inverse_mass);
+            bodies.push(body);
             masses.push(BodyMass::new(
                 inverse_mass,
                 &inertia,

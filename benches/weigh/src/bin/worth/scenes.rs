@@ -56,7 +56,7 @@ pub(crate) fn build(name: &str, setting: &str) -> Result<Scene, Error> {
         } else {
             (0, 200)
         };
-        return Scene::of_app(columns(size), setting, steps);
+        return Scene::of_app(structures::columns(size), setting, steps);
     }
     let setting = &Setting::named(setting)?;
     let rest = |bodies: Vec<BodyDesc>, steps| {
@@ -107,22 +107,7 @@ pub(crate) fn build(name: &str, setting: &str) -> Result<Scene, Error> {
     }
 }
 
-/// A floor and columns of five cubes, `count` in all.
-fn columns(count: usize) -> Vec<BodyDesc> {
-    let column = structures::tower(5.min(count));
-    let side = ((count / 5) as f64).sqrt().ceil().max(1.0) as usize;
-    let mut bodies = vec![column[0].clone()];
-    for place in 0..count.div_ceil(5) {
-        let at = 2.0 * Vec3::new((place % side) as f32, 0.0, (place / side) as f32);
-        bodies.extend(column[1..].iter().cloned().map(|mut desc| {
-            desc.pose.position += at;
-            desc
-        }));
-    }
-    bodies
-}
-
-/// Sixty dominoes lying end to end in a groove: a narrow structure, whose blocks are filled by colours.
+/// Sixty dominoes lying end to end in a groove: a narrow structure, whose blocks are filled by colors.
 fn chain() -> Vec<BodyDesc> {
     let mut bodies = structures::tower(0);
     let shape = structures::cuboid(Vec3::ONE);
