@@ -12,11 +12,12 @@
 //! - [`step`]: the loop, one function per phase; [`Simulation`](prelude::Simulation) runs it on plain data, without an app.
 //! - [`solver`]: methods and settings ([`SolverConfig`](prelude::SolverConfig)); [`bodies`]: what a body is made from.
 //! - [`fracture`]: who breaks, and what becomes of the motion; [`mod@slice`]: a plane against meshes and hulls, patterns.
+//! - [`query`]: rays, casts, overlaps and what is near.
 //! - [`contact`], [`mass`], [`geometry`], [`math`]: what the others are built on.
 //!
 //! How it works inside is told in the repository: `docs/architecture.md` opens with the way of one contact through a step and says
 //! where to find what, `docs/glossary.md` has the terms. Layers from the bottom up, each of which uses only those before it: `tuning`,
-//! `math`, `merge`, `simd`, `threads`, `geometry`, `mass`, `slice`, `contact`, `bodies`, `solver`, `collide`, `fracture`, `step`, `ecs`,
+//! `math`, `merge`, `simd`, `threads`, `geometry`, `mass`, `slice`, `contact`, `bodies`, `solver`, `collide`, `query`, `fracture`, `step`, `ecs`,
 //! `plugin`.
 //!
 //! # Conventions
@@ -38,6 +39,7 @@ pub mod mass;
 pub mod math;
 mod merge;
 pub mod plugin;
+pub mod query;
 mod simd;
 pub mod slice;
 pub mod solver;
@@ -53,7 +55,7 @@ pub mod prelude {
     };
     pub use crate::ecs::{
         AngularVelocity, BodyHandle, BodyProblem, BodyWarning, BondBroken, BondCommands, Fractured,
-        LinearVelocity, MassOverride, Sleeping, SliceCommands, SpawnBody,
+        LinearVelocity, MassOverride, Sleeping, SliceCommands, SpatialQuery, SpawnBody,
     };
     pub use crate::fracture::{
         Bond, BondError, Bonds, BreakingImpact, BrokenBond, CutError, CutRequest, Fracture,
@@ -65,6 +67,9 @@ pub mod prelude {
     pub use crate::mass::MassProperties;
     pub use crate::math::{Aabb, Plane, Pose};
     pub use crate::plugin::{CleavePlugin, PhysicsSchedule, PhysicsSystems};
+    pub use crate::query::{
+        Queries, QueryError, QueryFilter, QueryHit, QueryIndex, QueryShape, Ray, ShapeCast,
+    };
     pub use crate::slice::{Fracturable, FracturePattern};
     #[cfg(feature = "exact")]
     pub use crate::solver::Exact;

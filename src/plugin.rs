@@ -7,9 +7,10 @@ use crate::contact::layers::CollisionLayers;
 use crate::contact::material::{Density, Friction, Restitution};
 use crate::ecs::components::*;
 use crate::ecs::state::PluginState;
-use crate::ecs::{bond, cut, gather, scatter};
+use crate::ecs::{bond, cut, gather, query, scatter};
 use crate::fracture::{Bonds, FractureBudget, Fractures};
 use crate::mass::MassProperties;
+use crate::query::QueryIndex;
 use crate::solver::config::{Gravity, SolverConfig};
 use crate::step;
 use crate::step::{Contacts, StepReport, StepSettings};
@@ -174,6 +175,7 @@ fn add_phases(schedule: &mut Schedule) {
         (
             scatter::renew_entities.run_if(scatter::any_entity_is_outdated),
             scatter::write_entities,
+            query::refresh_index.run_if(resource_exists::<QueryIndex>),
         )
             .chain()
             .in_set(Phase::Writeback),

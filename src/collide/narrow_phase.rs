@@ -96,6 +96,12 @@ impl NarrowPhase {
         });
     }
 
+    /// Whether the body in `slot` is surely still in the box that the broad phase keeps for it.
+    #[inline]
+    pub(crate) fn surely_holds(&self, bodies: &Bodies, slot: u32) -> bool {
+        self.boxes.surely_hold(bodies, slot)
+    }
+
     /// Tells each part its pairs, which are others than before.
     fn share_out(&mut self, pairs: &[Pair], ids: &[BodyId]) {
         self.find_ends(pairs, ids);

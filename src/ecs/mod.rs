@@ -7,6 +7,7 @@
 //! | `scatter.rs` | poses and velocities back to entities |
 //! | `cut.rs` | `commands.slice`; pieces as entities |
 //! | `bond.rs` | `commands.bond` |
+//! | `query.rs` | `SpatialQuery`: rays, casts, overlaps by entity |
 //! | `spawn.rs` | an entity from a description of a body |
 //! | `state.rs` | the one resource that the plugin keeps for itself |
 //!
@@ -17,6 +18,7 @@ pub(crate) mod bond;
 pub(crate) mod components;
 pub(crate) mod cut;
 pub(crate) mod gather;
+pub(crate) mod query;
 #[cfg(feature = "reflect")]
 pub(crate) mod reflect;
 pub(crate) mod scatter;
@@ -29,4 +31,5 @@ pub use components::{
     MassOverride, Sleeping,
 };
 pub use cut::SliceCommands;
+pub use query::SpatialQuery;
 pub use spawn::SpawnBody;

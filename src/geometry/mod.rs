@@ -15,10 +15,12 @@
 //! counter-clockwise seen from outside. Read `predicates.rs` first.
 
 mod around;
+pub(crate) mod bvh;
 mod closed;
 pub(crate) mod convex;
 pub(crate) mod convex_mesh;
 mod coplanar;
+pub(crate) mod distance;
 pub(crate) mod edge_tables;
 pub(crate) mod face;
 pub(crate) mod hull;
@@ -29,6 +31,8 @@ pub(crate) mod mesh;
 pub(crate) mod moments;
 pub(crate) mod predicates;
 pub mod primitives;
+mod simplex;
+pub(crate) mod support;
 mod triangle_corners;
 mod weld;
 

@@ -4,6 +4,7 @@ use crate::bodies::store::Bodies;
 use crate::contact::impulses::ContactCache;
 use crate::fracture::{Bond, BondError, Bonds, CutError, CutRequest, FractureBudget, Fractures};
 use crate::math::Plane;
+use crate::query::{Queries, QueryIndex};
 use crate::solver::config::{Gravity, SolverConfig};
 use crate::solver::settings::SolverOverrides;
 use crate::step::contacts::Contacts;
@@ -31,6 +32,8 @@ pub struct Simulation {
     pub budget: FractureBudget,
     /// What the last step did.
     pub report: StepReport,
+    /// Where bodies are that the broad phase does not know of, for queries.
+    pub query_index: QueryIndex,
     /// What a test wants otherwise.
     #[doc(hidden)]
     pub overrides: SolverOverrides,
@@ -62,6 +65,19 @@ impl Simulation {
     /// [`BondError`]; no bonds are made then.
     pub fn bond_neighbors(&mut self, slots: &[u32], strength: f32) -> Result<usize, BondError> {
         self.bonds.bond_neighbors(&mut self.bodies, slots, strength)
+    }
+
+    /// A view of the bodies as they are now, for rays, casts, overlaps and what is near. To make it takes a look at each body (some
+    /// 10 ns); it lasts until something changes.
+    pub fn queries(&mut self) -> Queries<'_> {
+        let Self {
+            bodies,
+            contacts,
+            query_index,
+            ..
+        } = self;
+        contacts.refresh(query_index, bodies);
+        contacts.queries(bodies, query_index)
     }
 
     /// What the phases of a step of `step_dt` seconds are told.

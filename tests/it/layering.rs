@@ -6,9 +6,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Floors from the bottom up. `lib.rs` names them all.
-const FLOORS: [&str; 16] = [
+const FLOORS: [&str; 17] = [
     "tuning", "math", "merge", "simd", "threads", "geometry", "mass", "slice", "contact", "bodies",
-    "solver", "collide", "fracture", "step", "ecs", "plugin",
+    "solver", "collide", "query", "fracture", "step", "ecs", "plugin",
 ];
 
 /// What a room may use of its own floor, and nothing else of it; and what of the floors below it must not.

@@ -7,6 +7,7 @@
 
 use crate::contact::body_id::BodyId;
 use crate::contact::layers::CollisionLayers;
+use crate::geometry::bvh::tree_box;
 use crate::math::{Aabb, Plane};
 use crate::merge::{Merged, merge};
 use glam::Vec3;
@@ -125,6 +126,17 @@ impl Broadphase {
         self.revision
     }
 
+    /// The tree of the kept boxes; its leaves are slots.
+    pub(crate) fn tree(&self) -> &Bvh2 {
+        &self.tree
+    }
+
+    /// Whether the box kept for this body, and no other one in its slot, holds `b`.
+    pub(crate) fn holds(&self, slot: u32, id: BodyId, b: &Aabb) -> bool {
+        let kept = self.kept.get(slot as usize).and_then(Option::as_ref);
+        kept.is_some_and(|kept| kept.proxy.id == id && kept.fat.contains(b))
+    }
+
     /// The box kept for the body in `slot`, if it has one.
     pub fn kept_box(&self, slot: u32) -> Option<Aabb> {
         let kept = self.kept.get(slot as usize)?.as_ref()?;
@@ -196,7 +208,7 @@ impl Broadphase {
                     && matches!(proxy.shape, ProxyShape::Box(_)) =>
             {
                 let fat = fat_box(&proxy, margin);
-                self.tree.move_primitive(tree_box(&fat), slot as u32);
+                self.tree.move_primitive(cut_box(&fat), slot as u32);
                 self.kept[slot] = Some(KeptProxy { proxy, fat });
                 self.mark(slot);
             }
@@ -218,7 +230,7 @@ impl Broadphase {
         let fat = fat_box(&proxy, margin);
         match proxy.shape {
             ProxyShape::Box(_) => {
-                self.tree.insert_primitive(tree_box(&fat), slot as u32);
+                self.tree.insert_primitive(cut_box(&fat), slot as u32);
             }
             ProxyShape::HalfSpace(_) => self.half_spaces.push(slot as u32),
         }
@@ -251,7 +263,7 @@ impl Broadphase {
                 self.push_if_touching(slot, other);
             }
         }
-        let fat = tree_box(&kept.fat);
+        let fat = cut_box(&kept.fat);
         self.stack.clear();
         self.stack.push(0);
         while let Some(index) = self.stack.pop() {
@@ -355,14 +367,13 @@ fn fat_box(proxy: &Proxy, margin: f32) -> Aabb {
     }
 }
 
-/// A box in the tree's own vector type (another version of `glam`, so it goes through arrays).
-fn tree_box(b: &Aabb) -> obvhs::aabb::Aabb {
-    let cut = |corner: Vec3| {
-        corner
-            .clamp(Vec3::splat(-TREE_LIMIT), Vec3::splat(TREE_LIMIT))
-            .to_array()
-    };
-    obvhs::aabb::Aabb::new(cut(b.min).into(), cut(b.max).into())
+/// A box as the tree takes it.
+fn cut_box(b: &Aabb) -> obvhs::aabb::Aabb {
+    let cut = |corner: Vec3| corner.clamp(Vec3::splat(-TREE_LIMIT), Vec3::splat(TREE_LIMIT));
+    tree_box(&Aabb {
+        min: cut(b.min),
+        max: cut(b.max),
+    })
 }
 
 /// Two bodies by id, in the order of the pairs.

@@ -1,0 +1,202 @@
+//! Walks through a bounding volume hierarchy (crate `obvhs`): along a ray, through a box, from a point outwards.
+//!
+//! Boxes are taken a little larger than they are, by what rounding may do to a coordinate, so that no walk passes by a box that the
+//! exact test behind it would find touched.
+
+use crate::math::Aabb;
+use glam::Vec3;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::node::Bvh2Node;
+use smallvec::SmallVec;
+
+/// Rounding of a coordinate and of a difference of two, as a share of the largest one.
+const ROUNDING: f32 = 5e-7;
+
+/// A component of a direction that is smaller counts as this, so that its inverse stays finite.
+const LEAST_COMPONENT: f32 = 1e-30;
+
+/// Nodes that wait to be looked at, each with its distance. Deeper trees take memory.
+type Stack = SmallVec<[(f32, u32); 96]>;
+
+/// A box in the tree's own vector type, which may be of another version of `glam`.
+pub(crate) fn tree_box(b: &Aabb) -> obvhs::aabb::Aabb {
+    obvhs::aabb::Aabb::new(b.min.to_array().into(), b.max.to_array().into())
+}
+
+fn corners(node: &Bvh2Node) -> Aabb {
+    let b = node.aabb();
+    Aabb {
+        min: b.min.to_array().into(),
+        max: b.max.to_array().into(),
+    }
+}
+
+/// The root; none of a tree that has never had a leaf, or has lost all.
+fn root(tree: &Bvh2) -> Option<&Bvh2Node> {
+    let root = tree.nodes.first()?;
+    (root.is_leaf() || tree.nodes.len() > 1).then_some(root)
+}
+
+fn primitives<'t>(tree: &'t Bvh2, leaf: &Bvh2Node) -> &'t [u32] {
+    let first = leaf.first_index as usize;
+    &tree.primitive_indices[first..first + leaf.prim_count as usize]
+}
+
+/// A box that is moved along a ray, or a point.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RayWalk {
+    origin: Vec3,
+    inverse: Vec3,
+    /// The moved box about the ray's origin.
+    moved: Aabb,
+}
+
+impl RayWalk {
+    /// Along the unit vector `direction` from `origin`; `moved` is the box about the origin that goes along, m.
+    pub(crate) fn new(origin: Vec3, direction: Vec3, moved: Aabb) -> Self {
+        let component = |c: f32| {
+            if c.abs() < LEAST_COMPONENT {
+                LEAST_COMPONENT.copysign(c)
+            } else {
+                c
+            }
+        };
+        let direction = Vec3::from_array(direction.to_array().map(component));
+        Self {
+            origin,
+            inverse: direction.recip(),
+            moved,
+        }
+    }
+
+    /// The same for boxes between these bounds, with room for rounding.
+    fn among(self, bounds: &Aabb) -> Self {
+        let most = |v: Vec3| v.abs().max_element();
+        let largest = most(self.origin)
+            .max(most(bounds.min))
+            .max(most(bounds.max));
+        Self {
+            moved: self.moved.fattened(ROUNDING * largest),
+            ..self
+        }
+    }
+
+    /// Where the moved box meets another one first, m; infinite if it does not before `end`.
+    #[inline(always)]
+    fn enters(&self, b: &Aabb, end: f32) -> f32 {
+        let low = (b.min - (self.origin + self.moved.max)) * self.inverse;
+        let high = (b.max - (self.origin + self.moved.min)) * self.inverse;
+        let first = low.min(high).max_element().max(0.0);
+        let last = low.max(high).min_element().min(end);
+        if first <= last { first } else { f32::INFINITY }
+    }
+}
+
+/// Visits the leaves that a ray meets before `end` (m), roughly from near to far. `visit` is given a primitive and the present
+/// end, and returns the new one: what it found, or a negative number to stop.
+pub(crate) fn along_ray(
+    tree: &Bvh2,
+    ray: RayWalk,
+    mut end: f32,
+    mut visit: impl FnMut(u32, f32) -> f32,
+) {
+    let Some(top) = root(tree).map(corners) else {
+        return;
+    };
+    let ray = ray.among(&top);
+    let mut stack = Stack::new();
+    stack.push((ray.enters(&top, end), 0));
+    while let Some((enters, index)) = stack.pop() {
+        if enters > end || enters == f32::INFINITY {
+            continue;
+        }
+        let node = &tree.nodes[index as usize];
+        if node.is_leaf() {
+            for &primitive in primitives(tree, node) {
+                end = visit(primitive, end);
+            }
+            continue;
+        }
+        let children = [node.first_index, node.first_index + 1];
+        let [near, far] = children.map(|child| {
+            let b = corners(&tree.nodes[child as usize]);
+            (ray.enters(&b, end), child)
+        });
+        let (near, far) = if far.0 < near.0 {
+            (far, near)
+        } else {
+            (near, far)
+        };
+        for child in [far, near] {
+            if child.0 <= end && child.0 < f32::INFINITY {
+                stack.push(child);
+            }
+        }
+    }
+}
+
+/// Visits the leaves whose boxes meet a box.
+pub(crate) fn within(tree: &Bvh2, b: &Aabb, mut visit: impl FnMut(u32)) {
+    let Some(top) = root(tree).map(corners) else {
+        return;
+    };
+    let most = |v: Vec3| v.abs().max_element();
+    let largest = most(b.min)
+        .max(most(b.max))
+        .max(most(top.min))
+        .max(most(top.max));
+    let b = b.fattened(ROUNDING * largest.min(f32::MAX));
+    let mut stack: SmallVec<[u32; 96]> = SmallVec::new();
+    stack.push(0);
+    while let Some(index) = stack.pop() {
+        let node = &tree.nodes[index as usize];
+        if !corners(node).overlaps(&b) {
+            continue;
+        }
+        if node.is_leaf() {
+            primitives(tree, node).iter().for_each(|&p| visit(p));
+        } else {
+            stack.extend([node.first_index + 1, node.first_index]);
+        }
+    }
+}
+
+/// Visits the leaves whose boxes are not farther than `limit` (m) from a point, roughly from near to far. `visit` is given a
+/// primitive and the present limit, and returns the new one.
+pub(crate) fn around(
+    tree: &Bvh2,
+    point: Vec3,
+    mut limit: f32,
+    mut visit: impl FnMut(u32, f32) -> f32,
+) {
+    let Some(top) = root(tree).map(corners) else {
+        return;
+    };
+    let most = |v: Vec3| v.abs().max_element();
+    let slack = ROUNDING * most(point).max(most(top.min)).max(most(top.max));
+    let away = |b: &Aabb| {
+        ((b.min - point).max(point - b.max).max(Vec3::ZERO).length() - 2.0 * slack).max(0.0)
+    };
+    let mut stack = Stack::new();
+    stack.push((away(&top), 0));
+    while let Some((distance, index)) = stack.pop() {
+        if distance > limit {
+            continue;
+        }
+        let node = &tree.nodes[index as usize];
+        if node.is_leaf() {
+            for &primitive in primitives(tree, node) {
+                limit = visit(primitive, limit);
+            }
+            continue;
+        }
+        let children = [node.first_index, node.first_index + 1];
+        let [near, far] =
+            children.map(|child| (away(&corners(&tree.nodes[child as usize])), child));
+        stack.extend(if far.0 < near.0 {
+            [near, far]
+        } else {
+            [far, near]
+        });
+    }
+}

@@ -1,0 +1,112 @@
+//! Convex shapes by their supports: how far a shape reaches along a direction is all that distances and casts ask.
+//!
+//! A shape is a core, whose corners are known, and a radius around it: a sphere is one corner, a capsule two, a hull many.
+
+use crate::geometry::ConvexHull;
+use crate::geometry::hull_lanes::{Points4, lowest, point};
+use crate::math::{Aabb, Pose};
+use glam::{DMat3, DVec3, Mat3, Vec3};
+
+/// The corners of a convex shape, own frame, m.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Core<'s> {
+    /// The vertices of a hull.
+    Hull(&'s [Points4]),
+    /// Up to four corners; the first so many count.
+    Few([Vec3; 4], usize),
+    /// The corners of a box.
+    Box(Aabb),
+}
+
+impl<'s> Core<'s> {
+    pub(crate) fn of_hull(hull: &'s ConvexHull) -> Self {
+        Self::Hull(&hull.lanes.points)
+    }
+
+    pub(crate) fn of_point(at: Vec3) -> Self {
+        Self::Few([at; 4], 1)
+    }
+
+    pub(crate) fn of_segment(from: Vec3, to: Vec3) -> Self {
+        Self::Few([from, to, to, to], 2)
+    }
+
+    /// The corner farthest along `axis`, the first one on a tie.
+    #[inline]
+    pub(crate) fn support(&self, axis: Vec3) -> Vec3 {
+        match self {
+            Self::Hull(points) => point(points, lowest(points.iter(), -axis).0),
+            Self::Few(corners, count) => {
+                let mut best = corners[0];
+                let mut height = axis.dot(best);
+                for &corner in &corners[1..*count] {
+                    let other = axis.dot(corner);
+                    if other > height {
+                        (best, height) = (corner, other);
+                    }
+                }
+                best
+            }
+            Self::Box(b) => Vec3::select(axis.cmpge(Vec3::ZERO), b.max, b.min),
+        }
+    }
+
+    /// A point inside.
+    pub(crate) fn middle(&self) -> Vec3 {
+        match self {
+            Self::Hull(points) => point(points, 0),
+            Self::Few(corners, count) => corners[..*count].iter().sum::<Vec3>() / *count as f32,
+            Self::Box(b) => b.center(),
+        }
+    }
+
+    /// The box around the core in another frame.
+    pub(crate) fn bounds(&self, turn: &Mat3, shift: Vec3) -> Aabb {
+        let rows = turn.transpose();
+        let along = |axis: Vec3| axis.dot(self.support(axis));
+        let [x, y, z] = [rows.x_axis, rows.y_axis, rows.z_axis];
+        Aabb {
+            min: shift - Vec3::new(along(-x), along(-y), along(-z)),
+            max: shift + Vec3::new(along(x), along(y), along(z)),
+        }
+    }
+}
+
+/// A core in the frame of another one.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PlacedCore<'s> {
+    pub(crate) core: Core<'s>,
+    turn: Mat3,
+    exact_turn: DMat3,
+    shift: DVec3,
+}
+
+impl<'s> PlacedCore<'s> {
+    pub(crate) fn new(core: Core<'s>, pose: &Pose) -> Self {
+        let turn = Mat3::from_quat(pose.rotation);
+        Self {
+            core,
+            turn,
+            exact_turn: turn.as_dmat3(),
+            shift: pose.position.as_dvec3(),
+        }
+    }
+
+    /// The same, moved from where it was placed.
+    pub(crate) fn moved(&self, by: DVec3) -> Self {
+        Self {
+            shift: self.shift + by,
+            ..*self
+        }
+    }
+
+    /// The corner farthest along `axis`.
+    pub(crate) fn support(&self, axis: DVec3) -> DVec3 {
+        let own = self.turn.transpose() * axis.as_vec3();
+        self.exact_turn * self.core.support(own).as_dvec3() + self.shift
+    }
+
+    pub(crate) fn middle(&self) -> DVec3 {
+        self.exact_turn * self.core.middle().as_dvec3() + self.shift
+    }
+}

@@ -1,0 +1,176 @@
+//! Rays, moved shapes and points against a hull, in the hull's frame.
+//!
+//! # References
+//! M. Cyrus, J. Beck, "Generalized Two- and Three-Dimensional Clipping", Computers and Graphics 3(1), 1978: a ray is cut by plane
+//! after plane.
+
+use crate::geometry::ConvexHull;
+use crate::geometry::distance::{CoreCast, Separation, distance};
+use crate::geometry::hull_lanes::LANES;
+use crate::geometry::support::{Core, PlacedCore};
+use crate::math::Pose;
+use crate::query::hit::LocalHit;
+use crate::query::target::{LocalCast, LocalRay};
+use glam::{Quat, Vec3};
+
+/// Where a ray passes the planes of a hull.
+#[derive(Clone, Copy)]
+struct Passage {
+    enters: f32,
+    leaves: f32,
+    /// The faces there.
+    faces: [usize; 2],
+}
+
+impl Passage {
+    /// None if the line of the ray misses the hull.
+    fn of(hull: &ConvexHull, ray: &LocalRay) -> Option<Self> {
+        let mut passage = Self {
+            enters: f32::NEG_INFINITY,
+            leaves: f32::INFINITY,
+            faces: [usize::MAX; 2],
+        };
+        for (group, planes) in hull.lanes.planes.iter().enumerate() {
+            let heights = planes.heights(ray.origin);
+            let rates = planes.normals.along(ray.direction);
+            for l in 0..LANES {
+                let (height, rate) = (heights[l], rates[l]);
+                if rate == 0.0 {
+                    if height > 0.0 {
+                        return None;
+                    }
+                    continue;
+                }
+                let at = -height / rate;
+                if rate < 0.0 && at > passage.enters {
+                    (passage.enters, passage.faces[0]) = (at, group * LANES + l);
+                }
+                if rate > 0.0 && at < passage.leaves {
+                    (passage.leaves, passage.faces[1]) = (at, group * LANES + l);
+                }
+            }
+            if passage.enters > passage.leaves {
+                return None;
+            }
+        }
+        Some(passage)
+    }
+}
+
+pub(crate) fn cast_ray(hull: &ConvexHull, ray: &LocalRay) -> Option<LocalHit> {
+    let Passage {
+        enters,
+        leaves,
+        faces: [front, back],
+    } = Passage::of(hull, ray)?;
+    let (distance, face) = if enters > 0.0 {
+        (enters, front)
+    } else if leaves < 0.0 {
+        return None;
+    } else if ray.is_solid {
+        return Some(ray.inside());
+    } else {
+        (leaves.max(0.0), back)
+    };
+    let plane = hull.faces().get(face)?.plane;
+    (distance <= ray.end).then(|| LocalHit {
+        point: ray.origin + distance * ray.direction,
+        normal: plane.normal,
+        distance,
+        triangle: None,
+        face: Some(face as u32),
+    })
+}
+
+/// The face that a point on the hull's surface lies on; of several, the one that looks most along `normal`.
+fn face_at(hull: &ConvexHull, point: Vec3, normal: Vec3) -> Option<u32> {
+    let slack = 1e-5 * hull.aabb().diagonal();
+    let near = hull.faces().iter().enumerate();
+    let near = near.filter(|(_, face)| face.plane.distance(point) >= -slack);
+    let along = |face: usize| hull.faces()[face].plane.normal.dot(normal);
+    let best = near.map(|(face, _)| (face, along(face)));
+    let best = best.fold(
+        None,
+        |best: Option<(usize, f32)>, (face, along)| match best {
+            Some((_, most)) if most >= along => best,
+            _ => Some((face, along)),
+        },
+    );
+    best.map(|(face, _)| face as u32)
+}
+
+pub(crate) fn cast_shape(hull: &ConvexHull, cast: &LocalCast) -> Option<LocalHit> {
+    let core = Core::of_hull(hull);
+    let mut hit = cast_against_core(&core, cast)?;
+    if hit.distance > 0.0 || hit.normal != -cast.direction {
+        hit.face = face_at(hull, hit.point, hit.normal);
+    }
+    Some(hit)
+}
+
+/// When a moved shape meets a core.
+pub(crate) fn cast_against_core(core: &Core, cast: &LocalCast) -> Option<LocalHit> {
+    let motion = CoreCast {
+        direction: cast.direction.as_dvec3(),
+        length: f64::from(cast.end),
+        radius: f64::from(cast.radius),
+        touch: f64::from(cast.touch),
+    };
+    let touch = motion.first_touch(core, &cast.core)?;
+    let (point, normal) = match touch.nearest {
+        Some(nearest) => (nearest.on_a.as_vec3(), nearest.normal.as_vec3()),
+        None => (cast.core.middle().as_vec3(), -cast.direction),
+    };
+    Some(LocalHit {
+        point,
+        normal,
+        distance: touch.distance as f32,
+        triangle: None,
+        face: None,
+    })
+}
+
+/// The point of the surface that is nearest to a point, if it is within `limit` (m).
+pub(crate) fn closest(hull: &ConvexHull, point: Vec3, limit: f32) -> Option<LocalHit> {
+    let mut deepest = (f32::NEG_INFINITY, 0);
+    for (group, planes) in hull.lanes.planes.iter().enumerate() {
+        for (l, height) in planes.heights(point).into_iter().enumerate() {
+            if height > deepest.0 {
+                deepest = (height, group * LANES + l);
+            }
+        }
+    }
+    let (height, face) = deepest;
+    if height > limit {
+        return None;
+    }
+    let on_face = || {
+        let plane = hull.faces().get(face)?.plane;
+        Some(LocalHit {
+            point: point - height * plane.normal,
+            normal: plane.normal,
+            distance: height,
+            triangle: None,
+            face: Some(face as u32),
+        })
+    };
+    if height <= 0.0 {
+        return on_face();
+    }
+    let at = Pose::new(point, Quat::IDENTITY);
+    let there = PlacedCore::new(Core::of_point(Vec3::ZERO), &at);
+    match distance(&Core::of_hull(hull), &there, f64::from(limit)) {
+        Separation::Far => None,
+        Separation::Overlap => on_face(),
+        Separation::Near(nearest) => {
+            let (on_hull, normal) = (nearest.on_a.as_vec3(), nearest.normal.as_vec3());
+            Some(LocalHit {
+                point: on_hull,
+                normal,
+                distance: nearest.distance as f32,
+                triangle: None,
+                face: face_at(hull, on_hull, normal),
+            })
+        }
+    }
+}

@@ -1,0 +1,31 @@
+//! What a game asks of a scene: rays, shapes that are moved, what overlaps, what is near.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `view.rs` | [`Queries`]: one read-only view that answers all of it |
+//! | `index.rs` | what the view knows besides the tree of the broad phase |
+//! | `request.rs`, `shape.rs`, `filter.rs` | what is asked: a ray, a cast, a shape, who counts |
+//! | `hit.rs` | what is found |
+//! | `target.rs` | one body: its shape where it lies now |
+//! | `hull.rs`, `half_space.rs` | the exact tests |
+//!
+//! Bodies are seen where they are now; the tree holds boxes that they have not left, and what has left its box since the last step, or
+//! has come, is in a small tree of its own. Nothing here changes a scene or is remembered by it. Must not know contacts, the solver
+//! or the ECS. Read `view.rs` first.
+
+pub(crate) mod filter;
+mod half_space;
+pub(crate) mod hit;
+mod hull;
+pub(crate) mod index;
+pub(crate) mod request;
+pub(crate) mod shape;
+mod target;
+pub(crate) mod view;
+
+pub use filter::QueryFilter;
+pub use hit::QueryHit;
+pub use index::QueryIndex;
+pub use request::{QueryError, Ray, ShapeCast};
+pub use shape::QueryShape;
+pub use view::Queries;

@@ -1,0 +1,107 @@
+//! The shapes that questions are asked with.
+
+use crate::geometry::support::Core;
+use crate::geometry::{ConvexHull, ConvexMesh};
+use crate::math::{Aabb, Pose};
+use crate::query::request::QueryError;
+use glam::{Mat3, Vec3};
+
+/// A convex shape to cast or to overlap with: a hull, a box, a sphere, a capsule, each with a radius around it.
+#[derive(Clone, Copy, Debug)]
+pub struct QueryShape<'s> {
+    pub(crate) core: Core<'s>,
+    /// Rounding radius, m.
+    pub(crate) radius: f32,
+}
+
+impl QueryShape<'static> {
+    /// A sphere around the origin of its frame, m.
+    ///
+    /// # Errors
+    /// [`QueryError::Length`] unless the radius is positive and finite.
+    pub fn sphere(radius: f32) -> Result<Self, QueryError> {
+        Self::sharp(Core::of_point(Vec3::ZERO)).rounded(check_size("the radius", radius)?)
+    }
+
+    /// A capsule along y around the origin of its frame: all that is within `radius` (m) of a segment of `length` (m).
+    ///
+    /// # Errors
+    /// [`QueryError::Length`] unless both are positive and finite.
+    pub fn capsule(radius: f32, length: f32) -> Result<Self, QueryError> {
+        let half = 0.5 * check_size("the length", length)? * Vec3::Y;
+        Self::sharp(Core::of_segment(-half, half)).rounded(check_size("the radius", radius)?)
+    }
+
+    /// A box around the origin of its frame with edges of the lengths in `size`, m.
+    ///
+    /// # Errors
+    /// [`QueryError::Length`] unless all are positive and finite.
+    pub fn cuboid(size: Vec3) -> Result<Self, QueryError> {
+        for edge in size.to_array() {
+            check_size("the edge", edge)?;
+        }
+        Ok(Self::of_extents(size))
+    }
+
+    /// A box that may be flat.
+    pub(crate) fn of_extents(size: Vec3) -> Self {
+        let half = 0.5 * size;
+        let (min, max) = (-half, half);
+        Self::sharp(Core::Box(Aabb { min, max }))
+    }
+}
+
+impl<'s> QueryShape<'s> {
+    fn sharp(core: Core<'s>) -> Self {
+        Self { core, radius: 0.0 }
+    }
+
+    /// A convex hull.
+    pub fn hull(hull: &'s ConvexHull) -> Self {
+        Self::sharp(Core::of_hull(hull))
+    }
+
+    /// The shape with all that is within `radius` (m) of it.
+    ///
+    /// # Errors
+    /// [`QueryError::Length`] if the radius is negative or not finite.
+    pub fn rounded(self, radius: f32) -> Result<Self, QueryError> {
+        if !(radius >= 0.0 && radius.is_finite()) {
+            let name = "the radius";
+            return Err(QueryError::Length {
+                name,
+                value: radius,
+            });
+        }
+        Ok(Self {
+            radius: self.radius + radius,
+            ..self
+        })
+    }
+
+    /// The box around the shape at a pose.
+    pub(crate) fn bounds(&self, pose: &Pose) -> Aabb {
+        let turn = Mat3::from_quat(pose.rotation);
+        self.core.bounds(&turn, pose.position).fattened(self.radius)
+    }
+}
+
+impl<'s> From<&'s ConvexHull> for QueryShape<'s> {
+    fn from(hull: &'s ConvexHull) -> Self {
+        Self::hull(hull)
+    }
+}
+
+impl<'s> From<&'s ConvexMesh> for QueryShape<'s> {
+    fn from(mesh: &'s ConvexMesh) -> Self {
+        Self::hull(mesh.hull())
+    }
+}
+
+fn check_size(name: &'static str, value: f32) -> Result<f32, QueryError> {
+    if value > 0.0 && value.is_finite() {
+        Ok(value)
+    } else {
+        Err(QueryError::Length { name, value })
+    }
+}

@@ -1,0 +1,167 @@
+//! One body: its shape where it lies now, and what is asked in its frame.
+
+use crate::bodies::body::Shape;
+use crate::bodies::store::Bodies;
+use crate::contact::body_id::BodyId;
+use crate::geometry::distance::{Separation, distance};
+use crate::geometry::hull_lanes::bounds;
+use crate::geometry::support::{Core, PlacedCore};
+use crate::math::{Aabb, Pose, rotate};
+use crate::query::hit::{LocalHit, QueryHit};
+use crate::query::request::{Ray, ShapeCast};
+use crate::query::shape::QueryShape;
+use crate::query::{half_space, hull};
+use glam::{Mat3, Vec3};
+
+/// Gap at which a moved shape touches, as a share of the shape's diagonal, m.
+const TOUCH: f32 = 2e-6;
+
+/// A ray in a body's frame.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LocalRay {
+    pub(crate) origin: Vec3,
+    pub(crate) direction: Vec3,
+    /// Up to where, m.
+    pub(crate) end: f32,
+    pub(crate) is_solid: bool,
+}
+
+impl LocalRay {
+    /// What a ray hits that begins inside.
+    pub(crate) fn inside(&self) -> LocalHit {
+        LocalHit {
+            point: self.origin,
+            normal: -self.direction,
+            distance: 0.0,
+            triangle: None,
+            face: None,
+        }
+    }
+}
+
+/// A moved shape in a body's frame.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LocalCast<'s> {
+    pub(crate) core: PlacedCore<'s>,
+    pub(crate) radius: f32,
+    pub(crate) direction: Vec3,
+    pub(crate) end: f32,
+    pub(crate) touch: f32,
+}
+
+/// A body that is asked.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Target<'b> {
+    slot: u32,
+    id: BodyId,
+    pose: Pose,
+    shape: &'b Shape,
+}
+
+impl<'b> Target<'b> {
+    pub(crate) fn of(bodies: &'b Bodies, slot: u32) -> Self {
+        Self {
+            slot,
+            id: bodies.id(slot),
+            pose: bodies.pose(slot),
+            shape: &bodies.info(slot).shape,
+        }
+    }
+
+    /// The box around the body; none for a half-space.
+    pub(crate) fn bounds(&self) -> Option<Aabb> {
+        let turn = Mat3::from_quat(self.pose.rotation);
+        match self.shape {
+            Shape::Convex(mesh) => {
+                let points = &mesh.hull().lanes.points;
+                Some(bounds(points, &turn, self.pose.position))
+            }
+            Shape::HalfSpace(_) => None,
+        }
+    }
+
+    fn in_world(&self, hit: LocalHit) -> QueryHit {
+        QueryHit {
+            body: self.slot,
+            id: self.id,
+            point: self.pose.transform_point(hit.point),
+            normal: rotate(self.pose.rotation, hit.normal),
+            distance: hit.distance,
+            part: 0,
+            triangle: hit.triangle,
+            face: hit.face,
+        }
+    }
+
+    /// The pose of the shape of a question in the body's frame.
+    fn own_pose(&self, pose: &Pose) -> Pose {
+        let back = self.pose.rotation.inverse();
+        Pose::new(
+            rotate(back, pose.position - self.pose.position),
+            (back * pose.rotation).normalize(),
+        )
+    }
+
+    /// What a ray hits of the body up to `end` (m).
+    pub(crate) fn cast_ray(&self, ray: &Ray, end: f32) -> Option<QueryHit> {
+        let back = self.pose.rotation.inverse();
+        let local = LocalRay {
+            origin: rotate(back, ray.origin - self.pose.position),
+            direction: rotate(back, ray.direction),
+            end,
+            is_solid: ray.is_solid,
+        };
+        let hit = match self.shape {
+            Shape::Convex(mesh) => hull::cast_ray(mesh.hull(), &local),
+            Shape::HalfSpace(below) => half_space::cast_ray(below.normal, &local),
+        }?;
+        Some(QueryHit {
+            point: ray.at(hit.distance),
+            ..self.in_world(hit)
+        })
+    }
+
+    /// What a moved shape touches of the body up to `end` (m).
+    pub(crate) fn cast_shape(&self, cast: &ShapeCast, size: f32, end: f32) -> Option<QueryHit> {
+        let back = self.pose.rotation.inverse();
+        let local = LocalCast {
+            core: PlacedCore::new(cast.shape.core, &self.own_pose(&cast.pose)),
+            radius: cast.shape.radius,
+            direction: rotate(back, cast.direction),
+            end,
+            touch: TOUCH * size,
+        };
+        let hit = match self.shape {
+            Shape::Convex(mesh) => hull::cast_shape(mesh.hull(), &local),
+            Shape::HalfSpace(below) => half_space::cast_shape(below.normal, &local),
+        };
+        hit.map(|hit| self.in_world(hit))
+    }
+
+    /// Whether a shape at a pose overlaps the body or touches it.
+    pub(crate) fn overlaps(&self, shape: &QueryShape, pose: &Pose) -> bool {
+        let other = PlacedCore::new(shape.core, &self.own_pose(pose));
+        let radius = f64::from(shape.radius);
+        match self.shape {
+            Shape::Convex(mesh) => {
+                let core = Core::of_hull(mesh.hull());
+                match distance(&core, &other, radius) {
+                    Separation::Overlap => true,
+                    Separation::Near(nearest) => nearest.distance <= radius,
+                    Separation::Far => false,
+                }
+            }
+            Shape::HalfSpace(below) => half_space::lowest(below.normal, &other).0 <= radius,
+        }
+    }
+
+    /// The point of the surface that is nearest to `point`, if it is within `limit` (m).
+    pub(crate) fn closest(&self, point: Vec3, limit: f32) -> Option<QueryHit> {
+        let local = rotate(self.pose.rotation.inverse(), point - self.pose.position);
+        let hit = match self.shape {
+            Shape::Convex(mesh) => hull::closest(mesh.hull(), local, limit)?,
+            Shape::HalfSpace(below) => half_space::closest(below.normal, local),
+        };
+        (hit.distance <= limit).then(|| self.in_world(hit))
+    }
+}
