@@ -1,8 +1,7 @@
 //! Rays and shapes against everything below a plane, in the frame of the half-space, whose plane goes through its origin.
 
 use crate::geometry::support::PlacedCore;
-use crate::query::hit::LocalHit;
-use crate::query::target::{LocalCast, LocalRay};
+use crate::query::local::{LocalCast, LocalHit, LocalRay};
 use glam::{DVec3, Vec3};
 
 pub(crate) fn cast_ray(normal: Vec3, ray: &LocalRay) -> Option<LocalHit> {

@@ -52,13 +52,3 @@ impl<Body> QueryHit<Body> {
         known.is_none_or(|known| self.order(known).is_lt())
     }
 }
-
-/// A place on a shape, in the shape's frame.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct LocalHit {
-    pub(crate) point: Vec3,
-    pub(crate) normal: Vec3,
-    pub(crate) distance: f32,
-    pub(crate) triangle: Option<u32>,
-    pub(crate) face: Option<u32>,
-}

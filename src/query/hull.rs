@@ -9,8 +9,7 @@ use crate::geometry::distance::{CoreCast, Separation, distance};
 use crate::geometry::hull_lanes::LANES;
 use crate::geometry::support::{Core, PlacedCore};
 use crate::math::Pose;
-use crate::query::hit::LocalHit;
-use crate::query::target::{LocalCast, LocalRay};
+use crate::query::local::{LocalCast, LocalHit, LocalRay};
 use glam::{Quat, Vec3};
 
 /// Where a ray passes the planes of a hull.

@@ -7,7 +7,8 @@ use crate::geometry::distance::{Separation, distance};
 use crate::geometry::hull_lanes::bounds;
 use crate::geometry::support::{Core, PlacedCore};
 use crate::math::{Aabb, Pose, rotate};
-use crate::query::hit::{LocalHit, QueryHit};
+use crate::query::hit::QueryHit;
+use crate::query::local::{LocalCast, LocalHit, LocalRay};
 use crate::query::request::{Ray, ShapeCast};
 use crate::query::shape::QueryShape;
 use crate::query::{half_space, hull};
@@ -15,39 +16,6 @@ use glam::{Mat3, Vec3};
 
 /// Gap at which a moved shape touches, as a share of the shape's diagonal, m.
 const TOUCH: f32 = 2e-6;
-
-/// A ray in a body's frame.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct LocalRay {
-    pub(crate) origin: Vec3,
-    pub(crate) direction: Vec3,
-    /// Up to where, m.
-    pub(crate) end: f32,
-    pub(crate) is_solid: bool,
-}
-
-impl LocalRay {
-    /// What a ray hits that begins inside.
-    pub(crate) fn inside(&self) -> LocalHit {
-        LocalHit {
-            point: self.origin,
-            normal: -self.direction,
-            distance: 0.0,
-            triangle: None,
-            face: None,
-        }
-    }
-}
-
-/// A moved shape in a body's frame.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct LocalCast<'s> {
-    pub(crate) core: PlacedCore<'s>,
-    pub(crate) radius: f32,
-    pub(crate) direction: Vec3,
-    pub(crate) end: f32,
-    pub(crate) touch: f32,
-}
 
 /// A body that is asked.
 #[derive(Clone, Copy, Debug)]

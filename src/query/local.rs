@@ -1,0 +1,47 @@
+//! Questions and answers in the frame of a body.
+
+use crate::geometry::support::PlacedCore;
+use glam::Vec3;
+
+/// A ray in a body's frame.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LocalRay {
+    pub(crate) origin: Vec3,
+    pub(crate) direction: Vec3,
+    /// Up to where, m.
+    pub(crate) end: f32,
+    pub(crate) is_solid: bool,
+}
+
+impl LocalRay {
+    /// What a ray hits that begins inside.
+    pub(crate) fn inside(&self) -> LocalHit {
+        LocalHit {
+            point: self.origin,
+            normal: -self.direction,
+            distance: 0.0,
+            triangle: None,
+            face: None,
+        }
+    }
+}
+
+/// A moved shape in a body's frame.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LocalCast<'s> {
+    pub(crate) core: PlacedCore<'s>,
+    pub(crate) radius: f32,
+    pub(crate) direction: Vec3,
+    pub(crate) end: f32,
+    pub(crate) touch: f32,
+}
+
+/// A place on a shape, in the shape's frame.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LocalHit {
+    pub(crate) point: Vec3,
+    pub(crate) normal: Vec3,
+    pub(crate) distance: f32,
+    pub(crate) triangle: Option<u32>,
+    pub(crate) face: Option<u32>,
+}
