@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `view.rs` | [`Queries`]: one read-only view that answers all of it |
 //! | `index.rs` | what the view knows besides the tree of the broad phase |
-//! | `request.rs`, `shape.rs`, `filter.rs` | what is asked: a ray, a cast, a shape, who counts |
+//! | `request.rs`, `shape.rs`, `filter.rs`, `error.rs` | what is asked: a ray, a cast, a shape, who counts |
 //! | `hit.rs` | what is found |
 //! | `target.rs` | one body: its shape where it lies now |
 //! | `hull.rs`, `half_space.rs`, `local.rs` | the exact tests, in the frame of the body |
@@ -13,6 +13,7 @@
 //! has come, is in a small tree of its own. Nothing here changes a scene or is remembered by it. Must not know contacts, the solver
 //! or the ECS. Read `view.rs` first.
 
+pub(crate) mod error;
 pub(crate) mod filter;
 mod half_space;
 pub(crate) mod hit;
@@ -24,9 +25,10 @@ pub(crate) mod shape;
 mod target;
 pub(crate) mod view;
 
+pub use error::QueryError;
 pub use filter::QueryFilter;
 pub use hit::QueryHit;
 pub use index::QueryIndex;
-pub use request::{QueryError, Ray, ShapeCast};
+pub use request::{Ray, ShapeCast};
 pub use shape::QueryShape;
 pub use view::Queries;

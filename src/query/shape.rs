@@ -3,7 +3,7 @@
 use crate::geometry::support::Core;
 use crate::geometry::{ConvexHull, ConvexMesh};
 use crate::math::{Aabb, Pose};
-use crate::query::request::QueryError;
+use crate::query::error::QueryError;
 use glam::{Mat3, Vec3};
 
 /// A convex shape to cast or to overlap with: a hull, a box, a sphere, a capsule, each with a radius around it.
