@@ -10,6 +10,7 @@
 //!
 //! - [`plugin`]: the phases of a step as system sets; [`ecs`]: components, commands and messages.
 //! - [`step`]: the loop, one function per phase; [`Simulation`](prelude::Simulation) runs it on plain data, without an app.
+//! - [`joints`]: what holds two bodies together at a distance.
 //! - [`solver`]: methods and settings ([`SolverConfig`](prelude::SolverConfig)); [`bodies`]: what a body is made from.
 //! - [`fracture`]: who breaks, and what becomes of the motion; [`mod@slice`]: a plane against meshes and hulls, patterns.
 //! - [`query`]: rays, casts, overlaps and what is near.
@@ -17,7 +18,7 @@
 //!
 //! How it works inside is told in the repository: `docs/architecture.md` opens with the way of one contact through a step and says
 //! where to find what, `docs/glossary.md` has the terms. Layers from the bottom up, each of which uses only those before it: `tuning`,
-//! `math`, `merge`, `simd`, `threads`, `geometry`, `mass`, `slice`, `contact`, `bodies`, `solver`, `collide`, `query`, `fracture`, `step`, `ecs`,
+//! `math`, `merge`, `simd`, `threads`, `geometry`, `mass`, `slice`, `contact`, `bodies`, `joints`, `solver`, `collide`, `query`, `fracture`, `step`, `ecs`,
 //! `plugin`.
 //!
 //! # Conventions
@@ -35,6 +36,7 @@ pub mod contact;
 pub mod ecs;
 pub mod fracture;
 pub mod geometry;
+pub mod joints;
 pub mod mass;
 pub mod math;
 mod merge;
@@ -55,7 +57,8 @@ pub mod prelude {
     };
     pub use crate::ecs::{
         AngularVelocity, BodyHandle, BodyProblem, BodyWarning, BondBroken, BondCommands, Fractured,
-        LinearVelocity, MassOverride, Sleeping, SliceCommands, SpatialQuery, SpawnBody,
+        JointA, JointB, JointBroken, JointCommands, JointHandle, JointProblem, JointsOfA,
+        JointsOfB, LinearVelocity, MassOverride, Sleeping, SliceCommands, SpatialQuery, SpawnBody,
     };
     pub use crate::fracture::{
         Bond, BondError, Bonds, BreakingImpact, BrokenBond, CutError, CutRequest, Fracture,
@@ -63,6 +66,10 @@ pub mod prelude {
     };
     pub use crate::geometry::{
         ConvexHull, ConvexMesh, HalfSpaceShape, HullError, MeshError, TriMesh,
+    };
+    pub use crate::joints::{
+        AxisRange, BrokenJoint, DriveTarget, Joint, JointAxis, JointDrive, JointError, JointId,
+        JointLoad, JointSpring, Joints,
     };
     pub use crate::mass::MassProperties;
     pub use crate::math::{Aabb, Plane, Pose};

@@ -4,6 +4,7 @@ use glam::{Mat3, Quat, Vec3};
 
 /// A rigid transform: `world_from_body` or `a_from_b`, depending on the name of the variable that holds it.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Pose {
     /// Origin of the inner frame in the outer frame, m.
     pub position: Vec3,
@@ -192,6 +193,32 @@ pub fn rotate(rotation: Quat, v: Vec3) -> Vec3 {
     let u = rotation.xyz();
     let t = 2.0 * u.cross(v);
     v + rotation.w * t + u.cross(t)
+}
+
+/// Angle of the point `(x, y)` from the x axis, rad, in `-pi..=pi`; 0 at the origin. To some 1e-15.
+///
+/// Halving the angle twice, `tan(phi / 2) = t / (1 + sqrt(1 + t^2))`, leaves a tangent of at most 0.2, for which the series is short.
+/// Stands in for the function of the platform's library, which differs between platforms.
+pub(crate) fn atan2(y: f64, x: f64) -> f64 {
+    use std::f64::consts::{FRAC_PI_2, PI};
+    let (small, large) = (x.abs().min(y.abs()), x.abs().max(y.abs()));
+    if large == 0.0 {
+        return 0.0;
+    }
+    let half = |t: f64| t / (1.0 + (1.0 + t * t).sqrt());
+    let t = half(half(small / large));
+    let square = t * t;
+    let series = (0..12)
+        .rev()
+        .fold(0.0, |sum, k| 1.0 / f64::from(2 * k + 1) - square * sum);
+    let octant = 4.0 * t * series;
+    let quadrant = if y.abs() > x.abs() {
+        FRAC_PI_2 - octant
+    } else {
+        octant
+    };
+    let angle = if x < 0.0 { PI - quadrant } else { quadrant };
+    angle.copysign(y)
 }
 
 /// `rotation` after turning for `h` seconds with the world-frame angular velocity `omega` (rad/s).

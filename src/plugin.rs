@@ -7,8 +7,9 @@ use crate::contact::layers::CollisionLayers;
 use crate::contact::material::{Density, Friction, Restitution};
 use crate::ecs::components::*;
 use crate::ecs::state::PluginState;
-use crate::ecs::{bond, cut, gather, query, scatter};
+use crate::ecs::{bond, cut, gather, joint, query, scatter};
 use crate::fracture::{Bonds, FractureBudget, Fractures};
+use crate::joints::{Joint, JointLoad, Joints};
 use crate::mass::MassProperties;
 use crate::query::QueryIndex;
 use crate::solver::config::{Gravity, SolverConfig};
@@ -81,6 +82,7 @@ impl Plugin for CleavePlugin {
             .init_resource::<ContactCache>()
             .init_resource::<Fractures>()
             .init_resource::<Bonds>()
+            .init_resource::<Joints>()
             .init_resource::<Gravity>()
             .init_resource::<SolverConfig>()
             .init_resource::<FractureBudget>()
@@ -88,12 +90,17 @@ impl Plugin for CleavePlugin {
             .init_resource::<PluginState>()
             .add_message::<Fractured>()
             .add_message::<BondBroken>()
+            .add_message::<joint::JointBroken>()
             .add_message::<BodyWarning>()
             .add_observer(gather::on_body_inserted)
             .add_observer(gather::on_body_discarded)
             .add_observer(gather::on_part_removed)
             .add_observer(gather::on_sleeping_inserted)
-            .add_observer(gather::on_sleeping_removed);
+            .add_observer(gather::on_sleeping_removed)
+            .add_observer(joint::on_joint_inserted)
+            .add_observer(joint::on_joint_removed)
+            .add_observer(joint::on_disabled)
+            .add_observer(joint::on_enabled);
         require_components(app);
         #[cfg(feature = "reflect")]
         crate::ecs::reflect::register_types(app);
@@ -133,7 +140,9 @@ fn require_components(app: &mut App) {
         .register_required_components::<RigidBody, Restitution>()
         .register_required_components::<RigidBody, CollisionLayers>()
         .register_required_components::<RigidBody, MassProperties>()
-        .register_required_components::<RigidBody, BodyHandle>();
+        .register_required_components::<RigidBody, BodyHandle>()
+        .register_required_components::<Joint, joint::JointHandle>()
+        .register_required_components::<Joint, JointLoad>();
 }
 
 fn add_phases(schedule: &mut Schedule) {
@@ -161,6 +170,7 @@ fn add_phases(schedule: &mut Schedule) {
         (
             gather::register_bodies.run_if(gather::any_body_comes_or_goes),
             mass_properties,
+            joint::read_joints.run_if(joint::any_joint),
         )
             .chain()
             .in_set(Phase::MassProperties),
@@ -175,6 +185,7 @@ fn add_phases(schedule: &mut Schedule) {
         (
             scatter::renew_entities.run_if(scatter::any_entity_is_outdated),
             scatter::write_entities,
+            joint::write_joints.run_if(joint::any_joint),
             query::refresh_index.run_if(resource_exists::<QueryIndex>),
         )
             .chain()
@@ -251,7 +262,7 @@ fn generate_contacts(
     mut bodies: ResMut<Bodies>,
     mut contacts: ResMut<Contacts>,
     mut cache: ResMut<ContactCache>,
-    mut bonds: ResMut<Bonds>,
+    (mut bonds, joints): (ResMut<Bonds>, Res<Joints>),
     state: Res<PluginState>,
     mut report: ResMut<StepReport>,
 ) {
@@ -263,6 +274,7 @@ fn generate_contacts(
         &mut report,
     );
     step::attach_bonds(&bodies, &mut contacts, &mut bonds);
+    step::attach_joints(&bodies, &mut contacts, &joints);
 }
 
 fn solve(
@@ -316,6 +328,7 @@ struct Breaking<'w> {
     cache: ResMut<'w, ContactCache>,
     fractures: ResMut<'w, Fractures>,
     bonds: ResMut<'w, Bonds>,
+    joints: ResMut<'w, Joints>,
 }
 
 fn cut(
@@ -329,6 +342,7 @@ fn cut(
         cache,
         fractures,
         bonds,
+        joints,
     } = &mut breaking;
     let PluginState {
         settings,
@@ -337,6 +351,7 @@ fn cut(
     } = &mut *state;
     cut::gather_requests(slice_requests, &bodies, fractures, &mut warnings, &handles);
     step::cut(&mut bodies, cache, fractures, bonds, settings);
+    step::begin_joints(&mut bodies, fractures, joints);
 }
 
 fn fracture(
@@ -351,11 +366,13 @@ fn fracture(
         cache,
         fractures,
         bonds,
+        joints,
     } = &mut breaking;
     let breakable = step::Breakable {
         cache,
         fractures,
         bonds,
+        joints,
     };
     step::fracture(
         &mut bodies,
@@ -365,5 +382,6 @@ fn fracture(
         &mut report,
     );
     step::break_bonds(&mut bodies, &contacts, bonds);
+    step::break_joints(&mut bodies, &contacts, joints);
     bond::report_broken(bonds, &state.entities, &mut broken);
 }

@@ -34,6 +34,7 @@ use crate::collide::narrow_phase::{self};
 use crate::collide::proxies::Lookahead;
 use crate::contact::impulses::{CacheStats, ContactCache, TouchingBodies};
 use crate::fracture::{Bonds, Fractures, Inherited, break_overloaded, make_cuts, note_loads};
+use crate::joints::Joints;
 use crate::threads::team::Team;
 
 impl Simulation {
@@ -49,22 +50,27 @@ impl Simulation {
             cache,
             fractures,
             bonds,
+            joints,
             report,
             ..
         } = self;
         mass_properties(bodies, report);
         cut(bodies, cache, fractures, bonds, settings);
+        begin_joints(bodies, fractures, joints);
         broadphase(bodies, contacts, settings, report);
         generate_contacts(bodies, contacts, cache, settings, report);
         attach_bonds(bodies, contacts, bonds);
+        attach_joints(bodies, contacts, joints);
         solve(bodies, contacts, fractures, settings, report);
         let breakable = Breakable {
             cache,
             fractures,
             bonds,
+            joints,
         };
         fracture(bodies, contacts, breakable, settings, report);
         break_bonds(bodies, contacts, bonds);
+        break_joints(bodies, contacts, joints);
         integrate(bodies, report);
         age_cache(bodies, contacts, cache, settings);
         sleep(bodies, contacts, cache, settings, report);
@@ -81,6 +87,8 @@ pub struct Breakable<'s> {
     pub fractures: &'s mut Fractures,
     /// Its bonds.
     pub bonds: &'s mut Bonds,
+    /// Its joints.
+    pub joints: &'s mut Joints,
 }
 
 /// Phase 1: mass, center of mass and inertia of bodies whose shape or density changed.
@@ -182,6 +190,24 @@ pub fn attach_bonds(bodies: &Bodies, contacts: &mut Contacts, bonds: &mut Bonds)
     bonds.attach(bodies, manifolds, &mut solver.bonded);
 }
 
+/// The end of phase 2: joints of bodies that were cut go to the pieces, those of bodies that are gone go.
+pub fn begin_joints(bodies: &mut Bodies, fractures: &Fractures, joints: &mut Joints) {
+    joints.broken.clear();
+    joints.inherit(bodies, fractures);
+    joints.note_pairs(bodies);
+}
+
+/// The end of phase 4: joints that are part of the problem.
+pub fn attach_joints(bodies: &Bodies, contacts: &mut Contacts, joints: &Joints) {
+    joints.attach(bodies, &mut contacts.solver.joints);
+}
+
+/// The end of phase 6: takes over what joints bore; those that bore too much break.
+pub fn break_joints(bodies: &mut Bodies, contacts: &Contacts, joints: &mut Joints) {
+    joints.take_back(&contacts.solver.joints);
+    joints.break_overloaded(bodies);
+}
+
 /// Phase 5: forces, then impulses that keep the bodies apart. Islands in which a body breaks are left as they were.
 pub fn solve(
     bodies: &mut Bodies,
@@ -221,12 +247,14 @@ pub fn fracture(
         cache,
         fractures,
         bonds,
+        joints,
     } = breakable;
     let was_broken = contacts.is_broken;
     let mut round = 0;
     while contacts.is_broken {
         round += 1;
         break_bonds(bodies, contacts, bonds);
+        joints.take_back(&contacts.solver.joints);
         let Contacts {
             manifolds, solver, ..
         } = contacts;
@@ -240,11 +268,14 @@ pub fn fracture(
             solver,
         );
         bonds.note_pairs(bodies);
+        joints.inherit(bodies, fractures);
+        joints.note_pairs(bodies);
         contacts.stash_solved();
         broadphase(bodies, contacts, settings, report);
         generate_contacts(bodies, contacts, cache, settings, report);
         contacts.merge_solved(bodies);
         bonds.attach(bodies, &mut contacts.manifolds, &mut contacts.solver.bonded);
+        joints.attach(bodies, &mut contacts.solver.joints);
         contacts.solve_round(bodies, fractures, settings, round);
     }
     if was_broken {

@@ -156,6 +156,9 @@ pub(crate) const NEAREST_SITES: usize = 32;
 //
 // What is here changes the order of contacts, and so the last bits of motion: golden hashes are made anew with it.
 
+/// Manifolds that take as long to solve as a joint. Not measured apart.
+pub(crate) const JOINT_WEIGHT: usize = 6;
+
 /// Calm islands are solved together until they have this many manifolds: enough to fill the lanes of their blocks. Not measured
 /// apart.
 pub(crate) const BATCH_MANIFOLDS: usize = 192;

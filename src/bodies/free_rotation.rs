@@ -64,11 +64,17 @@ impl FreeRotation {
         }
         let principal = mass.principal;
         let is_sphere = principal.x == principal.y && principal.y == principal.z;
-        (!is_sphere).then(|| Self {
+        (!is_sphere).then(|| Self::new(rotation, mass))
+    }
+
+    /// The state of a body that is followed however slowly it turns.
+    pub(crate) fn new(rotation: Quat, mass: &MassProperties) -> Self {
+        let largest = mass.principal.max_element();
+        Self {
             rotation,
             frame: mass.principal_frame,
-            moments: (principal / principal.max_element()).as_dvec3(),
-        })
+            moments: (mass.principal / largest).as_dvec3(),
+        }
     }
 
     /// Whether a body turns by more than a hair.

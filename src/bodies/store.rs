@@ -59,6 +59,8 @@ pub struct Bodies {
     pub(crate) sleep: Sleep,
     /// Pairs of bodies that are bonded, ascending: their contact stays where the bond was made, wherever they are going.
     pub(crate) bonded: Vec<(BodyId, BodyId)>,
+    /// Pairs of bodies that do not touch each other because a joint says so, ascending.
+    pub(crate) apart: Vec<(BodyId, BodyId)>,
     free: Vec<u32>,
     next_id: u32,
     alive: usize,
@@ -79,6 +81,13 @@ impl Bodies {
     pub(crate) fn are_bonded(&self, a: u32, b: u32) -> bool {
         let name = || (self.id(a), self.id(b));
         !self.bonded.is_empty() && self.bonded.binary_search(&name()).is_ok()
+    }
+
+    /// Whether the bodies in two slots, the first of which has the smaller id, are joined without contacts.
+    #[inline]
+    pub(crate) fn are_apart(&self, a: u32, b: u32) -> bool {
+        let name = || (self.id(a), self.id(b));
+        !self.apart.is_empty() && self.apart.binary_search(&name()).is_ok()
     }
 
     /// Number of slots, used or free.

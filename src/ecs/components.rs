@@ -3,6 +3,7 @@
 use crate::bodies::body::BodyError;
 use crate::contact::body_id::BodyId;
 use crate::fracture::{Bond, BondError, CutError, Ledger};
+use crate::joints::JointError;
 use crate::mass::MassProperties;
 use crate::math::Plane;
 use bevy_ecs::change_detection::Tick;
@@ -95,6 +96,9 @@ pub enum BodyProblem {
     /// A bond was not made.
     #[error("the bond was not made: {0}")]
     Bond(#[from] BondError),
+    /// A joint does not hold.
+    #[error("the joint does not hold: {0}")]
+    Joint(#[from] JointError),
 }
 
 /// Entities of the bodies, by slot, and what is needed to tell the user's changes from the plugin's own.

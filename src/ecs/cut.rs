@@ -5,6 +5,7 @@ use crate::bodies::store::Bodies;
 use crate::contact::body_id::BodyId;
 use crate::contact::material::Density;
 use crate::ecs::components::*;
+use crate::ecs::joint::{JointsOfA, JointsOfB, follow_pieces};
 use crate::ecs::state::PluginState;
 use crate::ecs::state::SliceRequests;
 use crate::fracture::{CutError, CutRequest, Fracture, Fractures};
@@ -74,13 +75,20 @@ pub(super) fn report_refusals(
 /// Pieces of a body without an entity stay bodies without entities.
 pub(super) fn spawn_pieces(world: &mut World) {
     let done = std::mem::take(&mut world.resource_mut::<Fractures>().done);
-    for (message, pieces) in families(world, &done) {
-        let pieces = pieces.into_iter();
-        let pieces = pieces
-            .map(|slot| spawn_piece(world, message.parent, slot))
-            .collect();
+    let families = families(world, &done).into_iter();
+    let families: Vec<_> = families
+        .map(|(message, pieces)| {
+            let pieces = pieces.into_iter();
+            let pieces = pieces
+                .map(|slot| spawn_piece(world, message.parent, slot))
+                .collect();
+            Fractured { pieces, ..message }
+        })
+        .collect();
+    follow_pieces(world);
+    for message in families {
         world.despawn(message.parent);
-        world.write_message(Fractured { pieces, ..message });
+        world.write_message(message);
     }
     world.resource_mut::<Fractures>().done = done;
 }
@@ -169,6 +177,7 @@ fn spawn_piece(world: &mut World, parent: Entity, slot: u32) -> Entity {
                 Fracturable,
                 Sleeping,
                 Children,
+                (JointsOfA, JointsOfB),
             )>();
         });
     let mut entity = world.entity_mut(piece);

@@ -182,8 +182,12 @@ pub(crate) fn register_bodies(
     mut parts: Query<Arrival, With<RigidBody>>,
 ) {
     let PluginState {
-        entities, queue, ..
+        entities,
+        queue,
+        joints,
+        ..
     } = &mut *state;
+    joints.have_bodies_changed = true;
     remove_bodies(&mut queue.left, &mut bodies, &mut cache);
     let earlier = std::mem::take(&mut queue.refused);
     let arrived = std::mem::take(&mut queue.arrived);

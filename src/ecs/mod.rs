@@ -8,6 +8,7 @@
 //! | `cut.rs` | `commands.slice`; pieces as entities |
 //! | `bond.rs` | `commands.bond` |
 //! | `query.rs` | `SpatialQuery`: rays, casts, overlaps by entity |
+//! | `joint.rs` | joints as entities |
 //! | `spawn.rs` | an entity from a description of a body |
 //! | `state.rs` | the one resource that the plugin keeps for itself |
 //!
@@ -18,6 +19,7 @@ pub(crate) mod bond;
 pub(crate) mod components;
 pub(crate) mod cut;
 pub(crate) mod gather;
+pub(crate) mod joint;
 pub(crate) mod query;
 #[cfg(feature = "reflect")]
 pub(crate) mod reflect;
@@ -31,5 +33,8 @@ pub use components::{
     MassOverride, Sleeping,
 };
 pub use cut::SliceCommands;
+pub use joint::{
+    JointA, JointB, JointBroken, JointCommands, JointHandle, JointProblem, JointsOfA, JointsOfB,
+};
 pub use query::SpatialQuery;
 pub use spawn::SpawnBody;

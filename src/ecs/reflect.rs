@@ -9,6 +9,7 @@ use crate::contact::material::{Density, Friction, Restitution};
 use crate::ecs::components::{AngularVelocity, LinearVelocity, MassOverride, Sleeping};
 use crate::fracture::{FractureBudget, Ledger};
 use crate::geometry::HalfSpaceShape;
+use crate::joints::{Joint, JointLoad};
 use crate::mass::MassProperties;
 use crate::slice::fracturable::Fracturable;
 use crate::solver::config::{Gravity, SolverConfig};
@@ -32,6 +33,8 @@ pub(crate) fn register_types(app: &mut App) {
     component::<CollisionLayers>(app);
     component::<Fracturable>(app);
     component::<Sleeping>(app);
+    component::<Joint>(app);
+    component::<JointLoad>(app);
     resource::<Gravity>(app);
     resource::<SolverConfig>(app);
     resource::<FractureBudget>(app);

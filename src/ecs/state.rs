@@ -4,6 +4,7 @@ use crate::bodies::body::BodyError;
 use crate::contact::body_id::BodyId;
 use crate::ecs::components::BodyEntities;
 use crate::fracture::bond::Bond;
+use crate::joints::{JointError, JointId};
 use crate::math::Plane;
 use crate::step::StepSettings;
 use bevy_ecs::prelude::*;
@@ -17,6 +18,22 @@ pub(crate) struct PluginState {
     pub(crate) queue: BodyQueue,
     pub(crate) slice_requests: SliceRequests,
     pub(crate) bond_requests: BondRequests,
+    pub(crate) joints: JointQueue,
+}
+
+/// What happened to joints' entities since the last step, and which of them hold.
+#[derive(Debug, Default)]
+pub(crate) struct JointQueue {
+    /// Entities that became joints, or stopped to be, in order.
+    pub(crate) arrived: Vec<Entity>,
+    /// Entities that could not become joints, with the reason; tried again each step, warned about once.
+    pub(crate) refused: Vec<(Entity, JointError)>,
+    /// Joints that hold, and their entities, ascending.
+    pub(crate) entities: Vec<(JointId, Entity)>,
+    /// What is to be written to entities of what is wrong with them.
+    pub(crate) problems: Vec<(Entity, Option<JointError>)>,
+    /// Whether bodies came or went.
+    pub(crate) have_bodies_changed: bool,
 }
 
 /// What a command asked for.

@@ -52,6 +52,8 @@ pub(super) struct FractureState {
     cutter: PieceCutter,
     /// Who broke since impulses were last handed on.
     lines: Lines,
+    /// Those whose impulses were handed on last.
+    handed_on: Lines,
 }
 
 impl FractureState {
@@ -96,6 +98,7 @@ pub(crate) fn make_cuts(
     fractures.done.clear();
     fractures.refused.clear();
     fractures.expired.clear();
+    fractures.state.handed_on.clear();
     fractures.state.made = 0;
     fractures.state.awake = bodies.dynamic() - bodies.asleep();
     remove_old_pieces(fractures, bodies, cache, budget, step_dt);
@@ -292,8 +295,13 @@ impl Fractures {
 
     /// Hands the impulses of all that broke on to its pieces.
     fn hand_on_impulses(&mut self, bodies: &Bodies, cache: &mut ContactCache) {
-        transfer_impulses(&self.state.lines, bodies, cache);
-        self.state.lines.clear();
+        self.state.handed_on = std::mem::take(&mut self.state.lines);
+        transfer_impulses(&self.state.handed_on, bodies, cache);
+    }
+
+    /// Bodies that broke, and their pieces, since impulses were last handed on.
+    pub(super) fn handed_on(&self) -> &[(ParentState, SmallVec<[u32; 8]>)] {
+        &self.state.handed_on
     }
 }
 

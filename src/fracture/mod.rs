@@ -15,7 +15,7 @@
 //! | `breaking.rs` | when: on request, overloaded, or after waiting for the budget (`budget.rs`) |
 //! | `impact.rs` | impulses of a step by body: what they break, and what of them acts before |
 //! | `pieces.rs`, `conservation.rs`, `ledger.rs` | pieces as bodies; what rounding takes from them; before and after |
-//! | `inheritance.rs`, `bond_inheritance.rs` | which piece gets the multipliers and the bonds of the parent |
+//! | `inheritance.rs`, `bond_inheritance.rs`, `joint_inheritance.rs` | which piece gets multipliers, bonds and joints of the parent |
 //! | `bond.rs`, `bonds.rs`, `neighbors.rs`, `shared_area.rs` | what holds bodies together, and over which area |
 //!
 //! Must not know entities. How an impact divides a shape is decided in `slice`, whether it is too much in `bodies/breaking.rs` while
@@ -29,6 +29,7 @@ mod budget;
 mod conservation;
 mod impact;
 mod inheritance;
+mod joint_inheritance;
 mod ledger;
 mod neighbors;
 mod pieces;

@@ -1,5 +1,17 @@
 //! What islands ask of the sub-steps: how many, how many sweeps, and whether they must look out for impacts.
 
+/// Whether an island has joints.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum JointPresence {
+    /// It has contacts only.
+    #[default]
+    None,
+    /// It has nothing else.
+    Alone,
+    /// It has contacts too.
+    AmongContacts,
+}
+
 /// What an island asks of its sub-steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct IslandRequirements {
@@ -8,6 +20,8 @@ pub struct IslandRequirements {
     pub load: f32,
     /// Whether bodies may hit each other: some move, or rebound.
     pub can_hit: bool,
+    /// What holds its bodies at a distance: joints alone are solved otherwise than among contacts.
+    pub joints: JointPresence,
     /// Sub-steps that follow from all that.
     pub substeps: u32,
 }
@@ -15,7 +29,9 @@ pub struct IslandRequirements {
 impl IslandRequirements {
     /// Whether islands with the two requirements can be solved together.
     pub fn is_solved_like(&self, other: &Self) -> bool {
-        self.substeps == other.substeps && self.can_hit == other.can_hit
+        self.substeps == other.substeps
+            && self.can_hit == other.can_hit
+            && self.joints == other.joints
     }
 }
 

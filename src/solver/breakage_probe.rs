@@ -36,7 +36,8 @@ pub(crate) struct BreakageProbe {
 
 /// Whether an island is rehearsed.
 pub(crate) fn is_large(island: &Island) -> bool {
-    island.manifolds.len() >= PROBED_MANIFOLDS
+    // What joints hold reaches farther than a neighborhood.
+    island.manifolds.len() >= PROBED_MANIFOLDS && island.joints.is_empty()
 }
 
 impl BreakageProbe {

@@ -2,6 +2,7 @@
 
 use crate::bodies::store::Bodies;
 use crate::contact::manifolds::Manifolds;
+use crate::joints::store::JointRecord;
 use crate::solver::adaptivity::IslandRequirements;
 use crate::solver::batch::{Batch, Step};
 use crate::solver::breakage_probe::{BreakageProbe, is_large};
@@ -11,8 +12,8 @@ use crate::solver::settings::SubstepSettings;
 use crate::solver::wide::bond::BondedManifold;
 use crate::threads::team::Team;
 use crate::tuning::{
-    BATCH_MANIFOLDS, MANIFOLDS_WORTH_A_TEAM, MANIFOLDS_WORTH_HELP, MANIFOLDS_WORTH_THOSE_PRESENT,
-    MIN_MANIFOLDS_OF_PART,
+    BATCH_MANIFOLDS, JOINT_WEIGHT, MANIFOLDS_WORTH_A_TEAM, MANIFOLDS_WORTH_HELP,
+    MANIFOLDS_WORTH_THOSE_PRESENT, MIN_MANIFOLDS_OF_PART,
 };
 use std::ops::Range;
 
@@ -30,6 +31,8 @@ pub struct ContactSolver {
     pub(crate) batches: Vec<Batch>,
     /// Those of the manifolds that are bonded, ascending.
     pub(crate) bonded: Vec<BondedManifold>,
+    /// Joints of the step, ascending by name.
+    pub(crate) joints: Vec<JointRecord>,
     /// Number of batches from earlier rounds.
     pub(crate) earlier: usize,
     /// By slot: how far the bodies are in this step.
@@ -127,6 +130,7 @@ impl ContactSolver {
         });
         for batch in batches.iter().filter(|batch| !batch.impacts.is_broken) {
             batch.update_bond_damage(&mut self.bonded);
+            batch.store_joints(&mut self.joints);
         }
     }
 
@@ -148,7 +152,7 @@ impl ContactSolver {
         let is_for_team =
             |range: &Range<usize>| islands.manifolds_of(range) >= MANIFOLDS_WORTH_A_TEAM;
         // A single small batch is solved where its data are.
-        islands.manifolds.len() >= MANIFOLDS_WORTH_HELP
+        islands.manifolds.len() + JOINT_WEIGHT * islands.joints.len() >= MANIFOLDS_WORTH_HELP
             && (self.ranges.len() > 1 || self.ranges.iter().any(is_for_team))
     }
 
@@ -183,6 +187,7 @@ impl ContactSolver {
     ) {
         let new_batches = &mut self.batches[self.earlier..][..self.ranges.len()];
         let (islands, requirements, bonded) = (&self.islands, &self.requirements, &self.bonded);
+        let joints = &self.joints;
         let solve = |batch: &mut Batch, range: &Range<usize>, team: Option<&Team>| {
             let requirement = &requirements[range.start];
             let step = Step {
@@ -195,6 +200,7 @@ impl ContactSolver {
             };
             batch.load(&step, range.clone(), requirement);
             batch.load_bonds(bonded, manifolds);
+            batch.load_joints(joints, bodies);
             batch.solve(manifolds, team);
         };
         let is_for_team =
@@ -214,7 +220,10 @@ impl ContactSolver {
     /// The first island that is not solved with the one at `first`: calm ones with the same sub-steps share a batch.
     fn end_of_batch(&self, first: usize) -> usize {
         let requirement = &self.requirements[first];
-        let size = |i: usize| self.islands.list[i].manifolds.len();
+        let size = |i: usize| {
+            let island = &self.islands.list[i];
+            island.manifolds.len() + JOINT_WEIGHT * island.joints.len()
+        };
         let (mut end, mut total) = (first + 1, size(first));
         while !requirement.can_hit
             && end < self.requirements.len()

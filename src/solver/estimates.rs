@@ -3,9 +3,10 @@
 use crate::bodies::store::Bodies;
 use crate::contact::manifolds::{ManifoldHead, ManifoldRef, Manifolds};
 use crate::contact::point::ContactPoint;
-use crate::solver::adaptivity::IslandRequirements;
+use crate::solver::adaptivity::{IslandRequirements, JointPresence};
 use crate::solver::contact_solver::{ContactEstimate, ContactSolver, Progress};
 use crate::solver::graph::indices::ManifoldIndex;
+use crate::solver::graph::islands::JointLink;
 use crate::solver::graph::relative_motion::RelativeMotion;
 use crate::solver::rows::contact_rows::{Row, RowBody};
 use crate::solver::settings::SubstepSettings;
@@ -22,6 +23,7 @@ impl ContactSolver {
         settings: &SubstepSettings,
         team: Option<&Team>,
     ) {
+        self.link_joints(bodies);
         let progress = &self.progress;
         let is_pending = |slot: u32| progress.get(slot as usize) != Some(&Progress::Solved);
         let is_pending = |m: &ManifoldHead| is_pending(m.a) && is_pending(m.b);
@@ -35,6 +37,27 @@ impl ContactSolver {
         for i in 0..self.islands.list.len() {
             let requirement = self.requirement(i, settings);
             self.requirements.push(requirement);
+        }
+    }
+
+    /// Tells the islands which bodies joints hold together, of those that are not solved yet.
+    fn link_joints(&mut self, bodies: &Bodies) {
+        let links = &mut self.islands.joint_links;
+        links.clear();
+        let progress = &self.progress;
+        for (joint, record) in (0..).zip(&self.joints) {
+            let slots = record.ends.map(|end| end.map(|(slot, _)| slot));
+            let moves = slots.map(|slot| {
+                slot.is_some_and(|slot| bodies.velocity[slot as usize].inverse_mass > 0.0)
+            });
+            let is_solved = |slot: u32| progress.get(slot as usize) == Some(&Progress::Solved);
+            if !slots.into_iter().flatten().any(is_solved) {
+                links.push(JointLink {
+                    bodies: slots,
+                    moves,
+                    joint,
+                });
+            }
         }
     }
 
@@ -80,6 +103,11 @@ impl ContactSolver {
         let mut requirement = IslandRequirements {
             load: 0.0,
             can_hit: island.bounces || !island.moving.is_empty(),
+            joints: match (island.joints.is_empty(), island.manifolds.is_empty()) {
+                (true, _) => JointPresence::None,
+                (false, true) => JointPresence::Alone,
+                (false, false) => JointPresence::AmongContacts,
+            },
             substeps: 0,
         };
         if settings.depends_on_load() {

@@ -5,6 +5,7 @@
 //! | `rows` | the problem row by row: statement, sweep, residual; read this first | lanes, batches |
 //! | `graph` | who is solved with whom, and in which order: answers are integers | impulses |
 //! | `wide` | what eight contacts do | islands, batches, teams |
+//! | `joint` | joints as rows, and their solution to rounding | contacts, batches |
 //! | `batch` | time: the sub-steps of some islands | how manifolds were found |
 //! | `exact` | the problem solved to rounding, in double precision (feature `exact`) | time |
 //!
@@ -26,6 +27,7 @@ mod estimates;
 pub(crate) mod exact;
 mod free_flight;
 pub(crate) mod graph;
+pub(crate) mod joint;
 pub(crate) mod results;
 pub(crate) mod rows;
 pub(crate) mod settings;

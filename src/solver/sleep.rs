@@ -20,6 +20,7 @@ use crate::bodies::store::Bodies;
 use crate::contact::impulses::ContactCache;
 use crate::contact::manifolds::{ManifoldHead, Manifolds};
 use crate::contact::pairs::broad_phase::Pair;
+use crate::joints::store::JointRecord;
 use crate::solver::config::SleepConfig;
 use crate::solver::contact_solver::ContactSolver;
 use glam::Vec3;
@@ -63,6 +64,9 @@ impl Bodies {
 
     /// Whether it matters if the bodies of a pair touch: one of them is awake, and if the other one sleeps, could wake it.
     pub(crate) fn needs_look(&self, pair: Pair) -> bool {
+        if self.are_apart(pair.a, pair.b) {
+            return false;
+        }
         if self.sleep.asleep == 0 {
             return true;
         }
@@ -178,6 +182,7 @@ impl Bodies {
             return;
         }
         self.weigh_supports(manifolds);
+        self.weigh_joints(&solver.joints, step_dt);
         let mut next = 0;
         for (number, island) in solver.islands().enumerate() {
             let Some(candidate) = self.sleep.candidates.get(next) else {
@@ -242,6 +247,30 @@ impl Bodies {
                 on_b.map(|p| p.normal_impulse * m.normal.dot(up) + p.friction_impulse.dot(up));
             let candidate = &mut self.sleep.candidates[index as usize];
             candidate.supported_weight += sign * on_b.sum::<f32>();
+            candidate.has_support = true;
+            candidate.is_carried |= is_displaced;
+        }
+    }
+
+    /// Adds up what joints to the world and to fixed bodies bear of each candidate.
+    fn weigh_joints(&mut self, joints: &[JointRecord], step_dt: f32) {
+        let up = -self.sleep.gravity.normalize_or_zero();
+        for record in joints {
+            let slots = record.ends.map(|end| end.map(|(slot, _)| slot));
+            let moves = slots
+                .map(|slot| slot.filter(|&slot| self.velocity[slot as usize].inverse_mass > 0.0));
+            let (body, fixed, sign) = match moves {
+                [None, Some(body)] => (body, slots[0], 1.0),
+                [Some(body), None] => (body, slots[1], -1.0),
+                _ => continue,
+            };
+            let index = self.sleep.candidate_of[body as usize];
+            if index == NONE {
+                continue;
+            }
+            let is_displaced = fixed.is_some_and(|fixed| self.is_displaced(fixed));
+            let candidate = &mut self.sleep.candidates[index as usize];
+            candidate.supported_weight += sign * step_dt * record.load.force.dot(up);
             candidate.has_support = true;
             candidate.is_carried |= is_displaced;
         }

@@ -3,6 +3,7 @@
 use crate::bodies::store::Bodies;
 use crate::contact::impulses::ContactCache;
 use crate::fracture::{Bond, BondError, Bonds, CutError, CutRequest, FractureBudget, Fractures};
+use crate::joints::{Joint, JointError, JointId, Joints};
 use crate::math::Plane;
 use crate::query::{Queries, QueryIndex};
 use crate::solver::config::{Gravity, SolverConfig};
@@ -24,6 +25,8 @@ pub struct Simulation {
     pub fractures: Fractures,
     /// What holds bodies together.
     pub bonds: Bonds,
+    /// What holds bodies together at a distance.
+    pub joints: Joints,
     /// Gravity.
     pub gravity: Gravity,
     /// How contacts are solved.
@@ -78,6 +81,14 @@ impl Simulation {
         } = self;
         contacts.refresh(query_index, bodies);
         contacts.queries(bodies, query_index)
+    }
+
+    /// Joins the body in slot `b` to the one in slot `a`, or to the world.
+    ///
+    /// # Errors
+    /// [`JointError`]; nothing changes then.
+    pub fn join(&mut self, a: Option<u32>, b: u32, joint: Joint) -> Result<JointId, JointError> {
+        self.joints.insert(&mut self.bodies, a, b, joint)
     }
 
     /// What the phases of a step of `step_dt` seconds are told.

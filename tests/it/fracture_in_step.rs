@@ -271,6 +271,7 @@ fn cut_in_place(inherits: bool) -> (f32, f32) {
         cache,
         fractures,
         bonds,
+        joints,
         report,
         ..
     } = &mut simulation;
@@ -293,6 +294,7 @@ fn cut_in_place(inherits: bool) -> (f32, f32) {
         cache,
         fractures,
         bonds,
+        joints,
     };
     step::fracture(bodies, contacts, breakable, &settings, report);
     step::integrate(bodies, report);

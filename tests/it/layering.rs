@@ -6,9 +6,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Floors from the bottom up. `lib.rs` names them all.
-const FLOORS: [&str; 17] = [
+const FLOORS: [&str; 18] = [
     "tuning", "math", "merge", "simd", "threads", "geometry", "mass", "slice", "contact", "bodies",
-    "solver", "collide", "query", "fracture", "step", "ecs", "plugin",
+    "joints", "solver", "collide", "query", "fracture", "step", "ecs", "plugin",
 ];
 
 /// What a room may use of its own floor, and nothing else of it; and what of the floors below it must not.
@@ -19,7 +19,7 @@ struct Room {
 }
 
 /// Rooms with walls. Files and folders that are not named here are the landing: they put the rooms together.
-const ROOMS: [Room; 10] = [
+const ROOMS: [Room; 11] = [
     // State and motion: knows what a body is made of, but no contact.
     Room {
         name: "bodies",
@@ -78,6 +78,12 @@ const ROOMS: [Room; 10] = [
         may_use: &["solver::config", "solver::rows", "solver::graph::indices"],
         must_not_use: &["threads::team", "contact::impulses", "contact::pairs"],
     },
+    // Joints as rows, and their solution: knows neither contacts nor batches.
+    Room {
+        name: "solver::joint",
+        may_use: &[],
+        must_not_use: &["contact", "threads"],
+    },
     // The problem solved to the end, by other means.
     Room {
         name: "solver::exact",
@@ -93,6 +99,7 @@ const ROOMS: [Room; 10] = [
             "solver::settings",
             "solver::exact",
             "solver::graph",
+            "solver::joint",
             "solver::rows",
             "solver::wide",
         ],

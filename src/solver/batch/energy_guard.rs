@@ -168,7 +168,7 @@ impl Batch {
             .copied()
             .unwrap_or(f32::INFINITY);
         let is_fine = linear.are_fine(inertia, speed);
-        if is_fine || !self.is_passive() || self.is_driven(member) {
+        if is_fine || !self.is_passive() || self.is_driven(member) || !member.joints.is_empty() {
             return;
         }
         let lift = self.impacts.lifts.get(island).copied().unwrap_or(0.0);

@@ -7,7 +7,7 @@ use crate::bodies::solver_body::SolverBody;
 use crate::bodies::store::Bodies;
 use crate::solver::graph::contact_order::ContactOrder;
 use crate::solver::graph::indices::{BodyNumber, LaneSlot, ManifoldIndex};
-use crate::solver::graph::islands::{Island, Islands};
+use crate::solver::graph::islands::{Island, Islands, JointedPair};
 use crate::solver::graph::lane_assignment::{AssignmentRule, ContactEdge, LaneAssignment};
 use crate::solver::graph::partition;
 use crate::solver::graph::partition::Partition;
@@ -26,6 +26,8 @@ pub struct Member {
     pub places: Range<usize>,
     /// Number of its points.
     pub contacts: usize,
+    /// Its joints within [`Layout::joints`].
+    pub joints: Range<usize>,
 }
 
 /// What a layout follows from, besides the cuts.
@@ -50,6 +52,8 @@ pub struct Layout {
     pub(crate) pairs: Vec<[BodyNumber; 2]>,
     /// Its manifolds in the order of the islands: index and place.
     pub places: Vec<(ManifoldIndex, LaneSlot)>,
+    /// Its joints, with numbers of bodies in the batch.
+    pub(crate) joints: Vec<JointedPair>,
     /// Blocks of its [`subdomains`], in their order.
     pub subdomains: Vec<Range<usize>>,
     /// Of bodies that are copies, behind all others: which ones they copy.
@@ -119,6 +123,7 @@ impl Layout {
         self.members.clear();
         self.slots.clear();
         self.pairs.clear();
+        self.joints.clear();
         let first = islands.list[range.start].manifolds.start;
         for island in &islands.list[range] {
             let offset = self.slots.len() as u32;
@@ -127,14 +132,24 @@ impl Layout {
             let pairs = islands.pairs[island.manifolds.clone()].iter();
             self.pairs
                 .extend(pairs.map(|pair| pair.map(|number| BodyNumber(number.0 + offset))));
+            let first_joint = self.joints.len();
+            let joints = islands.joints[island.joints.clone()].iter();
+            let number = |body: BodyNumber| BodyNumber(body.0 + offset);
+            self.joints.extend(
+                joints.map(|(joint, bodies)| (*joint, bodies.map(|body| body.map(number)))),
+            );
             let Range { start, end } = island.manifolds;
             self.members.push(Member {
                 bodies: offset as usize..self.slots.len(),
                 places: start - first..end - first,
                 contacts: island.points.len(),
+                joints: first_joint..self.joints.len(),
             });
         }
         self.cuts.sort(&mut self.slots, &mut self.pairs);
+        for body in self.joints.iter_mut().flat_map(|(_, bodies)| bodies) {
+            *body = body.map(|body| self.cuts.renamed(body));
+        }
     }
 
     /// Gives each manifold of the islands in `range` a lane. `bodies`: by number, of which the last is dummy, for the lanes that

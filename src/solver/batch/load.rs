@@ -195,6 +195,7 @@ impl Batch {
                     start: spin.rotation,
                     spin,
                     inverse_inertia: bodies.mass(slot).inverse_inertia(),
+                    is_jointed: false,
                 });
             }
         }

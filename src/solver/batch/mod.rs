@@ -12,6 +12,7 @@ mod energy_guard;
 #[cfg(feature = "exact")]
 mod exact_substep;
 mod impacts;
+mod joints;
 pub(crate) mod layout;
 mod load;
 mod motion;
@@ -28,6 +29,7 @@ mod targets;
 mod warm_start;
 
 pub(crate) use contacts::{BatchContacts, MovingManifold};
+pub(crate) use joints::BatchJoints;
 pub use load::Step;
 
 use crate::bodies::breaking::{BreakingLimit, ImpactLoad};
@@ -55,6 +57,8 @@ pub struct Batch {
     pub impacts: Impacts,
     /// What holds bodies together.
     pub bonds: BatchBonds,
+    /// What holds bodies together at a distance.
+    pub joints: BatchJoints,
     /// How it is solved.
     pub settings: SubstepSettings,
     /// What it took.
@@ -94,6 +98,8 @@ pub struct TurningBody {
     pub spin: FreeRotation,
     /// Inverse inertia tensor, body's axes, 1/(kg m2).
     pub inverse_inertia: Mat3,
+    /// Whether it turns with its joints.
+    pub is_jointed: bool,
 }
 
 impl TurningBody {

@@ -17,7 +17,7 @@ impl Batch {
     /// The velocities that gravity gives, and if a tolerance depends on it, how fast the bodies of each island are then.
     pub(crate) fn apply_gravity(&mut self, team: Option<&Team>) {
         let settings = &self.settings;
-        let change = settings.gravity * settings.substep_dt;
+        let change = settings.gravity * (self.gravity_share() * settings.substep_dt);
         let is_asked = settings.tolerance.is_some();
         let Layout { cuts, members, .. } = &self.layout;
         let fastest = &mut self.bodies.fastest;
@@ -137,7 +137,7 @@ impl Batch {
         Team::each(team, parts, |(first, bodies, masses, turning)| {
             for turning in turning.chunks_mut(SPINS) {
                 turn_together(turning, first, bodies, h, width);
-                for turning in turning {
+                for turning in turning.iter_mut().filter(|turning| !turning.is_jointed) {
                     let r = Mat3::from_quat(turning.spin.rotation);
                     let inertia = r * turning.inverse_inertia * r.transpose();
                     masses[turning.body as usize - first].set_inverse_inertia(&inertia);
@@ -168,11 +168,12 @@ fn turn_together(
     width: LaneWidth,
 ) {
     let mut spins = FreeRotations::default();
-    for turning in turning.iter() {
+    for turning in turning.iter().filter(|turning| !turning.is_jointed) {
         spins.push(turning.spin, bodies[turning.body as usize - first].angular);
     }
     spins.advance(h, width);
-    for (turning, (spin, omega)) in turning.iter_mut().zip(spins.iter()) {
+    let turning = turning.iter_mut().filter(|turning| !turning.is_jointed);
+    for (turning, (spin, omega)) in turning.zip(spins.iter()) {
         turning.spin = *spin;
         bodies[turning.body as usize - first].angular = omega;
     }

@@ -37,8 +37,8 @@ impl Batch {
     /// ```text
     /// v += h g
     /// targets            gaps and overlaps -> velocities that the rows should have; what hits; rebounds
-    /// warm start, solve  the impulses of the sub-step before; sweeps with soft contacts
-    /// q += h v
+    /// warm start, solve  the impulses of the sub-step before; sweeps with soft contacts, exact solutions for joints
+    /// q += h v           with what it takes for the joints to hold then
     /// reanchor           the rows of what hits act where the bodies are now
     /// relax              takes the velocity that pushed overlap out from the bodies again; impacts rebound
     /// guard energy       contacts leave no more energy than there was
@@ -48,22 +48,32 @@ impl Batch {
     fn substep(&mut self, is_first: bool, manifolds: &Manifolds, team: Option<&Team>) {
         self.apply_gravity(team);
         let targets = self.set_targets(is_first, team);
-        self.solve_with_bias(&targets, team);
+        self.solve_with_bias(is_first, &targets, team);
+        self.keep_joints_together();
         self.move_bodies(manifolds, team);
+        self.turn_jointed_bodies();
         self.reanchor_hits(&targets, team);
         self.relax(&targets, team);
+        self.end_joints();
         self.note_contact_velocity_changes(team);
         self.restore_hits(&targets);
         self.turn_bodies(team);
     }
 
     /// Finds impulses with which the rows have their target velocities.
-    fn solve_with_bias(&mut self, targets: &Targets, team: Option<&Team>) {
+    fn solve_with_bias(&mut self, is_first: bool, targets: &Targets, team: Option<&Team>) {
+        if self.joints.are_alone() {
+            self.begin_joints(is_first);
+            return self.solve_joints();
+        }
         #[cfg(feature = "exact")]
         if self.settings.is_exact() {
-            return self.solve_exactly();
+            self.begin_joints(is_first);
+            self.solve_exactly();
+            return self.solve_joints();
         }
         self.warm_start(team);
+        self.begin_joints(is_first);
         let sweeps = self.settings.sweeps;
         self.sweep(sweeps, targets.solve, targets.tolerance, team);
     }
@@ -71,12 +81,13 @@ impl Batch {
     /// Finds impulses that leave no velocity of what pushed overlap out.
     fn relax(&mut self, targets: &Targets, team: Option<&Team>) {
         let sweeps = self.settings.relax_sweeps;
-        if sweeps == 0 {
-            return;
+        if sweeps == 0 || self.joints.are_alone() {
+            return self.solve_joints();
         }
         #[cfg(feature = "exact")]
         if self.settings.is_exact() {
-            return self.relax_exactly();
+            self.relax_exactly();
+            return self.solve_joints();
         }
         self.sweep(sweeps, SweepKind::Relax, targets.tolerance, team);
     }

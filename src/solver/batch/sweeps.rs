@@ -61,6 +61,7 @@ impl Batch {
                 SweepKind::Relax => Pass::Relax { measure },
             };
             change = self.pass(pass, team);
+            self.solve_joints();
             if is_extra {
                 self.scratch.acceleration.note(change);
             }
@@ -84,6 +85,7 @@ impl Batch {
         let bodies = (&mut self.bodies.velocities[..], &mut last_velocities[..]);
         let Some(weight) = acceleration.weight() else {
             each_part(cuts, team, bodies, |now, last| last.copy_from_slice(now));
+            self.joints.remember();
             last_impulses.resize(self.contacts.points.len(), Default::default());
             let mut last = &mut last_impulses[..];
             let parts = parts_of_blocks(
@@ -108,6 +110,7 @@ impl Batch {
                 *last = now;
             }
         });
+        self.joints.extrapolate(weight);
         self.pass(Pass::Extrapolate { weight }, team);
     }
 }

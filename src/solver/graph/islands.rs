@@ -29,7 +29,23 @@ pub struct Island {
     pub bounces: bool,
     /// Its part of [`Islands::moving`].
     pub moving: Range<usize>,
+    /// Its part of [`Islands::joints`].
+    pub joints: Range<usize>,
 }
+
+/// A joint, as far as islands are concerned.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct JointLink {
+    /// Slots; `None` is the world.
+    pub bodies: [Option<u32>; 2],
+    /// Whether joints move them.
+    pub moves: [bool; 2],
+    /// Its index in the list of a step.
+    pub joint: u32,
+}
+
+/// A joint of an island: its index in the list of a step, and the numbers of its bodies in the island; `None` is the world.
+pub(crate) type JointedPair = (u32, [Option<BodyNumber>; 2]);
 
 /// A manifold whose bodies move so far against each other that its rows follow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,6 +96,14 @@ impl Link {
     }
 }
 
+impl JointLink {
+    /// A slot of the island that it belongs to.
+    fn of(&self) -> Option<u32> {
+        let movable = |side: usize| self.bodies[side].filter(|_| self.moves[side]);
+        movable(0).or(movable(1))
+    }
+}
+
 /// The islands of a step, kept while the same bodies touch at as many points; buffers are reused.
 #[derive(Debug, Default)]
 pub struct Islands {
@@ -95,6 +119,12 @@ pub struct Islands {
     pub slots: Vec<u32>,
     /// Those of `manifolds` whose bodies move in the step, in their order.
     pub moving: Vec<MovingPair>,
+    /// Joints, island by island.
+    pub(crate) joints: Vec<JointedPair>,
+    /// The joints of the step, whose bodies belong together; to be set before the islands are looked for.
+    pub joint_links: Vec<JointLink>,
+    /// Those that the islands are made of.
+    old_joint_links: Vec<JointLink>,
     /// Grows when the islands change.
     pub(crate) revision: u64,
     /// By manifold: what the islands are made of, and what the present step has.
@@ -124,7 +154,8 @@ impl Islands {
         let old_links = &self.links;
         let is_as_many = old_links.len() == manifolds.len();
         // Other points, and other islands.
-        let [have_changed, are_new] = [0; 2].map(|_| AtomicBool::new(!is_as_many));
+        let is_other = !is_as_many || self.joint_links != self.old_joint_links;
+        let [have_changed, are_new] = [0; 2].map(|_| AtomicBool::new(is_other));
         let size = Team::part_size(team, manifolds.len(), MIN_LINKS);
         let parts = self.new_links.chunks_mut(size).zip(manifolds.chunks(size));
         Team::each_of_many(team, parts.enumerate(), |(part, (links, manifolds))| {
@@ -153,8 +184,19 @@ impl Islands {
         for &Link { bodies: [a, b], .. } in self.links.iter().filter(|link| link.joins) {
             join(&mut self.parent, a, b);
         }
+        self.old_joint_links.clone_from(&self.joint_links);
+        for link in self
+            .joint_links
+            .iter()
+            .filter(|link| link.moves == [true; 2])
+        {
+            if let [Some(a), Some(b)] = link.bodies {
+                join(&mut self.parent, a, b);
+            }
+        }
         self.count();
         self.sort();
+        self.sort_joints();
         self.number_bodies(bodies.slots());
     }
 
@@ -203,22 +245,24 @@ impl Islands {
         self.island_of.clear();
         self.island_of.resize(self.parent.len(), NONE);
         self.island.clear();
-        for link in &self.links {
+        for at in 0..self.links.len() {
+            let link = self.links[at];
             if link.of == NONE {
                 self.island.push(NONE);
                 continue;
             }
-            let root = find(&mut self.parent, link.of);
-            let island = &mut self.island_of[root as usize];
-            if *island == NONE {
-                *island = self.list.len() as u32;
-                self.list.push(Island::default());
-            }
-            self.island.push(*island);
-            let island = &mut self.list[*island as usize];
+            let number = self.island_with(link.of);
+            self.island.push(number);
+            let island = &mut self.list[number as usize];
             island.manifolds.end += 1;
             island.points.end += usize::from(link.points);
             island.bounces |= link.bounces;
+        }
+        for at in 0..self.joint_links.len() {
+            if let Some(slot) = self.joint_links[at].of() {
+                let number = self.island_with(slot);
+                self.list[number as usize].joints.end += 1;
+            }
         }
         let (mut manifolds, mut points) = (0, 0);
         for island in &mut self.list {
@@ -228,6 +272,41 @@ impl Islands {
             manifolds += count;
             island.points = points..points + island.points.end;
             points = island.points.end;
+        }
+    }
+
+    /// The island of a slot, a new one if it has none.
+    fn island_with(&mut self, slot: u32) -> u32 {
+        let root = find(&mut self.parent, slot);
+        let island = &mut self.island_of[root as usize];
+        if *island == NONE {
+            *island = self.list.len() as u32;
+            self.list.push(Island::default());
+        }
+        *island
+    }
+
+    /// Sorts the joints by island.
+    fn sort_joints(&mut self) {
+        let mut end = 0;
+        for island in &mut self.list {
+            let count = island.joints.end;
+            island.joints = end..end;
+            end += count;
+        }
+        self.joints.clear();
+        self.joints.resize(end, JointedPair::default());
+        for at in 0..self.joint_links.len() {
+            let link = self.joint_links[at];
+            let Some(slot) = link.of() else {
+                continue;
+            };
+            let number = self.island_with(slot);
+            let island = &mut self.list[number as usize];
+            // Numbers of the island come once its bodies have some.
+            let bodies = link.bodies.map(|slot| slot.map(BodyNumber));
+            self.joints[island.joints.end] = (link.joint, bodies);
+            island.joints.end += 1;
         }
     }
 
@@ -266,6 +345,17 @@ impl Islands {
                 });
                 self.pairs.push(pair);
                 self.counts.push(u32::from(link.points));
+            }
+            for (_, bodies) in &mut self.joints[island.joints.clone()] {
+                for body in bodies.iter_mut().flatten() {
+                    let slot = body.0;
+                    let number = &mut self.number[slot as usize];
+                    if *number == NONE {
+                        *number = (self.slots.len() - first) as u32;
+                        self.slots.push(slot);
+                    }
+                    *body = BodyNumber(*number);
+                }
             }
             island.bodies = first..self.slots.len();
             for &slot in &self.slots[island.bodies.clone()] {

@@ -103,12 +103,20 @@ impl Partition {
             *number += 1;
         }
         for pair in pairs {
-            *pair = pair.map(|body| self.renamed[body.index()]);
+            *pair = pair.map(|body| self.renamed(body));
         }
         self.leaf.fill(self.leaves.len() as u8);
         for (number, leaf) in (0..).zip(&self.leaves) {
             self.leaf[leaf.clone()].fill(number);
         }
+    }
+
+    /// The number that a body has got by sorting.
+    pub(crate) fn renamed(&self, body: BodyNumber) -> BodyNumber {
+        if self.leaves.is_empty() {
+            return body;
+        }
+        self.renamed[body.index()]
     }
 
     /// Bodies of the leaves, after they have been sorted; none if all are together.

@@ -158,6 +158,7 @@ impl Runner {
             cache,
             fractures,
             bonds,
+            joints,
             report,
             ..
         } = &mut self.simulation;
@@ -189,6 +190,7 @@ impl Runner {
             cache,
             fractures,
             bonds,
+            joints,
         };
         step::fracture(bodies, contacts, breakable, settings, report);
         step::integrate(bodies, report);

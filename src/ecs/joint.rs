@@ -1,0 +1,344 @@
+//! Joints as entities: related to the two bodies that they join, and written back to.
+//!
+//! An entity with a [`Joint`](crate::joints::Joint) and a [`JointB`] joins that body to the one that its [`JointA`] names or, without
+//! one, to the world. What is not usable is named on the entity by a [`JointProblem`] until it is.
+
+use crate::bodies::store::Bodies;
+use crate::contact::body_id::BodyId;
+use crate::ecs::components::*;
+use crate::ecs::state::{JointQueue, PluginState};
+use crate::joints::{BrokenJoint, Joint, JointError, JointId, JointLoad, Joints};
+use bevy_ecs::entity_disabling::Disabled;
+use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
+
+/// The first body of a joint, in whose frame its axes are. Without one, the joint holds on to the world.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Component)]
+#[relationship(relationship_target = JointsOfA)]
+pub struct JointA(pub Entity);
+
+/// The second body of a joint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Component)]
+#[relationship(relationship_target = JointsOfB)]
+pub struct JointB(pub Entity);
+
+/// The joints of which a body is the first; they are despawned with it.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Component)]
+#[relationship_target(relationship = JointA, linked_spawn)]
+pub struct JointsOfA(Vec<Entity>);
+
+/// The joints of which a body is the second; they are despawned with it.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Component)]
+#[relationship_target(relationship = JointB, linked_spawn)]
+pub struct JointsOfB(Vec<Entity>);
+
+/// Why a joint does not hold. Written by the plugin; gone as soon as it does.
+#[derive(Clone, Copy, Debug, PartialEq, Component)]
+#[component(clone_behavior = Ignore)]
+pub struct JointProblem(pub JointError);
+
+/// Where the simulation keeps a joint. Written by the plugin; a clone of the entity gets its own.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Component)]
+#[component(clone_behavior = Ignore)]
+pub struct JointHandle(pub(crate) Option<JointId>);
+
+impl JointHandle {
+    /// Name of the joint, once it holds.
+    pub fn get(&self) -> Option<JointId> {
+        self.0
+    }
+}
+
+/// A joint bore more than its strength and holds no more: sent as a message, and as an event of the joint's entity. The entity loses
+/// its [`Joint`] and keeps the rest; to insert one again mends it.
+#[derive(Clone, Copy, Debug, PartialEq, Message, EntityEvent)]
+pub struct JointBroken {
+    /// The joint's entity.
+    pub entity: Entity,
+    /// The bodies that it joined; `None` is the world, or a body without an entity.
+    pub bodies: [Option<Entity>; 2],
+    /// What it was.
+    pub joint: Joint,
+    /// What it bore.
+    pub load: JointLoad,
+    /// Energy that its springs held, which is lost, J.
+    pub stored_energy: f32,
+}
+
+/// Joining bodies.
+pub trait JointCommands {
+    /// Spawns a joint of `b` to `a`, or to the world; the entity of the joint.
+    fn join(&mut self, a: impl Into<Option<Entity>>, b: Entity, joint: Joint) -> Entity;
+}
+
+impl JointCommands for Commands<'_, '_> {
+    fn join(&mut self, a: impl Into<Option<Entity>>, b: Entity, joint: Joint) -> Entity {
+        let mut entity = self.spawn((joint, JointB(b)));
+        if let Some(a) = a.into() {
+            entity.insert(JointA(a));
+        }
+        entity.id()
+    }
+}
+
+/// Observer: an entity became a joint, or joins other bodies now.
+pub(crate) fn on_joint_inserted(
+    insert: On<Insert<(Joint, JointA, JointB)>>,
+    mut state: ResMut<PluginState>,
+) {
+    state.joints.arrived.push(insert.entity);
+}
+
+/// Observer: a joint is no more, or lost a body.
+pub(crate) fn on_joint_removed(
+    remove: On<Remove<(Joint, JointA, JointB)>>,
+    mut state: ResMut<PluginState>,
+) {
+    state.joints.arrived.push(remove.entity);
+}
+
+/// Observer: an entity was disabled.
+pub(crate) fn on_disabled(
+    insert: On<Insert<Disabled>>,
+    joints: Query<(), (With<Joint>, Allow<Disabled>)>,
+    mut state: ResMut<PluginState>,
+) {
+    if joints.contains(insert.entity) {
+        state.joints.arrived.push(insert.entity);
+    }
+}
+
+/// Observer: an entity is enabled again.
+pub(crate) fn on_enabled(
+    remove: On<Remove<Disabled>>,
+    joints: Query<(), (With<Joint>, Allow<Disabled>)>,
+    mut state: ResMut<PluginState>,
+) {
+    if joints.contains(remove.entity) {
+        state.joints.arrived.push(remove.entity);
+    }
+}
+
+/// A joint as its entity describes it.
+type JointParts = (
+    &'static Joint,
+    Option<&'static JointA>,
+    Option<&'static JointB>,
+);
+
+/// What the user changed about joints.
+#[derive(SystemParam)]
+pub(crate) struct JointReadings<'w, 's> {
+    changed: Query<'w, 's, Entity, Changed<Joint>>,
+    parts: Query<'w, 's, JointParts>,
+    handles: Query<'w, 's, &'static BodyHandle>,
+    marks: Query<'w, 's, &'static mut JointHandle>,
+}
+
+/// System: takes over joints that came, went or changed, and those of bodies that did, once the entities have bodies.
+pub(crate) fn read_joints(
+    (mut state, mut bodies): (ResMut<PluginState>, ResMut<Bodies>),
+    mut joints: ResMut<Joints>,
+    mut warnings: ResMut<Messages<BodyWarning>>,
+    mut readings: JointReadings,
+) {
+    let (bodies, joints, readings) = (&mut *bodies, &mut *joints, &mut readings);
+    let queue = &mut state.joints;
+    let has_changed = !readings.changed.is_empty();
+    let is_calm = queue.arrived.is_empty() && queue.refused.is_empty();
+    if is_calm && !has_changed && !queue.have_bodies_changed {
+        return;
+    }
+    queue.have_bodies_changed = false;
+    let remade = update_known(queue, bodies, joints, readings);
+    let refused = std::mem::take(&mut queue.refused);
+    let arrived = std::mem::take(&mut queue.arrived);
+    let known: Vec<Entity> = refused.iter().map(|(entity, _)| *entity).collect();
+    for entity in remade.into_iter().chain(known).chain(arrived) {
+        let is_there = readings
+            .marks
+            .get(entity)
+            .is_ok_and(|handle| handle.0.is_some_and(|id| joints.contains(id)));
+        let is_refused = queue.refused.iter().any(|(other, _)| *other == entity);
+        let Ok(parts) = readings.parts.get(entity) else {
+            continue;
+        };
+        if is_there || is_refused {
+            continue;
+        }
+        let made = ends_of(parts, bodies, &readings.handles)
+            .and_then(|(a, b)| joints.insert(bodies, a.map(|(slot, _)| slot), b.0, *parts.0));
+        match made {
+            Ok(id) => {
+                queue.entities.push((id, entity));
+                queue.problems.push((entity, None));
+                if let Ok(mut handle) = readings.marks.get_mut(entity) {
+                    handle.0 = Some(id);
+                }
+            }
+            Err(error) => {
+                let before = refused.iter().find(|(other, _)| *other == entity);
+                // As texts, because a NaN in the reason is not equal to itself.
+                if before.map(|(_, why)| why.to_string()) != Some(error.to_string()) {
+                    warn(&mut warnings, entity, error);
+                    queue.problems.push((entity, Some(error)));
+                }
+                queue.refused.push((entity, error));
+            }
+        }
+    }
+}
+
+/// Follows what became of the joints that hold; those that are to be made anew.
+fn update_known(
+    queue: &mut JointQueue,
+    bodies: &mut Bodies,
+    joints: &mut Joints,
+    readings: &mut JointReadings,
+) -> Vec<Entity> {
+    let mut remade = Vec::new();
+    let mut gone: Vec<JointId> = Vec::new();
+    queue.entities.retain(|&(id, entity)| {
+        let parts = readings.parts.get(entity).ok();
+        let is_kept = parts.is_some_and(|parts| {
+            let slots = |(a, b): (Option<(u32, BodyId)>, (u32, BodyId))| {
+                [a.map(|(slot, _)| slot), Some(b.0)]
+            };
+            let ends = ends_of(parts, bodies, &readings.handles).map(slots);
+            let is_there = joints.is_there(bodies, id) && joints.bodies(id) == ends.ok();
+            is_there && joints.set(bodies, id, *parts.0).is_ok()
+        });
+        if !is_kept {
+            gone.push(id);
+            if let Ok(mut handle) = readings.marks.get_mut(entity) {
+                handle.0 = None;
+            }
+            if parts.is_some() {
+                remade.push(entity);
+            }
+        }
+        is_kept
+    });
+    if !gone.is_empty() {
+        joints.remove_all(bodies, |id| gone.binary_search(&id).is_ok());
+    }
+    remade
+}
+
+/// The bodies that an entity asks to be joined.
+type Ends = (Option<(u32, BodyId)>, (u32, BodyId));
+
+fn ends_of(
+    (_, a, b): (&Joint, Option<&JointA>, Option<&JointB>),
+    bodies: &Bodies,
+    handles: &Query<&BodyHandle>,
+) -> Result<Ends, JointError> {
+    let body_of = |entity: Entity| {
+        let handle = handles.get(entity).ok().and_then(|handle| handle.0);
+        let body = handle.filter(|&(slot, id)| bodies.is_current(slot, id));
+        body.ok_or(JointError::NoBody)
+    };
+    let b = body_of(b.ok_or(JointError::NoBody)?.0)?;
+    let a = a.map(|a| body_of(a.0)).transpose()?;
+    Ok((a, b))
+}
+
+/// Run condition of the systems of joints: most scenes have none.
+pub(crate) fn any_joint(state: Res<PluginState>) -> bool {
+    let queue = &state.joints;
+    !(queue.arrived.is_empty() && queue.refused.is_empty() && queue.entities.is_empty())
+}
+
+/// System: writes to the entities of joints what these bore, what is wrong with them, and which broke.
+pub(crate) fn write_joints(
+    joints: Res<Joints>,
+    mut state: ResMut<PluginState>,
+    mut loads: Query<&mut JointLoad>,
+    mut messages: MessageWriter<JointBroken>,
+    mut commands: Commands,
+) {
+    for &(id, entity) in &state.joints.entities {
+        if let (Some(load), Ok(mut to)) = (joints.load(id), loads.get_mut(entity)) {
+            to.set_if_neq(*load);
+        }
+    }
+    for (entity, problem) in state.joints.problems.drain(..) {
+        let Ok(mut entity) = commands.get_entity(entity) else {
+            continue;
+        };
+        match problem {
+            Some(problem) => entity.try_insert(JointProblem(problem)),
+            None => entity.try_remove::<JointProblem>(),
+        };
+    }
+    report_broken(&joints.broken, &mut state, &mut messages, &mut commands);
+}
+
+/// Tells which joints broke, and takes them from their entities.
+fn report_broken(
+    broken: &[BrokenJoint],
+    state: &mut PluginState,
+    messages: &mut MessageWriter<JointBroken>,
+    commands: &mut Commands,
+) {
+    for joint in broken {
+        let queue = &mut state.joints;
+        let Ok(at) = queue
+            .entities
+            .binary_search_by_key(&joint.id, |(id, _)| *id)
+        else {
+            continue;
+        };
+        let (_, entity) = queue.entities.remove(at);
+        let entities = &state.entities;
+        let bodies = joint
+            .bodies
+            .map(|end| end.and_then(|(slot, id)| entities.of(slot, id)));
+        let message = JointBroken {
+            entity,
+            bodies,
+            joint: joint.joint,
+            load: joint.load,
+            stored_energy: joint.stored_energy,
+        };
+        messages.write(message);
+        commands.queue(move |world: &mut World| {
+            if let Ok(mut entity) = world.get_entity_mut(message.entity) {
+                entity.insert((message.load, JointHandle(None)));
+                world.trigger(message);
+            }
+            if let Ok(mut entity) = world.get_entity_mut(message.entity) {
+                entity.remove::<Joint>();
+            }
+        });
+    }
+}
+
+/// Command: relates the joints that pieces have inherited to the entities of these, before the parents' go.
+pub(super) fn follow_pieces(world: &mut World) {
+    let mut inherited = Vec::new();
+    world.resource_scope(|world, mut joints: Mut<Joints>| {
+        let state = world.resource::<PluginState>();
+        for record in joints.take_inherited() {
+            let known = &state.joints.entities;
+            let Ok(at) = known.binary_search_by_key(&record.id, |(id, _)| *id) else {
+                continue;
+            };
+            let entity_of =
+                |end: Option<(u32, BodyId)>| end.and_then(|(slot, id)| state.entities.of(slot, id));
+            inherited.push((known[at].1, record.ends.map(entity_of), record.joint));
+        }
+    });
+    for (entity, [a, b], joint) in inherited {
+        let Ok(mut entity) = world.get_entity_mut(entity) else {
+            continue;
+        };
+        entity.insert(joint);
+        if let Some(a) = a {
+            entity.insert(JointA(a));
+        }
+        if let Some(b) = b {
+            entity.insert(JointB(b));
+        }
+    }
+}

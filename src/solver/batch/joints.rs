@@ -1,0 +1,395 @@
+//! The joints of a batch within its sub-steps: around the sweeps over contacts, and where the bodies go.
+//!
+//! Where joints are alone, forces act in two halves, before and after the motion, and each half is solved once and to rounding.
+//! Where contacts join in, all of a sub-step's forces act before the motion, as contacts expect, and each sweep is followed by an
+//! exact solution for the joints.
+
+use crate::bodies::free_rotation::FreeRotation;
+use crate::bodies::solver_body::SolverBody;
+use crate::bodies::store::Bodies;
+use crate::joints::store::JointRecord;
+use crate::solver::batch::{Batch, TurningBody};
+use crate::solver::graph::indices::BodyNumber;
+use crate::solver::joint::drift::Drift;
+use crate::solver::joint::measure::Place;
+use crate::solver::joint::rows::HalfSettings;
+use crate::solver::joint::system::{FixedBody, JointEndpoint, JointSystem, JointedBody};
+use crate::solver::joint::vector6::{Vector6, join, split};
+use glam::{DVec3, Mat3, Vec3};
+
+/// Marks a body that has no number among the jointed ones.
+const NONE: u32 = u32::MAX;
+
+/// Rounding of a coordinate, as a share of it: half a unit in the last place of a center and of an anchor.
+const ROUNDING: f32 = 1.2e-7;
+
+/// A jointed body within its batch.
+#[derive(Clone, Copy, Debug)]
+struct JointedNumber {
+    /// Its number.
+    body: BodyNumber,
+    /// Its place among those that turn.
+    turning: u32,
+    /// Center of mass at the start of the step, m.
+    start: DVec3,
+}
+
+/// Joints within a batch: empty where there are none.
+#[derive(Debug, Default)]
+pub struct BatchJoints {
+    system: JointSystem,
+    drift: Drift,
+    /// By jointed body.
+    numbers: Vec<JointedNumber>,
+    /// By number of a body: its end of joints.
+    ends: Vec<Option<JointEndpoint>>,
+    /// By jointed body: what joints and free rotation have added to its velocities in the sub-step.
+    given: Vec<SolverBody>,
+    /// Impulses of rows, and what was given, before the last sweep.
+    last_impulses: Vec<f64>,
+    last_given: Vec<SolverBody>,
+    /// Whether there are contacts too.
+    has_contacts: bool,
+}
+
+impl BatchJoints {
+    /// Whether there are any.
+    pub(crate) fn any(&self) -> bool {
+        !self.system.joints.is_empty()
+    }
+
+    /// Whether there are joints, and no contacts.
+    pub(crate) fn are_alone(&self) -> bool {
+        self.any() && !self.has_contacts
+    }
+
+    /// Shares of the forces of a sub-step that act before and after the motion.
+    fn shares(&self) -> [f32; 2] {
+        if self.are_alone() {
+            [0.5; 2]
+        } else {
+            [1.0, 0.0]
+        }
+    }
+
+    /// Remembers the impulses of joints as they are before a sweep.
+    pub(crate) fn remember(&mut self) {
+        let BatchJoints {
+            system,
+            given,
+            last_impulses,
+            last_given,
+            ..
+        } = self;
+        last_impulses.clear();
+        last_impulses.extend(system.rows.iter().map(|row| row.impulse));
+        last_given.clone_from(given);
+    }
+
+    /// Moves the impulses of joints on in the direction of their last change.
+    pub(crate) fn extrapolate(&mut self, weight: f32) {
+        let BatchJoints {
+            system,
+            given,
+            last_impulses,
+            last_given,
+            ..
+        } = self;
+        let rows = system.rows.iter_mut().map(|row| &mut row.impulse);
+        for (now, last) in rows.zip(last_impulses) {
+            let change = *now - *last;
+            *last = *now;
+            *now += f64::from(weight) * change;
+        }
+        for (now, last) in given.iter_mut().zip(last_given) {
+            let before = *now;
+            now.linear += weight * (before.linear - last.linear);
+            now.angular += weight * (before.angular - last.angular);
+            *last = before;
+        }
+    }
+}
+
+impl Batch {
+    /// Takes over the joints of its islands; `joints`: those of the step.
+    pub(crate) fn load_joints(&mut self, joints: &[JointRecord], bodies: &Bodies) {
+        self.joints.system.clear();
+        if self.layout.joints.is_empty() {
+            return;
+        }
+        self.joints.has_contacts = !self.layout.places.is_empty();
+        self.joints.numbers.clear();
+        self.joints.ends.clear();
+        self.joints.ends.resize(self.bodies.velocities.len(), None);
+        // The world.
+        self.joints.system.fixed.push(FixedBody::default());
+        let h = self.settings.substep_dt;
+        for at in 0..self.layout.joints.len() {
+            let (index, numbers) = self.layout.joints[at];
+            let record = &joints[index as usize];
+            let ends = numbers.map(|number| match number {
+                Some(number) => self.end_of(number, bodies),
+                None => JointEndpoint::Fixed(0),
+            });
+            let frames = [record.joint.frame_a, record.joint.frame_b];
+            let centers = numbers.map(|number| number.map(|n| self.layout.slots[n.index()]));
+            let anchors = [0, 1].map(|side| {
+                let center = centers[side].map_or(Vec3::ZERO, |slot| bodies.mass(slot).center);
+                frames[side].position.as_dvec3() - center.as_dvec3()
+            });
+            let forces = (0..).zip(record.forces).filter(|(_, force)| *force != 0.0);
+            let rows = forces.map(|(slot, force)| (slot, f64::from(h * force)));
+            let angle = record.load.angle.into();
+            let system = &mut self.joints.system;
+            system.add_joint(record.joint, ends, anchors, angle, rows);
+            let far = centers.map(|slot| {
+                slot.map_or(0.0, |slot| bodies.center[slot as usize].abs().max_element())
+            });
+            if let Some(joint) = system.joints.last_mut() {
+                joint.slack = (ROUNDING * far[0].max(far[1])).into();
+            }
+        }
+        self.joints.system.analyse();
+        self.load_jointed_turning(bodies);
+        self.joints.given.clear();
+        let count = self.joints.numbers.len();
+        self.joints.given.resize(count, SolverBody::default());
+    }
+
+    /// What a joint holds on to of a body.
+    fn end_of(&mut self, number: BodyNumber, bodies: &Bodies) -> JointEndpoint {
+        if let Some(end) = self.joints.ends[number.index()] {
+            return end;
+        }
+        let slot = self.layout.slots[number.index()];
+        let i = slot as usize;
+        let velocity = &self.bodies.velocities[number.index()];
+        let system = &mut self.joints.system;
+        let end = if velocity.inverse_mass > 0.0 {
+            let mass = bodies.mass(slot);
+            let center = bodies.center[i].as_dvec3();
+            self.joints.numbers.push(JointedNumber {
+                body: number,
+                turning: NONE,
+                start: center,
+            });
+            system.bodies.push(JointedBody {
+                spin: FreeRotation::new(bodies.rotation[i], mass),
+                center,
+                mass: f64::from(velocity.inverse_mass).recip(),
+                principal: mass.principal.as_dvec3(),
+                frame: mass.principal_frame.as_dquat().normalize(),
+                ..JointedBody::default()
+            });
+            system.velocities.push(velocity_of(velocity));
+            JointEndpoint::Jointed(system.bodies.len() as u32 - 1)
+        } else {
+            system.fixed.push(FixedBody {
+                place: Place {
+                    center: bodies.center[i].as_dvec3(),
+                    rotation: bodies.rotation[i].as_dquat().normalize(),
+                },
+                velocity: velocity_of(velocity),
+            });
+            JointEndpoint::Fixed(system.fixed.len() as u32 - 1)
+        };
+        self.joints.ends[number.index()] = Some(end);
+        end
+    }
+
+    /// Has all jointed bodies among those that turn.
+    fn load_jointed_turning(&mut self, bodies: &Bodies) {
+        let turning = &mut self.bodies.turning;
+        for (number, body) in self.joints.numbers.iter().zip(&self.joints.system.bodies) {
+            let known = turning.binary_search_by_key(&number.body.0, |turning| turning.body);
+            let at = known.unwrap_or_else(|at| {
+                let slot = self.layout.slots[number.body.index()];
+                turning.insert(
+                    at,
+                    TurningBody {
+                        body: number.body.0,
+                        start: body.spin.rotation,
+                        spin: body.spin,
+                        inverse_inertia: bodies.mass(slot).inverse_inertia(),
+                        is_jointed: true,
+                    },
+                );
+                at
+            });
+            turning[at].is_jointed = true;
+        }
+        for number in &mut self.joints.numbers {
+            let known = turning.binary_search_by_key(&number.body.0, |turning| turning.body);
+            number.turning = known.map_or(NONE, |at| at as u32);
+        }
+    }
+
+    fn half(&self, share: f32) -> HalfSettings {
+        let settings = &self.settings;
+        HalfSettings {
+            substep_dt: settings.substep_dt.into(),
+            kick: (share * settings.substep_dt).into(),
+            push_out_speed: settings.push_out_speed.into(),
+            restitution_threshold: settings.restitution_threshold.into(),
+        }
+    }
+
+    /// Share of a sub-step's gravity that acts before the motion.
+    pub(crate) fn gravity_share(&self) -> f32 {
+        self.joints.shares()[0]
+    }
+
+    /// Begins a sub-step, after gravity.
+    pub(crate) fn begin_joints(&mut self, is_first: bool) {
+        if !self.joints.any() {
+            return;
+        }
+        self.joints.given.fill(SolverBody::default());
+        self.fetch_velocities();
+        let half = self.half(self.joints.shares()[0]);
+        let system = &mut self.joints.system;
+        if is_first {
+            system.linearise();
+        }
+        system.begin_ahead(&half, self.joints.has_contacts);
+        self.return_velocities();
+    }
+
+    /// Gives the joints the velocities that satisfy them.
+    pub(crate) fn solve_joints(&mut self) {
+        if !self.joints.any() {
+            return;
+        }
+        self.fetch_velocities();
+        self.joints.system.solve();
+        self.return_velocities();
+    }
+
+    /// Before the bodies move: has the joints hold at the end of the motion.
+    pub(crate) fn keep_joints_together(&mut self) {
+        if !self.joints.any() {
+            return;
+        }
+        self.fetch_velocities();
+        let settings = &self.settings;
+        let (h, speed) = (settings.substep_dt.into(), settings.push_out_speed.into());
+        let BatchJoints { system, drift, .. } = &mut self.joints;
+        system.keep_together(drift, h, speed, settings.lane_width);
+        self.return_velocities();
+    }
+
+    /// After the bodies have moved: turns those of joints, and has the rows be where they are now.
+    pub(crate) fn turn_jointed_bodies(&mut self) {
+        if !self.joints.any() {
+            return;
+        }
+        let share = self.joints.shares()[1];
+        let half = self.half(share);
+        let BatchJoints {
+            system,
+            drift,
+            numbers,
+            given,
+            ..
+        } = &mut self.joints;
+        let gravity = share * self.settings.substep_dt * self.settings.gravity;
+        for (number, push) in numbers.iter().zip(&system.pushes) {
+            let [linear, angular] = split(push).map(|v| (half.substep_dt * v).as_vec3());
+            let moved = &mut self.bodies.displacements[number.body.index()];
+            moved.linear += linear;
+            moved.angular += angular;
+        }
+        let jointed = system.bodies.iter_mut().zip(&drift.bodies);
+        let jointed = jointed.zip(numbers.iter()).zip(given);
+        for (((body, moved), number), given) in jointed {
+            let i = number.body.index();
+            let velocity = &mut self.bodies.velocities[i];
+            given.angular += moved.angular - velocity.angular;
+            velocity.angular = moved.angular;
+            velocity.linear += gravity;
+            body.spin = moved.spin;
+            body.center = number.start + self.bodies.displacements[i].linear.as_dvec3();
+            let turning = &mut self.bodies.turning[number.turning as usize];
+            turning.spin = moved.spin;
+            let r = Mat3::from_quat(moved.spin.rotation);
+            let inertia = r * turning.inverse_inertia * r.transpose();
+            self.bodies.masses[i].set_inverse_inertia(&inertia);
+        }
+        for body in &mut system.fixed {
+            body.place = body.after(half.substep_dt);
+        }
+        system.linearise();
+        self.fetch_velocities();
+        self.joints.system.begin_along(&half);
+    }
+
+    /// Ends a sub-step: what joints have given is none of what contacts have.
+    pub(crate) fn end_joints(&mut self) {
+        if !self.joints.any() {
+            return;
+        }
+        self.joints.system.end_substep();
+        let begin = &mut self.bodies.contact_velocity_changes;
+        if begin.is_empty() {
+            return;
+        }
+        for (number, given) in self.joints.numbers.iter().zip(&self.joints.given) {
+            let begin = &mut begin[number.body.index()];
+            begin.linear += given.linear;
+            begin.angular += given.angular;
+        }
+    }
+
+    fn fetch_velocities(&mut self) {
+        let BatchJoints {
+            system, numbers, ..
+        } = &mut self.joints;
+        for (velocity, number) in system.velocities.iter_mut().zip(numbers) {
+            *velocity = velocity_of(&self.bodies.velocities[number.body.index()]);
+        }
+    }
+
+    fn return_velocities(&mut self) {
+        let BatchJoints {
+            system,
+            numbers,
+            given,
+            ..
+        } = &mut self.joints;
+        let jointed = numbers.iter().zip(&system.velocities).zip(given);
+        for ((number, velocity), given) in jointed {
+            let body = &mut self.bodies.velocities[number.body.index()];
+            let [linear, angular] = split(velocity).map(|v| v.as_vec3());
+            given.linear += linear - body.linear;
+            given.angular += angular - body.angular;
+            (body.linear, body.angular) = (linear, angular);
+        }
+    }
+
+    /// Takes back what the joints bore; `joints`: those of the step.
+    pub(crate) fn store_joints(&self, joints: &mut [JointRecord]) {
+        let system = &self.joints.system;
+        let (step_dt, h) = (self.settings.step_dt(), self.settings.substep_dt);
+        for ((index, _), joint) in self.layout.joints.iter().zip(&system.joints) {
+            let record = &mut joints[*index as usize];
+            let [force, torque] = joint.impulse.map(|impulse| impulse.as_vec3() / step_dt);
+            record.load.force = force;
+            record.load.torque = torque;
+            record.load.error = joint.error.map(|error| error as f32);
+            record.load.angle = joint.angle as f32;
+            let translation = joint.now.as_ref().map(|now| now.translation().as_vec3());
+            record.load.translation = translation.unwrap_or_default();
+            record.forces.fill(0.0);
+            record.stored_energy = 0.0;
+            for row in &system.rows[joint.rows.clone()] {
+                let force = (row.impulse + row.spent) as f32 / h;
+                record.forces[usize::from(row.slot)] = force;
+                record.stored_energy += row.stored_energy() as f32;
+            }
+        }
+    }
+}
+
+fn velocity_of(body: &SolverBody) -> Vector6 {
+    join(body.linear.as_dvec3(), body.angular.as_dvec3())
+}

@@ -1,0 +1,167 @@
+//! Where the bodies of joints go in a sub-step, and the impulses that have them joined there.
+//!
+//! What the rows know of the end of a sub-step is where it would be if nothing turned. Where the bodies would really be is seen by
+//! moving them; what is amiss there becomes impulses along the rows as they are, and the bodies are moved anew. Each round gains a
+//! factor of about `h omega`.
+
+use crate::bodies::free_rotation::{FreeRotation, FreeRotations, SPINS};
+use crate::math::rotate_by;
+use crate::simd::lanes::LaneWidth;
+use crate::solver::joint::measure::{Frames, Place};
+use crate::solver::joint::row::{EPSILON, RowState};
+use crate::solver::joint::rows::position_of;
+use crate::solver::joint::system::{JointEndpoint, JointSystem};
+use crate::solver::joint::vector6::{Vector6, split};
+use glam::Vec3;
+
+/// Most rounds.
+const ROUNDS: usize = 4;
+
+/// What may be amiss, as a share of the joint's levers, or rad: a few roundings of a rotation.
+const TOLERANCE: f64 = 2e-7;
+
+/// Softness of rows that push, as [`EPSILON`]: where bodies are so far apart that joints cannot be met, as those of a straight chain
+/// that is to be shorter, rigid rows would move them by any amount.
+const PUSH_EPSILON: f64 = 1e-2;
+
+/// Fastest motion of a body that is pushed, over the speed at which what is apart is brought together.
+const MOST_PUSH: f64 = 4.0;
+
+/// Where bodies are after a motion.
+#[derive(Debug, Default)]
+pub(crate) struct Drift {
+    pub(crate) bodies: Vec<Moved>,
+}
+
+/// A body after the motion.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Moved {
+    pub(crate) place: Place,
+    pub(crate) spin: FreeRotation,
+    /// Angular velocity, rad/s.
+    pub(crate) angular: Vec3,
+}
+
+impl JointSystem {
+    /// Changes velocities and impulses so that the joints hold where the bodies are `h` seconds later, which `drift` says then. Pushes
+    /// together what is apart for another reason than motion, at a speed of at most some `push_out_speed`, m/s.
+    pub(crate) fn keep_together(
+        &mut self,
+        drift: &mut Drift,
+        h: f64,
+        push_out_speed: f64,
+        width: LaneWidth,
+    ) {
+        self.pushes.clear();
+        for round in 0..ROUNDS {
+            drift.follow(self, h, width);
+            if round + 1 == ROUNDS || !self.find_misses(drift, h) {
+                break;
+            }
+            self.apply_missing();
+        }
+        if self.rows.iter().any(|row| row.push != 0.0) {
+            self.find_pushes(h, push_out_speed);
+            drift.follow(self, h, width);
+        }
+    }
+
+    /// Finds the impulses that rows miss for what is amiss after a motion; whether that is worth it.
+    fn find_misses(&mut self, drift: &Drift, h: f64) -> bool {
+        self.missing.clear();
+        let mut is_worth = false;
+        for joint in &self.joints {
+            let places = joint.ends.map(|end| match end {
+                JointEndpoint::Jointed(body) => drift.bodies[body as usize].place,
+                JointEndpoint::Fixed(body) => self.fixed[body as usize].after(h),
+            });
+            let [a, b] = &places;
+            let frames = Frames::of([a, b], joint.anchors, joint.frames);
+            let measures = frames.measure(&joint.joint, joint.angle);
+            for row in &mut self.rows[joint.rows.clone()] {
+                let tolerance = if row.is_angular {
+                    TOLERANCE
+                } else {
+                    TOLERANCE * joint.levers() + joint.slack
+                };
+                // What is pushed is followed nowhere: an angle that is far off may jump to the other side.
+                let position = if row.is_position() && row.push == 0.0 {
+                    position_of(&joint.joint, &measures, row)
+                } else {
+                    None
+                };
+                let amiss = position.map_or(0.0, |position| row.goal - position);
+                let is_off = amiss.abs() > tolerance;
+                if row.state != RowState::Free && is_off && row.side * amiss > 0.0 {
+                    // A limit that turns out to be reached.
+                    row.state = RowState::Free;
+                    self.is_factored = false;
+                }
+                let acts = row.state == RowState::Free;
+                is_worth |= acts && is_off;
+                let missing = if acts { row.stiffness * amiss / h } else { 0.0 };
+                self.missing.push(missing);
+            }
+        }
+        is_worth
+    }
+
+    /// Finds velocities that push the bodies to where they belong and move no other joint.
+    fn find_pushes(&mut self, h: f64, push_out_speed: f64) {
+        self.missing.clear();
+        for row in &mut self.rows {
+            if row.is_rigid() {
+                row.stiffness *= EPSILON / PUSH_EPSILON;
+            }
+            let acts = row.state == RowState::Free;
+            let missing = if acts {
+                row.stiffness * row.push / h
+            } else {
+                0.0
+            };
+            self.missing.push(missing);
+        }
+        // The rows are written anew before they are solved again.
+        self.is_factored = false;
+        self.find_changes();
+        let speed = |change: &Vector6| split(change)[0].length();
+        let fastest = self.changes.iter().map(speed).fold(0.0, f64::max);
+        // A chain that is straight cannot become shorter but by much to the side.
+        let share = (MOST_PUSH * push_out_speed / fastest).min(1.0);
+        let position = &self.sparsity.position;
+        let changes = position.iter().map(|&at| &self.changes[at as usize]);
+        self.pushes
+            .extend(changes.map(|change| change.map(|x| share * x)));
+    }
+}
+
+impl Drift {
+    /// Moves all bodies from where they are.
+    fn follow(&mut self, system: &JointSystem, h: f64, width: LaneWidth) {
+        self.bodies.clear();
+        let bodies = system.bodies.chunks(SPINS);
+        for (bodies, velocities) in bodies.zip(system.velocities.chunks(SPINS)) {
+            let mut spins = FreeRotations::default();
+            for (body, velocity) in bodies.iter().zip(velocities) {
+                spins.push(body.spin, split(velocity)[1].as_vec3());
+            }
+            spins.advance(h as f32, width);
+            let moved = bodies.iter().zip(velocities).zip(spins.iter());
+            self.bodies
+                .extend(moved.map(|((body, velocity), (spin, angular))| Moved {
+                    place: Place {
+                        center: body.center + h * split(velocity)[0],
+                        rotation: spin.rotation.as_dquat().normalize(),
+                    },
+                    spin: *spin,
+                    angular,
+                }));
+        }
+        for (moved, push) in self.bodies.iter_mut().zip(&system.pushes) {
+            let [linear, angular] = split(push);
+            moved.place.center += h * linear;
+            moved.spin.rotation = rotate_by(moved.spin.rotation, angular.as_vec3(), h as f32);
+            moved.place.rotation = moved.spin.rotation.as_dquat().normalize();
+        }
+    }
+}

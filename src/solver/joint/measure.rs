@@ -1,0 +1,234 @@
+//! Where two bodies are against each other, as a joint sees it: the value of each axis, and how it changes with their velocities.
+//!
+//! Symbols, all in world axes: `x` center of mass, `r` from it to the anchor, `d` from A's anchor to B's, `e_i` axes of A's frame,
+//! `f_i` axes of B's, `v` and `omega` velocities. A row has the velocity `J v = j_a . (v_a, omega_a) + j_b . (v_b, omega_b)`.
+//!
+//! | axis | value | Jacobian of B | of A |
+//! |---|---|---|---|
+//! | linear | `e_i . d` | `(e_i, r_b x e_i)` | `-(e_i, (r_a + d) x e_i)`: the axis turns with A |
+//! | distance | `\|d\|` | `(u, r_b x u)`, `u = d / \|d\|` | `-(u, r_a x u)` |
+//! | three locked angles | `2 vec(q)`, `q` = B's frame in A's | `(0, e_i)` | `-(0, e_i)` |
+//! | swings of a hinge | `-f_x . e_z`, `f_x . e_y` | `(0, e_z x f_x)`, `(0, f_x x e_y)` | the same, negative |
+//! | twist | `2 atan(q_x / q_w)` | `(0, (e_x + f_x) / (1 + e_x . f_x))` | the same, negative |
+//! | swing | angle of `e_x x f_x` along `e_y` or `e_z` | `(0, e_i)` | the same, negative |
+//! | cone | what is left of the ellipse of the two half-angles | `-(0, n)`, `n` across it | the same, negative |
+//!
+//! The twist is that of the decomposition `q = swing twist`, which turns about x first. Its rate follows from `f_x` being carried
+//! along without turning about itself.
+//!
+//! # References
+//! Dobrowolski, "Swing-Twist Decomposition in Clifford Algebra", 2015; Catto, "3D Constraint Derivations for Impulse Solvers".
+
+use crate::joints::axis::{AxisRange, JointAxis};
+use crate::joints::joint::Joint;
+use crate::math::atan2;
+use crate::solver::joint::vector6::{Vector6, join};
+use glam::{DMat3, DQuat, DVec3};
+use smallvec::SmallVec;
+
+/// A body where a joint is: center of mass and rotation, world, and the joint's frame, relative to the center of mass, body's axes.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Place {
+    pub(crate) center: DVec3,
+    pub(crate) rotation: DQuat,
+}
+
+/// What one axis of a joint has come to.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Measure {
+    /// Of the joint's seven: linear, angular, distance.
+    pub(crate) axis: usize,
+    /// m or rad; of a cone how much of it is left.
+    pub(crate) value: f64,
+    pub(crate) jacobian: [Vector6; 2],
+    /// Whether the axis is held or limited there.
+    pub(crate) has_range: bool,
+    /// Whether the range is that of a cone: what is left is not to become negative.
+    pub(crate) is_cone: bool,
+    /// Whether drive and friction act there.
+    pub(crate) is_driven: bool,
+}
+
+pub(crate) type Measures = SmallVec<[Measure; 8]>;
+
+/// Number of the distance among the axes.
+pub(crate) const DISTANCE: usize = 6;
+
+/// Smallest length that has a direction.
+const TINY: f64 = 1e-9;
+
+/// A joint's frames in the world.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Frames {
+    /// From the centers of mass to the anchors, m.
+    pub(crate) r: [DVec3; 2],
+    /// From A's anchor to B's, m.
+    pub(crate) d: DVec3,
+    /// Axes of the frames.
+    pub(crate) axes: [DMat3; 2],
+    /// B's frame in A's, with a scalar part that is not negative.
+    relative: DQuat,
+}
+
+impl Frames {
+    /// `anchors`: from centers of mass, body's axes; `frames`: `body_from_joint`.
+    pub(crate) fn of(places: [&Place; 2], anchors: [DVec3; 2], frames: [DQuat; 2]) -> Self {
+        let turned = [0, 1].map(|i| (places[i].rotation * frames[i]).normalize());
+        let r = [0, 1].map(|i| DMat3::from_quat(places[i].rotation) * anchors[i]);
+        let relative = turned[0].inverse() * turned[1];
+        Self {
+            r,
+            d: (places[1].center - places[0].center) + (r[1] - r[0]),
+            axes: turned.map(DMat3::from_quat),
+            relative: if relative.w < 0.0 {
+                -relative
+            } else {
+                relative
+            },
+        }
+    }
+
+    /// How far B's anchor is from A's, axes of A's frame, m.
+    pub(crate) fn translation(&self) -> DVec3 {
+        self.axes[0].transpose() * self.d
+    }
+
+    /// Twist, the nearest to `last` of those that are the same but for full turns, rad.
+    pub(crate) fn twist(&self, last: f64) -> f64 {
+        const TURN: f64 = std::f64::consts::TAU;
+        let angle = 2.0 * atan2(self.relative.x, self.relative.w);
+        angle + TURN * ((last - angle) / TURN).round()
+    }
+
+    /// What the axes of a joint have come to that do anything. `last`: twist in the last step, rad.
+    pub(crate) fn measure(&self, joint: &Joint, last: f64) -> Measures {
+        let mut measures = Measures::new();
+        for (i, axis) in joint.linear.iter().enumerate() {
+            if does_anything(axis) {
+                let e = self.axes[0].col(i);
+                let on_a = join(-e, e.cross(self.r[0] + self.d));
+                measures.push(both(i, e.dot(self.d), [on_a, join(e, self.r[1].cross(e))]));
+            }
+        }
+        if does_anything(&joint.distance) {
+            let length = self.d.length();
+            let u = if length > TINY {
+                self.d / length
+            } else {
+                self.axes[0].x_axis
+            };
+            let jacobian = [join(-u, u.cross(self.r[0])), join(u, self.r[1].cross(u))];
+            measures.push(both(DISTANCE, length, jacobian));
+        }
+        self.measure_angles(joint, last, &mut measures);
+        measures
+    }
+
+    fn measure_angles(&self, joint: &Joint, last: f64, measures: &mut Measures) {
+        let is_locked = |i: usize| joint.angular[i].range == AxisRange::Locked;
+        if [0, 1, 2].into_iter().all(is_locked) {
+            let error = [self.relative.x, self.relative.y, self.relative.z];
+            for (i, error) in error.into_iter().enumerate() {
+                let jacobian = about(self.axes[0].col(i));
+                measures.push(both(3 + i, 2.0 * error, jacobian));
+            }
+            return;
+        }
+        let (e, f) = (&self.axes[0], self.axes[1].x_axis);
+        if does_anything(&joint.angular[0]) {
+            let share = (1.0 + e.x_axis.dot(f)).max(TINY);
+            let jacobian = about((e.x_axis + f) / share);
+            measures.push(both(3, self.twist(last), jacobian));
+        }
+        let swing = self.swing();
+        let has_cone = cone_of(joint).is_some();
+        for i in [1, 2] {
+            let axis = &joint.angular[i];
+            if !does_anything(axis) {
+                continue;
+            }
+            let measure = if is_locked(i) && e.x_axis.dot(f) > 0.0 {
+                let across = [e.y_axis, e.z_axis][2 - i];
+                let sign = [-1.0, 1.0][i - 1];
+                let value = sign * f.dot(across);
+                both(3 + i, value, about(sign * f.cross(across)))
+            } else {
+                both(3 + i, swing[i - 1], about(e.col(i)))
+            };
+            let has_range = measure.has_range && !has_cone;
+            measures.push(Measure {
+                has_range,
+                ..measure
+            });
+        }
+        if let Some(half_angles) = cone_of(joint) {
+            measures.extend(self.cone(swing, half_angles));
+        }
+    }
+
+    /// The rotation that takes A's x axis to B's, along A's y and z axes, rad.
+    fn swing(&self) -> [f64; 2] {
+        let (e, f) = (&self.axes[0], self.axes[1].x_axis);
+        let axis = e.x_axis.cross(f);
+        let sine = axis.length();
+        let cosine = e.x_axis.dot(f);
+        if sine < TINY {
+            let angle = if cosine < 0.0 {
+                std::f64::consts::PI
+            } else {
+                0.0
+            };
+            return [angle, 0.0];
+        }
+        let angle = atan2(sine, cosine) / sine;
+        [angle * axis.dot(e.y_axis), angle * axis.dot(e.z_axis)]
+    }
+
+    /// How much is left between a swing and the ellipse of the half-angles, across the ellipse.
+    fn cone(&self, swing: [f64; 2], half_angles: [f64; 2]) -> Option<Measure> {
+        let scaled = [0, 1].map(|i| swing[i] / half_angles[i]);
+        let size = (scaled[0] * scaled[0] + scaled[1] * scaled[1]).sqrt();
+        if size < TINY {
+            return None;
+        }
+        let gradient = [0, 1].map(|i| scaled[i] / (half_angles[i] * size));
+        let steepness = (gradient[0] * gradient[0] + gradient[1] * gradient[1]).sqrt();
+        let [y, z] = gradient.map(|g| g / steepness);
+        let across = self.axes[0].y_axis * y + self.axes[0].z_axis * z;
+        Some(Measure {
+            is_cone: true,
+            is_driven: false,
+            ..both(4, (1.0 - size) / steepness, about(-across))
+        })
+    }
+}
+
+/// Half-angles of the cone that two swings with limits make, rad.
+fn cone_of(joint: &Joint) -> Option<[f64; 2]> {
+    let half = |axis: &JointAxis| match axis.range {
+        AxisRange::Limited { min, max } if min == -max && max > 0.0 => Some(f64::from(max)),
+        _ => None,
+    };
+    Some([half(&joint.angular[1])?, half(&joint.angular[2])?])
+}
+
+/// Whether an axis makes rows.
+fn does_anything(axis: &JointAxis) -> bool {
+    axis.range != AxisRange::Free || axis.drive.is_some() || axis.friction > 0.0
+}
+
+fn both(axis: usize, value: f64, jacobian: [Vector6; 2]) -> Measure {
+    Measure {
+        axis,
+        value,
+        jacobian,
+        has_range: true,
+        is_cone: false,
+        is_driven: true,
+    }
+}
+
+/// The Jacobian of a turn of B against A about an axis.
+fn about(axis: DVec3) -> [Vector6; 2] {
+    [join(DVec3::ZERO, -axis), join(DVec3::ZERO, axis)]
+}

@@ -1,0 +1,25 @@
+//! Joints as rows, and their solution to rounding: all joints of some islands at once, loops and all, by one sparse factorisation.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `vector6.rs` | velocities, rows and blocks of six |
+//! | `measure.rs` | where two bodies are against each other: values and Jacobians of a joint's axes |
+//! | `row.rs` | one constraint: stiffness, target, bounds |
+//! | `rows.rs` | which rows a joint has, and what they aim at in each half of a sub-step |
+//! | `sparsity.rs` | in which order bodies are eliminated, and what fills in |
+//! | `factor.rs` | `M + J^T K J` as a product of triangles |
+//! | `system.rs` | the bodies and joints of a batch, and their rows |
+//! | `solve.rs` | which rows act; velocities that satisfy them |
+//! | `drift.rs` | where the bodies go, and the impulses that keep the joints together there |
+//!
+//! Must not know contacts, batches and threads. Read `row.rs` first, then `system.rs`.
+
+pub(crate) mod drift;
+mod factor;
+pub(crate) mod measure;
+pub(crate) mod row;
+pub(crate) mod rows;
+mod solve;
+mod sparsity;
+pub(crate) mod system;
+pub(crate) mod vector6;

@@ -1,0 +1,279 @@
+//! Which rows a joint has, and what they aim at in the two halves of a sub-step.
+//!
+//! A sub-step of the bodies of joints is a leapfrog with constraints (RATTLE): half of the forces, velocities with which the bodies
+//! are joined at its *end*, the motion, the other half of the forces, velocities that do not leave the joints. It is symmetric in
+//! time, so a pendulum keeps its energy over any time, and its places and velocities are of second order in `h`.
+//!
+//! # References
+//! Andersen, "Rattle: A 'Velocity' Version of the Shake Algorithm", J. Comput. Phys. 52, 1983; Leimkuhler and Skeel, "Symplectic
+//! Numerical Integrators in Constrained Hamiltonian Systems", 1994.
+
+use crate::joints::axis::{AxisRange, DriveTarget, JointAxis, JointSpring};
+use crate::joints::joint::Joint;
+use crate::solver::joint::measure::{DISTANCE, Measure};
+use crate::solver::joint::row::{EPSILON, JointRow, RowKind, RowState};
+
+/// Which rows of an axis there are: what holds it or its lower end, its upper end, drive, friction.
+const HOLD: usize = 0;
+const UPPER: usize = 1;
+const DRIVE: usize = 2;
+const FRICTION: usize = 3;
+
+/// Share of a joint's levers (or angle, rad) from which it is apart by more than motion makes.
+const FAR: f64 = 1e-4;
+
+/// Share of the way of a sub-step that is left to a limit that is reached.
+const NEAR: f64 = 1e-3;
+
+/// What the rows of half a sub-step are told.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct HalfSettings {
+    /// Length of the sub-step, s.
+    pub(crate) substep_dt: f64,
+    /// For how long forces act in this half, s.
+    pub(crate) kick: f64,
+    /// Fastest speed at which what is apart is brought together, m/s and rad/s.
+    pub(crate) push_out_speed: f64,
+    /// Speed below which nothing comes back from a limit, m/s and rad/s.
+    pub(crate) restitution_threshold: f64,
+}
+
+/// The axis of a joint by its number.
+pub(crate) fn axis_of(joint: &Joint, number: usize) -> &JointAxis {
+    match number {
+        DISTANCE => &joint.distance,
+        3.. => &joint.angular[number - 3],
+        _ => &joint.linear[number],
+    }
+}
+
+/// Adds the rows that a measure stands for. `mobility`: `J M^-1 J^T`, 1/kg.
+pub(crate) fn add_rows(rows: &mut Vec<JointRow>, joint: &Joint, measure: &Measure, mobility: f64) {
+    let axis = axis_of(joint, measure.axis);
+    let number = measure.axis;
+    let row = |part: usize, kind: RowKind, position: f64| JointRow {
+        slot: (4 * number + part) as u8,
+        kind,
+        is_angular: (3..DISTANCE).contains(&number),
+        jacobian: measure.jacobian,
+        position,
+        restitution: f64::from(axis.restitution),
+        mobility,
+        max_force: f64::INFINITY,
+        ..JointRow::default()
+    };
+    let coefficients = |spring: JointSpring| coefficients(spring, mobility);
+    if measure.has_range {
+        let limit = |part: usize, side: f64, position: f64| match axis.softness {
+            Some(spring) => JointRow {
+                side,
+                ..row(part, RowKind::Spring(coefficients(spring)), position)
+            },
+            None => JointRow {
+                side,
+                ..row(part, RowKind::Limit, position)
+            },
+        };
+        match axis.range {
+            _ if measure.is_cone => rows.push(limit(HOLD, 1.0, measure.value)),
+            AxisRange::Free => {}
+            AxisRange::Locked => rows.push(row(HOLD, RowKind::Equality, measure.value)),
+            AxisRange::Limited { min, max } if min == max => {
+                let position = measure.value - f64::from(min);
+                rows.push(row(HOLD, RowKind::Equality, position));
+            }
+            AxisRange::Limited { min, max } => {
+                rows.push(limit(HOLD, 1.0, measure.value - f64::from(min)));
+                rows.push(limit(UPPER, -1.0, measure.value - f64::from(max)));
+            }
+        }
+    }
+    if measure.is_driven {
+        add_drive(rows, axis, measure.value, &row);
+    }
+}
+
+/// Adds the rows of a drive and of friction; `row` makes those of the axis.
+fn add_drive(
+    rows: &mut Vec<JointRow>,
+    axis: &JointAxis,
+    value: f64,
+    row: &impl Fn(usize, RowKind, f64) -> JointRow,
+) {
+    if let Some(drive) = axis.drive {
+        let (kind, position) = match drive.target {
+            DriveTarget::Velocity(velocity) => (RowKind::Velocity(velocity.into()), 0.0),
+            DriveTarget::Position { position, spring } => {
+                let mobility = row(DRIVE, RowKind::Equality, 0.0).mobility;
+                let kind = RowKind::Spring(coefficients(spring, mobility));
+                (kind, value - f64::from(position))
+            }
+        };
+        rows.push(JointRow {
+            max_force: drive.max_force.into(),
+            ..row(DRIVE, kind, position)
+        });
+    }
+    if axis.friction > 0.0 {
+        rows.push(JointRow {
+            max_force: axis.friction.into(),
+            ..row(FRICTION, RowKind::Velocity(0.0), 0.0)
+        });
+    }
+}
+
+/// How far a row is from where it should be, by other measures of its joint.
+pub(crate) fn position_of(joint: &Joint, measures: &[Measure], row: &JointRow) -> Option<f64> {
+    let (number, part) = (usize::from(row.slot) / 4, usize::from(row.slot) % 4);
+    let is_its = |measure: &&Measure| measure.axis == number && measure.has_range;
+    let measure = measures.iter().find(is_its)?;
+    let place = match axis_of(joint, number).range {
+        AxisRange::Limited { min, .. } if part == HOLD && !measure.is_cone => min,
+        AxisRange::Limited { max, .. } if !measure.is_cone => max,
+        _ => 0.0,
+    };
+    Some(measure.value - f64::from(place))
+}
+
+/// Stiffness and damping of a spring on a row.
+fn coefficients(spring: JointSpring, mobility: f64) -> [f64; 2] {
+    match spring {
+        JointSpring::Frequency {
+            hertz,
+            damping_ratio,
+        } => {
+            let omega = std::f64::consts::TAU * f64::from(hertz);
+            let mass = if mobility > 0.0 { 1.0 / mobility } else { 0.0 };
+            [
+                mass * omega * omega,
+                2.0 * f64::from(damping_ratio) * omega * mass,
+            ]
+        }
+        JointSpring::Coefficients { stiffness, damping } => [stiffness.into(), damping.into()],
+    }
+}
+
+impl JointRow {
+    /// Aims at where the bodies are to be at the end of the sub-step. `swing`: `h^2 k J M^-1 J^T` of all springs of the two bodies;
+    /// `slack`: what rounding of places leaves open, m or rad; `size`: the joint's levers, m, or 1 rad.
+    ///
+    /// What motion leaves open is so little that it is closed on the way. More than that was not made by motion: bodies were put
+    /// where they are, and are pushed to where they belong without getting the velocity.
+    pub(crate) fn aim_ahead(&mut self, half: &HalfSettings, swing: f64, [slack, size]: [f64; 2]) {
+        let h = half.substep_dt;
+        self.act_for(half.kick);
+        match self.kind {
+            RowKind::Equality | RowKind::Limit => {
+                let most = half.push_out_speed * h;
+                let is_inside = self.side * self.position > 0.0;
+                let off = self.position.abs();
+                let is_far = !is_inside && off > slack + FAR * size;
+                let is_round = !is_inside && off <= slack;
+                self.goal = if is_far || is_round {
+                    self.position
+                } else {
+                    0.0
+                };
+                self.push = if is_far {
+                    -self.position.clamp(-most, most)
+                } else {
+                    0.0
+                };
+                self.target = (self.goal - self.position) / h;
+                self.stiffness = rigid(self.mobility);
+            }
+            RowKind::Velocity(velocity) => {
+                self.target = velocity;
+                self.stiffness = rigid(self.mobility);
+            }
+            RowKind::Spring(_) => self.pull(half, swing),
+        }
+    }
+
+    /// Aims at velocities that do not leave the joint, where the bodies are now.
+    pub(crate) fn aim_along(&mut self, half: &HalfSettings, swing: f64) {
+        let is_fresh = half.kick > 0.0;
+        let has_acted = self.side * self.impulse > 0.0;
+        if is_fresh {
+            self.spent = self.impulse;
+            self.impulse = 0.0;
+            self.act_for(half.kick);
+        }
+        match self.kind {
+            RowKind::Equality => {
+                self.target = 0.0;
+                self.stiffness = rigid(self.mobility);
+            }
+            RowKind::Limit => {
+                let approach = -self.side * self.velocity_before;
+                let is_there = self.side * self.position <= NEAR * approach * half.substep_dt;
+                let returns = (has_acted || is_there) && approach > half.restitution_threshold;
+                self.target = if returns {
+                    self.side * self.restitution * approach
+                } else if !has_acted && self.side * self.position > 0.0 {
+                    -self.position / half.substep_dt
+                } else {
+                    0.0
+                };
+                self.stiffness = rigid(self.mobility);
+            }
+            RowKind::Velocity(velocity) => {
+                self.target = velocity;
+                self.stiffness = rigid(self.mobility);
+            }
+            RowKind::Spring(_) if is_fresh => self.pull(half, swing),
+            RowKind::Spring(_) => {
+                self.base = self.impulse;
+                self.stiffness = 0.0;
+            }
+        }
+    }
+
+    /// Sets the bounds of what forces may do in a time.
+    fn act_for(&mut self, kick: f64) {
+        let most = match self.kind {
+            RowKind::Velocity(_) | RowKind::Spring(_) => kick * self.max_force,
+            RowKind::Equality | RowKind::Limit => f64::INFINITY,
+        };
+        let least = if self.side > 0.0 { 0.0 } else { -most };
+        let most = if self.side < 0.0 { 0.0 } else { most };
+        self.bounds = [least, most];
+    }
+
+    fn pull(&mut self, half: &HalfSettings, swing: f64) {
+        let RowKind::Spring([stiffness, damping]) = self.kind else {
+            return;
+        };
+        let theta = swing / (1.0 + swing);
+        self.base = -half.kick * stiffness * self.position;
+        self.stiffness = half.kick * (damping + theta * half.substep_dt * stiffness);
+        self.target = 0.0;
+    }
+
+    /// `h^2 k J M^-1 J^T` of a spring.
+    pub(crate) fn swing(&self, substep_dt: f64) -> f64 {
+        match self.kind {
+            RowKind::Spring([stiffness, _]) => substep_dt * substep_dt * stiffness * self.mobility,
+            _ => 0.0,
+        }
+    }
+
+    /// Energy in a spring, J.
+    pub(crate) fn stored_energy(&self) -> f64 {
+        match self.kind {
+            RowKind::Spring([stiffness, _]) if self.state == RowState::Free => {
+                0.5 * stiffness * self.position * self.position
+            }
+            _ => 0.0,
+        }
+    }
+}
+
+/// Stiffness of a rigid row; nothing acts on what nothing moves.
+fn rigid(mobility: f64) -> f64 {
+    if mobility > 0.0 {
+        1.0 / (EPSILON * mobility)
+    } else {
+        0.0
+    }
+}

@@ -1,0 +1,150 @@
+//! In which order the bodies of joints are eliminated, and which pairs of them have a block then.
+//!
+//! The matrix `M + J^T K J` has a block for each body and for each pair of bodies that a joint joins. To eliminate a body couples
+//! all those that it is still coupled with. Least degree first: along a tree the leaves go before what they hang on, nothing
+//! couples that was not coupled before, and the work is linear in the number of joints. A loop costs what it fills in.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+/// A block beside the diagonal: of a body with one that is eliminated later.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Column {
+    /// Place of the later one in the order.
+    pub(crate) to: u32,
+    /// Number of the block.
+    pub(crate) block: u32,
+}
+
+/// Where a pair of bodies has its block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct EdgeBlock {
+    pub(crate) block: u32,
+    /// Whether the second of the pair is eliminated first, so that the block's rows are its.
+    pub(crate) is_flipped: bool,
+}
+
+/// The order, and what it makes.
+#[derive(Debug, Default)]
+pub(crate) struct Sparsity {
+    /// Pairs of bodies that it was made for.
+    edges: Vec<[u32; 2]>,
+    /// Bodies in their order.
+    pub(crate) order: Vec<u32>,
+    /// By body: its place in the order.
+    pub(crate) position: Vec<u32>,
+    /// By place: where its columns begin, and the end of all.
+    pub(crate) starts: Vec<u32>,
+    pub(crate) columns: Vec<Column>,
+    /// By place, for each pair of its columns, of which the first is the earlier one: the block that both couple.
+    pub(crate) updates: Vec<u32>,
+    /// By edge.
+    pub(crate) edge_blocks: Vec<EdgeBlock>,
+}
+
+impl Sparsity {
+    /// Orders `count` bodies with these pairs, unless that is done.
+    pub(crate) fn analyse(&mut self, count: usize, edges: &[[u32; 2]]) {
+        if self.order.len() == count && self.edges == edges {
+            return;
+        }
+        self.edges.clear();
+        self.edges.extend_from_slice(edges);
+        let neighbors = self.eliminate(count);
+        self.number(&neighbors);
+        self.find_updates();
+        self.edge_blocks.clear();
+        for &[a, b] in edges {
+            let at = [a, b].map(|node| self.position[node as usize]);
+            let is_flipped = at[1] < at[0];
+            let block = self.block_of(at[0].min(at[1]), at[0].max(at[1]));
+            self.edge_blocks.push(EdgeBlock { block, is_flipped });
+        }
+    }
+
+    /// Finds the order; by body, those that it is coupled with when its turn comes.
+    fn eliminate(&mut self, count: usize) -> Vec<Vec<u32>> {
+        let mut neighbors: Vec<Vec<u32>> = vec![Vec::new(); count];
+        for &[a, b] in &self.edges {
+            insert(&mut neighbors[a as usize], b);
+            insert(&mut neighbors[b as usize], a);
+        }
+        let mut heap: BinaryHeap<Reverse<(usize, u32)>> = (0..)
+            .zip(&neighbors)
+            .map(|(node, list)| Reverse((list.len(), node)))
+            .collect();
+        self.order.clear();
+        self.position.clear();
+        self.position.resize(count, u32::MAX);
+        while let Some(Reverse((degree, node))) = heap.pop() {
+            let i = node as usize;
+            // What it was listed with before its neighbors went.
+            if self.position[i] != u32::MAX || degree != neighbors[i].len() {
+                continue;
+            }
+            self.position[i] = self.order.len() as u32;
+            self.order.push(node);
+            let list = neighbors[i].clone();
+            for &other in &list {
+                let of_other = &mut neighbors[other as usize];
+                of_other.retain(|&n| n != node);
+                list.iter()
+                    .filter(|&&n| n != other)
+                    .for_each(|&n| insert(of_other, n));
+                heap.push(Reverse((of_other.len(), other)));
+            }
+        }
+        neighbors
+    }
+
+    fn number(&mut self, neighbors: &[Vec<u32>]) {
+        self.starts.clear();
+        self.columns.clear();
+        for &node in &self.order {
+            let first = self.columns.len();
+            self.starts.push(first as u32);
+            let list = neighbors[node as usize].iter();
+            let columns = list.zip(first as u32..).map(|(&n, block)| Column {
+                to: self.position[n as usize],
+                block,
+            });
+            self.columns.extend(columns);
+            self.columns[first..].sort_by_key(|column| column.to);
+        }
+        self.starts.push(self.columns.len() as u32);
+    }
+
+    fn find_updates(&mut self) {
+        let mut updates = std::mem::take(&mut self.updates);
+        updates.clear();
+        for at in 0..self.order.len() {
+            let columns = self.columns_of(at);
+            for (k, first) in columns.iter().enumerate() {
+                for second in &columns[k + 1..] {
+                    let block = self.block_of(first.to, second.to);
+                    updates.push(block);
+                }
+            }
+        }
+        self.updates = updates;
+    }
+
+    /// Columns of the body at a place.
+    pub(crate) fn columns_of(&self, at: usize) -> &[Column] {
+        &self.columns[self.starts[at] as usize..self.starts[at + 1] as usize]
+    }
+
+    /// The block of two places.
+    fn block_of(&self, first: u32, second: u32) -> u32 {
+        let columns = self.columns_of(first as usize);
+        let at = columns.binary_search_by_key(&second, |column| column.to);
+        at.map_or(0, |at| columns[at].block)
+    }
+}
+
+/// Puts a number into a sorted list that has it not.
+fn insert(list: &mut Vec<u32>, number: u32) {
+    if let Err(at) = list.binary_search(&number) {
+        list.insert(at, number);
+    }
+}

@@ -1,0 +1,370 @@
+//! The bodies and joints of a batch, and the velocities that satisfy them.
+
+use crate::bodies::free_rotation::FreeRotation;
+use crate::joints::joint::Joint;
+use crate::solver::joint::factor::Factor;
+use crate::solver::joint::measure::{Frames, Place};
+use crate::solver::joint::row::JointRow;
+use crate::solver::joint::rows::{HalfSettings, add_rows};
+use crate::solver::joint::sparsity::{EdgeBlock, Sparsity};
+use crate::solver::joint::vector6::{Vector6, split};
+use glam::{DMat3, DQuat, DVec3};
+use std::ops::Range;
+
+/// A body that joints move.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct JointedBody {
+    /// Its rotation.
+    pub(crate) spin: FreeRotation,
+    /// Where its center of mass is, m.
+    pub(crate) center: DVec3,
+    /// kg
+    pub(crate) mass: f64,
+    /// Principal moments, kg m2.
+    pub(crate) principal: DVec3,
+    /// `body_from_principal`.
+    pub(crate) frame: DQuat,
+    /// Inertia tensor and its inverse, world axes.
+    pub(crate) inertia: DMat3,
+    pub(crate) inverse_inertia: DMat3,
+    /// `h^2 k J M^-1 J^T` of its springs together.
+    pub(crate) swing: f64,
+}
+
+/// A body that joints do not move, or the world.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct FixedBody {
+    pub(crate) place: Place,
+    pub(crate) velocity: Vector6,
+}
+
+impl FixedBody {
+    /// Where it is `h` seconds later.
+    pub(crate) fn after(&self, h: f64) -> Place {
+        let [linear, angular] = split(&self.velocity);
+        let half = 0.5 * h * angular;
+        let half = half * (1.0 + half.length_squared() / 3.0);
+        let turn = DQuat::from_xyzw(half.x, half.y, half.z, 1.0);
+        Place {
+            center: self.place.center + h * linear,
+            rotation: (turn * self.place.rotation).normalize(),
+        }
+    }
+}
+
+/// What a joint holds on to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum JointEndpoint {
+    /// One of the jointed bodies.
+    Jointed(u32),
+    /// One of the fixed ones.
+    Fixed(u32),
+}
+
+/// A joint in a batch.
+#[derive(Clone, Debug)]
+pub(crate) struct BatchJoint {
+    pub(crate) joint: Joint,
+    pub(crate) ends: [JointEndpoint; 2],
+    /// From the centers of mass to the anchors, body's axes, m.
+    pub(crate) anchors: [DVec3; 2],
+    /// `body_from_joint`.
+    pub(crate) frames: [DQuat; 2],
+    /// Its rows.
+    pub(crate) rows: Range<usize>,
+    /// The block that couples its bodies.
+    pub(super) edge: Option<EdgeBlock>,
+    /// Where it is now.
+    pub(crate) now: Option<Frames>,
+    /// Twist, counted on over full turns, rad.
+    pub(crate) angle: f64,
+    /// Impulse on B in the step, and about B's anchor, N s and N m s.
+    pub(crate) impulse: [DVec3; 2],
+    /// Largest error of what is held in the step, m and rad.
+    pub(crate) error: [f64; 2],
+    /// What rounding of places leaves open, m.
+    pub(crate) slack: f64,
+}
+
+/// The problem.
+#[derive(Debug, Default)]
+pub(crate) struct JointSystem {
+    pub(crate) bodies: Vec<JointedBody>,
+    pub(crate) velocities: Vec<Vector6>,
+    pub(crate) fixed: Vec<FixedBody>,
+    pub(crate) joints: Vec<BatchJoint>,
+    pub(crate) rows: Vec<JointRow>,
+    old_rows: Vec<JointRow>,
+    edges: Vec<[u32; 2]>,
+    pub(super) sparsity: Sparsity,
+    pub(super) factor: Factor,
+    /// Whether the factor is that of the rows as they are.
+    pub(super) is_factored: bool,
+    /// Time for which springs act in the factor, s.
+    factored_kick: f64,
+    /// Changes of velocities, by place in the order.
+    pub(super) changes: Vec<Vector6>,
+    /// By body: velocities that it is pushed with in this sub-step, and does not keep; empty if none is.
+    pub(crate) pushes: Vec<Vector6>,
+    /// Impulses that rows miss.
+    pub(super) missing: Vec<f64>,
+}
+
+impl JointSystem {
+    /// Forgets the step before, but not in which order bodies are eliminated.
+    pub(crate) fn clear(&mut self) {
+        self.bodies.clear();
+        self.velocities.clear();
+        self.fixed.clear();
+        self.joints.clear();
+        self.rows.clear();
+    }
+
+    /// Adds a joint; `rows`: those that it had in the step before, by their slots, with their impulses.
+    pub(crate) fn add_joint(
+        &mut self,
+        joint: Joint,
+        ends: [JointEndpoint; 2],
+        anchors: [DVec3; 2],
+        angle: f64,
+        rows: impl Iterator<Item = (u8, f64)>,
+    ) {
+        let first = self.rows.len();
+        self.rows.extend(rows.map(|(slot, impulse)| JointRow {
+            slot,
+            impulse,
+            ..JointRow::default()
+        }));
+        let frames = [joint.frame_a, joint.frame_b].map(|frame| frame.rotation.as_dquat());
+        self.joints.push(BatchJoint {
+            joint,
+            ends,
+            anchors,
+            frames: frames.map(DQuat::normalize),
+            rows: first..self.rows.len(),
+            edge: None,
+            now: None,
+            angle,
+            impulse: [DVec3::ZERO; 2],
+            error: [0.0; 2],
+            slack: 0.0,
+        });
+    }
+
+    /// Orders the bodies, once all are there.
+    pub(crate) fn analyse(&mut self) {
+        self.edges.clear();
+        let pairs = self.joints.iter().filter_map(BatchJoint::pair);
+        self.edges.extend(pairs);
+        self.sparsity.analyse(self.bodies.len(), &self.edges);
+        let mut blocks = self.sparsity.edge_blocks.iter();
+        for joint in &mut self.joints {
+            joint.edge = joint.pair().and_then(|_| blocks.next().copied());
+        }
+    }
+
+    /// Where an end of a joint is.
+    pub(crate) fn place(&self, end: JointEndpoint) -> Place {
+        match end {
+            JointEndpoint::Jointed(body) => {
+                let body = &self.bodies[body as usize];
+                Place {
+                    center: body.center,
+                    rotation: body.spin.rotation.as_dquat().normalize(),
+                }
+            }
+            JointEndpoint::Fixed(body) => self.fixed[body as usize].place,
+        }
+    }
+
+    /// Writes the rows anew for where the bodies are now; those that were there keep their impulses.
+    pub(crate) fn linearise(&mut self) {
+        self.is_factored = false;
+        for body in &mut self.bodies {
+            let rotation = body.spin.rotation.as_dquat().normalize() * body.frame;
+            let axes = DMat3::from_quat(rotation);
+            let tensor = |moments: DVec3| axes * DMat3::from_diagonal(moments) * axes.transpose();
+            body.inertia = tensor(body.principal);
+            body.inverse_inertia = tensor(body.principal.recip());
+        }
+        std::mem::swap(&mut self.rows, &mut self.old_rows);
+        self.rows.clear();
+        for at in 0..self.joints.len() {
+            let joint = &self.joints[at];
+            let [a, b] = joint.ends.map(|end| self.place(end));
+            let frames = Frames::of([&a, &b], joint.anchors, joint.frames);
+            let (first, old) = (self.rows.len(), joint.rows.clone());
+            for measure in frames.measure(&joint.joint, joint.angle) {
+                let mobility = self.mobility(joint, &measure.jacobian);
+                add_rows(&mut self.rows, &joint.joint, &measure, mobility);
+            }
+            let old = &self.old_rows[old];
+            let rows = &mut self.rows[first..];
+            for row in rows.iter_mut() {
+                let before = old.iter().find(|old| old.slot == row.slot);
+                if let Some(before) = before {
+                    row.state = before.state;
+                    row.impulse = before.impulse;
+                    row.spent = before.spent;
+                    row.velocity_before = before.velocity_before;
+                }
+            }
+            let fixed = joint.ends.map(|end| self.fixed_velocity(end));
+            for row in &mut self.rows[first..] {
+                let still = [fixed[0].as_ref(), fixed[1].as_ref()];
+                row.fixed_velocity = row.velocity(still);
+            }
+            let joint = &mut self.joints[at];
+            joint.rows = first..self.rows.len();
+            joint.angle = frames.twist(joint.angle);
+            joint.now = Some(frames);
+        }
+    }
+
+    fn fixed_velocity(&self, end: JointEndpoint) -> Option<Vector6> {
+        match end {
+            JointEndpoint::Jointed(_) => None,
+            JointEndpoint::Fixed(body) => Some(self.fixed[body as usize].velocity),
+        }
+    }
+
+    /// `J M^-1 J^T`, 1/kg.
+    fn mobility(&self, joint: &BatchJoint, jacobian: &[Vector6; 2]) -> f64 {
+        let of = |side: usize| {
+            let JointEndpoint::Jointed(body) = joint.ends[side] else {
+                return 0.0;
+            };
+            let body = &self.bodies[body as usize];
+            let [linear, angular] = split(&jacobian[side]);
+            linear.length_squared() / body.mass + angular.dot(body.inverse_inertia * angular)
+        };
+        of(0) + of(1)
+    }
+
+    /// Begins the first half of a sub-step: rows aim at where the bodies are to be. The impulses that they have act.
+    pub(crate) fn begin_ahead(&mut self, half: &HalfSettings, keeps_impulses: bool) {
+        self.find_swings(half.substep_dt);
+        if self.factored_kick != half.kick && self.has_springs() {
+            self.is_factored = false;
+        }
+        self.factored_kick = half.kick;
+        let Self {
+            joints,
+            rows,
+            bodies,
+            velocities,
+            ..
+        } = self;
+        for joint in joints.iter() {
+            let swing = joint.swing(bodies);
+            for row in &mut rows[joint.rows.clone()] {
+                row.velocity_before = row.velocity(joint.velocities(velocities));
+                row.spent = 0.0;
+                let tolerances = if row.is_angular {
+                    [0.0, 1.0]
+                } else {
+                    [joint.slack, joint.levers()]
+                };
+                row.aim_ahead(half, swing, tolerances);
+                if !keeps_impulses {
+                    row.impulse = 0.0;
+                }
+            }
+        }
+        if keeps_impulses {
+            self.apply_impulses();
+        }
+        self.guess_states();
+    }
+
+    /// Begins the second half, where the bodies are at its end.
+    pub(crate) fn begin_along(&mut self, half: &HalfSettings) {
+        self.find_swings(half.substep_dt);
+        self.factored_kick = half.kick;
+        let Self {
+            joints,
+            rows,
+            bodies,
+            ..
+        } = self;
+        for joint in joints.iter() {
+            let swing = joint.swing(bodies);
+            for row in &mut rows[joint.rows.clone()] {
+                row.aim_along(half, swing);
+            }
+        }
+        self.guess_states();
+    }
+
+    fn has_springs(&self) -> bool {
+        self.rows.iter().any(|row| !row.is_rigid())
+    }
+
+    fn find_swings(&mut self, substep_dt: f64) {
+        for body in &mut self.bodies {
+            body.swing = 0.0;
+        }
+        for joint in &self.joints {
+            let rows = self.rows[joint.rows.clone()].iter();
+            let swing: f64 = rows.map(|row| row.swing(substep_dt)).sum();
+            for body in joint.jointed() {
+                self.bodies[body].swing += swing;
+            }
+        }
+    }
+
+    /// Ends a sub-step: takes note of what the joints bore, and of how far off they are.
+    pub(crate) fn end_substep(&mut self) {
+        for joint in &mut self.joints {
+            let Some(now) = &joint.now else {
+                continue;
+            };
+            for row in &self.rows[joint.rows.clone()] {
+                let [linear, angular] = split(&row.jacobian[1]);
+                let impulse = row.spent + row.impulse;
+                joint.impulse[0] += impulse * linear;
+                joint.impulse[1] += impulse * (angular - now.r[1].cross(linear));
+                if row.side == 0.0 && row.is_position() {
+                    let error = &mut joint.error[usize::from(row.is_angular)];
+                    *error = error.max(row.position.abs());
+                }
+            }
+        }
+    }
+}
+
+impl BatchJoint {
+    /// Its bodies that joints move.
+    fn jointed(&self) -> impl Iterator<Item = usize> + use<> {
+        let ends = self.ends.into_iter();
+        ends.filter_map(|end| match end {
+            JointEndpoint::Jointed(body) => Some(body as usize),
+            JointEndpoint::Fixed(_) => None,
+        })
+    }
+
+    /// Its bodies, if joints move both.
+    fn pair(&self) -> Option<[u32; 2]> {
+        match self.ends {
+            [JointEndpoint::Jointed(a), JointEndpoint::Jointed(b)] => Some([a, b]),
+            _ => None,
+        }
+    }
+
+    /// Length of its levers, m.
+    pub(crate) fn levers(&self) -> f64 {
+        self.anchors[0].length() + self.anchors[1].length()
+    }
+
+    fn swing(&self, bodies: &[JointedBody]) -> f64 {
+        self.jointed().map(|body| bodies[body].swing).sum()
+    }
+
+    /// Velocities of its bodies that joints move.
+    pub(crate) fn velocities<'v>(&self, velocities: &'v [Vector6]) -> [Option<&'v Vector6>; 2] {
+        self.ends.map(|end| match end {
+            JointEndpoint::Jointed(body) => Some(&velocities[body as usize]),
+            JointEndpoint::Fixed(_) => None,
+        })
+    }
+}

@@ -1,0 +1,44 @@
+//! Six numbers, linear before angular, and blocks of six by six.
+
+use glam::DVec3;
+
+/// A velocity, an impulse or a row of one body: linear, then angular.
+pub(crate) type Vector6 = [f64; 6];
+
+/// Six by six, row by row.
+pub(crate) type Block6 = [[f64; 6]; 6];
+
+/// From its two halves.
+pub(crate) fn join(linear: DVec3, angular: DVec3) -> Vector6 {
+    [
+        linear.x, linear.y, linear.z, angular.x, angular.y, angular.z,
+    ]
+}
+
+/// Its two halves.
+pub(crate) fn split(v: &Vector6) -> [DVec3; 2] {
+    [DVec3::new(v[0], v[1], v[2]), DVec3::new(v[3], v[4], v[5])]
+}
+
+/// Inner product.
+#[inline(always)]
+pub(crate) fn dot(a: &Vector6, b: &Vector6) -> f64 {
+    let products: Vector6 = std::array::from_fn(|i| a[i] * b[i]);
+    products.iter().sum()
+}
+
+/// `to += s v`
+#[inline(always)]
+pub(crate) fn add_scaled(to: &mut Vector6, s: f64, v: &Vector6) {
+    for (to, v) in to.iter_mut().zip(v) {
+        *to += s * v;
+    }
+}
+
+/// `to += s a b^T`
+#[inline(always)]
+pub(crate) fn add_outer(to: &mut Block6, s: f64, a: &Vector6, b: &Vector6) {
+    for (row, a) in to.iter_mut().zip(a) {
+        add_scaled(row, s * a, b);
+    }
+}

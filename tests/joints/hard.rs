@@ -1,0 +1,251 @@
+//! Where others stretch, drift or blow up.
+
+use crate::scene::{H, Random, chain, fixed, gap, heavy};
+use bevy_cleave::prelude::*;
+use glam::{Quat, Vec3};
+
+#[test]
+fn a_rope_of_a_thousand_links_hangs_and_swings() {
+    for along in [Vec3::NEG_Y, Vec3::X] {
+        let mut chain = chain(1000, 1.0, along, Vec3::ZERO);
+        let gap = chain.largest_gap(40, H);
+        println!("1000 links along {along}: {gap:e} m");
+        assert!(gap < 1e-3, "{along}: {gap}");
+    }
+}
+
+#[test]
+fn chains_hold_at_all_step_rates() {
+    for rate in [30.0, 60.0, 120.0, 240.0] {
+        let mut chain = chain(10, 100.0, Vec3::X, Vec3::ZERO);
+        let gap = chain.largest_gap(2 * rate as usize, 1.0 / rate);
+        println!("{rate} Hz: {gap:e} m");
+        assert!(gap < 1e-4, "{rate} Hz: {gap}");
+    }
+}
+
+#[test]
+fn joints_far_from_the_origin_are_off_by_no_more_than_their_coordinates_are_round() {
+    for far in [1e3, 1e4] {
+        let mut chain = chain(10, 10.0, Vec3::X, Vec3::new(far, -far, far));
+        let gap = chain.largest_gap(120, H);
+        println!("{far} m away: {gap:e} m");
+        assert!(gap < f64::from(far) * 1e-6, "{far}: {gap}");
+    }
+}
+
+#[test]
+fn a_light_door_part_holds_a_heavy_one_by_a_hinge() {
+    for ratio in [1e-3, 1e3] {
+        let mut simulation = Simulation::default();
+        let light = heavy(Vec3::new(1.0, 1.0, 0.1), Vec3::new(0.5, 0.0, 0.0), 1.0);
+        let other = heavy(Vec3::new(1.0, 1.0, 0.1), Vec3::new(1.5, 0.0, 0.0), ratio);
+        let [a, b] = [light, other].map(|body| simulation.bodies.insert(body).expect("usable"));
+        let poses = [a, b].map(|slot| simulation.bodies.pose(slot));
+        let hinge = |at: Vec3, poses| Joint::hinge().with_anchor(at, Vec3::Y, poses);
+        let first = hinge(Vec3::ZERO, [Pose::IDENTITY, poses[0]]);
+        let second = hinge(Vec3::X, poses);
+        let first = simulation.join(None, a, first).expect("usable");
+        let second = simulation.join(Some(a), b, second).expect("usable");
+        let push = Vec3::new(0.0, 0.0, 3.0);
+        simulation
+            .bodies
+            .set_velocity(b, push, Vec3::ZERO)
+            .expect("finite");
+        for _ in 0..300 {
+            simulation.step(H);
+            for id in [first, second] {
+                let error = simulation.joints.load(id).expect("there").error;
+                assert!(gap(&simulation, id) < 1e-5, "{ratio}");
+                assert!(error[1] < 1e-5, "{ratio}: {error:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn closed_loops_and_rows_that_say_the_same_twice_do_no_harm() {
+    // A parallelogram on two world pivots, with hinges all around, one of which would be enough to hold the plane; the last bar
+    // has two hinges where one would do.
+    let mut simulation = Simulation::default();
+    let bar = |at: Vec3, size: Vec3| heavy(size, at, 2.0);
+    let upright = Vec3::new(0.1, 1.0, 0.1);
+    let bodies = [
+        bar(Vec3::new(0.0, -0.5, 0.0), upright),
+        bar(Vec3::new(1.0, -0.5, 0.0), upright),
+        bar(Vec3::new(0.5, -1.0, 0.0), Vec3::new(1.0, 0.1, 0.1)),
+    ];
+    let slots = bodies.map(|body| simulation.bodies.insert(body).expect("usable"));
+    let mut ids = Vec::new();
+    for (a, b, at) in [
+        (None, 0, Vec3::ZERO),
+        (None, 1, Vec3::X),
+        (Some(0), 2, Vec3::NEG_Y),
+        (Some(1), 2, Vec3::new(1.0, -1.0, 0.0)),
+        (Some(1), 2, Vec3::new(1.0, -1.0, 0.05)),
+    ] {
+        let a: Option<usize> = a;
+        let pose = |slot: usize| simulation.bodies.pose(slots[slot]);
+        let poses = [a.map_or(Pose::IDENTITY, pose), pose(b)];
+        let hinge = Joint::hinge().with_anchor(at, Vec3::Z, poses);
+        let id = simulation.join(a.map(|a| slots[a]), slots[b], hinge);
+        ids.push(id.expect("usable"));
+    }
+    let spin = Vec3::new(0.0, 0.0, 2.0);
+    for (slot, at) in [
+        (0, Vec3::new(0.0, -0.5, 0.0)),
+        (1, Vec3::new(0.0, -0.5, 0.0)),
+    ] {
+        let v = spin.cross(at);
+        simulation
+            .bodies
+            .set_velocity(slots[slot], v, spin)
+            .expect("finite");
+    }
+    let v = spin.cross(Vec3::NEG_Y);
+    simulation
+        .bodies
+        .set_velocity(slots[2], v, Vec3::ZERO)
+        .expect("finite");
+    let energy = |simulation: &Simulation| {
+        let of = |&slot: &u32| {
+            let height = f64::from(simulation.bodies.center_of_mass(slot).y);
+            simulation.bodies.kinetic_energy(slot) + 2.0 * 9.81 * height
+        };
+        slots.iter().map(of).sum::<f64>()
+    };
+    simulation.step(H);
+    let before = energy(&simulation);
+    for _ in 0..600 {
+        simulation.step(H);
+        for &id in &ids {
+            assert!(gap(&simulation, id) < 1e-5, "{}", gap(&simulation, id));
+        }
+    }
+    let change = energy(&simulation) - before;
+    println!("parallelogram: {change:e} J of {before}");
+    assert!(change.abs() < 0.01 * before.abs(), "{change} J");
+}
+
+/// A point of the world in a body's frame.
+fn local(simulation: &Simulation, slot: Option<u32>, at: Vec3) -> Vec3 {
+    let pose = slot.map_or(Pose::IDENTITY, |slot| simulation.bodies.pose(slot));
+    pose.inverse_transform_point(at)
+}
+
+/// A bridge of planks of 0.5 m by two ball joints at each seam, from the origin down and up again by `slope`, both ends fixed, the second
+/// one `off` m nearer than it is.
+fn bridge(planks: usize, slope: f32, off: f32) -> (Simulation, Vec<JointId>) {
+    let mut simulation = Simulation::default();
+    let (mut last, mut end, mut ids) = (None, Vec3::ZERO, Vec::new());
+    let mut join = |simulation: &mut Simulation, a: Option<u32>, b: Option<u32>, at: Vec3| {
+        for side in [-1.0, 1.0] {
+            let at = at + Vec3::new(0.0, 0.0, side);
+            let off = if b.is_some() { 0.0 } else { off };
+            let (a, b, shift) = match b {
+                Some(b) => (a, b, Vec3::ZERO),
+                None => (None, a.expect("there are planks"), Vec3::new(off, 0.0, 0.0)),
+            };
+            let joint = Joint::ball().with_anchors(
+                local(simulation, a, at) - shift,
+                local(simulation, Some(b), at),
+            );
+            ids.push(simulation.join(a, b, joint).expect("usable"));
+        }
+    };
+    for i in 0..planks {
+        let down = if 2 * i < planks { -slope } else { slope };
+        let along = Vec3::new(1.0, down, 0.0).normalize();
+        let mut plank = heavy(Vec3::new(0.5, 0.1, 2.0), end + 0.25 * along, 20.0);
+        plank.pose.rotation = Quat::from_rotation_arc(Vec3::X, along);
+        let slot = simulation.bodies.insert(plank).expect("usable");
+        join(&mut simulation, last, Some(slot), end);
+        last = Some(slot);
+        end += 0.5 * along;
+    }
+    join(&mut simulation, last, None, end);
+    (simulation, ids)
+}
+
+fn largest_gap(simulation: &Simulation, ids: &[JointId]) -> f64 {
+    ids.iter()
+        .map(|&id| gap(simulation, id))
+        .fold(0.0, f64::max)
+}
+
+#[test]
+fn a_bridge_fixed_at_both_ends_keeps_its_joints() {
+    let (mut simulation, ids) = bridge(100, 0.3, 0.0);
+    let mut largest = 0.0_f64;
+    for _ in 0..240 {
+        simulation.step(H);
+        largest = largest.max(largest_gap(&simulation, &ids));
+    }
+    println!("bridge: {largest:e} m");
+    assert!(largest < 1e-4, "{largest}");
+}
+
+#[test]
+fn a_bridge_whose_ends_are_too_near_comes_together() {
+    let (mut simulation, ids) = bridge(20, 0.1, 1.0);
+    for _ in 0..300 {
+        simulation.step(H);
+    }
+    let largest = largest_gap(&simulation, &ids);
+    println!("bridge that is put together wrongly: {largest:e} m");
+    assert!(largest < 1e-4, "{largest}");
+}
+
+#[test]
+fn a_box_on_a_chain_rests_on_the_floor_and_on_the_chain() {
+    // Contacts and joints of one island: the load lies on the floor, and a kinematic body drags it by a chain.
+    let mut simulation = Simulation::default();
+    let floor = HalfSpaceShape { normal: Vec3::Y };
+    simulation
+        .bodies
+        .insert(BodyDesc::floor(floor))
+        .expect("usable");
+    let mut random = Random::new(1);
+    let mut hand = BodyDesc {
+        kind: RigidBody::Kinematic,
+        ..fixed(Vec3::new(-0.1, 0.5, 0.0))
+    };
+    hand.linear_velocity = Vec3::new(-1.0, 0.0, 0.0);
+    let hand = simulation.bodies.insert(hand).expect("usable");
+    let mut last = (hand, Vec3::new(0.1, 0.0, 0.0));
+    let mut ids = Vec::new();
+    for i in 0..5 {
+        let size = Vec3::new(0.4, 0.05, 0.05);
+        let at = Vec3::new(0.2 + 0.4 * i as f32, 0.5, 0.0);
+        let slot = simulation
+            .bodies
+            .insert(heavy(size, at, 0.5))
+            .expect("usable");
+        let half = Vec3::new(0.2, 0.0, 0.0);
+        let joint = Joint::ball().with_anchors(last.1, -half);
+        ids.push(simulation.join(Some(last.0), slot, joint).expect("usable"));
+        last = (slot, half);
+    }
+    let load = heavy(
+        Vec3::ONE,
+        Vec3::new(2.5, 0.5, 0.0),
+        random.range(49.0, 50.0),
+    );
+    let load = simulation.bodies.insert(load).expect("usable");
+    let joint = Joint::ball().with_anchors(last.1, Vec3::new(-0.5, 0.0, 0.0));
+    ids.push(simulation.join(Some(last.0), load, joint).expect("usable"));
+    let mut largest = 0.0_f64;
+    for _ in 0..240 {
+        simulation.step(H);
+        largest = ids
+            .iter()
+            .map(|&id| gap(&simulation, id))
+            .fold(largest, f64::max);
+    }
+    let (v, _) = simulation.bodies.velocity(load);
+    let height = simulation.bodies.center_of_mass(load).y;
+    println!("dragged: gap {largest:e} m, v {v}, height {height}");
+    assert!(largest < 1e-4, "{largest}");
+    assert!((v.x + 1.0).abs() < 0.05, "{v}");
+    assert!((height - 0.5).abs() < 0.01, "{height}");
+}

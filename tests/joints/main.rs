@@ -1,0 +1,10 @@
+//! Joints let move what they are to let move and nothing else, bear what mechanics says they bear, and keep their energy.
+
+mod chains;
+mod determinism;
+mod drives;
+mod entities;
+mod hard;
+mod kinds;
+mod pendulums;
+mod scene;
