@@ -62,13 +62,13 @@ fn travel(simulation: &mut Simulation, id: JointId) -> ([f64; 3], [f64; 3]) {
     for _ in 0..120 {
         simulation.step(H);
         let now = relative(simulation, id);
-        for i in 0..3 {
-            linear[i] = linear[i].max(now.at[i].abs());
+        for (most, now) in linear.iter_mut().zip(now.at.to_array()) {
+            *most = most.max(now.abs());
         }
         // Of a turn about x, where nothing else turns, only x is left.
         let turn = [now.turn.x, now.turn.y, now.turn.z];
-        for i in 0..3 {
-            angular[i] = angular[i].max(2.0 * turn[i].abs());
+        for (most, now) in angular.iter_mut().zip(turn) {
+            *most = most.max(2.0 * now.abs());
         }
     }
     (linear, angular)

@@ -1,4 +1,5 @@
 //! Joints let move what they are to let move and nothing else, bear what mechanics says they bear, and keep their energy.
+#![expect(clippy::print_stdout, reason = "docs cite the figures")]
 
 mod chains;
 mod determinism;

@@ -51,7 +51,6 @@ pub(crate) fn gap(simulation: &Simulation, id: JointId) -> f64 {
 /// A chain of `links` of 1 m and 1 kg from the origin along x, and a load of `ratio` kg at its end; gap-free.
 pub(crate) struct Chain {
     pub(crate) simulation: Simulation,
-    pub(crate) slots: Vec<u32>,
     pub(crate) joints: Vec<JointId>,
 }
 
@@ -80,11 +79,7 @@ pub(crate) fn chain(links: usize, ratio: f32, along: Vec3, origin: Vec3) -> Chai
         joints.push(id.expect("usable"));
         slots.push(slot);
     }
-    Chain {
-        simulation,
-        slots,
-        joints,
-    }
+    Chain { simulation, joints }
 }
 
 impl Chain {
