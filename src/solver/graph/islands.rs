@@ -29,7 +29,7 @@ pub struct Island {
     pub bounces: bool,
     /// Its part of [`Islands::moving`].
     pub moving: Range<usize>,
-    /// Its part of [`Islands::joints`].
+    /// Its part of the list of joints.
     pub joints: Range<usize>,
 }
 
