@@ -12,14 +12,15 @@
 //! - [`step`]: the loop, one function per phase; [`Simulation`](prelude::Simulation) runs it on plain data, without an app.
 //! - [`joints`]: what holds two bodies together at a distance.
 //! - [`solver`]: methods and settings ([`SolverConfig`](prelude::SolverConfig)); [`bodies`]: what a body is made from.
+//! - [`import`]: a door for models as artists make them.
 //! - [`fracture`]: who breaks, and what becomes of the motion; [`mod@slice`]: a plane against meshes and hulls, patterns.
 //! - [`query`]: rays, casts, overlaps and what is near.
 //! - [`contact`], [`mass`], [`geometry`], [`math`]: what the others are built on.
 //!
 //! How it works inside is told in the repository: `docs/architecture.md` opens with the way of one contact through a step and says
 //! where to find what, `docs/glossary.md` has the terms. Layers from the bottom up, each of which uses only those before it: `tuning`,
-//! `math`, `merge`, `simd`, `threads`, `geometry`, `mass`, `slice`, `contact`, `bodies`, `joints`, `solver`, `collide`, `query`, `fracture`, `step`, `ecs`,
-//! `plugin`.
+//! `math`, `merge`, `simd`, `threads`, `geometry`, `mass`, `slice`, `import`, `contact`, `bodies`, `joints`, `solver`, `collide`,
+//! `query`, `fracture`, `step`, `ecs`, `plugin`.
 //!
 //! # Conventions
 //!
@@ -36,6 +37,7 @@ pub mod contact;
 pub mod ecs;
 pub mod fracture;
 pub mod geometry;
+pub mod import;
 pub mod joints;
 pub mod mass;
 pub mod math;

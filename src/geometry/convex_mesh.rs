@@ -54,13 +54,7 @@ impl ConvexMesh {
         if !outward {
             return Err(MeshError::NoVolume { volume }.into());
         }
-        let mut used: Vec<u32> = mesh.triangles().iter().flatten().copied().collect();
-        used.sort_unstable();
-        used.dedup();
-        let points: Vec<Vec3> = used
-            .iter()
-            .map(|&vertex| mesh.positions()[vertex as usize])
-            .collect();
+        let points = mesh.used_positions();
         Ok(Self::from_parts(
             ConvexHull::from_points(&points)?,
             Some(mesh),

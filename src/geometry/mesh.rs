@@ -1,7 +1,7 @@
-//! `TriMesh`: triangles with per-vertex attributes, and what can be wrong with them.
+//! `TriMesh`: triangles with per-vertex attributes.
 
 use crate::geometry::weld::weld;
-use crate::geometry::{EdgeCensus, KnownClosed};
+use crate::geometry::{EdgeCensus, KnownClosed, MeshError};
 use crate::math::{Aabb, Pose, rotate};
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
@@ -11,6 +11,9 @@ use glam::{DVec3, Vec2, Vec3, Vec4};
 /// `topology[v]` numbers the distinct positions, so that closedness and connectivity are judged on positions while
 /// seams stay seams. An attribute array is either empty or has one entry per vertex. The material slots are either empty
 /// or one per triangle.
+///
+/// The first [`sheets`](Self::sheets) triangles may be surfaces without an inside, such as leaves, flags and decals. A cut
+/// divides them and caps only the rest, which alone has a volume and can be closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TriMesh {
     pub(crate) positions: Vec<Vec3>,
@@ -20,82 +23,8 @@ pub struct TriMesh {
     pub(crate) triangles: Vec<[u32; 3]>,
     pub(crate) materials: Vec<u16>,
     pub(crate) topology: Vec<u32>,
+    pub(crate) sheets: u32,
     pub(crate) known_closed: KnownClosed,
-}
-
-/// Why a mesh was refused.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum MeshError {
-    /// A coordinate or attribute is NaN or infinite.
-    #[error("vertex {vertex} is not finite")]
-    NotFinite {
-        /// Index of the vertex.
-        vertex: usize,
-    },
-    /// A triangle names a vertex that does not exist.
-    #[error("triangle {triangle} names vertex {index}, but there are {vertices}")]
-    IndexOutOfRange {
-        /// Index of the triangle.
-        triangle: usize,
-        /// The vertex it names.
-        index: u32,
-        /// Number of vertices.
-        vertices: usize,
-    },
-    /// An attribute array has neither zero nor one entry per vertex.
-    #[error("{attribute} has {found} entries for {vertices} vertices")]
-    AttributeLength {
-        /// Which attribute.
-        attribute: &'static str,
-        /// Entries found.
-        found: usize,
-        /// Number of vertices.
-        vertices: usize,
-    },
-    /// The list of material slots has neither zero nor one entry per triangle.
-    #[error("{found} material slots for {triangles} triangles")]
-    MaterialLength {
-        /// Entries found.
-        found: usize,
-        /// Number of triangles.
-        triangles: usize,
-    },
-    /// A directed edge has no partner: the surface has a hole, or its triangles disagree about outside.
-    #[error("the mesh is open: edge {from}-{to} of triangle {triangle} has no partner")]
-    Open {
-        /// First vertex of the edge.
-        from: u32,
-        /// Second vertex of the edge.
-        to: u32,
-        /// The triangle the edge belongs to.
-        triangle: usize,
-    },
-    /// A directed edge is used by more than one triangle.
-    #[error("edge {from}-{to} is used more than once, again by triangle {triangle}")]
-    NonManifold {
-        /// First vertex of the edge.
-        from: u32,
-        /// Second vertex of the edge.
-        to: u32,
-        /// A triangle that uses it again.
-        triangle: usize,
-    },
-    /// The mesh has no triangles.
-    #[error("the mesh has no triangles")]
-    Empty,
-    /// A scale factor is zero, negative or not finite.
-    #[error("a mesh cannot be scaled by {factor}")]
-    BadScale {
-        /// The factors along x, y and z.
-        factor: Vec3,
-    },
-    /// The enclosed volume is zero, or negative because the triangles face inwards.
-    #[error("the mesh encloses a volume of {volume} m3")]
-    NoVolume {
-        /// Signed volume, m3.
-        volume: f64,
-    },
 }
 
 impl TriMesh {
@@ -183,6 +112,20 @@ impl TriMesh {
         Ok(self)
     }
 
+    /// The mesh with its first `count` triangles as sheets: surfaces without an inside, which are cut but not capped.
+    ///
+    /// # Errors
+    /// [`MeshError::TooManySheets`] if there are fewer triangles.
+    pub fn with_sheets(mut self, count: usize) -> Result<Self, MeshError> {
+        let triangles = self.triangles.len();
+        if count > triangles {
+            return Err(MeshError::TooManySheets { count, triangles });
+        }
+        self.sheets = count as u32;
+        self.known_closed.clear();
+        Ok(self)
+    }
+
     fn check_length(&self, attribute: &'static str, found: usize) -> Result<(), MeshError> {
         let vertices = self.positions.len();
         if found == vertices {
@@ -225,6 +168,16 @@ impl TriMesh {
         &self.materials
     }
 
+    /// How many triangles, the first ones, are sheets: see [`with_sheets`](Self::with_sheets).
+    pub fn sheets(&self) -> usize {
+        self.sheets as usize
+    }
+
+    /// The triangles that are no sheets.
+    pub(crate) fn solid(&self) -> &[[u32; 3]] {
+        &self.triangles[self.sheets()..]
+    }
+
     /// For each vertex the number of its position; vertices at the same position have the same number.
     pub fn topology(&self) -> &[u32] {
         &self.topology
@@ -235,7 +188,16 @@ impl TriMesh {
         Aabb::of_points(self.positions.iter().copied())
     }
 
-    /// Checks that the surface is closed: over [`topology`](Self::topology), each directed edge occurs exactly once and
+    /// The positions that triangles use, once for each vertex, in the order of the vertices.
+    pub(crate) fn used_positions(&self) -> Vec<Vec3> {
+        let mut used: Vec<u32> = self.triangles.iter().flatten().copied().collect();
+        used.sort_unstable();
+        used.dedup();
+        let position = |vertex| self.positions[vertex as usize];
+        used.into_iter().map(position).collect()
+    }
+
+    /// Checks that the surface, sheets left out, is closed: over [`topology`](Self::topology), each directed edge occurs exactly once and
     /// so does its reverse. A mesh remembers that it was found closed, and so do its copies; parts of a cut know from the
     /// start.
     ///
@@ -250,7 +212,7 @@ impl TriMesh {
         if self.known_closed.is_set() {
             return Ok(());
         }
-        if !census.is_closed(&self.triangles, &self.topology, self.topology_count()) {
+        if !census.is_closed(self.solid(), &self.topology, self.topology_count()) {
             self.find_open_edge()?;
         }
         self.known_closed.set();
@@ -264,7 +226,7 @@ impl TriMesh {
 
     /// Names the first edge, in order of its ends' positions, that is open or used more than once.
     fn find_open_edge(&self) -> Result<(), MeshError> {
-        let mut edges: Vec<HalfEdge> = (0..self.triangles.len())
+        let mut edges: Vec<HalfEdge> = (self.sheets()..self.triangles.len())
             .flat_map(|triangle| (0..3).map(move |corner| (triangle, corner)))
             .map(|(triangle, corner)| self.half_edge(triangle, corner))
             .collect();
@@ -310,16 +272,14 @@ impl TriMesh {
         (corners[corner], corners[(corner + 1) % 3])
     }
 
-    /// Enclosed volume, m3; negative if the triangles face inwards. Means something only if the mesh is closed.
+    /// Volume that what is no sheet encloses, m3; negative if the triangles face inwards. Means something only if the mesh is closed.
     ///
     /// Sums signed tetrahedra about the first vertex in `f64`, which keeps the sum exact far from the origin.
     pub fn volume(&self) -> f64 {
-        let apex = self
-            .triangles
-            .first()
-            .map_or(DVec3::ZERO, |t| self.corner(t[0]));
-        let six_volumes: f64 = self
-            .corners()
+        let first = self.solid().first();
+        let apex = first.map_or(DVec3::ZERO, |t| self.corner(t[0]));
+        let six_volumes: f64 = (self.solid().iter())
+            .map(|t| t.map(|v| self.corner(v)))
             .map(|[a, b, c]| (a - apex).dot((b - apex).cross(c - apex)))
             .sum();
         six_volumes / 6.0
@@ -327,19 +287,13 @@ impl TriMesh {
 
     /// Surface area, m2, summed in `f64`.
     pub fn area(&self) -> f64 {
-        let twice: f64 = self
-            .corners()
-            .map(|[a, b, c]| (b - a).cross(c - a).length())
-            .sum();
+        let corners = self.triangles.iter().map(|t| t.map(|v| self.corner(v)));
+        let twice: f64 = corners.map(|[a, b, c]| (b - a).cross(c - a).length()).sum();
         0.5 * twice
     }
 
     fn corner(&self, vertex: u32) -> DVec3 {
         self.positions[vertex as usize].as_dvec3()
-    }
-
-    fn corners(&self) -> impl Iterator<Item = [DVec3; 3]> + '_ {
-        self.triangles.iter().map(|t| t.map(|v| self.corner(v)))
     }
 
     /// The mesh moved by `pose`; the inner frame of `pose` is the one the mesh is in now.

@@ -3,7 +3,7 @@
 //! | file | holds |
 //! |---|---|
 //! | `predicates.rs` | every geometric tolerance, derived from rounding; exact side tests |
-//! | `mesh.rs`, `closed.rs`, `weld.rs` | triangle meshes and whether they are closed |
+//! | `mesh.rs`, `mesh_error.rs`, `closed.rs`, `weld.rs` | triangle meshes and whether they are closed |
 //! | `hull.rs`, `coplanar.rs` | the convex hull of a point cloud; triangles in one plane become a polygon |
 //! | `convex.rs`, `face.rs`, `around.rs`, `hull_error.rs` | a hull with polygon faces and edges, and why something is none |
 //! | `hull_lanes.rs`, `edge_tables.rs`, `triangle_corners.rs` | the same for several numbers at a time |
@@ -28,6 +28,7 @@ pub(crate) mod hull_error;
 pub(crate) mod hull_lanes;
 pub(crate) mod kd_code;
 pub(crate) mod mesh;
+mod mesh_error;
 pub(crate) mod moments;
 pub(crate) mod predicates;
 pub mod primitives;
@@ -43,5 +44,6 @@ pub use face::{Edge, Face};
 pub use hull::convex_hull_triangles;
 pub use hull_error::{HullDefect, HullError};
 pub use kd_code::{KdBox, KdCode};
-pub use mesh::{MeshError, TriMesh};
+pub use mesh::TriMesh;
+pub use mesh_error::MeshError;
 pub use predicates::{PlaneError, Side};

@@ -14,6 +14,7 @@ pub(super) fn clear(mesh: &mut TriMesh) {
         triangles,
         materials,
         topology,
+        sheets,
         known_closed,
     } = mesh;
     positions.clear();
@@ -23,6 +24,7 @@ pub(super) fn clear(mesh: &mut TriMesh) {
     triangles.clear();
     materials.clear();
     topology.clear();
+    *sheets = 0;
     known_closed.clear();
 }
 
@@ -31,7 +33,7 @@ pub(super) fn clear(mesh: &mut TriMesh) {
 /// Position and topology are given, because they belong to the edge of the surface and not to one of its attribute
 /// vertices. Each attribute is `a + t (b - a)`, kept within the range of its two ends; the normal is scaled to unit
 /// length.
-pub(super) fn push_between(
+pub(crate) fn push_between(
     target: &mut TriMesh,
     source: &TriMesh,
     [a, b]: [u32; 2],
@@ -122,7 +124,7 @@ impl MeanVertex {
 
 /// Appends the vertices `chosen` of `old` and the first `count` of `new`, with those attributes that `old` has, but
 /// without topology numbers. Room for `more` vertices is made as well.
-pub(super) fn extend_chosen(
+pub(crate) fn extend_chosen(
     mesh: &mut TriMesh,
     old: &TriMesh,
     chosen: &[u32],

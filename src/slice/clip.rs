@@ -39,6 +39,13 @@ struct CutPoint {
     topology: u32,
 }
 
+/// How many triangles are sheets.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct SheetCounts {
+    pub(super) whole: usize,
+    pub(super) cut: usize,
+}
+
 /// An edge between two vertices on the plane, as the first of its two triangles has it.
 #[derive(Clone, Copy, Debug)]
 struct EdgeOnPlane {
@@ -68,6 +75,8 @@ pub(super) struct Clip {
     pub(super) whole: [Vec<u32>; 2],
     /// Triangles that are parts of cut ones.
     pub(super) cut: [Vec<CutTriangle>; 2],
+    /// How many of the whole and of the cut triangles of each side, the first ones, are sheets.
+    pub(super) sheets: [SheetCounts; 2],
     /// Triangles of the input with corners on both sides, or with none off the plane.
     mixed: Vec<u32>,
     /// Whole triangles with an edge on the plane.
@@ -104,21 +113,33 @@ impl Clip {
             (false, _) => return Cut::Above,
         }
         self.reset(mesh);
+        let sheets = self
+            .mixed
+            .partition_point(|&triangle| triangle < mesh.sheets);
+        for index in 0..sheets {
+            self.split(mesh, plane, self.mixed[index]);
+        }
+        self.end_sheets();
         for index in 0..self.touching.len() {
             self.keep_edges(mesh, self.touching[index]);
         }
-        for index in 0..self.mixed.len() {
+        for index in sheets..self.mixed.len() {
             let triangle = self.mixed[index];
             let corners = mesh.triangles[triangle as usize];
-            let sides = corners.map(|vertex| self.sides[vertex as usize]);
-            if sides == [ON; 3] {
+            if corners.iter().all(|&v| self.sides[v as usize] == ON) {
                 self.keep_coplanar(mesh, plane, triangle);
             } else {
-                self.split(mesh, plane, triangle, sides);
+                self.split(mesh, plane, triangle);
             }
         }
         self.cut_vertices = self.new.positions.len();
         Cut::Cut(())
+    }
+
+    /// Takes a rim without any cut: directed edges between vertices of `mesh`, which has no triangles.
+    pub(super) fn begin_rim(&mut self, mesh: &TriMesh, rim: &[[u32; 2]]) {
+        self.reset(mesh);
+        self.rim.extend_from_slice(rim);
     }
 
     /// Sorts the triangles by the sides of their corners; returns all sides found.
@@ -132,19 +153,29 @@ impl Clip {
         let sides = self.sides.as_slice();
         let [below, above] = self.whole.each_mut().map(Vec::as_mut_slice);
         let (mut below_count, mut above_count, mut found) = (0, 0, 0);
+        self.sheets = Default::default();
         for (triangle, corners) in (0..).zip(&mesh.triangles) {
             let [a, b, c] = corners.map(|vertex| sides[vertex as usize]);
             let all = a | b | c;
             found |= all;
-            let parts = all & (BELOW | ABOVE);
+            let is_sheet = triangle < mesh.sheets;
+            // A sheet on the plane bounds nothing; it goes below.
+            let parts = match all & (BELOW | ABOVE) {
+                0 if is_sheet => BELOW,
+                parts => parts,
+            };
             // Written always and counted where it belongs, which no processor has to guess.
             below[below_count] = triangle;
             below_count += usize::from(parts == BELOW);
             above[above_count] = triangle;
             above_count += usize::from(parts == ABOVE);
+            if is_sheet {
+                self.sheets[0].whole = below_count;
+                self.sheets[1].whole = above_count;
+            }
             if parts == 0 || parts == BELOW | ABOVE {
                 self.mixed.push(triangle);
-            } else if (a & b | b & c | c & a) & ON != 0 {
+            } else if (a & b | b & c | c & a) & ON != 0 && !is_sheet {
                 self.touching.push(triangle);
             }
         }
@@ -168,6 +199,14 @@ impl Clip {
         self.cut_point_of.reset(topology_count);
         self.cut_vertex_of.reset(mesh.positions.len());
         self.first_on_edges.clear();
+    }
+
+    /// Takes note of the sheets that were cut: they need no cap.
+    fn end_sheets(&mut self) {
+        self.rim.clear();
+        for (sheets, cut) in self.sheets.iter_mut().zip(&self.cut) {
+            sheets.cut = cut.len();
+        }
     }
 
     /// The mesh that has vertex number `vertex`, and its place there.
@@ -232,8 +271,9 @@ impl Clip {
     ///
     /// The diagonal of the quadrilateral part follows the triangle's orientation, so that two triangles with the same
     /// corners, back to back, get different diagonals and stay a manifold.
-    fn split(&mut self, mesh: &TriMesh, plane: &Plane, triangle: u32, sides: [u8; 3]) {
+    fn split(&mut self, mesh: &TriMesh, plane: &Plane, triangle: u32) {
         let corners = mesh.triangles[triangle as usize];
+        let sides = corners.map(|vertex| self.sides[vertex as usize]);
         let rotated = |first: usize| [0, 1, 2].map(|corner| corners[(first + corner) % 3]);
         if let Some(on) = sides.iter().position(|&s| s == ON) {
             let [v, p, q] = rotated(on);

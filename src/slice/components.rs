@@ -1,13 +1,15 @@
 //! Pieces of one mesh that hang together, as meshes of their own.
 //!
 //! Triangles hang together across edges; two surfaces that share no more than a point are two. The wall of a cavity is a
-//! surface of its own that encloses a negative volume; it belongs to the smallest surface around it.
+//! surface of its own that encloses a negative volume; it belongs to the smallest surface around it. Sheets that hang on
+//! nothing go with the nearest surface that encloses something.
 
 use crate::geometry::TriMesh;
+use crate::math::Aabb;
 use crate::slice::attributes;
 use crate::slice::edge_table::EdgeTable;
 use crate::slice::mesh_slicer::VertexNumbers;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 /// The connected pieces of `mesh`, cavities with what they are in, attributes and material slots kept.
 ///
@@ -26,6 +28,9 @@ pub(super) fn labels(mesh: &TriMesh) -> Vec<u32> {
         let owners = owners(mesh, &labels, count);
         for label in &mut labels {
             *label = owners[*label as usize];
+        }
+        if mesh.sheets > 0 {
+            attach_sheets(mesh, &mut labels, count);
         }
     }
     labels
@@ -77,7 +82,7 @@ fn surfaces(mesh: &TriMesh) -> Vec<u32> {
 fn owners(mesh: &TriMesh, labels: &[u32], count: usize) -> Vec<u32> {
     let mut volumes = vec![0.0; count];
     let mut first = vec![None; count];
-    for (corners, &label) in mesh.triangles.iter().zip(labels) {
+    for (corners, &label) in mesh.solid().iter().zip(&labels[mesh.sheets()..]) {
         // About a corner of its own, so that a small surface far away keeps its sign.
         let apex = *first[label as usize].get_or_insert(position(mesh, corners[0]));
         let [a, b, c] = corners.map(|vertex| position(mesh, vertex) - apex);
@@ -97,13 +102,49 @@ fn owners(mesh: &TriMesh, labels: &[u32], count: usize) -> Vec<u32> {
         .collect()
 }
 
+/// Gives parts that are sheets only the label of the part whose box is nearest to theirs, if there is one with a solid.
+fn attach_sheets(mesh: &TriMesh, labels: &mut [u32], count: usize) {
+    let mut boxes = vec![Aabb::EMPTY; count];
+    let mut is_solid = vec![false; count];
+    for (triangle, (corners, &label)) in mesh.triangles.iter().zip(&*labels).enumerate() {
+        is_solid[label as usize] |= triangle >= mesh.sheets();
+        let around = &mut boxes[label as usize];
+        for corner in corners.map(|vertex| mesh.positions[vertex as usize]) {
+            around.min = around.min.min(corner);
+            around.max = around.max.max(corner);
+        }
+    }
+    let gap = |a: &Aabb, b: &Aabb| {
+        let apart = (a.min - b.max).max(b.min - a.max).max(Vec3::ZERO);
+        // Boxes that overlap are told apart by how far their centers are.
+        (
+            apart.length_squared(),
+            a.center().distance_squared(b.center()),
+        )
+    };
+    let owners: Vec<u32> = (0..count)
+        .map(|label| {
+            let solids = (0..count).filter(|&other| is_solid[other]);
+            let nearest = solids.min_by(|&a, &b| {
+                let [a, b] = [a, b].map(|other| gap(&boxes[label], &boxes[other]));
+                a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1))
+            });
+            let owner = if is_solid[label] { None } else { nearest };
+            owner.unwrap_or(label) as u32
+        })
+        .collect();
+    for label in labels {
+        *label = owners[*label as usize];
+    }
+}
+
 fn position(mesh: &TriMesh, vertex: u32) -> DVec3 {
     mesh.positions[vertex as usize].as_dvec3()
 }
 
 /// Whether a ray along +x from `point` leaves surface number `label` once more often than it enters it.
-fn encloses(mesh: &TriMesh, labels: &[u32], label: u32, point: DVec3) -> bool {
-    let own = mesh.triangles.iter().zip(labels);
+pub(crate) fn encloses(mesh: &TriMesh, labels: &[u32], label: u32, point: DVec3) -> bool {
+    let own = mesh.solid().iter().zip(&labels[mesh.sheets()..]);
     let crossed = own.filter(|&(corners, &l)| l == label && is_crossed(mesh, corners, point));
     crossed.count() % 2 == 1
 }
@@ -133,6 +174,12 @@ fn is_crossed(mesh: &TriMesh, corners: &[u32; 3], p: DVec3) -> bool {
     normal.dot(a - p) / normal.x > 0.0
 }
 
+/// The mesh without vertices and topology numbers that no triangle uses.
+pub(crate) fn compacted(mesh: &TriMesh) -> TriMesh {
+    let labels = vec![0; mesh.triangles.len()];
+    piece(mesh, &labels, 0, &mut VertexNumbers::default()).unwrap_or_default()
+}
+
 /// The triangles with one label as a mesh.
 fn piece(
     mesh: &TriMesh,
@@ -145,6 +192,7 @@ fn piece(
     let chosen = (0..).zip(labels).filter(|&(_, &l)| l == label);
     for (triangle, _) in chosen {
         let triangle: usize = triangle;
+        part.sheets += u32::from(triangle < mesh.sheets());
         part.triangles
             .push(mesh.triangles[triangle].map(|corner| numbers.of(corner)));
         part.materials.extend(mesh.materials.get(triangle));
@@ -166,18 +214,18 @@ fn piece(
 /// Disjoint sets of numbers; each set is named by its smallest member.
 ///
 /// Source: R. E. Tarjan, "Efficiency of a Good But Not Linear Set Union Algorithm", Journal of the ACM 22(2), 1975.
-struct DisjointSets {
+pub(crate) struct DisjointSets {
     parent: Vec<u32>,
 }
 
 impl DisjointSets {
-    fn new(count: usize) -> Self {
+    pub(crate) fn new(count: usize) -> Self {
         Self {
             parent: (0..count as u32).collect(),
         }
     }
 
-    fn root(&mut self, mut member: u32) -> u32 {
+    pub(crate) fn root(&mut self, mut member: u32) -> u32 {
         while self.parent[member as usize] != member {
             let above = self.parent[self.parent[member as usize] as usize];
             self.parent[member as usize] = above;
@@ -186,7 +234,7 @@ impl DisjointSets {
         member
     }
 
-    fn join(&mut self, a: u32, b: u32) {
+    pub(crate) fn join(&mut self, a: u32, b: u32) {
         let (a, b) = (self.root(a), self.root(b));
         self.parent[a.max(b) as usize] = a.min(b);
     }

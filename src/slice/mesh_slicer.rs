@@ -178,6 +178,16 @@ impl MeshSlicer {
                     Some(new) => first_new + new,
                 })
         }));
+        self.sheets_first(index, &mut part.triangles);
+        let sheets = self.clip.sheets[index];
+        part.sheets = (sheets.whole + sheets.cut) as u32;
+    }
+
+    /// Brings a list of whole triangles and then cut ones into the order of a mesh, whose sheets come first.
+    fn sheets_first<T>(&self, index: usize, list: &mut [T]) {
+        let sheets = self.clip.sheets[index];
+        let whole = self.clip.whole[index].len();
+        list[sheets.whole..whole + sheets.cut].rotate_left(whole - sheets.whole);
     }
 
     /// Appends the vertices of the cap; returns the number of the first.
@@ -223,6 +233,7 @@ impl MeshSlicer {
         let cut = self.clip.cut[index].iter().map(|cut| cut.source);
         part.materials
             .extend(whole.chain(cut).map(|t| slot(t).unwrap_or(0)));
+        self.sheets_first(index, &mut part.materials);
         part.materials
             .resize(part.triangles.len(), cap_material.unwrap_or(0));
     }

@@ -19,22 +19,23 @@
 //! - The steps (old-vertex table, undirected-edge table, border from directed edges without partner, fan cap) are those
 //!   of "Constraint-Based Physics With Real-Time Object Slicing".
 
-mod attributes;
+pub(crate) mod attributes;
 mod border;
 mod cap;
 mod cell_clip;
 pub(crate) mod cells;
 mod clip;
-mod components;
+pub(crate) mod components;
 pub(crate) mod convex;
 pub(crate) mod crack_area;
 mod cut;
 pub(crate) mod cutting;
-mod edge_table;
+pub(crate) mod edge_table;
 pub(crate) mod fracturable;
 mod mesh_slicer;
 pub(crate) mod pattern;
 mod random;
+pub(crate) mod rim_fill;
 mod separate;
 
 pub use cells::{Piece, PieceCutter, cut_by_planes};

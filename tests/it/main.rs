@@ -24,6 +24,7 @@ mod fracture_materials;
 mod geometry;
 mod ghosts;
 mod hard_cases;
+mod import;
 mod known_pairs;
 mod layering;
 mod mass;
