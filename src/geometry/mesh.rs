@@ -1,7 +1,7 @@
 //! `TriMesh`: triangles with per-vertex attributes.
 
 use crate::geometry::weld::weld;
-use crate::geometry::{EdgeCensus, KnownClosed, MeshError};
+use crate::geometry::{EdgeCensus, FaceNumbers, KnownClosed, MeshError};
 use crate::math::{Aabb, Pose, rotate};
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
@@ -24,6 +24,7 @@ pub struct TriMesh {
     pub(crate) materials: Vec<u16>,
     pub(crate) topology: Vec<u32>,
     pub(crate) sheets: u32,
+    pub(crate) faces: FaceNumbers,
     pub(crate) known_closed: KnownClosed,
 }
 
@@ -72,6 +73,7 @@ impl TriMesh {
     pub fn with_normals(mut self, normals: Vec<Vec3>) -> Result<Self, MeshError> {
         self.check_length("normals", normals.len())?;
         check_finite(&normals, |n| n.is_finite())?;
+        self.faces.clear();
         self.normals = normals;
         Ok(self)
     }
@@ -83,6 +85,7 @@ impl TriMesh {
     pub fn with_colors(mut self, colors: Vec<Vec4>) -> Result<Self, MeshError> {
         self.check_length("colors", colors.len())?;
         check_finite(&colors, |c| c.is_finite())?;
+        self.faces.clear();
         self.colors = colors;
         Ok(self)
     }
@@ -94,6 +97,7 @@ impl TriMesh {
     pub fn with_uvs(mut self, uvs: Vec<Vec2>) -> Result<Self, MeshError> {
         self.check_length("uvs", uvs.len())?;
         check_finite(&uvs, |uv| uv.is_finite())?;
+        self.faces.clear();
         self.uvs = uvs;
         Ok(self)
     }
@@ -108,6 +112,7 @@ impl TriMesh {
         if found != triangles {
             return Err(MeshError::MaterialLength { found, triangles });
         }
+        self.faces.clear();
         self.materials = materials;
         Ok(self)
     }
@@ -121,6 +126,7 @@ impl TriMesh {
         if count > triangles {
             return Err(MeshError::TooManySheets { count, triangles });
         }
+        self.faces.clear();
         self.sheets = count as u32;
         self.known_closed.clear();
         Ok(self)

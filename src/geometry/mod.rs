@@ -3,7 +3,7 @@
 //! | file | holds |
 //! |---|---|
 //! | `predicates.rs` | every geometric tolerance, derived from rounding; exact side tests |
-//! | `mesh.rs`, `mesh_error.rs`, `closed.rs`, `weld.rs` | triangle meshes and whether they are closed |
+//! | `mesh.rs`, `mesh_error.rs`, `closed.rs`, `face_numbers.rs`, `weld.rs` | triangle meshes, whether they are closed and which faces are flat |
 //! | `hull.rs`, `coplanar.rs` | the convex hull of a point cloud; triangles in one plane become a polygon |
 //! | `convex.rs`, `face.rs`, `around.rs`, `hull_error.rs` | a hull with polygon faces and edges, and why something is none |
 //! | `hull_lanes.rs`, `edge_tables.rs`, `triangle_corners.rs` | the same for several numbers at a time |
@@ -23,6 +23,7 @@ mod coplanar;
 pub(crate) mod distance;
 pub(crate) mod edge_tables;
 pub(crate) mod face;
+mod face_numbers;
 pub(crate) mod hull;
 pub(crate) mod hull_error;
 pub(crate) mod hull_lanes;
@@ -41,6 +42,7 @@ pub(crate) use closed::{EdgeCensus, KnownClosed};
 pub use convex::ConvexHull;
 pub use convex_mesh::{ConvexMesh, HalfSpaceShape};
 pub use face::{Edge, Face};
+pub(crate) use face_numbers::FaceNumbers;
 pub use hull::convex_hull_triangles;
 pub use hull_error::{HullDefect, HullError};
 pub use kd_code::{KdBox, KdCode};

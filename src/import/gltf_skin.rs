@@ -1,9 +1,9 @@
 //! Where the nodes of a glTF document are, and where skins have their vertices while nothing is animated.
 
 use crate::import::error::ModelFileError;
-use crate::import::gltf_file::File;
+use crate::import::gltf_data::File;
 use crate::import::model::ModelObject;
-use glam::{Mat4, Vec3, Vec4};
+use glam::{Mat3, Mat4, Vec3, Vec4};
 use gltf::mesh::Semantic;
 use gltf::{Node, Primitive};
 
@@ -116,5 +116,19 @@ impl<'a> Skeleton<'a> {
             mirrored = matrix.determinant() < 0.0;
         }
         Ok(mirrored)
+    }
+}
+
+impl ModelObject {
+    /// Moves an object by a matrix; whether that mirrors it.
+    fn transform(&mut self, matrix: Mat4) -> bool {
+        let normal_matrix = Mat3::from_mat4(matrix).inverse().transpose();
+        for position in &mut self.positions {
+            *position = matrix.transform_point3(*position);
+        }
+        for normal in &mut self.normals {
+            *normal = (normal_matrix * *normal).try_normalize().unwrap_or(Vec3::Y);
+        }
+        matrix.determinant() < 0.0
     }
 }

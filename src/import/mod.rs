@@ -11,7 +11,8 @@
 //! | the two sides of each edge find each other; four faces at an edge are two pairs | `pairing.rs` |
 //! | border points that nearly meet are joined; corners on the middle of a border edge divide it | `seams.rs` |
 //! | holes are filled, up to a share of a part's area | `holes.rs` |
-//! | parts that are inside out are turned, hollows stay; open parts become sheets, get a thickness or are left out | `solids.rs`, `thicken.rs` |
+//! | open parts become sheets, get a thickness or are left out | `surface.rs`, `thicken.rs` |
+//! | parts that are inside out are turned, hollows stay; all become one mesh and a report | `solids.rs`, `part_report.rs` |
 //!
 //! [`Model`]s come from any source as objects with positions and triangles (`model.rs`), or from files: glTF and GLB with the
 //! cargo feature `gltf`, OBJ with `obj`.
@@ -23,18 +24,23 @@
 
 mod error;
 mod holes;
+mod importing;
 mod model;
 mod model_file;
 mod options;
 mod orient;
 mod pairing;
+mod part_report;
 mod report;
 mod seams;
 mod smooth;
 mod solids;
 mod soup;
+mod surface;
 mod thicken;
 
+#[cfg(feature = "gltf")]
+mod gltf_data;
 #[cfg(feature = "gltf")]
 mod gltf_file;
 #[cfg(feature = "gltf")]
@@ -43,6 +49,7 @@ mod gltf_skin;
 mod obj_file;
 
 pub use error::{ImportError, ModelFileError};
-pub use model::{Import, Model, ModelObject};
+pub use importing::Import;
+pub use model::{Model, ModelObject};
 pub use options::{ImportOptions, OpenParts};
 pub use report::{Hole, ImportReport, PartReport, PartState, Repairs};

@@ -15,6 +15,7 @@ pub(super) fn clear(mesh: &mut TriMesh) {
         materials,
         topology,
         sheets,
+        faces,
         known_closed,
     } = mesh;
     positions.clear();
@@ -25,6 +26,7 @@ pub(super) fn clear(mesh: &mut TriMesh) {
     materials.clear();
     topology.clear();
     *sheets = 0;
+    faces.clear();
     known_closed.clear();
 }
 

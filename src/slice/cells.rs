@@ -18,11 +18,14 @@ use crate::slice::convex::HullSlicer;
 use crate::slice::cut::Cut;
 use crate::slice::cutting::CellPlanes;
 use crate::slice::cutting::Cutting;
+use crate::slice::flat_faces::flat_faces;
+use crate::slice::merge_faces::FaceMerger;
 use crate::slice::mesh_slicer::MeshSlicer;
 use crate::slice::separate::separate;
 use crate::slice::{SliceError, SliceOptions};
 use crate::tuning::NEAREST_SITES;
 use glam::Vec3;
+use std::borrow::Cow;
 
 /// A piece of a body.
 #[derive(Clone, Debug)]
@@ -63,6 +66,7 @@ pub struct PieceCutter {
     /// Squared distance (m2) from the point in work to the others, and their numbers.
     nearest: Vec<(f64, u32)>,
     spare: TriMesh,
+    merger: FaceMerger,
 }
 
 impl PieceCutter {
@@ -86,23 +90,42 @@ impl PieceCutter {
         if let Some(mesh) = visual.filter(|mesh| !mesh.triangles.is_empty()) {
             mesh.check_closed()?;
         }
-        match cutting {
-            Cutting::Planes(planes) => {
-                let mut pieces = vec![Piece {
-                    hull: hull.clone(),
-                    visual: visual.cloned(),
-                    volume: hull.volume(),
-                }];
-                self.cut_pieces(&mut pieces, planes, most, options)?;
-                Ok(pieces)
+        if let Cutting::Planes(planes) = cutting {
+            let mut pieces = vec![Piece {
+                hull: hull.clone(),
+                visual: visual.cloned(),
+                volume: hull.volume(),
+            }];
+            self.cut_pieces(&mut pieces, planes, most, options)?;
+            return Ok(pieces);
+        }
+        let marked = visual.map(|mesh| {
+            let mut mesh = Cow::Borrowed(mesh);
+            if mesh.faces.0.is_empty() {
+                let faces = flat_faces(&mesh);
+                mesh.to_mut().faces.0 = faces;
             }
+            mesh
+        });
+        let visual = marked.as_deref();
+        let mut pieces = match cutting {
+            Cutting::Planes(_) => Vec::new(),
             Cutting::Cells(cells) => {
                 for plane in cells.iter().flatten() {
                     check_plane(plane)?;
                 }
-                self.clip_cells(hull, visual, cells, most, options)
+                self.clip_cells(hull, visual, cells, most, options)?
             }
-            Cutting::Sites(sites) => self.clip_sites(hull, visual, sites, most, options),
+            Cutting::Sites(sites) => self.clip_sites(hull, visual, sites, most, options)?,
+        };
+        self.merge_faces(&mut pieces);
+        Ok(pieces)
+    }
+
+    /// Merges the triangles of flat faces that cuts have divided.
+    fn merge_faces(&mut self, pieces: &mut [Piece]) {
+        for mesh in pieces.iter_mut().filter_map(|piece| piece.visual.as_mut()) {
+            self.merger.merge(mesh, None);
         }
     }
 
@@ -121,6 +144,13 @@ impl PieceCutter {
     ) -> Result<(), SliceError> {
         for plane in planes {
             check_plane(plane)?;
+        }
+        if planes.is_empty() {
+            return Ok(());
+        }
+        let visuals = pieces.iter_mut().filter_map(|piece| piece.visual.as_mut());
+        for mesh in visuals.filter(|mesh| mesh.faces.0.is_empty()) {
+            mesh.faces.0 = flat_faces(mesh);
         }
         for plane in planes {
             let mut count = pieces.len();
@@ -142,6 +172,7 @@ impl PieceCutter {
             }
             *pieces = cut;
         }
+        self.merge_faces(pieces);
         Ok(())
     }
 

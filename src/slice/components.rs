@@ -196,6 +196,7 @@ fn piece(
         part.triangles
             .push(mesh.triangles[triangle].map(|corner| numbers.of(corner)));
         part.materials.extend(mesh.materials.get(triangle));
+        part.faces.0.extend(mesh.faces.0.get(triangle));
     }
     attributes::extend_chosen(
         &mut part,

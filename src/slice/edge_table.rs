@@ -43,6 +43,29 @@ impl EdgeTable {
         None
     }
 
+    /// The value of the edge between `a` and `b`, to be changed.
+    pub(super) fn get_mut(&mut self, a: u32, b: u32) -> Option<&mut u32> {
+        let (low, high) = (a.min(b), a.max(b));
+        let mut at = self.head[low as usize];
+        while at != NONE {
+            let entry = self.entries[at as usize];
+            if entry.other == high {
+                return Some(&mut self.entries[at as usize].value);
+            }
+            at = entry.next;
+        }
+        None
+    }
+
+    /// Calls `each` with the other ends of all edges from `a` to vertices of larger number.
+    pub(super) fn for_each_above(&self, a: u32, mut each: impl FnMut(u32)) {
+        let mut at = self.head[a as usize];
+        while at != NONE {
+            each(self.entries[at as usize].other);
+            at = self.entries[at as usize].next;
+        }
+    }
+
     /// Adds the edge between `a` and `b`, which is not in the table yet.
     pub(super) fn insert(&mut self, a: u32, b: u32, value: u32) {
         let (low, high) = (a.min(b), a.max(b));

@@ -9,7 +9,8 @@ use crate::slice::border::Border;
 use crate::slice::cap::CapFill;
 use crate::slice::clip::Clip;
 use crate::slice::cut::Cut;
-use crate::slice::{Cap, Halves, SliceError, SliceOptions};
+use crate::slice::merge_faces::FaceMerger;
+use crate::slice::{Cap, CapNormals, Halves, SliceError, SliceOptions};
 use glam::Vec4;
 
 /// Number of a position that was not asked for yet.
@@ -23,6 +24,9 @@ pub struct MeshSlicer {
     border: Border,
     cap: CapFill,
     numbers: VertexNumbers,
+    merger: FaceMerger,
+    /// Number of the face that the cap is.
+    cap_face: u32,
 }
 
 impl MeshSlicer {
@@ -37,7 +41,11 @@ impl MeshSlicer {
         options: SliceOptions,
     ) -> Result<Cut<Box<Halves>>, SliceError> {
         self.check(mesh, &plane)?;
-        Ok(self.slice_closed(mesh, &plane, options))
+        let mut cut = self.slice_closed(mesh, &plane, options);
+        if let Cut::Cut(halves) = &mut cut {
+            self.merge_old_faces(mesh, halves);
+        }
+        Ok(cut)
     }
 
     /// As [`slice`](Self::slice), into the memory of `halves`: once that and the slicer's own suffice, a cut allocates
@@ -56,8 +64,18 @@ impl MeshSlicer {
         let verdict = self.divide(mesh, &plane);
         if verdict.is_cut() {
             self.collect(mesh, &plane, options, halves);
+            self.merge_old_faces(mesh, halves);
         }
         Ok(verdict)
+    }
+
+    /// Merges what earlier cuts and this one have divided; the new cap is the same for both halves, and stays.
+    fn merge_old_faces(&mut self, mesh: &TriMesh, halves: &mut Halves) {
+        if !mesh.faces.0.is_empty() {
+            for half in [&mut halves.below, &mut halves.above] {
+                self.merger.merge(half, Some(self.cap_face));
+            }
+        }
     }
 
     fn check(&mut self, mesh: &TriMesh, plane: &Plane) -> Result<(), SliceError> {
@@ -90,6 +108,7 @@ impl MeshSlicer {
         if verdict.is_cut() {
             self.border.run(mesh, &self.clip);
             self.cap.run(mesh, &mut self.clip, &self.border, plane);
+            self.cap_face = mesh.faces.first_free(mesh.triangles.len());
         }
         verdict
     }
@@ -150,6 +169,7 @@ impl MeshSlicer {
             part.triangles.extend(cap.map(|[a, b, c]| [a, c, b]));
         }
         self.collect_materials(index, mesh, options.cap_material, part);
+        self.collect_faces(index, mesh, options, part);
         part.known_closed.set();
     }
 
@@ -216,6 +236,29 @@ impl MeshSlicer {
             attributes::push_cap(part, source, place, topology, &style);
         }
         first
+    }
+
+    /// The faces of the triangles: those that they are parts of, and one for the cap if its attributes are those of one face.
+    fn collect_faces(
+        &self,
+        index: usize,
+        mesh: &TriMesh,
+        options: SliceOptions,
+        part: &mut TriMesh,
+    ) {
+        let whole = self.clip.whole[index].iter().copied();
+        let cut = self.clip.cut[index].iter().map(|cut| cut.source);
+        let faces = whole.chain(cut).map(|triangle| mesh.faces.of(triangle));
+        part.faces.0.extend(faces);
+        self.sheets_first(index, &mut part.faces.0);
+        let first_corner = part.positions.len() - self.cap.corners.len();
+        let is_flat_shaded = part.normals.is_empty() || options.cap_normals == CapNormals::Flat;
+        let mut colors = part.colors.iter().skip(first_corner);
+        let first_color = colors.next();
+        let is_one = is_flat_shaded && colors.all(|color| Some(color) == first_color);
+        let triangles = 0..self.cap.triangles.len() as u32;
+        let number = |place: u32| self.cap_face + if is_one { 0 } else { place };
+        part.faces.0.extend(triangles.map(number));
     }
 
     fn collect_materials(

@@ -36,6 +36,7 @@ mod seams;
 mod shape;
 mod sleep;
 mod slice;
+mod slice_faces;
 mod slice_hull;
 mod slice_mesh;
 mod slice_separate;
