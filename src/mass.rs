@@ -16,7 +16,7 @@
 pub(crate) mod approximate;
 
 use crate::geometry::moments::{Moments, SolidMoments};
-use crate::geometry::{ConvexHull, TriMesh};
+use crate::geometry::{ConvexHull, ConvexMesh, TriMesh};
 use bevy_ecs::component::Component;
 use glam::{DMat3, DQuat, DVec3, Mat3, Quat, Vec3};
 
@@ -39,7 +39,15 @@ impl VolumeIntegrals {
 
     /// Integrals over the inside of a mesh; they mean something only if the mesh is closed.
     pub fn of_mesh(mesh: &TriMesh) -> Self {
-        volume_integrals(mesh.positions(), mesh.triangles().iter().copied())
+        volume_integrals(mesh.positions(), mesh.solid().iter().copied())
+    }
+
+    /// Integrals over what of a shape has mass: its hull, or the mesh in it.
+    pub fn of_shape(shape: &ConvexMesh) -> Self {
+        match shape.weighed_visual() {
+            Some(mesh) => Self::of_mesh(mesh),
+            None => Self::of_hull(shape.hull()),
+        }
     }
 
     fn of_moments(moments: &SolidMoments) -> Self {
@@ -302,6 +310,14 @@ impl MassProperties {
     /// As [`from_integrals`](Self::from_integrals).
     pub fn of_hull(hull: &ConvexHull, density: f32) -> Result<Self, MassError> {
         Self::from_integrals(&VolumeIntegrals::of_hull(hull), density)
+    }
+
+    /// Mass properties of a shape of uniform `density` (kg/m3): of its hull, or of the mesh in it.
+    ///
+    /// # Errors
+    /// As [`from_integrals`](Self::from_integrals).
+    pub fn of_shape(shape: &ConvexMesh, density: f32) -> Result<Self, MassError> {
+        Self::from_integrals(&VolumeIntegrals::of_shape(shape), density)
     }
 
     /// Inverse of the mass, 1/kg.

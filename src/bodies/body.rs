@@ -201,7 +201,7 @@ impl BodyInfo {
             }
             (Shape::Convex(_), Some(given)) => Ok(given.validate()?),
             (Shape::Convex(mesh), None) => {
-                Ok(MassProperties::of_hull(mesh.hull(), self.density).map(drop)?)
+                Ok(MassProperties::of_shape(mesh, self.density).map(drop)?)
             }
         }
     }

@@ -68,7 +68,7 @@ impl Bodies {
         self.mass[i] = match (&info.shape, info.mass_override) {
             (Shape::HalfSpace(_), _) => MassProperties::default(),
             (Shape::Convex(_), Some(given)) => given,
-            (Shape::Convex(mesh), None) => MassProperties::of_hull(mesh.hull(), info.density)?,
+            (Shape::Convex(mesh), None) => MassProperties::of_shape(mesh, info.density)?,
         };
         let movable = kind == RigidBody::Dynamic;
         self.velocity[i].inverse_mass = if movable {

@@ -6,7 +6,7 @@ use crate::bodies::body::BodyDesc;
 use crate::bodies::store::Bodies;
 use crate::fracture::ledger::{Invariants, Ledger, Reference};
 use crate::geometry::predicates::{length_scale, plane_tolerance};
-use crate::geometry::{ConvexHull, ConvexMesh};
+use crate::geometry::{ConvexHull, ConvexMesh, TriMesh};
 
 /// Share of a body's mass that its pieces may lose or gain before their density makes up for it. Usual pieces stay far below it and
 /// have the density of the body, bit for bit.
@@ -36,7 +36,10 @@ pub(super) fn keep_mass(
     };
     let meshes = || whole.iter().filter_map(|desc| desc.shape.convex());
     let hulls = || meshes().map(ConvexMesh::hull);
-    let volume: f64 = hulls().map(ConvexHull::volume).sum();
+    let weighed = |mesh: &ConvexMesh| mesh.weighed_visual().map(TriMesh::volume);
+    let volume: f64 = meshes()
+        .map(|mesh| weighed(mesh).unwrap_or_else(|| mesh.hull().volume()))
+        .sum();
     let (mass, density) = (bodies.mass(slot).mass, bodies.density(slot));
     let missing = f64::from(mass) / f64::from(density) - volume;
     if missing.abs() <= MASS_TOLERANCE * volume {

@@ -39,7 +39,7 @@ impl Invariants {
         let Some(mesh) = desc.shape.convex() else {
             return Self::default();
         };
-        let integrals = VolumeIntegrals::of_hull(mesh.hull());
+        let integrals = VolumeIntegrals::of_shape(mesh);
         let density = f64::from(desc.density);
         let inertia = turned(integrals.inertia * density, desc.pose.rotation);
         let velocity = (desc.linear_velocity, desc.angular_velocity);

@@ -30,8 +30,10 @@ pub(super) struct BreakPlan {
 #[derive(Clone, Debug)]
 pub(super) struct PieceSet {
     pieces: Vec<Piece>,
-    /// What the cuts left, if parts of it came apart.
+    /// What the cuts left, if air that they held is none of the pieces, and had counted as material.
     halves: Vec<ConvexHull>,
+    /// Surface of what the cuts left, m2.
+    surface: f64,
     /// The planes of the cuts, and those of a blow that divides by planes, body's frame.
     planes: SmallVec<[Plane; 8]>,
 }
@@ -45,11 +47,22 @@ impl PieceSet {
         let mesh = bodies.convex(plan.slot).ok_or(CutError::NotDynamic)?;
         let fracturable = bodies.fracturable(plan.slot);
         let mut pieces = pieces_of(mesh, fracturable, plan, cutter)?;
+        let surface = pieces.iter().map(|piece| piece.hull.area()).sum();
         let mut halves = Vec::new();
-        if fracturable.is_some_and(|f| f.separate_parts) {
+        let is_seen = |mesh: Option<&TriMesh>| mesh.is_some_and(|m| !m.triangles().is_empty());
+        if is_seen(mesh.visual()) {
             halves.extend(pieces.iter().map(|piece| piece.hull.clone()));
-            cutter.separate(&mut pieces)?;
-            if pieces.len() == halves.len() {
+            let air = pieces.len();
+            pieces.retain(|piece| is_seen(piece.visual.as_ref()));
+            let mut is_changed = pieces.len() != air;
+            if fracturable.is_none_or(|f| f.separate_parts) {
+                let joined = pieces.len();
+                cutter.separate(&mut pieces)?;
+                is_changed |= pieces.len() != joined;
+            }
+            is_changed |= PieceCutter::fit_hulls(&mut pieces)?;
+            // Where the mesh has the mass, the air never had any.
+            if !is_changed || mesh.weighs_visual() {
                 halves.clear();
             }
         }
@@ -63,6 +76,7 @@ impl PieceSet {
         Ok(Self {
             pieces,
             halves,
+            surface,
             planes,
         })
     }
@@ -74,13 +88,7 @@ impl PieceSet {
 
     /// Area of the cracks in a body with the hull `whole`, m2: half of what the surface has grown by.
     pub(super) fn crack_area(&self, whole: &ConvexHull) -> f64 {
-        let grown = if self.halves.is_empty() {
-            let surfaces = self.pieces.iter().map(|piece| piece.hull.area());
-            surfaces.sum::<f64>()
-        } else {
-            self.halves.iter().map(ConvexHull::area).sum()
-        };
-        0.5 * (grown - whole.area())
+        0.5 * (self.surface - whole.area())
     }
 }
 
@@ -202,14 +210,22 @@ fn lost_between_parts(
 fn piece_desc(bodies: &Bodies, parent: u32, hull: ConvexHull, visual: Option<TriMesh>) -> BodyDesc {
     let info = bodies.info(parent);
     let rotation = bodies.pose(parent).rotation;
-    let centroid = VolumeIntegrals::of_hull(&hull).centroid.as_vec3();
+    let weighs_visual = bodies.convex(parent).is_some_and(ConvexMesh::weighs_visual);
+    let weighed = ConvexMesh::weighed_part(&hull, visual.as_ref(), weighs_visual);
+    let integrals =
+        weighed.map_or_else(|| VolumeIntegrals::of_hull(&hull), VolumeIntegrals::of_mesh);
+    let centroid = integrals.centroid.as_vec3();
     let (v, omega) = bodies.velocity(parent);
     let lever: Vec3 = rotate(rotation, centroid - bodies.mass(parent).center);
     let shift = Pose::new(-centroid, Quat::IDENTITY);
     let visual = visual.map(|mesh| mesh.transformed(&shift));
+    let mut shape = ConvexMesh::from_parts(hull.translated(-centroid), visual);
+    if weighs_visual {
+        shape = shape.with_mass_of_visual();
+    }
     BodyDesc {
         kind: RigidBody::Dynamic,
-        shape: Shape::Convex(ConvexMesh::from_parts(hull.translated(-centroid), visual)),
+        shape: Shape::Convex(shape),
         pose: Pose::new(bodies.center_of_mass(parent) + lever, rotation),
         linear_velocity: v + omega.cross(lever),
         angular_velocity: omega,

@@ -1,6 +1,6 @@
 //! The shapes a body can have: `ConvexMesh`, shared and immutable, and the static `HalfSpaceShape`.
 
-use crate::geometry::predicates::{PlaneError, check_plane};
+use crate::geometry::predicates::{FLAT_RELATIVE, PlaneError, check_plane};
 use crate::geometry::{ConvexHull, HullError, MeshError, TriMesh, primitives};
 use crate::math::{Aabb, Plane};
 use bevy_ecs::component::Component;
@@ -19,6 +19,7 @@ pub struct ConvexMesh(Arc<MeshParts>);
 struct MeshParts {
     hull: ConvexHull,
     visual: Option<TriMesh>,
+    weighs_visual: bool,
 }
 
 impl ConvexMesh {
@@ -26,7 +27,46 @@ impl ConvexMesh {
     ///
     /// That the mesh is closed and lies inside the hull is for the caller to see to; [`from_mesh`](Self::from_mesh) does.
     pub fn from_parts(hull: ConvexHull, visual: Option<TriMesh>) -> Self {
-        Self(Arc::new(MeshParts { hull, visual }))
+        Self::assemble(hull, visual, false)
+    }
+
+    fn assemble(hull: ConvexHull, visual: Option<TriMesh>, weighs_visual: bool) -> Self {
+        Self(Arc::new(MeshParts {
+            hull,
+            visual,
+            weighs_visual,
+        }))
+    }
+
+    /// The shape with the mass, center and inertia of the mesh that rides in it instead of those of its hull, and so with its
+    /// pieces: a cup weighs its wall and not the air in it. A mesh that encloses nothing leaves it at the hull.
+    pub fn with_mass_of_visual(self) -> Self {
+        match Arc::try_unwrap(self.0) {
+            Ok(parts) => Self::assemble(parts.hull, parts.visual, true),
+            Err(shared) => Self::assemble(shared.hull.clone(), shared.visual.clone(), true),
+        }
+    }
+
+    /// The mesh that gives the body its mass, if that is asked for and the mesh encloses something.
+    pub fn weighed_visual(&self) -> Option<&TriMesh> {
+        Self::weighed_part(self.hull(), self.visual(), self.0.weighs_visual)
+    }
+
+    /// The same of a shape that is yet to be made.
+    pub(crate) fn weighed_part<'a>(
+        hull: &ConvexHull,
+        visual: Option<&'a TriMesh>,
+        weighs_visual: bool,
+    ) -> Option<&'a TriMesh> {
+        let visual = visual.filter(|_| weighs_visual)?;
+        // Below what a hull must have to be one.
+        let is_solid = visual.volume() > f64::from(FLAT_RELATIVE) * hull.volume();
+        is_solid.then_some(visual)
+    }
+
+    /// Whether the mass is that of the mesh that rides inside, as far as there is one.
+    pub(crate) fn weighs_visual(&self) -> bool {
+        self.0.weighs_visual
     }
 
     /// The shape of a hull, which is also what is drawn.
@@ -107,7 +147,8 @@ impl ConvexMesh {
             .visual()
             .map(|mesh| mesh.clone().scaled(factor))
             .transpose()?;
-        Ok(Self::from_parts(ConvexHull::from_points(&points)?, visual))
+        let hull = ConvexHull::from_points(&points)?;
+        Ok(Self::assemble(hull, visual, self.0.weighs_visual))
     }
 
     /// The hull that collides and carries the mass.

@@ -21,7 +21,7 @@ use crate::slice::cutting::Cutting;
 use crate::slice::flat_faces::flat_faces;
 use crate::slice::merge_faces::FaceMerger;
 use crate::slice::mesh_slicer::MeshSlicer;
-use crate::slice::separate::separate;
+use crate::slice::separate::{fit_hulls, separate};
 use crate::slice::{SliceError, SliceOptions};
 use crate::tuning::NEAREST_SITES;
 use glam::Vec3;
@@ -188,6 +188,15 @@ impl PieceCutter {
     /// [`SliceError::Hull`] if a part does not make a hull although it is not flat.
     pub fn separate(&mut self, pieces: &mut Vec<Piece>) -> Result<(), SliceError> {
         separate(pieces, &mut self.clipper)
+    }
+
+    /// Gives each piece whose hull holds air the hull around its visual mesh; whether there was one. A mesh too flat for a hull
+    /// leaves its piece as it is.
+    ///
+    /// # Errors
+    /// [`SliceError::Hull`] if a mesh does not make a hull although it is not flat.
+    pub fn fit_hulls(pieces: &mut [Piece]) -> Result<bool, SliceError> {
+        fit_hulls(pieces)
     }
 
     /// The parts of a visual mesh below and above a plane.

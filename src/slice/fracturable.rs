@@ -37,8 +37,8 @@ pub struct Fracturable {
     /// Material slot of the cut faces (see [`TriMesh::materials`](crate::geometry::TriMesh::materials)); `None` for no
     /// slots, or 0 if the mesh has some.
     pub cut_material: Option<u16>,
-    /// Whether pieces whose visual meshes are in several parts come apart, as [`PieceCutter::separate`] says. Off, because
-    /// many models are built of parts that only touch, and would fall into them at the first cut.
+    /// Whether pieces whose visual meshes are in several parts come apart, as [`PieceCutter::separate`] says. To be switched off
+    /// for models that are built of parts which only touch and are to hold together.
     ///
     /// [`PieceCutter::separate`]: crate::slice::PieceCutter::separate
     pub separate_parts: bool,
@@ -58,7 +58,7 @@ impl Default for Fracturable {
             seed: 0,
             cut_color: None,
             cut_material: None,
-            separate_parts: false,
+            separate_parts: true,
         }
     }
 }

@@ -48,8 +48,8 @@ impl MeshSlicer {
         Ok(cut)
     }
 
-    /// As [`slice`](Self::slice), into the memory of `halves`: once that and the slicer's own suffice, a cut allocates
-    /// nothing. Unless the verdict is [`Cut::Cut`], `halves` stay as they are.
+    /// As [`slice`](Self::slice), into the memory of `halves`: once that and the slicer's own suffice, the cut of a mesh that is no
+    /// part of an earlier cut allocates nothing; of others, faces are merged in new memory. Unless the verdict is [`Cut::Cut`], `halves` stay as they are.
     ///
     /// # Errors
     /// As [`slice_mesh`](crate::slice::slice_mesh).

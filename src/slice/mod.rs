@@ -10,6 +10,8 @@
 //!
 //! The cut of meshes (`clip.rs`, `border.rs`, `cap.rs`) follows the paper step by step and takes any closed surface; the tests hold the
 //! cuts of convex hulls (`convex.rs`) and of cells (`cells.rs`), which know more and are faster, against it and against each other.
+//! Flat faces that cuts divide are few triangles again afterwards (`merge_faces.rs`); what a face is goes with its triangles, and is
+//! found once (`flat_faces.rs`).
 //! How an impact divides a body is a pattern (`pattern.rs`), which gives planes, cells or sites (`cutting.rs`); another pattern goes
 //! there. What makes a body breakable is `fracturable.rs`.
 //!
@@ -119,6 +121,7 @@ pub enum SliceError {
 /// `plane` is in the mesh's frame (m). Seams stay seams, attributes are interpolated on cut edges, and each part gets a
 /// cap with the plane's normal, texture coordinates in metres along the plane's tangents, and vertices of its own.
 /// The parts share the positions of the cut bit for bit, and their volumes add up to that of the mesh.
+/// What earlier cuts of the mesh made of one flat face is merged again, so that triangles do not multiply.
 ///
 /// # Errors
 /// [`SliceError::Plane`] if the plane has NaN or infinite numbers or no unit normal; [`SliceError::Mesh`] if the mesh is

@@ -12,6 +12,9 @@ use crate::slice::cut::Cut;
 use crate::slice::{Piece, SliceError};
 use glam::Vec3;
 
+/// A hull with less air than this share of it is left as it is: it is the same but for rounding.
+const FITTING_SHARE: f64 = 1e-3;
+
 /// As [`PieceCutter::separate`](crate::slice::PieceCutter::separate).
 pub(super) fn separate(
     pieces: &mut Vec<Piece>,
@@ -29,6 +32,22 @@ pub(super) fn separate(
     }
     *pieces = separate;
     Ok(())
+}
+
+/// As [`PieceCutter::fit_hulls`](crate::slice::PieceCutter::fit_hulls).
+pub(super) fn fit_hulls(pieces: &mut [Piece]) -> Result<bool, SliceError> {
+    let mut is_changed = false;
+    for piece in pieces {
+        let seen = piece.visual.as_ref().filter(|m| !m.triangles.is_empty());
+        let loose = seen.filter(|mesh| mesh.volume() < (1.0 - FITTING_SHARE) * piece.volume);
+        let Some(mesh) = loose else { continue };
+        if let Some(hull) = hull_unless_flat(&mesh.used_positions())? {
+            piece.volume = hull.volume();
+            piece.hull = hull;
+            is_changed = true;
+        }
+    }
+    Ok(is_changed)
 }
 
 /// A piece for each part of a mesh; none if the mesh is in one part.

@@ -125,6 +125,12 @@ fn pieces_without_meshes_stay_as_they_are() {
     }
 }
 
+/// Volume of the hull around a table, m3: it goes from 1.8 x 0.8 m at the feet to 2 x 1 m at the slab, 0.9 m higher.
+const TABLE_HULL: f64 = 0.9 * (1.44 + 0.26 + 0.04 / 3.0) + 1.0;
+
+/// The same of what of it is more than 0.5 m above the feet: legs of 1.8 x 0.8 m, 0.4 m below the slab.
+const UPPER_HULL: f64 = 0.4 * (1.44 + 0.26 + 0.04 / 3.0) + 1.0;
+
 /// Cuts a table that turns and flies through its legs, as a body.
 fn cut_body(separate_parts: bool) -> Simulation {
     let mut simulation = Simulation::default();
@@ -143,14 +149,11 @@ fn cut_body(separate_parts: bool) -> Simulation {
 }
 
 #[test]
-fn legs_of_a_body_fall_on_their_own_if_asked_for_and_the_air_between_them_is_in_the_ledger() {
+fn legs_of_a_body_fall_on_their_own_and_the_air_between_them_is_in_the_ledger() {
     let simulation = cut_body(true);
     let made = &simulation.fractures.done[0];
     assert_eq!(made.pieces.len(), 5);
-    // Below the plane are 0.5 m of the legs. The hull's sides go from 1.8 x 0.8 m at the feet to 2 x 1 m at the slab, 0.9 m
-    // higher: 4 (0.9 + t / 9) (0.4 + t / 9) at the height t, from 0 to 0.5.
-    let half = 4.0 * (0.36 * 0.5 + 1.3 / 9.0 * 0.125 + 0.125 / 243.0);
-    let air = half - 4.0 * 0.2 * 0.2 * 0.5;
+    let air = TABLE_HULL - UPPER_HULL - 4.0 * 0.2 * 0.2 * 0.5;
     let density = f64::from(Density::default().0);
     let ledger = &made.ledger;
     assert!((ledger.dropped.mass / (air * density) - 1.0).abs() < 1e-5);
@@ -166,5 +169,100 @@ fn parts_of_a_body_stay_together_unless_asked_for() {
     let simulation = cut_body(false);
     let made = &simulation.fractures.done[0];
     assert_eq!(made.pieces.len(), 2);
-    assert_eq!(made.ledger.dropped.mass, 0.0);
+    // The hull around what is seen of each half is smaller than half of the hull.
+    let air = TABLE_HULL - UPPER_HULL - 1.8 * 0.8 * 0.5;
+    let density = f64::from(Density::default().0);
+    assert!((made.ledger.dropped.mass / (air * density) - 1.0).abs() < 1e-5);
+    assert!(made.ledger.mass_error() < 1e-6);
+}
+
+/// A cup of 12 sides: 1 m high, 1 m wide, its wall and its bottom a tenth of that.
+fn cup() -> TriMesh {
+    use bevy_cleave::import::{ImportOptions, Model, ModelObject};
+    let profile = [(0.5, -0.5), (0.5, 0.5), (0.4, 0.5), (0.4, -0.4)];
+    let turn = |k: u16| glam::Quat::from_rotation_y(f32::from(k) * std::f32::consts::FRAC_PI_6);
+    let corners: Vec<Vec3> = (0..12).map(|k| turn(k) * Vec3::X).collect();
+    let n = corners.len() as u32;
+    let at = |(radius, y): (f32, f32)| {
+        corners
+            .iter()
+            .map(move |p| Vec3::new(radius * p.x, y, radius * p.z))
+    };
+    let positions = profile.into_iter().flat_map(at).collect();
+    let quads = (0..3).flat_map(|row| (0..n).map(move |i| (row * n + i, row * n + (i + 1) % n)));
+    let triangles = quads
+        .flat_map(|(a, b)| [[a, b, b + n], [a, b + n, a + n]])
+        .collect();
+    // The two bottoms are holes.
+    let wall = ModelObject {
+        positions,
+        triangles,
+        ..ModelObject::default()
+    };
+    Model::from_object(wall)
+        .import(&ImportOptions {
+            max_fill: 5.0,
+            ..Default::default()
+        })
+        .unwrap()
+        .mesh
+}
+
+/// A cup in a body, broken into cells by cuts through and through; by its hull or by its wall.
+fn break_cup(weighs_visual: bool) -> (Simulation, f64) {
+    let mesh = cup();
+    let volume = mesh.volume();
+    let mut shape = ConvexMesh::from_mesh(mesh).unwrap();
+    if weighs_visual {
+        shape = shape.with_mass_of_visual();
+    }
+    let mut simulation = Simulation::default();
+    let mut body = BodyDesc::dynamic(shape, Vec3::ZERO);
+    body.angular_velocity = Vec3::new(0.3, -0.2, 0.5);
+    body.linear_velocity = Vec3::new(1.0, 0.0, 0.5);
+    let slot = simulation.bodies.insert(body).unwrap();
+    for k in [-0.3, -0.1, 0.1, 0.3] {
+        for normal in [Vec3::X, Vec3::Y, Vec3::Z] {
+            simulation
+                .slice(slot, Plane::through(k * normal, normal))
+                .unwrap();
+        }
+    }
+    simulation.step(1.0 / 60.0);
+    (simulation, volume)
+}
+
+#[test]
+fn shards_of_a_cup_are_all_seen_and_their_hulls_are_around_what_is_seen() {
+    for weighs_visual in [false, true] {
+        let (simulation, volume) = break_cup(weighs_visual);
+        let made = &simulation.fractures.done[0];
+        assert!(made.pieces.len() > 50, "{}", made.pieces.len());
+        let density = f64::from(Density::default().0);
+        let (mut mass, mut hulls) = (0.0, 0.0);
+        for &slot in &made.pieces {
+            let shape = simulation.bodies.convex(slot).unwrap();
+            let mesh = shape.visual().unwrap();
+            assert!(!mesh.triangles().is_empty(), "a shard that is not seen");
+            let (hull, seen) = (shape.aabb(), mesh.aabb());
+            let gap = (hull.min - seen.min).abs().max((hull.max - seen.max).abs());
+            assert!(gap.max_element() <= 1e-3 * seen.diagonal(), "{gap}");
+            mass += f64::from(simulation.bodies.mass(slot).mass);
+            hulls += shape.hull().volume();
+        }
+        let ledger = &made.ledger;
+        assert!(ledger.mass_error() < 1e-6, "{}", ledger.mass_error());
+        assert!(ledger.momentum_error() < 1e-5);
+        assert!(ledger.angular_momentum_error() < 1e-5);
+        let weighed = if weighs_visual { volume } else { hulls };
+        assert!((mass / (weighed * density) - 1.0).abs() < 1e-6, "{mass}");
+        if weighs_visual {
+            assert!(
+                ledger.dropped.mass.abs() < 1e-6 * mass,
+                "{}",
+                ledger.dropped.mass
+            );
+            assert!((ledger.before.mass / (volume * density) - 1.0).abs() < 1e-6);
+        }
+    }
 }
