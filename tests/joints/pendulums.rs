@@ -52,3 +52,30 @@ fn a_bar_released_level_keeps_period_and_energy_for_a_minute() {
     );
     assert!(most - least < 0.01 * scale, "{least} to {most} J");
 }
+
+#[test]
+fn a_gyroscope_on_a_ball_joint_precesses_level_at_the_rate_of_its_spin() {
+    let mut simulation = Simulation::default();
+    // A disc of square section, half a meter from the joint: I_3 = m / 6; precession at m g d / (I_3 s).
+    let (spin, rate) = (60.0_f32, 0.5 * 9.81 * 6.0 / 60.0_f32);
+    let mut disc = heavy(Vec3::new(0.1, 1.0, 1.0), Vec3::new(0.5, 0.0, 0.0), 2.0);
+    disc.angular_velocity = Vec3::new(spin, rate, 0.0);
+    disc.linear_velocity = Vec3::new(0.0, 0.0, -0.5 * rate);
+    let slot = simulation.bodies.insert(disc).expect("usable");
+    let joint = Joint::ball().with_anchors(Vec3::ZERO, Vec3::new(-0.5, 0.0, 0.0));
+    simulation.join(None, slot, joint).expect("usable");
+    let (mut turned, mut last) = (0.0_f64, Vec3::X);
+    for _ in 0..300 {
+        simulation.step(H);
+        let now = simulation.bodies.center_of_mass(slot).normalize();
+        turned += f64::from(last.cross(now).y);
+        last = now;
+        assert!(now.y.abs() < 0.01, "not level: {now}");
+    }
+    let expected = f64::from(rate) * 5.0;
+    println!("gyroscope: turned by {turned} of {expected} rad");
+    assert!(
+        (turned / expected - 1.0).abs() < 0.01,
+        "{turned} of {expected}"
+    );
+}
