@@ -249,3 +249,12 @@ fn a_box_on_a_chain_rests_on_the_floor_and_on_the_chain() {
     assert!((v.x + 1.0).abs() < 0.05, "{v}");
     assert!((height - 0.5).abs() < 0.01, "{height}");
 }
+
+#[test]
+fn a_steady_step_with_joints_allocates_nothing() {
+    let mut chain = chain(20, 10.0, Vec3::X, Vec3::ZERO);
+    chain.largest_gap(30, H);
+    let simulation = &mut chain.simulation;
+    let allocated = allocation_counter::measure(|| (0..60).for_each(|_| simulation.step(H)));
+    assert_eq!(allocated.count_total, 0, "{allocated:?}");
+}

@@ -79,3 +79,78 @@ fn a_gyroscope_on_a_ball_joint_precesses_level_at_the_rate_of_its_spin() {
         "{turned} of {expected}"
     );
 }
+
+/// Angles from the vertical and angular velocities of two bars of 1 m that hang on each other, and how these change:
+/// `(4/3) t1'' + (1/2) cos(t1 - t2) t2'' = -(1/2) sin(t1 - t2) w2^2 - (3/2) g sin t1`,
+/// `(1/3) t2'' + (1/2) cos(t1 - t2) t1'' = (1/2) sin(t1 - t2) w1^2 - (1/2) g sin t2`.
+#[expect(
+    clippy::disallowed_methods,
+    reason = "a test may differ in the last bit"
+)]
+fn rates([t1, t2, w1, w2]: [f64; 4]) -> [f64; 4] {
+    let (sine, cosine) = (t1 - t2).sin_cos();
+    let g = 9.81;
+    let b1 = -0.5 * sine * w2 * w2 - 1.5 * g * t1.sin();
+    let b2 = 0.5 * sine * w1 * w1 - 0.5 * g * t2.sin();
+    let (a11, a12, a22) = (4.0 / 3.0, 0.5 * cosine, 1.0 / 3.0);
+    let determinant = a11 * a22 - a12 * a12;
+    [
+        w1,
+        w2,
+        (a22 * b1 - a12 * b2) / determinant,
+        (a11 * b2 - a12 * b1) / determinant,
+    ]
+}
+
+/// A step of Runge and Kutta's of the fourth order.
+fn advance(state: [f64; 4], h: f64) -> [f64; 4] {
+    let along = |rates: [f64; 4], h: f64| std::array::from_fn(|i| state[i] + h * rates[i]);
+    let a = rates(state);
+    let b = rates(along(a, 0.5 * h));
+    let c = rates(along(b, 0.5 * h));
+    let d = rates(along(c, h));
+    std::array::from_fn(|i| state[i] + h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]))
+}
+
+#[test]
+#[expect(
+    clippy::disallowed_methods,
+    reason = "a test may differ in the last bit"
+)]
+fn a_double_pendulum_follows_its_equations_for_five_seconds() {
+    for (start, bound) in [([0.2, 0.3], 1e-3), ([1.2, 0.4], 1e-2)] {
+        let mut simulation = Simulation::default();
+        let (mut last, mut at) = (None, Vec3::ZERO);
+        let mut slots = Vec::new();
+        for angle in start {
+            let down = Vec3::new(f32::sin(angle), -f32::cos(angle), 0.0);
+            // Thin, so that the moment is that of a rod to 1e-6.
+            let mut bar = heavy(Vec3::new(1e-3, 1.0, 1e-3), at + 0.5 * down, 1.0);
+            bar.pose.rotation = glam::Quat::from_rotation_z(angle);
+            let slot = simulation.bodies.insert(bar).expect("usable");
+            let pose = |slot: Option<u32>| match slot {
+                Some(slot) => simulation.bodies.pose(slot),
+                None => Pose::IDENTITY,
+            };
+            let joint = Joint::hinge().with_anchor(at, Vec3::Z, [pose(last), pose(Some(slot))]);
+            simulation.join(last, slot, joint).expect("usable");
+            at += down;
+            last = Some(slot);
+            slots.push(slot);
+        }
+        let mut state = [f64::from(start[0]), f64::from(start[1]), 0.0, 0.0];
+        let mut worst = 0.0_f64;
+        for _ in 0..300 {
+            simulation.step(H);
+            for _ in 0..40 {
+                state = advance(state, 1.0 / 2400.0);
+            }
+            let [first, second] = [state[0], state[1]].map(f64::sin_cos);
+            let end = glam::DVec3::new(first.0 + second.0, -first.1 - second.1, 0.0);
+            let tip = crate::scene::point(&simulation, slots[1], Vec3::new(0.0, -0.5, 0.0));
+            worst = worst.max(tip.distance(end));
+        }
+        println!("double pendulum from {start:?}: off by {worst:e} m in 5 s");
+        assert!(worst < bound, "{start:?}: {worst} m");
+    }
+}

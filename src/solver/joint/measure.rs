@@ -49,7 +49,7 @@ pub(crate) struct Measure {
     pub(crate) is_driven: bool,
 }
 
-pub(crate) type Measures = SmallVec<[Measure; 8]>;
+pub(crate) type Measures = SmallVec<[Measure; 10]>;
 
 /// Number of the distance among the axes.
 pub(crate) const DISTANCE: usize = 6;
