@@ -8,7 +8,7 @@
 mod common;
 
 use bevy_cleave::prelude::*;
-use common::scenes;
+use common::{scenes, structures};
 use criterion::{Criterion, criterion_group, criterion_main};
 use glam::Vec3;
 
@@ -93,6 +93,58 @@ fn features(c: &mut Criterion) {
         }),
     );
     bench(c, "paper", settled(|_| {}, SolverConfig::paper()));
+    bench(c, "contact_events", {
+        let mut simulation = settled(|_| {}, default);
+        watch_all(&mut simulation);
+        simulation
+    });
+    bench(c, "drives", {
+        let mut simulation = settled(|_| {}, default);
+        let damped = BodyDrive {
+            linear_damping: 0.01,
+            ..BodyDrive::default()
+        };
+        for slot in 0..simulation.bodies.slots() as u32 {
+            let taken = simulation.bodies.set_drive(slot, damped);
+            taken.expect("usable");
+        }
+        simulation
+    });
+}
+
+/// Asks for all news of all bodies, of loads that no contact bears.
+fn watch_all(simulation: &mut Simulation) {
+    let watch = ContactWatch {
+        touches: true,
+        force: f32::MAX,
+    };
+    let Simulation {
+        bodies, contacts, ..
+    } = simulation;
+    for slot in 0..bodies.slots() as u32 {
+        contacts.events_mut().watch(bodies, slot, watch);
+    }
+}
+
+/// Ten thousand bodies that touch: with events of contacts and without, in turn.
+fn many(c: &mut Criterion) {
+    // Without `--bench` it is a test that the bench runs.
+    let is_bench = std::env::args().any(|arg| arg == "--bench");
+    let count = if is_bench { 10_000 } else { 100 };
+    for is_watched in [false, true] {
+        let mut simulation = Simulation::default();
+        for desc in structures::columns(count) {
+            simulation.bodies.insert(desc).expect("usable");
+        }
+        if is_watched {
+            watch_all(&mut simulation);
+        }
+        for _ in 0..20 {
+            simulation.step(H);
+        }
+        let name = ["many", "many_with_events"][usize::from(is_watched)];
+        bench(c, name, simulation);
+    }
 }
 
 /// Free bodies that spin: those with one moment about all axes pay nothing for their rotation.
@@ -113,6 +165,6 @@ fn spin(c: &mut Criterion) {
 criterion_group! {
     name = benches;
     config = Criterion::default().sample_size(30);
-    targets = features, spin
+    targets = features, spin, many
 }
 criterion_main!(benches);

@@ -53,14 +53,20 @@ mod tuning;
 
 /// What most users need.
 pub mod prelude {
-    pub use crate::bodies::{Bodies, BodyDesc, BodyError, RigidBody, Shape};
+    pub use crate::bodies::{
+        Bodies, BodyDesc, BodyDrive, BodyError, LockedAxes, RigidBody, Shape, StepForces,
+    };
     pub use crate::contact::{
         BodyId, CollisionLayers, CombineRule, ContactCache, Density, Friction, Restitution,
     };
     pub use crate::ecs::{
-        AngularVelocity, BodyHandle, BodyProblem, BodyWarning, BondBroken, BondCommands, Fractured,
-        JointA, JointB, JointBroken, JointCommands, JointHandle, JointProblem, JointsOfA,
-        JointsOfB, LinearVelocity, MassOverride, Sleeping, SliceCommands, SpatialQuery, SpawnBody,
+        AngularDamping, AngularVelocity, BodyHandle, BodyIssues, BodyProblem, BodyWarning,
+        BondBroken, BondCommands, ChildrenOfPieces, Collision, CollisionEnd, CollisionEvents,
+        CollisionStart, Collisions, ConstantForce, ConstantTorque, ContactForce,
+        ContactForceEvents, Explosion, ForceCommands, Forces, ForcesItem, FractureCause, Fractured,
+        GravityScale, JointA, JointB, JointBroken, JointCommands, JointHandle, JointProblem,
+        JointsOfA, JointsOfB, LinearDamping, LinearVelocity, Mass, MassOverride, MaxSpeed, PieceOf,
+        PieceRules, Pieces, Remains, Sensor, Sleeping, SliceCommands, SpatialQuery, SpawnBody,
     };
     pub use crate::fracture::{
         Bond, BondError, Bonds, BreakingImpact, BrokenBond, CutError, CutRequest, Fracture,
@@ -86,8 +92,10 @@ pub mod prelude {
         FrictionModel, Gravity, Method, Pgs, SleepConfig, SoftStep, SolverConfig,
     };
     pub use crate::step::{
-        Contacts, IslandReport, Simulation, StepError, StepReport, StepSettings,
+        ContactChange, ContactEvent, ContactEvents, ContactWatch, Contacts, IslandReport,
+        Simulation, StepError, StepReport, StepSettings,
     };
+    pub use crate::{cuboid, icosphere, prism};
 }
 
 /// Inside views for the tests, benches and examples of this crate, by room. No part of the interface: it changes at will.

@@ -1,13 +1,13 @@
 //! The plugin: the phases of [`step`] as system sets, in the same order and under the same names.
 
-use crate::bodies::body::RigidBody;
 use crate::bodies::store::Bodies;
 use crate::contact::impulses::ContactCache;
-use crate::contact::layers::CollisionLayers;
-use crate::contact::material::{Density, Friction, Restitution};
+use crate::ecs::collisions::{CollisionEnd, CollisionStart, ContactForce};
 use crate::ecs::components::*;
+use crate::ecs::forces::{self, ForceQuery};
+use crate::ecs::pieces::PieceRules;
 use crate::ecs::state::PluginState;
-use crate::ecs::{bond, cut, gather, joint, query, scatter};
+use crate::ecs::{bond, cut, gather, joint, options, pieces, query, scatter, setup};
 use crate::fracture::{Bonds, FractureBudget, Fractures};
 use crate::joints::{Joint, JointLoad, Joints};
 use crate::mass::MassProperties;
@@ -15,13 +15,12 @@ use crate::query::QueryIndex;
 use crate::solver::config::{Gravity, SolverConfig};
 use crate::step;
 use crate::step::{Contacts, StepReport, StepSettings};
-use bevy_app::{App, FixedMainScheduleOrder, FixedPostUpdate, Plugin};
+use bevy_app::{App, FixedMainScheduleOrder, FixedPostUpdate, Plugin, Startup};
 use bevy_ecs::intern::Interned;
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::{ScheduleLabel, SingleThreadedExecutor};
 use bevy_ecs::system::SystemParam;
 use bevy_time::Time;
-use bevy_transform::components::Transform;
 
 /// The schedule of one physics step. Run by the plugin; its time step is `Time`'s current delta.
 ///
@@ -88,12 +87,22 @@ impl Plugin for CleavePlugin {
             .init_resource::<FractureBudget>()
             .init_resource::<StepReport>()
             .init_resource::<PluginState>()
+            .init_resource::<PieceRules>()
             .add_message::<Fractured>()
             .add_message::<BondBroken>()
             .add_message::<joint::JointBroken>()
             .add_message::<BodyWarning>()
+            .add_message::<CollisionStart>()
+            .add_message::<CollisionEnd>()
+            .add_message::<ContactForce>()
+            .add_observer(options::on_option_inserted)
+            .add_observer(options::on_option_removed)
             .add_observer(gather::on_body_inserted)
-            .add_observer(gather::on_body_discarded)
+            .add_observer(gather::on_body_removed)
+            .add_observer(pieces::on_last_piece_gone)
+            .add_observer(gather::on_disabled)
+            .add_observer(gather::on_enabled)
+            .add_observer(gather::on_shape_added)
             .add_observer(gather::on_part_removed)
             .add_observer(gather::on_sleeping_inserted)
             .add_observer(gather::on_sleeping_removed)
@@ -101,7 +110,10 @@ impl Plugin for CleavePlugin {
             .add_observer(joint::on_joint_removed)
             .add_observer(joint::on_disabled)
             .add_observer(joint::on_enabled);
-        require_components(app);
+        setup::require_components(app);
+        app.register_required_components::<Joint, joint::JointHandle>()
+            .register_required_components::<Joint, JointLoad>();
+        app.add_systems(Startup, setup::name_what_is_missing);
         #[cfg(feature = "reflect")]
         crate::ecs::reflect::register_types(app);
         app.init_schedule(PhysicsSchedule)
@@ -128,21 +140,6 @@ fn run_in_fixed_time_steps(app: &mut App) {
     let next = FixedPostUpdate.intern();
     let place = labels.iter().position(|&label| label == next);
     labels.insert(place.unwrap_or(labels.len()), PhysicsSchedule.intern());
-}
-
-/// `(RigidBody, ConvexMesh)` is a whole body: the rest has defaults.
-fn require_components(app: &mut App) {
-    app.register_required_components::<RigidBody, Transform>()
-        .register_required_components::<RigidBody, LinearVelocity>()
-        .register_required_components::<RigidBody, AngularVelocity>()
-        .register_required_components::<RigidBody, Density>()
-        .register_required_components::<RigidBody, Friction>()
-        .register_required_components::<RigidBody, Restitution>()
-        .register_required_components::<RigidBody, CollisionLayers>()
-        .register_required_components::<RigidBody, MassProperties>()
-        .register_required_components::<RigidBody, BodyHandle>()
-        .register_required_components::<Joint, joint::JointHandle>()
-        .register_required_components::<Joint, JointLoad>();
 }
 
 fn add_phases(schedule: &mut Schedule) {
@@ -199,7 +196,7 @@ struct Settings<'w> {
     gravity: Res<'w, Gravity>,
     config: Res<'w, SolverConfig>,
     budget: Res<'w, FractureBudget>,
-    time: Res<'w, Time>,
+    time: Option<Res<'w, Time>>,
 }
 
 impl Settings<'_> {
@@ -208,7 +205,7 @@ impl Settings<'_> {
             gravity: *self.gravity,
             config: *self.config,
             budget: *self.budget,
-            step_dt: self.time.delta_secs(),
+            step_dt: self.time.as_ref().map_or(0.0, |time| time.delta_secs()),
             ..StepSettings::default()
         }
     }
@@ -233,10 +230,12 @@ fn mass_properties(
     (mut state, mut bodies): (ResMut<PluginState>, ResMut<Bodies>),
     mut report: ResMut<StepReport>,
     (mut bonds, mut warnings): (ResMut<Bonds>, ResMut<Messages<BodyWarning>>),
-    readings: gather::Readings,
+    mut queries: ParamSet<(gather::Readings, ForceQuery)>,
     mut masses: Query<&mut MassProperties>,
     settings: Settings,
 ) {
+    state.settings = settings.get();
+    let readings = queries.p0();
     gather::read_entities(
         &mut state,
         &mut bodies,
@@ -244,17 +243,25 @@ fn mass_properties(
         &mut warnings,
         &readings,
     );
-    state.settings = settings.get();
+    let has_forces = readings.has_forces();
     step::mass_properties(&mut bodies, &mut report);
+    if has_forces || !state.explosions.is_empty() {
+        let forces = &mut queries.p1();
+        forces::apply_forces(&mut bodies, &mut state, &mut warnings, has_forces, forces);
+    }
     gather::publish_mass(&bodies, &state.entities, &mut masses);
 }
 
 fn broadphase(
     bodies: Res<Bodies>,
     mut contacts: ResMut<Contacts>,
-    state: Res<PluginState>,
+    mut state: ResMut<PluginState>,
     mut report: ResMut<StepReport>,
 ) {
+    if !state.options.watches.is_empty() {
+        state.is_watching = true;
+        options::set_watches(&mut state.options, &bodies, contacts.events_mut());
+    }
     step::broadphase(&bodies, &mut contacts, &state.settings, &mut report);
 }
 

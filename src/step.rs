@@ -16,6 +16,8 @@
 //!
 //! Sleeping bodies are woken in phase 4, where it is known who touches them; see `solver/sleep.rs`.
 
+pub(crate) mod contact_events;
+mod contact_place;
 pub(crate) mod contacts;
 mod measure;
 pub(crate) mod report;
@@ -23,6 +25,7 @@ pub(crate) mod settings;
 pub(crate) mod simulation;
 
 use crate::step::measure::report_solution;
+pub use contact_events::{ContactChange, ContactEvent, ContactEvents, ContactWatch};
 pub use contacts::Contacts;
 pub use report::{IslandReport, StepError, StepReport};
 pub use settings::StepSettings;
@@ -74,6 +77,7 @@ impl Simulation {
         integrate(bodies, report);
         age_cache(bodies, contacts, cache, settings);
         sleep(bodies, contacts, cache, settings, report);
+        find_contact_events(bodies, contacts, settings);
         bodies.forget_sleep_changes();
     }
 }
@@ -222,6 +226,7 @@ pub fn solve(
     let energy_before = config
         .measure_error
         .then(|| bodies.energy(gravity.0, false).iter().sum::<f64>());
+    contacts.events.note_velocities(bodies);
     contacts.solve_round(bodies, fractures, settings, 0);
     contacts.energy_before = energy_before;
     if !contacts.is_broken {
@@ -270,6 +275,7 @@ pub fn fracture(
         bonds.note_pairs(bodies);
         joints.inherit(bodies, fractures);
         joints.note_pairs(bodies);
+        contacts.events.note_pieces(bodies, fractures);
         contacts.stash_solved();
         broadphase(bodies, contacts, settings, report);
         generate_contacts(bodies, contacts, cache, settings, report);
@@ -325,4 +331,17 @@ pub fn sleep(
     }
     report.asleep = bodies.asleep();
     report.awake = bodies.dynamic() - report.asleep;
+}
+
+/// After the last phase: who began to touch, came apart or bears much, of those that were asked about.
+pub fn find_contact_events(bodies: &Bodies, contacts: &mut Contacts, settings: &StepSettings) {
+    let Contacts {
+        events,
+        manifolds,
+        broadphase,
+        ..
+    } = contacts;
+    if events.is_on() || !bodies.sensors.is_empty() {
+        events.update(bodies, manifolds, broadphase, settings.step_dt);
+    }
 }

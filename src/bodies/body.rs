@@ -66,6 +66,8 @@ pub struct BodyDesc {
     pub restitution: Restitution,
     /// Which bodies it may touch.
     pub layers: CollisionLayers,
+    /// Whether it only senses who is inside it, and neither pushes nor is pushed.
+    pub is_sensor: bool,
     /// How it breaks, if it does.
     pub fracturable: Option<Fracturable>,
 }
@@ -84,6 +86,7 @@ impl BodyDesc {
             friction: Friction::default(),
             restitution: Restitution::default(),
             layers: CollisionLayers::default(),
+            is_sensor: false,
             fracturable: None,
         }
     }
@@ -120,11 +123,14 @@ pub enum BodyError {
         /// Length of the quaternion.
         length: f32,
     },
-    /// The entity's `Transform` is scaled.
+    /// No shape comes of this scale of the entity's `Transform`.
     #[error(
-        "the Transform has scale {0}; scale the shape instead (ConvexMesh::scaled), then spawn with scale 1"
+        "a shape cannot be scaled by {0}: factors must be finite and positive, and leave it solid"
     )]
     Scaled(Vec3),
+    /// Parents that are scaled and turned shear the shape.
+    #[error("parents with unequal scales shear the shape; scale it instead (ConvexMesh::scaled)")]
+    Sheared,
     /// The density or the shape gives no usable mass.
     #[error(transparent)]
     Mass(#[from] MassError),
@@ -134,6 +140,18 @@ pub enum BodyError {
     /// The normal of a half-space is zero or not finite.
     #[error(transparent)]
     HalfSpace(#[from] PlaneError),
+    /// A static body has a velocity.
+    #[error("a Static body has a velocity, which does nothing: make it Kinematic")]
+    StaticVelocity,
+    /// A body that is not dynamic is to break.
+    #[error("Fracturable does nothing to a body that is not Dynamic")]
+    UnbreakableKind,
+    /// A half-space is to break.
+    #[error("Fracturable does nothing to a half-space")]
+    UnbreakableHalfSpace,
+    /// A shape without a body.
+    #[error("a shape without RigidBody does nothing")]
+    NoRigidBody,
     /// A half-space cannot be dynamic.
     #[error("a half-space has no mass and cannot be dynamic")]
     DynamicHalfSpace,
@@ -143,6 +161,12 @@ pub enum BodyError {
     /// Nobody knows which piece would get which share of a given mass.
     #[error("a body with a MassOverride cannot be Fracturable: give it a Density instead")]
     FracturableOverride,
+    /// The `Mass` of the entity is not a positive number.
+    #[error("Mass must be finite and positive, got {0} kg")]
+    TotalMass(f32),
+    /// A number of what drives the body means nothing: NaN, or negative where it must not be.
+    #[error("{0} has a number that is not finite or negative; it does not act")]
+    Drive(&'static str),
     /// A component that every body has was removed.
     #[error("a component that RigidBody requires (Transform, velocities, materials) was removed")]
     Incomplete,
@@ -161,6 +185,7 @@ pub(crate) struct BodyInfo {
     pub(crate) friction: Friction,
     pub(crate) restitution: Restitution,
     pub(crate) layers: CollisionLayers,
+    pub(crate) is_sensor: bool,
     pub(crate) fracturable: Option<Fracturable>,
 }
 
@@ -174,6 +199,7 @@ impl BodyInfo {
             friction: desc.friction,
             restitution: desc.restitution,
             layers: desc.layers,
+            is_sensor: desc.is_sensor,
             fracturable: desc.fracturable,
         }
     }
@@ -221,6 +247,7 @@ impl BodyInfo {
         self.friction == other.friction
             && self.restitution == other.restitution
             && self.layers == other.layers
+            && self.is_sensor == other.is_sensor
     }
 }
 

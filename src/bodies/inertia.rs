@@ -108,7 +108,8 @@ impl Bodies {
     pub(crate) fn refresh_world(&mut self, slot: u32) {
         let i = slot as usize;
         if self.velocity[i].inverse_mass > 0.0 {
-            self.inverse_inertia[i] = inverse_inertia(&self.mass[i], self.rotation[i]);
+            let free = inverse_inertia(&self.mass[i], self.rotation[i]);
+            self.inverse_inertia[i] = self.drives.locked_inertia(slot, free);
         }
     }
 }

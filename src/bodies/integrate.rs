@@ -27,6 +27,7 @@ pub fn integrate_positions(bodies: &mut Bodies, problems: &mut Vec<(u32, BodyErr
         let overflown = overflown.iter().flatten();
         problems.extend(overflown.map(|&slot| (slot, BodyError::Overflow)));
     });
+    bodies.end_drives();
 }
 
 /// Bodies in slots that follow each other.

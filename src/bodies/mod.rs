@@ -5,6 +5,8 @@
 //! | `store.rs` | `Bodies`, the arrays; slots and ids |
 //! | `body.rs` | what a body is made from, and why one is refused |
 //! | `solver_body.rs` | the rows of eight numbers that sweeps touch: velocity, mass, motion |
+//! | `drive.rs`, `driving.rs`, `sensor.rs` | forces, damping, locked axes of the few bodies that have some; bodies that only sense |
+//! | `kind.rs` | a body becomes dynamic, kinematic or static |
 //! | `free_rotation.rs` | rotation without torque that keeps angular momentum and energy |
 //! | `integrate.rs` | phase 7: bodies are put where the solver has moved them |
 //! | `inertia.rs` | how heavy bodies are: inertia and energy from shape and density |
@@ -16,13 +18,18 @@
 
 pub(crate) mod body;
 pub(crate) mod breaking;
+pub(crate) mod drive;
+mod driving;
 pub(crate) mod free_rotation;
 pub(crate) mod inertia;
 pub(crate) mod integrate;
+mod kind;
+mod sensor;
 pub(crate) mod sleep_state;
 pub(crate) mod solver_body;
 pub(crate) mod store;
 mod waking;
 
 pub use body::{BodyDesc, BodyError, RigidBody, Shape};
+pub use drive::{BodyDrive, LockedAxes, StepForces};
 pub use store::Bodies;

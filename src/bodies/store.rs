@@ -9,6 +9,7 @@ use crate::bodies::solver_body::Motion;
 use crate::bodies::solver_body::SolverBody;
 
 use crate::bodies::body::{BodyInfo, check_pose, check_velocity};
+use crate::bodies::drive::Drives;
 use crate::bodies::free_rotation::FreeRotation;
 use crate::bodies::sleep_state::Sleep;
 use crate::contact::body_id::BodyId;
@@ -54,7 +55,11 @@ pub struct Bodies {
     /// Number of bodies that can break.
     pub(super) fracturable: usize,
     /// Number of dynamic bodies.
-    dynamic: usize,
+    pub(super) dynamic: usize,
+    /// Slots of bodies that only sense, in no order.
+    pub(crate) sensors: Vec<u32>,
+    /// What moves bodies besides gravity and contacts, or keeps them from moving.
+    pub(crate) drives: Drives,
     /// Who rests, and what was changed since.
     pub(crate) sleep: Sleep,
     /// Pairs of bodies that are bonded, ascending: their contact stays where the bond was made, wherever they are going.
@@ -125,6 +130,7 @@ impl Bodies {
         self.info[i] = Some(info);
         self.fracturable += usize::from(self.info(slot).fracturable.is_some());
         self.dynamic += usize::from(self.kind(slot) == RigidBody::Dynamic);
+        self.note_sensor(slot);
         self.mark_shape_changed(slot);
         self.disturb(slot);
         Ok(slot)
@@ -149,6 +155,7 @@ impl Bodies {
         self.dynamic -= usize::from(self.kind(slot) == RigidBody::Dynamic);
         self.status[i] = Status::Free;
         self.info[i] = None;
+        self.forget_extras(slot);
         self.velocity[i] = SolverBody::default();
         self.kd_box[i] = None;
         self.free.push(slot);
@@ -197,6 +204,9 @@ impl Bodies {
         let i = slot as usize;
         let body = &self.velocity[i];
         if body.inverse_mass == 0.0 {
+            return None;
+        }
+        if self.drives.has_locked_turns(slot) {
             return None;
         }
         FreeRotation::of(self.rotation[i], self.mass(slot), body.angular, step)
@@ -321,6 +331,7 @@ impl Bodies {
         }
         self.disturb(slot);
         self.info[slot as usize] = Some(info);
+        self.note_sensor(slot);
         self.renew_version(slot);
         if !same_mass {
             self.mark_shape_changed(slot);

@@ -4,7 +4,7 @@
 //! lives with its part (`contact/known.rs`), so the split stays what it is until parts have become too unequal.
 //! It depends on the scene only, and the parts are joined in order: any number of threads gives the same bits.
 
-mod part;
+pub(super) mod part;
 
 use crate::bodies::store::Bodies;
 use crate::collide::narrow_phase::part::{PairRun, Scene};
@@ -100,6 +100,17 @@ impl NarrowPhase {
     #[inline]
     pub(crate) fn surely_holds(&self, bodies: &Bodies, slot: u32) -> bool {
         self.boxes.surely_hold(bodies, slot)
+    }
+
+    /// Those of `pairs` that touched when they were last looked at.
+    pub(crate) fn touching_pairs(&self, pairs: &[Pair]) -> impl Iterator<Item = Pair> {
+        self.parts.iter().flat_map(move |part| {
+            let pairs = pairs.get(part.pairs.clone()).unwrap_or(&[]);
+            let known = pairs.iter().zip(&part.known.terms);
+            known
+                .filter(|(_, term)| term.points > 0)
+                .map(|(&pair, _)| pair)
+        })
     }
 
     /// Tells each part its pairs, which are others than before.

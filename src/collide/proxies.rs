@@ -53,7 +53,14 @@ impl Lookahead {
 
     /// How far the body in `slot` goes within the step, m.
     pub(crate) fn travel(&self, bodies: &Bodies, slot: u32) -> Vec3 {
-        self.step_dt * bodies.velocity[slot as usize].linear
+        let travel = self.step_dt * bodies.velocity[slot as usize].linear;
+        if bodies.drives.is_empty() {
+            return travel;
+        }
+        // Of the fall by gravity the margins know.
+        let driven = bodies.drive_of(slot, Vec3::ZERO);
+        let gain = driven.map_or(Vec3::ZERO, |drive| drive.acceleration);
+        travel + self.step_dt * self.step_dt * gain
     }
 
     /// How far ahead of a body its contacts are looked for in all directions, m.
@@ -220,7 +227,8 @@ impl Boxes {
     fn tell(&mut self, broadphase: &mut Broadphase, bodies: &Bodies, ahead: Lookahead) {
         for slot in self.outdated.iter_mut().flat_map(|slots| slots.drain(..)) {
             let told = &mut self.told[slot as usize];
-            if bodies.is_active(slot) {
+            // Sensors look for their pairs themselves.
+            if bodies.is_active(slot) && !bodies.is_sensor(slot) {
                 *told = Some(ProxyState::now(broadphase, bodies, slot, ahead));
             } else {
                 *told = None;

@@ -50,14 +50,39 @@ impl BodyHandle {
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Sleeping;
 
-/// A body became several. The parent entity is despawned when this is read.
-#[derive(Clone, Debug, PartialEq, Message)]
+/// What broke a body.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum FractureCause {
+    /// A cut that was asked for.
+    #[default]
+    Cut,
+    /// A blow.
+    Impact {
+        /// The entity of the body that gave most of it, if it has one.
+        by: Option<Entity>,
+        /// Where it acted, world, m.
+        point: Vec3,
+        /// Unit vector along which the body was pushed, world axes.
+        direction: Vec3,
+        /// Sum of the normal impulses, N s.
+        impulse: f32,
+        /// Kinetic energy that they would have turned into something else, J.
+        energy: f32,
+    },
+}
+
+/// A body became several: an event of the parent entity, which still lives then with all its components, and a message, when
+/// it is despawned.
+#[derive(Clone, Debug, PartialEq, Message, EntityEvent)]
 pub struct Fractured {
-    /// The entity that is no more.
+    /// The entity that breaks.
+    #[event_target]
     pub parent: Entity,
-    /// The entities that took its place; each has the parent's other components. Pieces of pieces that broke in the same
+    /// The entities that take its place; each has the parent's other components. Pieces of pieces that broke in the same
     /// step are among them.
     pub pieces: Vec<Entity>,
+    /// What broke it.
+    pub cause: FractureCause,
     /// The planes of the cut, world frame.
     pub planes: SmallVec<[Plane; 8]>,
     /// Mass, momentum, angular momentum and energy before and after the parent broke.
@@ -93,6 +118,11 @@ pub enum BodyProblem {
     /// A cut of it was refused.
     #[error("the cut was not made: {0}")]
     Cut(#[from] CutError),
+    /// It broke, and its pieces could not get a component of it.
+    #[error(
+        "pieces do not get the component {0}, which is not Clone; PieceRules::drop_component says that this is meant"
+    )]
+    NotCloned(String),
     /// A bond was not made.
     #[error("the bond was not made: {0}")]
     Bond(#[from] BondError),
@@ -106,8 +136,10 @@ pub enum BodyProblem {
 pub(crate) struct BodyEntities {
     /// With the id of the body, because a slot may have been given to another body since.
     entity: Vec<Option<(BodyId, Entity)>>,
-    /// Transform as last read from the user.
+    /// Place in the world and scale as last read from the user.
     pub(crate) seen: Vec<Transform>,
+    /// Of bodies with parents: `Transform` as last read or written; empty unless there are some.
+    local: Vec<Transform>,
     /// Tick of the last write-back: components that bear it were written by the plugin.
     pub(crate) written: Tick,
 }
@@ -119,6 +151,17 @@ impl BodyEntities {
         known
             .filter(|(owner, _)| *owner == id)
             .map(|(_, entity)| entity)
+    }
+
+    /// The `Transform` of a body with a parent as it was last read or written.
+    pub(crate) fn local(&self, slot: u32) -> Option<Transform> {
+        self.local.get(slot as usize).copied()
+    }
+
+    pub(crate) fn set_local(&mut self, slot: u32, local: Transform) {
+        let needed = self.local.len().max(slot as usize + 1);
+        self.local.resize(needed, Transform::IDENTITY);
+        self.local[slot as usize] = local;
     }
 
     pub(crate) fn set(&mut self, slot: u32, id: BodyId, entity: Entity, seen: Transform) {

@@ -1,118 +1,34 @@
 //! Components into flat arrays: new bodies, removed bodies, and what the user changed since the last step.
 
+mod description;
 mod motion;
+mod observers;
 
-use crate::bodies::body::{BodyDesc, BodyError, RigidBody, Shape};
+pub(crate) use observers::*;
+
+use crate::bodies::body::{BodyError, RigidBody};
 use crate::bodies::store::Bodies;
 use crate::contact::body_id::BodyId;
 use crate::contact::impulses::ContactCache;
-use crate::contact::layers::CollisionLayers;
-use crate::contact::material::{Density, Friction, Restitution};
 use crate::ecs::bond::make_bonds;
 use crate::ecs::components::*;
-use crate::ecs::gather::motion::{ReadMotion, gather_motion};
-use crate::ecs::state::BodyQueue;
-use crate::ecs::state::PluginState;
+use crate::ecs::forces::AppliedForces;
+use crate::ecs::gather::description::*;
+use crate::ecs::gather::motion::{MotionReader, ReadMotion};
+use crate::ecs::issues::{Issues, Source};
+use crate::ecs::options::{BodyOptions, ChangedOptions, read_options};
+use crate::ecs::parents::Parents;
+use crate::ecs::state::{BodyQueue, PluginState};
 use crate::fracture::Bonds;
 use crate::geometry::{ConvexMesh, HalfSpaceShape};
 use crate::mass::MassProperties;
 use crate::math::Pose;
-use crate::slice::fracturable::Fracturable;
-use bevy_ecs::change_detection::ContiguousRef;
+use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
-use bevy_ecs::query::QueryData;
+use bevy_ecs::query::Allow;
 use bevy_ecs::system::SystemParam;
 use bevy_math::Vec3;
 use bevy_transform::components::Transform;
-
-/// Everything a body is made from.
-#[derive(QueryData)]
-pub(crate) struct BodyParts {
-    kind: &'static RigidBody,
-    convex: Option<&'static ConvexMesh>,
-    half_space: Option<&'static HalfSpaceShape>,
-    transform: &'static Transform,
-    linear: &'static LinearVelocity,
-    angular: &'static AngularVelocity,
-    density: &'static Density,
-    mass: Option<&'static MassOverride>,
-    friction: &'static Friction,
-    restitution: &'static Restitution,
-    layers: &'static CollisionLayers,
-    fracturable: Option<&'static Fracturable>,
-}
-
-/// Observer: an entity got a `RigidBody`. Pieces of a fracture already have their slot.
-pub(crate) fn on_body_inserted(
-    insert: On<Insert<RigidBody>>,
-    handles: Query<&BodyHandle>,
-    mut state: ResMut<PluginState>,
-) {
-    let entity = insert.entity;
-    let is_new = handles.get(entity).is_ok_and(|handle| handle.0.is_none());
-    if is_new {
-        state.queue.arrived.push(entity);
-    }
-}
-
-/// Observer: a `RigidBody` is replaced, removed, or despawned with its entity.
-pub(crate) fn on_body_discarded(
-    discard: On<Discard<(RigidBody, BodyHandle)>>,
-    mut handles: Query<&mut BodyHandle>,
-    mut state: ResMut<PluginState>,
-) {
-    if let Ok(mut handle) = handles.get_mut(discard.entity) {
-        state.queue.left.extend(handle.0.take());
-    }
-}
-
-/// Components that a body's description is made from and that may go while the body stays.
-type Removable = (
-    (ConvexMesh, HalfSpaceShape, MassOverride, Fracturable),
-    (Transform, LinearVelocity, AngularVelocity),
-    (Density, Friction, Restitution, CollisionLayers),
-);
-
-/// Observer: a body loses a component, or is despawned.
-pub(crate) fn on_part_removed(
-    remove: On<Remove<Removable>>,
-    handles: Query<&BodyHandle>,
-    mut state: ResMut<PluginState>,
-) {
-    let entity = remove.entity;
-    let is_body = handles.get(entity).is_ok_and(|handle| handle.0.is_some());
-    let reduced = &mut state.queue.reduced;
-    if is_body && reduced.last() != Some(&entity) {
-        reduced.push(entity);
-    }
-}
-
-/// Observer: an entity was marked as sleeping; by the plugin, if its body sleeps already.
-pub(crate) fn on_sleeping_inserted(
-    insert: On<Insert<Sleeping>>,
-    handles: Query<&BodyHandle>,
-    bodies: Res<Bodies>,
-    mut state: ResMut<PluginState>,
-) {
-    let body = handles.get(insert.entity).ok().and_then(|handle| handle.0);
-    if !body.is_some_and(|(slot, id)| bodies.is_current(slot, id) && bodies.is_asleep(slot)) {
-        state.queue.marked.push(insert.entity);
-    }
-}
-
-/// Observer: a sleeping body lost its mark; if it was not the plugin that saw it wake, this wakes it.
-pub(crate) fn on_sleeping_removed(
-    remove: On<Remove<Sleeping>>,
-    handles: Query<&BodyHandle>,
-    mut bodies: ResMut<Bodies>,
-) {
-    let body = handles.get(remove.entity).ok().and_then(|handle| handle.0);
-    if let Some((slot, _)) =
-        body.filter(|&(slot, id)| bodies.is_current(slot, id) && bodies.is_asleep(slot))
-    {
-        bodies.wake(slot);
-    }
-}
 
 /// What the user changed about entities that have bodies, and the entities that commands name.
 #[derive(SystemParam)]
@@ -123,6 +39,35 @@ pub(crate) struct Readings<'w, 's> {
     motion: Query<'w, 's, ReadMotion>,
     marked: Query<'w, 's, &'static BodyHandle, With<Sleeping>>,
     handles: Query<'w, 's, &'static BodyHandle>,
+    forces: Query<'w, 's, Ref<'static, AppliedForces>, With<BodyHandle>>,
+    changed_options: Query<'w, 's, Entity, (ChangedOptions, With<BodyHandle>)>,
+    options: Query<'w, 's, BodyOptions>,
+    parents: Parents<'w, 's>,
+    rare: RareReadings<'w, 's>,
+}
+
+/// Entities with a shape, disabled or not.
+type AnyShape = (
+    Or<(With<ConvexMesh>, With<HalfSpaceShape>)>,
+    Allow<Disabled>,
+);
+
+/// What is looked at only of entities that were queued.
+#[derive(SystemParam)]
+pub(crate) struct RareReadings<'w, 's> {
+    toggled: Query<'w, 's, (&'static BodyHandle, Has<Disabled>)>,
+    kinds: Query<'w, 's, (&'static BodyHandle, &'static RigidBody), Allow<Disabled>>,
+    shapes: Query<'w, 's, Has<RigidBody>, AnyShape>,
+}
+
+impl Readings<'_, '_> {
+    /// Whether forces may have been applied: a look at what tables have noted of all their entities together.
+    pub(crate) fn has_forces(&self) -> bool {
+        let Ok(mut tables) = self.forces.contiguous_iter() else {
+            return true;
+        };
+        tables.any(|column| any_changed(Some(column)))
+    }
 }
 
 /// Reads what the user changed about bodies, and makes the bonds that were asked for, now that the entities have bodies.
@@ -134,15 +79,102 @@ pub(crate) fn read_entities(
     readings: &Readings,
 ) {
     let PluginState {
+        settings,
         entities,
         queue,
         bond_requests,
+        options,
+        issues,
+        children,
+        kinematic,
         ..
     } = state;
-    gather_changes(queue, bodies, warnings, readings);
-    gather_motion(bodies, entities, warnings, &readings.motion);
+    children.clear();
+    read_kinds(queue, bodies, issues, warnings, &readings.rare);
+    let enabled = toggle(queue, bodies, issues, &readings.rare);
+    gather_changes(queue, bodies, issues, warnings, readings);
+    let mut reader = MotionReader {
+        step_dt: settings.step_dt,
+        bodies: &mut *bodies,
+        entities,
+        issues: &mut *issues,
+        warnings: &mut *warnings,
+        children,
+        kinematic,
+        rescaled: &mut queue.reduced,
+        parents: &readings.parents,
+    };
+    reader.read_all(&readings.motion);
+    for entity in enabled {
+        if let Ok(item) = readings.motion.get(entity) {
+            reader.read_one(item);
+        }
+    }
+    if !queue.reduced.is_empty() {
+        redescribe(queue, bodies, issues, warnings, readings, None);
+    }
     settle_marked(queue, bodies, &readings.marked);
+    read_options(
+        options,
+        bodies,
+        (issues, warnings),
+        &readings.changed_options,
+        &readings.options,
+    );
     make_bonds(bond_requests, bodies, bonds, warnings, &readings.handles);
+}
+
+/// Bodies that were made dynamic, kinematic or static, and shapes that are still without a body.
+fn read_kinds(
+    queue: &mut BodyQueue,
+    bodies: &mut Bodies,
+    issues: &mut Issues,
+    warnings: &mut Messages<BodyWarning>,
+    rare: &RareReadings,
+) {
+    for entity in queue.lone_shapes.drain(..) {
+        if rare.shapes.get(entity).is_ok_and(|is_body| !is_body) {
+            issues.raise(warnings, entity, Source::Body, BodyError::NoRigidBody);
+        }
+    }
+    for entity in queue.changed_kind.drain(..) {
+        let Ok((handle, kind)) = rare.kinds.get(entity) else {
+            continue;
+        };
+        if let Some((slot, _)) = handle.0.filter(|&(slot, id)| bodies.is_current(slot, id)) {
+            issues.note(warnings, entity, Source::Kind, bodies.set_kind(slot, *kind));
+            issues.mend(entity, Source::Velocity);
+            if *kind == RigidBody::Static {
+                queue.halted.push(entity);
+            }
+            // Whether it breaks depends on it.
+            queue.reduced.push(entity);
+        }
+    }
+}
+
+/// Takes bodies out whose entities were disabled, and lets those in again that were enabled, whose state is to be read then.
+fn toggle(
+    queue: &mut BodyQueue,
+    bodies: &mut Bodies,
+    issues: &mut Issues,
+    rare: &RareReadings,
+) -> Vec<Entity> {
+    let mut enabled = Vec::new();
+    for entity in queue.toggled.drain(..) {
+        let Ok((handle, is_disabled)) = rare.toggled.get(entity) else {
+            continue;
+        };
+        if let Some((slot, _)) = handle.0.filter(|&(slot, id)| bodies.is_current(slot, id)) {
+            bodies.set_frozen(slot, is_disabled);
+            if !is_disabled {
+                issues.mend(entity, Source::Motion);
+                queue.reduced.push(entity);
+                enabled.push(entity);
+            }
+        }
+    }
+    enabled
 }
 
 /// Bodies that were marked as sleeping need not wait for it.
@@ -179,44 +211,47 @@ pub(crate) fn register_bodies(
     mut bodies: ResMut<Bodies>,
     mut cache: ResMut<ContactCache>,
     mut warnings: ResMut<Messages<BodyWarning>>,
-    mut parts: Query<Arrival, With<RigidBody>>,
+    (mut parts, parents): (Query<Arrival, With<RigidBody>>, Parents),
 ) {
     let PluginState {
         entities,
         queue,
         joints,
+        options,
+        issues,
         ..
     } = &mut *state;
     joints.have_bodies_changed = true;
     remove_bodies(&mut queue.left, &mut bodies, &mut cache);
     let earlier = std::mem::take(&mut queue.refused);
     let arrived = std::mem::take(&mut queue.arrived);
-    let arrived = arrived.into_iter().map(|entity| (entity, None));
-    let earlier = earlier.into_iter().map(|(entity, why)| (entity, Some(why)));
-    for (entity, known_problem) in earlier.chain(arrived) {
+    for entity in earlier.into_iter().chain(arrived) {
         let Ok((mut handle, item, is_marked)) = parts.get_mut(entity) else {
             continue;
         };
-        if handle.0.is_some() {
+        if (handle.0).is_some_and(|(slot, id)| bodies.is_current(slot, id)) {
             continue;
         }
-        match insert(&mut bodies, item.as_ref()) {
-            Ok((slot, seen)) => {
-                let id = bodies.id(slot);
+        let inserted = insert(&mut bodies, item.as_ref(), &parents);
+        match issues.note(&mut warnings, entity, Source::Body, inserted) {
+            Some(arrival) => {
+                let (slot, id) = (arrival.slot, bodies.id(arrival.slot));
                 handle.0 = Some((slot, id));
-                entities.set(slot, id, entity, seen);
+                entities.set(slot, id, entity, arrival.seen);
+                if let Some(local) = arrival.local {
+                    entities.set_local(slot, local);
+                }
+                issues.note(&mut warnings, entity, Source::Breaking, arrival.breaking);
+                issues.note(&mut warnings, entity, Source::Velocity, arrival.motion);
                 if is_marked {
                     queue.marked.push(entity);
                 }
-            }
-            Err(_) if queue.refused.iter().any(|(known, _)| *known == entity) => {}
-            Err(error) => {
-                // As texts, because a NaN in the reason is not equal to itself.
-                if known_problem.map(|p| p.to_string()) != Some(error.to_string()) {
-                    warn(&mut warnings, entity, error);
+                if options.is_used {
+                    options.entities.push(entity);
                 }
-                queue.refused.push((entity, error));
             }
+            None if queue.refused.contains(&entity) => {}
+            None => queue.refused.push(entity),
         }
     }
 }
@@ -234,97 +269,79 @@ fn remove_bodies(left: &mut Vec<(u32, BodyId)>, bodies: &mut Bodies, cache: &mut
     }
 }
 
-/// Adds the body that `parts` describe; its slot, and the `Transform` it was made from.
+/// A body that was added.
+struct Arrived {
+    slot: u32,
+    /// The `Transform` that it was made from, in the world.
+    seen: Transform,
+    /// The one beneath its parent, if it has one.
+    local: Option<Transform>,
+    /// What does nothing on it.
+    breaking: Result<(), BodyError>,
+    motion: Result<(), BodyError>,
+}
+
+/// Adds the body that `parts` describe.
 fn insert(
     bodies: &mut Bodies,
     parts: Option<&BodyPartsItem>,
-) -> Result<(u32, Transform), BodyError> {
+    parents: &Parents,
+) -> Result<Arrived, BodyError> {
     let parts = parts.ok_or(BodyError::Incomplete)?;
-    let pose = pose_of(parts.transform)?;
-    let slot = bodies.insert(describe(parts, pose)?)?;
-    Ok((slot, *parts.transform))
-}
-
-fn describe(parts: &BodyPartsItem, pose: Pose) -> Result<BodyDesc, BodyError> {
-    let shape = match (parts.convex, parts.half_space) {
-        (Some(mesh), _) => Shape::Convex(mesh.clone()),
-        (None, Some(half_space)) => Shape::HalfSpace(*half_space),
-        (None, None) => return Err(BodyError::NoShape),
+    let (pose, scale) = parents.place(parts.transform, parts.child_of)?;
+    let desc = describe(parts, pose, scale)?;
+    let breaking = idle_part(&desc);
+    let motion = idle_velocity(desc.kind, desc.linear_velocity, desc.angular_velocity);
+    let slot = bodies.insert(desc)?;
+    let is_child = parts.child_of.is_some();
+    let world = Transform {
+        translation: pose.position,
+        rotation: pose.rotation,
+        scale,
     };
-    Ok(BodyDesc {
-        kind: *parts.kind,
-        shape,
-        pose,
-        linear_velocity: parts.linear.0,
-        angular_velocity: parts.angular.0,
-        density: parts.density.0,
-        mass: parts.mass.map(|m| m.0),
-        friction: *parts.friction,
-        restitution: *parts.restitution,
-        layers: *parts.layers,
-        fracturable: parts.fracturable.cloned(),
+    Ok(Arrived {
+        slot,
+        seen: if is_child { world } else { *parts.transform },
+        local: is_child.then_some(*parts.transform),
+        breaking,
+        motion,
     })
 }
 
-/// The pose in a `Transform`, which must not be scaled.
-fn pose_of(transform: &Transform) -> Result<Pose, BodyError> {
-    if transform.scale != Vec3::ONE {
-        return Err(BodyError::Scaled(transform.scale));
+/// A velocity that does nothing.
+fn idle_velocity(kind: RigidBody, linear: Vec3, angular: Vec3) -> Result<(), BodyError> {
+    let is_idle = kind == RigidBody::Static && (linear, angular) != (Vec3::ZERO, Vec3::ZERO);
+    if is_idle {
+        return Err(BodyError::StaticVelocity);
     }
-    Ok(Pose::new(transform.translation, transform.rotation))
-}
-
-/// What of a body's description changed.
-type Changes = Or<(
-    Changed<ConvexMesh>,
-    Changed<HalfSpaceShape>,
-    Changed<Density>,
-    Changed<MassOverride>,
-    Changed<Friction>,
-    Changed<Restitution>,
-    Changed<CollisionLayers>,
-    Changed<Fracturable>,
-)>;
-
-/// The same components, table by table.
-type ChangeTicks = (
-    Option<Ref<'static, ConvexMesh>>,
-    Option<Ref<'static, HalfSpaceShape>>,
-    Option<Ref<'static, Density>>,
-    Option<Ref<'static, MassOverride>>,
-    Option<Ref<'static, Friction>>,
-    Option<Ref<'static, Restitution>>,
-    Option<Ref<'static, CollisionLayers>>,
-    Option<Ref<'static, Fracturable>>,
-);
-
-/// Whether any description may have changed: a look at what tables have noted of all their entities together.
-fn has_any_changed(ticks: &Query<ChangeTicks, With<BodyHandle>>) -> bool {
-    fn any<T>(column: Option<ContiguousRef<T>>) -> bool {
-        column.is_some_and(|column| {
-            let (_, ticks) = ContiguousRef::split(column);
-            // All of these components ask for such a note.
-            ticks.summary_tick_is_changed().unwrap_or(true)
-        })
-    }
-    let Ok(mut tables) = ticks.contiguous_iter() else {
-        return true;
-    };
-    tables.any(|(a, b, c, d, e, f, g, h)| {
-        any(a) || any(b) || any(c) || any(d) || any(e) || any(f) || any(g) || any(h)
-    })
+    Ok(())
 }
 
 /// Shapes, densities, materials and layers that the user changed. What is not usable is not taken over.
 fn gather_changes(
     queue: &mut BodyQueue,
     bodies: &mut Bodies,
+    issues: &mut Issues,
     warnings: &mut Messages<BodyWarning>,
     readings: &Readings,
 ) {
     let has_changed = has_any_changed(&readings.ticks);
-    let changed = has_changed.then(|| readings.changed.iter());
-    let changed = changed.into_iter().flatten();
+    if has_changed || !queue.reduced.is_empty() {
+        let changed = has_changed.then_some(&readings.changed);
+        redescribe(queue, bodies, issues, warnings, readings, changed);
+    }
+}
+
+/// Reads the descriptions of entities that are queued or `changed`.
+fn redescribe(
+    queue: &mut BodyQueue,
+    bodies: &mut Bodies,
+    issues: &mut Issues,
+    warnings: &mut Messages<BodyWarning>,
+    readings: &Readings,
+    changed: Option<&Query<Entity, (Changes, With<BodyHandle>)>>,
+) {
+    let changed = changed.into_iter().flat_map(|changed| changed.iter());
     for entity in changed.chain(queue.reduced.drain(..)) {
         let Ok((handle, parts)) = readings.described.get(entity) else {
             continue;
@@ -332,12 +349,17 @@ fn gather_changes(
         let Some((slot, _)) = handle.0.filter(|&(slot, id)| bodies.is_current(slot, id)) else {
             continue;
         };
-        // Pose and velocity are gather_motion's business: broken ones must not hide a new shape.
+        // Pose and velocity are read elsewhere: broken ones must not hide a new shape.
         let parts = parts.as_ref().ok_or(BodyError::Incomplete);
-        let desc = parts.and_then(|parts| describe(parts, Pose::IDENTITY));
-        if let Err(error) = desc.and_then(|desc| bodies.redescribe(slot, desc)) {
-            warn(warnings, entity, error);
+        let desc = parts.and_then(|parts| {
+            let (_, scale) = readings.parents.place(parts.transform, parts.child_of)?;
+            describe(parts, Pose::IDENTITY, scale)
+        });
+        if let Ok(desc) = &desc {
+            issues.note(warnings, entity, Source::Breaking, idle_part(desc));
         }
+        let taken = desc.and_then(|desc| bodies.redescribe(slot, desc));
+        issues.note(warnings, entity, Source::Description, taken);
     }
 }
 

@@ -5,10 +5,17 @@
 //! | `components.rs` | what users put on entities and read from them; messages |
 //! | `gather.rs` | bodies that come and go, and what users changed, into `Bodies` |
 //! | `scatter.rs` | poses and velocities back to entities |
-//! | `cut.rs` | `commands.slice`; pieces as entities |
+//! | `cut.rs` | `commands.slice` |
+//! | `pieces.rs`, `piece_children.rs`, `uncloned.rs` | pieces as entities, whose children those of the parent become, what they cannot get |
 //! | `bond.rs` | `commands.bond` |
 //! | `query.rs` | `SpatialQuery`: rays, casts, overlaps by entity |
 //! | `joint.rs` | joints as entities |
+//! | `collisions.rs`, `collision_news.rs` | events of contacts, sensors, `Collisions` |
+//! | `forces.rs`, `explosion.rs` | `Forces`, constant forces, damping, explosions |
+//! | `options.rs` | reads what only some bodies have: events and drives |
+//! | `issues.rs`, `issue_sync.rs` | what is wrong with an entity, as a component |
+//! | `kinematic.rs`, `parents.rs` | bodies that are moved by their `Transform`, and that are children |
+//! | `setup.rs` | components that bodies require, whenever the plugin is added |
 //! | `spawn.rs` | an entity from a description of a body |
 //! | `state.rs` | the one resource that the plugin keeps for itself |
 //!
@@ -16,25 +23,50 @@
 //! `components.rs` first.
 
 pub(crate) mod bond;
+pub(crate) mod collision_news;
+pub(crate) mod collisions;
 pub(crate) mod components;
 pub(crate) mod cut;
+pub(crate) mod explosion;
+pub(crate) mod forces;
 pub(crate) mod gather;
+pub(crate) mod issue_sync;
+pub(crate) mod issues;
 pub(crate) mod joint;
+pub(crate) mod kinematic;
+pub(crate) mod options;
+pub(crate) mod parents;
+pub(crate) mod piece_children;
+pub(crate) mod pieces;
 pub(crate) mod query;
 #[cfg(feature = "reflect")]
 pub(crate) mod reflect;
 pub(crate) mod scatter;
+pub(crate) mod setup;
 pub(crate) mod spawn;
 pub(crate) mod state;
+mod uncloned;
 
 pub use bond::BondCommands;
+pub use collisions::{
+    Collision, CollisionEnd, CollisionEvents, CollisionStart, Collisions, ContactForce,
+    ContactForceEvents, Sensor,
+};
 pub use components::{
-    AngularVelocity, BodyHandle, BodyProblem, BodyWarning, BondBroken, Fractured, LinearVelocity,
-    MassOverride, Sleeping,
+    AngularVelocity, BodyHandle, BodyProblem, BodyWarning, BondBroken, FractureCause, Fractured,
+    LinearVelocity, MassOverride, Sleeping,
 };
 pub use cut::SliceCommands;
+pub use explosion::Explosion;
+pub use forces::{
+    AngularDamping, AppliedForces, ConstantForce, ConstantTorque, ForceCommands, Forces,
+    ForcesItem, GravityScale, LinearDamping, Mass, MaxSpeed,
+};
+pub use issues::BodyIssues;
 pub use joint::{
     JointA, JointB, JointBroken, JointCommands, JointHandle, JointProblem, JointsOfA, JointsOfB,
 };
+pub use piece_children::ChildrenOfPieces;
+pub use pieces::{PieceOf, PieceRules, Pieces, Remains};
 pub use query::SpatialQuery;
 pub use spawn::SpawnBody;

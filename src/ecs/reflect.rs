@@ -4,9 +4,13 @@
 //! in the first layer that knows what these are.
 
 use crate::bodies::body::RigidBody;
+use crate::bodies::drive::LockedAxes;
 use crate::contact::layers::CollisionLayers;
 use crate::contact::material::{Density, Friction, Restitution};
+use crate::ecs::collisions::{CollisionEvents, ContactForceEvents, Sensor};
 use crate::ecs::components::{AngularVelocity, LinearVelocity, MassOverride, Sleeping};
+use crate::ecs::forces::*;
+use crate::ecs::piece_children::ChildrenOfPieces;
 use crate::fracture::{FractureBudget, Ledger};
 use crate::geometry::HalfSpaceShape;
 use crate::joints::{Joint, JointLoad};
@@ -17,24 +21,37 @@ use crate::step::StepReport;
 use bevy_app::App;
 use bevy_ecs::prelude::{Component, Resource};
 use bevy_ecs::reflect::{ReflectComponent, ReflectResource};
+use bevy_reflect::std_traits::ReflectDefault;
 use bevy_reflect::{FromReflect, GetTypeRegistration, TypePath};
 
 /// Registers all types of the plugin that have `Reflect`. Fields' types follow by themselves.
 pub(crate) fn register_types(app: &mut App) {
-    component::<RigidBody>(app);
     component::<HalfSpaceShape>(app);
-    component::<LinearVelocity>(app);
-    component::<AngularVelocity>(app);
-    component::<Density>(app);
     component::<MassOverride>(app);
-    component::<MassProperties>(app);
-    component::<Friction>(app);
-    component::<Restitution>(app);
-    component::<CollisionLayers>(app);
-    component::<Fracturable>(app);
-    component::<Sleeping>(app);
     component::<Joint>(app);
     component::<JointLoad>(app);
+    component_with_default::<Fracturable>(app);
+    component_with_default::<RigidBody>(app);
+    component_with_default::<LinearVelocity>(app);
+    component_with_default::<AngularVelocity>(app);
+    component_with_default::<Density>(app);
+    component_with_default::<Mass>(app);
+    component_with_default::<MassProperties>(app);
+    component_with_default::<Friction>(app);
+    component_with_default::<Restitution>(app);
+    component_with_default::<CollisionLayers>(app);
+    component_with_default::<Sleeping>(app);
+    component_with_default::<CollisionEvents>(app);
+    component_with_default::<ContactForceEvents>(app);
+    component_with_default::<Sensor>(app);
+    component_with_default::<GravityScale>(app);
+    component_with_default::<LinearDamping>(app);
+    component_with_default::<AngularDamping>(app);
+    component_with_default::<LockedAxes>(app);
+    component_with_default::<MaxSpeed>(app);
+    component_with_default::<ConstantForce>(app);
+    component_with_default::<ConstantTorque>(app);
+    component_with_default::<ChildrenOfPieces>(app);
     resource::<Gravity>(app);
     resource::<SolverConfig>(app);
     resource::<FractureBudget>(app);
@@ -42,13 +59,25 @@ pub(crate) fn register_types(app: &mut App) {
     app.register_type::<Ledger>();
 }
 
+fn component_with_default<T>(app: &mut App)
+where
+    T: Component + Default + FromReflect + GetTypeRegistration + TypePath,
+{
+    component::<T>(app);
+    app.register_type_data::<T, ReflectDefault>();
+}
+
 fn component<T: Component + FromReflect + GetTypeRegistration + TypePath>(app: &mut App) {
     app.register_type::<T>()
         .register_type_data::<T, ReflectComponent>();
 }
 
-fn resource<T: Resource + FromReflect + GetTypeRegistration + TypePath>(app: &mut App) {
+fn resource<T>(app: &mut App)
+where
+    T: Resource + Default + FromReflect + GetTypeRegistration + TypePath,
+{
     app.register_type::<T>()
         .register_type_data::<T, ReflectComponent>()
-        .register_type_data::<T, ReflectResource>();
+        .register_type_data::<T, ReflectResource>()
+        .register_type_data::<T, ReflectDefault>();
 }

@@ -2,18 +2,22 @@
 
 use crate::bodies::store::Bodies;
 use crate::contact::body_id::BodyId;
+use crate::ecs::collision_news::send_collisions;
 use crate::ecs::components::*;
 use crate::ecs::cut;
+use crate::ecs::issue_sync::sync_issues;
+use crate::ecs::parents::write_children;
+use crate::ecs::pieces::spawn_pieces;
 use crate::ecs::state::PluginState;
 use crate::fracture::Fractures;
-use crate::math::Pose;
 use crate::step::StepReport;
 use crate::threads::team::Team;
 use crate::tuning::{ENTITIES_WORTH_HELP, MIN_WRITTEN_ROWS};
 use bevy_ecs::change_detection::{ContiguousComponentTicksMut, ContiguousMut, Tick};
+use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
+use bevy_ecs::query::Allow;
 use bevy_ecs::system::{SystemChangeTick, SystemParam, SystemState};
-use bevy_math::Vec3;
 use bevy_transform::components::Transform;
 use std::panic::Location;
 
@@ -25,7 +29,7 @@ pub(crate) struct BodySync<'w, 's> {
     fractures: Res<'w, Fractures>,
     state: Res<'w, PluginState>,
     warnings: ResMut<'w, Messages<BodyWarning>>,
-    marked: Query<'w, 's, (), With<Sleeping>>,
+    marked: Query<'w, 's, (), (With<Sleeping>, Allow<Disabled>)>,
 }
 
 /// Run condition of [`renew_entities`]: most steps would fetch all that it takes only to find that nothing broke or woke.
@@ -59,7 +63,7 @@ pub(crate) fn renew_entities(world: &mut World, renewal: &mut SystemState<BodySy
     cut::despawn_expired(&mut commands, &fractures, entities);
     unmark_woken(&mut commands, &bodies, entities, &marked);
     if !fractures.done.is_empty() {
-        commands.queue(cut::spawn_pieces);
+        commands.queue(spawn_pieces);
     }
     renewal.apply(world);
     Ok(())
@@ -76,10 +80,27 @@ pub(crate) fn write_entities(
 ) {
     let state = &mut *state;
     state.entities.written = tick.this_run();
+    for target in state.kinematic.drain(..) {
+        target.end(&mut bodies);
+    }
     scatter(&bodies, &mut motion);
     report_problems(&report, &bodies, &state.entities, &mut warnings);
     marks.set(&bodies, &state.entities);
     bodies.forget_sleep_changes();
+    for entity in state.queue.halted.drain(..) {
+        let rest = (LinearVelocity::default(), AngularVelocity::default());
+        marks.commands.entity(entity).try_insert(rest);
+    }
+    if !state.children.is_empty() {
+        marks.commands.queue(write_children);
+    }
+    if !state.issues.changed.is_empty() {
+        marks.commands.queue(sync_issues);
+    }
+    let has_new_options = state.options.is_used && !state.options.entities.is_empty();
+    if state.is_watching || has_new_options || !bodies.sensors.is_empty() {
+        marks.commands.queue(send_collisions);
+    }
 }
 
 /// Takes the mark from the entities whose bodies woke, or never fell asleep, so that they are written again.
@@ -87,7 +108,7 @@ fn unmark_woken(
     commands: &mut Commands,
     bodies: &Bodies,
     entities: &BodyEntities,
-    marked: &Query<(), With<Sleeping>>,
+    marked: &Query<(), (With<Sleeping>, Allow<Disabled>)>,
 ) {
     for &(slot, id) in bodies.sleep_changes() {
         if bodies.is_current(slot, id) && !bodies.is_asleep(slot) {
@@ -103,7 +124,7 @@ fn unmark_woken(
 #[derive(SystemParam)]
 pub(crate) struct SleepMarks<'w, 's> {
     commands: Commands<'w, 's>,
-    marked: Query<'w, 's, (), With<Sleeping>>,
+    marked: Query<'w, 's, (), (With<Sleeping>, Allow<Disabled>)>,
 }
 
 impl SleepMarks<'_, '_> {
@@ -126,6 +147,7 @@ type WrittenMotion = (
     &'static mut Transform,
     &'static mut LinearVelocity,
     &'static mut AngularVelocity,
+    Has<ChildOf>,
 );
 
 /// Writes pose and velocity to the entities whose bodies moved. `Transform` is written, never read back: the pose of record
@@ -135,13 +157,15 @@ fn scatter(bodies: &Bodies, motion: &mut Query<WrittenMotion, Without<Sleeping>>
     let tables = motion.contiguous_iter_mut().ok().into_iter().flatten();
     let awake = bodies.len().saturating_sub(bodies.asleep());
     Team::lead_if(awake >= ENTITIES_WORTH_HELP, |team| {
-        for (handles, transforms, linear, angular) in tables {
+        for (handles, transforms, linear, angular, is_child) in tables {
+            // Those beneath parents are written by themselves.
+            let is_child = IsChild(is_child);
             let mut transforms = Column::new(transforms);
             let mut linear = Column::new(linear);
             let mut angular = Column::new(angular);
             if team.is_none() {
                 write_rows(
-                    bodies,
+                    (bodies, is_child),
                     handles,
                     transforms.all(),
                     linear.all(),
@@ -154,14 +178,18 @@ fn scatter(bodies: &Bodies, motion: &mut Query<WrittenMotion, Without<Sleeping>>
             let motions = transforms.parts(size).zip(velocities);
             let parts = handles.chunks(size).zip(motions);
             Team::each_of_many(team, parts, |(handles, (transforms, (linear, angular)))| {
-                write_rows(bodies, handles, transforms, linear, angular);
+                write_rows((bodies, is_child), handles, transforms, linear, angular);
             });
         }
     });
 }
 
+/// Whether entities of a table are children.
+#[derive(Clone, Copy)]
+struct IsChild(bool);
+
 fn write_rows(
-    bodies: &Bodies,
+    (bodies, IsChild(is_child)): (&Bodies, IsChild),
     handles: &[BodyHandle],
     transforms: EntityRows<Transform>,
     linear: EntityRows<LinearVelocity>,
@@ -176,21 +204,22 @@ fn write_rows(
         let Some((slot, _)) = handle.0.filter(is_alive) else {
             continue;
         };
+        // What the user gave it stays there to be seen.
+        if bodies.is_static(slot) {
+            continue;
+        }
         let (v, omega) = bodies.velocity(slot);
         linear.set(LinearVelocity(v));
         angular.set(AngularVelocity(omega));
-        if !bodies.is_static(slot) {
-            transform.set(transform_of(bodies.pose(slot)));
+        if !is_child {
+            let pose = bodies.pose(slot);
+            let scale = transform.value.scale;
+            transform.set(Transform {
+                translation: pose.position,
+                rotation: pose.rotation,
+                scale,
+            });
         }
-    }
-}
-
-/// The `Transform` of a body, which is never scaled.
-pub(super) fn transform_of(pose: Pose) -> Transform {
-    Transform {
-        translation: pose.position,
-        rotation: pose.rotation,
-        scale: Vec3::ONE,
     }
 }
 

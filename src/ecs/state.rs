@@ -1,12 +1,15 @@
 //! What the plugin keeps for itself from system to system and from step to step.
 
-use crate::bodies::body::BodyError;
 use crate::contact::body_id::BodyId;
 use crate::ecs::components::BodyEntities;
+use crate::ecs::explosion::Explosion;
+use crate::ecs::issues::Issues;
+use crate::ecs::kinematic::KinematicTarget;
 use crate::fracture::bond::Bond;
 use crate::joints::{JointError, JointId};
 use crate::math::Plane;
-use crate::step::StepSettings;
+use crate::step::{ContactWatch, StepSettings};
+use bevy_ecs::component::ComponentId;
 use bevy_ecs::prelude::*;
 
 /// One resource for all of it: in a step of one body, to fetch resources is a good part of what the plugin adds.
@@ -18,6 +21,20 @@ pub(crate) struct PluginState {
     pub(crate) queue: BodyQueue,
     pub(crate) slice_requests: SliceRequests,
     pub(crate) bond_requests: BondRequests,
+    pub(crate) options: OptionQueue,
+    pub(crate) issues: Issues,
+    /// Components that could not be cloned for pieces, and were named.
+    pub(crate) uncloned: Vec<ComponentId>,
+    /// Entities of bodies with parents.
+    pub(crate) children: Vec<Entity>,
+    /// Kinematic bodies that are moved by their `Transform` in this step.
+    pub(crate) kinematic: Vec<KinematicTarget>,
+    /// Blasts that commands asked for since the last step.
+    pub(crate) explosions: Vec<Explosion>,
+    /// Whether there may be news of contacts.
+    pub(crate) is_watching: bool,
+    /// Bodies that left since the last news, if there are any, and their entities.
+    pub(crate) departed: Vec<(BodyId, Entity)>,
     pub(crate) joints: JointQueue,
 }
 
@@ -64,6 +81,25 @@ pub(crate) struct BodyQueue {
     pub(crate) reduced: Vec<Entity>,
     /// Entities that were marked as sleeping by somebody else.
     pub(crate) marked: Vec<Entity>,
-    /// Entities that could not become bodies, with the reason; tried again each step, warned about once.
-    pub(crate) refused: Vec<(Entity, BodyError)>,
+    /// Entities that could not become bodies; tried again each step.
+    pub(crate) refused: Vec<Entity>,
+    /// Bodies whose entities got another `RigidBody`.
+    pub(crate) changed_kind: Vec<Entity>,
+    /// Entities of bodies that became static: what they moved by is no velocity of theirs any more.
+    pub(crate) halted: Vec<Entity>,
+    /// Entities that were disabled or enabled.
+    pub(crate) toggled: Vec<Entity>,
+    /// Entities with a shape that had no `RigidBody` when they got it.
+    pub(crate) lone_shapes: Vec<Entity>,
+}
+
+/// What was asked of the options since the last step.
+#[derive(Debug, Default)]
+pub(crate) struct OptionQueue {
+    /// Whether any entity ever had one.
+    pub(crate) is_used: bool,
+    /// Entities whose options came or went, or that became bodies.
+    pub(crate) entities: Vec<Entity>,
+    /// Bodies whose contacts are to be watched otherwise.
+    pub(crate) watches: Vec<(u32, BodyId, ContactWatch)>,
 }

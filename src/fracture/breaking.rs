@@ -26,6 +26,8 @@ struct PendingBreak {
     slot: u32,
     /// What it was hit with, in its own frame.
     impact: Impact,
+    /// The same for the report; all of it acted.
+    blow: BreakingImpact,
 }
 
 /// A piece, and for how long it has slept.
@@ -149,8 +151,10 @@ fn break_waiting(
         bodies.wake(slot);
         // One that makes no pieces bears it.
         let cutter = &mut fractures.state.cutter;
-        if let Some(division) = divide(bodies, slot, &entry.impact, left, cutter) {
-            let _ = fractures.replace(bodies, bonds, slot, division, budget);
+        if let Some(division) = divide(bodies, slot, &entry.impact, left, cutter)
+            && let Ok(fracture) = fractures.replace(bodies, bonds, slot, division, budget)
+        {
+            fracture.waited = Some(entry.blow);
         }
         false
     });
@@ -194,7 +198,7 @@ pub(crate) fn break_overloaded(
             left = left.saturating_sub(division.len());
             let withstood = sum.withstood(bodies, slot, &division);
             state.shares[slot as usize] = withstood;
-            divisions.push((slot, division, sum.blow(withstood)));
+            divisions.push((slot, division, sum.blow(bodies, slot, withstood)));
         }
     }
     impact::apply_shares(&state.shares, bodies, manifolds);
@@ -264,6 +268,7 @@ fn wait(bodies: &Bodies, slot: u32, sum: &ImpulseSum) -> Option<PendingBreak> {
         body: bodies.id(slot),
         slot,
         impact,
+        blow: sum.blow(bodies, slot, 1.0),
     })
 }
 
@@ -278,8 +283,10 @@ impl Fractures {
         budget: &FractureBudget,
     ) -> Result<&mut crate::fracture::Fracture, CutError> {
         let line = ParentState::of(bodies, slot);
+        let drive = bodies.drive(slot);
         let fracture = replace(bodies, slot, division, budget)?;
         bonds.inherit(bodies, &line, &fracture.pieces);
+        bodies.drive_pieces(drive, &fracture.pieces);
         let state = &mut self.state;
         state.lines.push((line, fracture.pieces.clone()));
         state.made += fracture.pieces.len();

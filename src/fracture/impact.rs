@@ -22,6 +22,8 @@ pub(super) struct ImpulseSum {
     moment: Vec3,
     /// Sum of the impulses with their directions on the body, world axes, N s.
     direction: Vec3,
+    /// Slot of the body that gave most of it, and how much that was, N s.
+    strongest: Option<(u32, f32)>,
 }
 
 impl ImpulseSum {
@@ -43,12 +45,23 @@ impl ImpulseSum {
     }
 
     /// What the fracture is reported with.
-    pub(super) fn blow(&self, withstood: f32) -> BreakingImpact {
+    pub(super) fn blow(&self, bodies: &Bodies, slot: u32, withstood: f32) -> BreakingImpact {
         let ImpactLoad { impulse, energy } = self.blow;
+        let center = bodies.center_of_mass(slot);
         BreakingImpact {
             impulse,
             energy,
             withstood,
+            by: self.strongest.map(|(by, _)| (by, bodies.id(by))),
+            point: center + self.moment / impulse,
+            direction: self.direction.normalize_or(Vec3::Y),
+        }
+    }
+
+    /// Takes note of what the body in `by` gave.
+    fn note_giver(&mut self, by: u32, impulse: f32) {
+        if self.strongest.is_none_or(|(_, most)| impulse > most) {
+            self.strongest = Some((by, impulse));
         }
     }
 
@@ -101,9 +114,11 @@ pub(super) fn sum_impulses(sums: &mut Vec<ImpulseSum>, bodies: &Bodies, manifold
     sums.resize(bodies.slots(), ImpulseSum::default());
     for manifold in manifolds.iter() {
         let [a, b] = [manifold.a, manifold.b].map(|slot| &bodies.velocity[slot as usize]);
+        let mut total = 0.0;
         for point in manifold.points() {
             // Bonds pull too, but only a push is a blow.
             let impulse = point.total_impulse.max(0.0);
+            total += impulse;
             let on_a = a.linear + a.angular.cross(point.anchor_a);
             let on_b = b.linear + b.angular.cross(point.anchor_b);
             let speed = manifold.normal.dot(on_a - on_b);
@@ -118,6 +133,8 @@ pub(super) fn sum_impulses(sums: &mut Vec<ImpulseSum>, bodies: &Bodies, manifold
                 sum.direction += direction * impulse;
             }
         }
+        sums[manifold.a as usize].note_giver(manifold.b, total);
+        sums[manifold.b as usize].note_giver(manifold.a, total);
     }
 }
 

@@ -48,6 +48,7 @@ use crate::math::Plane;
 use crate::slice::SliceError;
 use bevy_ecs::resource::Resource;
 use breaking::FractureState;
+use glam::Vec3;
 use smallvec::SmallVec;
 
 /// Pieces that a body must make to be broken.
@@ -129,6 +130,8 @@ pub struct Fracture {
     pub ledger: Ledger,
     /// What broke it; `None` if it was cut, or had to wait for its turn to break.
     pub blow: Option<BreakingImpact>,
+    /// Of a body that had to wait for its turn: what it was hit with then, all of which acted on it.
+    pub waited: Option<BreakingImpact>,
 }
 
 /// What a body was hit with when it broke.
@@ -140,6 +143,12 @@ pub struct BreakingImpact {
     pub energy: f32,
     /// Share of the impulses that acted on the body, and on what hit it, before it broke. The rest was for the pieces.
     pub withstood: f32,
+    /// Slot and id of the body that gave most of it.
+    pub by: Option<(u32, BodyId)>,
+    /// Where it acted: the mean of the contact points, weighted by their impulses; world, m.
+    pub point: Vec3,
+    /// Unit vector along which the body was pushed, world axes.
+    pub direction: Vec3,
 }
 
 /// Cuts asked for, and what broke in the last step.

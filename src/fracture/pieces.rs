@@ -145,6 +145,7 @@ pub(super) fn replace(
         planes: planes.map(|p| p.in_frame_of(&to_world)).collect(),
         ledger,
         blow: None,
+        waited: None,
     };
     bodies.remove(slot);
     Ok(fracture)
@@ -234,6 +235,7 @@ fn piece_desc(bodies: &Bodies, parent: u32, hull: ConvexHull, visual: Option<Tri
         friction: info.friction,
         restitution: info.restitution,
         layers: info.layers,
+        is_sensor: info.is_sensor,
         fracturable: None,
     }
 }

@@ -9,6 +9,7 @@
 //! | `hull_lanes.rs`, `edge_tables.rs`, `triangle_corners.rs` | the same for several numbers at a time |
 //! | `moments.rs` | volume integrals from faces |
 //! | `convex_mesh.rs`, `primitives.rs` | the shapes that a body can have |
+//! | `constant_shapes.rs` | shapes of constant sizes, as macros |
 //! | `kd_code.rs` | cells of a box, for the contact cache |
 //!
 //! Must not know mass, motion, contacts or the ECS. Coordinates are meters in the body's own frame; triangles and face loops run
@@ -17,6 +18,7 @@
 mod around;
 pub(crate) mod bvh;
 mod closed;
+mod constant_shapes;
 pub(crate) mod convex;
 pub(crate) mod convex_mesh;
 mod coplanar;
@@ -39,6 +41,8 @@ mod triangle_corners;
 mod weld;
 
 pub(crate) use closed::{EdgeCensus, KnownClosed};
+#[doc(hidden)]
+pub use constant_shapes::are_sizes_usable;
 pub use convex::ConvexHull;
 pub use convex_mesh::{ConvexMesh, HalfSpaceShape};
 pub use face::{Edge, Face};

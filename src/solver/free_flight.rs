@@ -18,6 +18,7 @@ impl ContactSolver {
             if self.progress[i] != Progress::Pending || !bodies.is_moving(slot) {
                 continue;
             }
+            let driven = self.drive_free_body(bodies, slot, settings);
             let spin = bodies.spin(slot, step);
             let body = &mut bodies.velocity[i];
             let fall = if body.inverse_mass > 0.0 {
@@ -26,8 +27,14 @@ impl ContactSolver {
             } else {
                 Vec3::ZERO
             };
-            let shift = step * (body.linear + 0.5 * fall);
-            body.linear += fall;
+            let shift = match driven {
+                Some(shift) => shift,
+                None => {
+                    let shift = step * (body.linear + 0.5 * fall);
+                    body.linear += fall;
+                    shift
+                }
+            };
             let rotation = match spin {
                 Some(spin) => {
                     spinning.slots[spinning.spins.len()] = slot;
@@ -42,6 +49,31 @@ impl ContactSolver {
             }
         }
         spinning.turn(bodies, settings);
+    }
+
+    /// How far a body that is driven moves, m; it has the velocities of the end of the step then. By the mean of the velocities
+    /// before and after each sub-step, which is the parabola where nothing brakes.
+    fn drive_free_body(
+        &self,
+        bodies: &mut Bodies,
+        slot: u32,
+        settings: &SubstepSettings,
+    ) -> Option<Vec3> {
+        if bodies.drives.is_empty() {
+            return None;
+        }
+        let drive = bodies.drive_of(slot, settings.gravity)?;
+        let body = &mut bodies.velocity[slot as usize];
+        let (h, mut shift) = (settings.substep_dt, Vec3::ZERO);
+        drive.restrain(&mut body.linear, &mut body.angular);
+        for _ in 0..settings.substeps {
+            let before = body.linear;
+            body.linear += h * settings.gravity;
+            drive.advance(&mut body.linear, &mut body.angular, h);
+            drive.restrain(&mut body.linear, &mut body.angular);
+            shift += 0.5 * h * (before + body.linear);
+        }
+        Some(shift)
     }
 }
 

@@ -10,6 +10,7 @@ use crate::query::{Queries, QueryIndex};
 use crate::solver::contact_solver::{ContactSolver, Round};
 use crate::solver::rows::contact_rows::PointRows;
 use crate::solver::settings::SubstepSettings;
+use crate::step::contact_events::ContactEvents;
 use crate::step::settings::StepSettings;
 use bevy_ecs::resource::Resource;
 
@@ -20,6 +21,7 @@ pub struct Contacts {
     pub(crate) narrow: NarrowPhase,
     pub(crate) manifolds: Manifolds,
     pub(crate) solver: ContactSolver,
+    pub(crate) events: ContactEvents,
     /// Whether a body broke in the last round, and its island waits for the next one.
     pub(crate) is_broken: bool,
     /// Manifolds that are solved while a new round is prepared, sorted by body ids.
@@ -102,6 +104,31 @@ impl Contacts {
     /// among them.
     pub fn manifolds(&self) -> &Manifolds {
         &self.manifolds
+    }
+
+    /// Slots of pairs that touched when they fell asleep, or when the one that sleeps was last looked at; by body ids.
+    pub(crate) fn dormant_pairs(&self, bodies: &Bodies) -> impl Iterator<Item = [u32; 2]> {
+        let pairs = self.narrow.touching_pairs(self.broadphase.pairs());
+        pairs
+            .filter(|&pair| bodies.contains(pair.a) && bodies.contains(pair.b))
+            .filter(|&pair| bodies.is_asleep(pair.a) || bodies.is_asleep(pair.b))
+            .map(|pair| [pair.a, pair.b])
+    }
+
+    /// Slots of pairs of which one is a sensor and has the other in it; by body ids.
+    pub(crate) fn sensed_pairs(&self) -> impl Iterator<Item = [u32; 2]> {
+        let overlaps = self.events.sensing.overlaps.iter();
+        overlaps.map(|overlap| [overlap.pair.a, overlap.pair.b])
+    }
+
+    /// News of bodies that touch or come apart.
+    pub fn events(&self) -> &ContactEvents {
+        &self.events
+    }
+
+    /// The same, to say which bodies it is asked for.
+    pub fn events_mut(&mut self) -> &mut ContactEvents {
+        &mut self.events
     }
 
     /// Islands and rows of the last step.

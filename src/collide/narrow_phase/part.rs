@@ -259,7 +259,7 @@ fn distance_of(bodies: &Bodies, pair: Pair, b_in_a: &Pose, axis: Vec3) -> Option
 }
 
 /// Contact of one pair in A's frame, normal from A to B.
-fn examine_pair(
+pub(in crate::collide) fn examine_pair(
     bodies: &Bodies,
     pair: Pair,
     b_in_a: Pose,

@@ -89,7 +89,7 @@ struct KeptProxy {
 pub struct Broadphase {
     kept: Vec<Option<KeptProxy>>,
     tree: Bvh2,
-    half_spaces: Vec<u32>,
+    pub(super) half_spaces: Vec<u32>,
     pairs: Vec<Pair>,
     revision: u64,
     /// Slots whose pairs are found anew in this step, as a list and as flags.

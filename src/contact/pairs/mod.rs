@@ -2,10 +2,11 @@
 //!
 //! `broad_phase.rs` makes boxes into pairs, sorted by the ids of their bodies. `recycle.rs` decides whether what the last test of a pair
 //! found still holds: a contact is recycled there. `store.rs` keeps that in flat lists, those that touch apart from the others
-//! (`touches.rs`).
+//! (`touches.rs`). `box_search.rs` asks the tree for who is near.
 //!
 //! Must not know shapes, nor how a test is done. Read `recycle.rs` first.
 
+pub(crate) mod box_search;
 pub(crate) mod broad_phase;
 pub(crate) mod recycle;
 pub(crate) mod store;

@@ -3,8 +3,11 @@
 use crate::bodies::body::{BodyError, RigidBody};
 use crate::bodies::store::Bodies;
 use crate::ecs::components::*;
-use crate::ecs::gather::pose_of;
-use crate::ecs::scatter::transform_of;
+use crate::ecs::gather::idle_velocity;
+use crate::ecs::issues::{Issues, Source};
+use crate::ecs::kinematic::KinematicTarget;
+use crate::ecs::parents::Parents;
+use crate::math::Pose;
 use crate::tuning::COMPARED_ROWS;
 use bevy_ecs::change_detection::Tick;
 use bevy_ecs::prelude::*;
@@ -19,46 +22,165 @@ pub(super) type ReadMotion = (
     Ref<'static, Transform>,
     Ref<'static, LinearVelocity>,
     Ref<'static, AngularVelocity>,
+    Option<&'static ChildOf>,
 );
 
-/// Poses and velocities that the user changed. A state that is not usable takes the body out until it is.
-///
-/// What the plugin wrote itself bears the tick of its own system and is passed over without a look at the values.
-pub(super) fn gather_motion(
-    bodies: &mut Bodies,
-    entities: &mut BodyEntities,
-    warnings: &mut Messages<BodyWarning>,
-    motion: &Query<ReadMotion>,
-) {
-    let own = entities.written;
-    // All of these components are stored in tables, so there is a slice for each.
-    let tables = motion.contiguous_iter().ok().into_iter().flatten();
-    for (entity, handle, transform, linear, angular) in tables {
-        let (last_run, this_run) = (transform.last_run_tick(), transform.this_run_tick());
-        let by_user = |tick: Tick| tick != own && tick.is_newer_than(last_run, this_run);
-        let ticks = [
-            transform.changed_ticks_slice(),
-            linear.changed_ticks_slice(),
-            angular.changed_ticks_slice(),
-        ];
-        let strange = strange_rows(ticks, own);
-        for row in strange.filter(|&row| ticks.iter().any(|column| by_user(column[row]))) {
-            let handle = &handle[row];
-            let Some((slot, _)) = handle.0.filter(|&(slot, id)| bodies.is_current(slot, id)) else {
-                continue;
+/// The same of one entity.
+type MotionOf<'r> = (
+    Entity,
+    &'r BodyHandle,
+    Ref<'r, Transform>,
+    Ref<'r, LinearVelocity>,
+    Ref<'r, AngularVelocity>,
+    Option<&'r ChildOf>,
+);
+
+/// One entity's motion.
+#[derive(Clone, Copy)]
+struct Row<'r> {
+    entity: Entity,
+    handle: &'r BodyHandle,
+    transform: &'r Transform,
+    velocity: (Vec3, Vec3),
+    child_of: Option<&'r ChildOf>,
+}
+
+/// Reads poses and velocities that the user changed. A state that is not usable takes the body out until it is.
+pub(super) struct MotionReader<'r, 'w, 's> {
+    /// s.
+    pub(super) step_dt: f32,
+    pub(super) bodies: &'r mut Bodies,
+    pub(super) entities: &'r mut BodyEntities,
+    pub(super) issues: &'r mut Issues,
+    pub(super) warnings: &'r mut Messages<BodyWarning>,
+    /// Entities of bodies with parents.
+    pub(super) children: &'r mut Vec<Entity>,
+    pub(super) kinematic: &'r mut Vec<KinematicTarget>,
+    /// Entities whose shapes are to be scaled otherwise.
+    pub(super) rescaled: &'r mut Vec<Entity>,
+    pub(super) parents: &'r Parents<'w, 's>,
+}
+
+impl MotionReader<'_, '_, '_> {
+    /// What the plugin wrote itself bears the tick of its own system and is passed over without a look at the values.
+    pub(super) fn read_all(&mut self, motion: &Query<ReadMotion>) {
+        let own = self.entities.written;
+        // All of these components are stored in tables, so there is a slice for each.
+        let tables = motion.contiguous_iter().ok().into_iter().flatten();
+        for (entity, handle, transform, linear, angular, child_of) in tables {
+            let (last_run, this_run) = (transform.last_run_tick(), transform.this_run_tick());
+            let by_user = |tick: Tick| tick != own && tick.is_newer_than(last_run, this_run);
+            let ticks = [
+                transform.changed_ticks_slice(),
+                linear.changed_ticks_slice(),
+                angular.changed_ticks_slice(),
+            ];
+            let row = |at: usize| Row {
+                entity: entity[at],
+                handle: &handle[at],
+                transform: &transform[at],
+                velocity: (linear[at].0, angular[at].0),
+                child_of: child_of.map(|parents| &parents[at]),
             };
-            let velocity = (linear[row].0, angular[row].0);
-            let seen = &mut entities.seen[slot as usize];
-            match read_motion(bodies, seen, slot, &transform[row], velocity) {
-                Ok(()) => bodies.set_frozen(slot, false),
-                Err(error) => {
-                    if bodies.is_active(slot) {
-                        warn(warnings, entity[row], error);
-                    }
-                    bodies.set_frozen(slot, true);
-                }
+            if child_of.is_some() {
+                // Their parents may have moved.
+                self.children.extend_from_slice(entity);
+                (0..entity.len()).for_each(|at| self.read(row(at)));
+                continue;
+            }
+            let strange = strange_rows(ticks, own);
+            for at in strange.filter(|&at| ticks.iter().any(|column| by_user(column[at]))) {
+                self.read(row(at));
             }
         }
+    }
+
+    /// Reads one entity whatever its ticks say.
+    pub(super) fn read_one(
+        &mut self,
+        (entity, handle, transform, linear, angular, child_of): MotionOf,
+    ) {
+        self.read(Row {
+            entity,
+            handle,
+            transform: &transform,
+            velocity: (linear.0, angular.0),
+            child_of,
+        });
+    }
+
+    fn read(&mut self, row: Row) {
+        let bodies = &mut *self.bodies;
+        let Some((slot, _)) = (row.handle.0).filter(|&(slot, id)| bodies.is_current(slot, id))
+        else {
+            return;
+        };
+        let idle = idle_velocity(bodies.kind(slot), row.velocity.0, row.velocity.1);
+        self.issues
+            .note(self.warnings, row.entity, Source::Velocity, idle);
+        let taken = self.take(slot, row);
+        let is_usable = taken.is_ok();
+        self.issues
+            .note(self.warnings, row.entity, Source::Motion, taken);
+        self.bodies.set_frozen(slot, !is_usable);
+    }
+
+    /// Takes velocity and pose over.
+    fn take(&mut self, slot: u32, row: Row) -> Result<(), BodyError> {
+        let bodies = &mut *self.bodies;
+        let (linear, angular) = row.velocity;
+        bodies.set_velocity(slot, linear, angular)?;
+        let seen = self.entities.seen[slot as usize];
+        let kind = bodies.kind(slot);
+        let (pose, scale, is_moved) = match row.child_of {
+            None => {
+                let pose = Pose::new(row.transform.translation, row.transform.rotation);
+                let last = match kind {
+                    // Never written: what was read last may differ by rounding from the pose about the center of mass.
+                    RigidBody::Static => Pose::new(seen.translation, seen.rotation),
+                    _ => bodies.pose(slot),
+                };
+                (pose, row.transform.scale, pose != last)
+            }
+            Some(_) => {
+                let is_own_way = kind == RigidBody::Dynamic;
+                if is_own_way && self.entities.local(slot) == Some(*row.transform) {
+                    return Ok(());
+                }
+                let (pose, scale) = self.parents.place(row.transform, row.child_of)?;
+                self.entities.set_local(slot, *row.transform);
+                let last = match kind {
+                    RigidBody::Dynamic => None,
+                    _ => Some(Pose::new(seen.translation, seen.rotation)),
+                };
+                (pose, scale, last != Some(pose))
+            }
+        };
+        self.entities.seen[slot as usize] = Transform {
+            translation: pose.position,
+            rotation: pose.rotation,
+            scale,
+        };
+        if scale != seen.scale {
+            self.rescaled.push(row.entity);
+        }
+        if is_moved {
+            self.put(slot, pose)?;
+        }
+        Ok(())
+    }
+
+    /// Puts a body somewhere else, or lets it go there within the step.
+    fn put(&mut self, slot: u32, pose: Pose) -> Result<(), BodyError> {
+        let bodies = &mut *self.bodies;
+        let target = (bodies.kind(slot) == RigidBody::Kinematic && bodies.is_active(slot))
+            .then(|| KinematicTarget::begin(bodies, slot, pose, self.step_dt))
+            .flatten();
+        match target {
+            Some(target) => self.kinematic.push(target),
+            None => bodies.set_pose(slot, pose)?,
+        }
+        Ok(())
     }
 }
 
@@ -74,24 +196,4 @@ fn strange_rows<const N: usize>(columns: [&[Tick]; N], own: Tick) -> impl Iterat
         columns.any(|ticks| ticks.iter().fold(false, |any, &tick| any | (tick != own)))
     };
     runs.filter(is_strange).flatten()
-}
-
-fn read_motion(
-    bodies: &mut Bodies,
-    seen: &mut Transform,
-    slot: u32,
-    transform: &Transform,
-    (linear, angular): (Vec3, Vec3),
-) -> Result<(), BodyError> {
-    bodies.set_velocity(slot, linear, angular)?;
-    let last = match bodies.kind(slot) {
-        // Never written: what was read last may differ by rounding from the pose about the center of mass.
-        RigidBody::Static => *seen,
-        _ => transform_of(bodies.pose(slot)),
-    };
-    if *transform != last {
-        bodies.set_pose(slot, pose_of(transform)?)?;
-        *seen = *transform;
-    }
-    Ok(())
 }

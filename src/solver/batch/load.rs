@@ -74,6 +74,7 @@ impl Batch {
             layout.name(blocks, points, team);
         }
         self.load_copies();
+        self.load_driven(bodies);
         for member in 0..self.layout.members.len() {
             self.measure(member, team);
             self.measure_inertia(member, team);

@@ -8,6 +8,7 @@
 
 mod bonds;
 mod contacts;
+mod drives;
 mod energy_guard;
 #[cfg(feature = "exact")]
 mod exact_substep;
@@ -33,6 +34,7 @@ pub(crate) use joints::BatchJoints;
 pub use load::Step;
 
 use crate::bodies::breaking::{BreakingLimit, ImpactLoad};
+use crate::bodies::drive::Drive;
 use crate::bodies::free_rotation::FreeRotation;
 use crate::bodies::solver_body::{BodyMass, SolverBody};
 use crate::simd::lanes::F8;
@@ -75,6 +77,8 @@ pub struct BatchBodies {
     pub displacements: Vec<SolverBody>,
     /// Masses and inertias.
     pub masses: Vec<BodyMass>,
+    /// Those that are driven, and their numbers within the batch.
+    pub(crate) driven: Vec<(u32, Drive)>,
     /// Those that turn.
     pub turning: Vec<TurningBody>,
     /// By island: the largest extent that a contact is measured by, the lesser of the least extents of two bodies, m.

@@ -89,7 +89,7 @@ impl Batch {
 
     /// Bodies that nothing pushes fly: `x += h v - h^2 g / 2` with the velocity after the sub-step is the parabola. A body that
     /// rebounds low would lose height otherwise while it is near the ground.
-    fn correct_flight(&mut self) {
+    pub(super) fn correct_flight(&mut self) {
         let settings = &self.settings;
         let is_pushed = &mut self.scratch.is_pushed;
         is_pushed.clear();
@@ -110,6 +110,11 @@ impl Batch {
             if body.inverse_mass > 0.0 && !is_pushed {
                 q.linear -= fall;
             }
+        }
+        if !self.bodies.driven.is_empty() {
+            let is_pushed = std::mem::take(&mut self.scratch.is_pushed);
+            self.correct_driven_flight(&is_pushed);
+            self.scratch.is_pushed = is_pushed;
         }
     }
 

@@ -35,7 +35,7 @@ impl Batch {
     /// One sub-step of `h` seconds; `is_first` of the step.
     ///
     /// ```text
-    /// v += h g
+    /// v += h (g + a)     gravity, and what drives some bodies
     /// targets            gaps and overlaps -> velocities that the rows should have; what hits; rebounds
     /// warm start, solve  the impulses of the sub-step before; sweeps with soft contacts, exact solutions for joints
     /// q += h v           with what it takes for the joints to hold then
@@ -46,15 +46,18 @@ impl Batch {
     /// free rotation
     /// ```
     fn substep(&mut self, is_first: bool, manifolds: &Manifolds, team: Option<&Team>) {
+        self.apply_drives();
         self.apply_gravity(team);
         let targets = self.set_targets(is_first, team);
         self.solve_with_bias(is_first, &targets, team);
         self.keep_joints_together();
+        self.restrain_driven();
         self.move_bodies(manifolds, team);
         self.turn_jointed_bodies();
         self.reanchor_hits(&targets, team);
         self.relax(&targets, team);
         self.end_joints();
+        self.restrain_driven();
         self.note_contact_velocity_changes(team);
         self.restore_hits(&targets);
         self.turn_bodies(team);

@@ -1,0 +1,175 @@
+//! Who is inside a sensor, or was on the way within the last step. Nothing that moves depends on it.
+
+use crate::bodies::body::RigidBody;
+use crate::bodies::store::Bodies;
+use crate::collide::narrow_phase::part::examine_pair;
+use crate::collide::narrow_phase::relative_pose;
+use crate::contact::local_manifold::LocalManifold;
+use crate::contact::narrow::scratch::{NarrowScratch, SatCache, SatResult};
+use crate::contact::pairs::broad_phase::{Broadphase, Pair};
+use crate::geometry::hull_lanes::bounds;
+use crate::math::{Aabb, rotate};
+use glam::{Mat3, Vec3};
+
+/// Steps of conservative advancement, each as far as two shapes surely do not touch. Halving the distance each time would come
+/// within a ten-thousandth of it.
+const MAX_ADVANCES: usize = 16;
+
+/// A distance that counts as touching while shapes approach, as a share of the way that they go.
+const NEAR: f32 = 1e-4;
+
+/// Two bodies, one of them a sensor, that overlap.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Overlap {
+    pub(crate) pair: Pair,
+    /// Unit vector along which they are least apart, from A to B, world axes.
+    pub(crate) normal: Vec3,
+    /// A point that both have, world, m.
+    pub(crate) point: Vec3,
+}
+
+/// The overlaps of the last step, and buffers.
+#[derive(Debug, Default)]
+pub(crate) struct Sensing {
+    /// Sorted by the ids of the pair.
+    pub(crate) overlaps: Vec<Overlap>,
+    scratch: NarrowScratch,
+    found: Vec<u32>,
+    boxes: Vec<(u32, Option<Aabb>)>,
+}
+
+impl Sensing {
+    /// Finds who is inside a sensor, after a step has moved the bodies.
+    pub(crate) fn find(&mut self, bodies: &Bodies, broadphase: &Broadphase) {
+        self.overlaps.clear();
+        self.boxes.clear();
+        let active = bodies
+            .sensors
+            .iter()
+            .filter(|&&slot| takes_part(bodies, slot));
+        self.boxes
+            .extend(active.map(|&slot| (slot, swept_box(bodies, slot))));
+        for at in 0..self.boxes.len() {
+            let (sensor, region) = self.boxes[at];
+            self.found.clear();
+            match region {
+                Some(region) => {
+                    broadphase.search_box(&region, &mut self.found);
+                }
+                None => self
+                    .found
+                    .extend(bodies.iter().filter(|&slot| !bodies.is_sensor(slot))),
+            }
+            // Each pair of sensors once.
+            let others = self.boxes[..at].iter();
+            let near = others.filter(|(_, other)| match (region, other) {
+                (Some(region), Some(other)) => region.overlaps(other),
+                _ => true,
+            });
+            self.found.extend(near.map(|&(slot, _)| slot));
+            for &other in &self.found {
+                let pair = pair_of(bodies, sensor, other);
+                let overlap = may_sense(bodies, pair)
+                    .then(|| overlap_of(bodies, pair, &mut self.scratch))
+                    .flatten();
+                self.overlaps.extend(overlap);
+            }
+        }
+        let name = |overlap: &Overlap| [overlap.pair.a, overlap.pair.b].map(|slot| bodies.id(slot));
+        self.overlaps.sort_unstable_by_key(name);
+    }
+}
+
+fn takes_part(bodies: &Bodies, slot: u32) -> bool {
+    bodies.is_active(slot) || bodies.is_asleep(slot)
+}
+
+fn pair_of(bodies: &Bodies, s: u32, t: u32) -> Pair {
+    if bodies.id(s) < bodies.id(t) {
+        Pair { a: s, b: t }
+    } else {
+        Pair { a: t, b: s }
+    }
+}
+
+/// Whether the sensor of the pair is to see the other one: what neither moves nor ever will is no news.
+fn may_sense(bodies: &Bodies, Pair { a, b }: Pair) -> bool {
+    let fixed = |slot: u32| bodies.kind(slot) == RigidBody::Static;
+    takes_part(bodies, a)
+        && takes_part(bodies, b)
+        && !(fixed(a) && fixed(b))
+        && bodies.info(a).layers.interact(&bodies.info(b).layers)
+}
+
+/// How far the last step moved a body, m.
+fn shift(bodies: &Bodies, slot: u32) -> Vec3 {
+    if bodies.is_moving(slot) {
+        bodies.motion[slot as usize].shift
+    } else {
+        Vec3::ZERO
+    }
+}
+
+/// The box of all places where the body was within the last step; nothing for one that no box holds.
+fn swept_box(bodies: &Bodies, slot: u32) -> Option<Aabb> {
+    let i = slot as usize;
+    let hull = bodies.convex(slot)?.hull();
+    let turn = Mat3::from_quat(bodies.rotation[i]);
+    let now = bounds(
+        &hull.lanes.points,
+        &turn,
+        bodies.center[i] - turn * bodies.mass[i].center,
+    );
+    let back = -shift(bodies, slot);
+    Some(Aabb {
+        min: now.min + back.min(Vec3::ZERO),
+        max: now.max + back.max(Vec3::ZERO),
+    })
+}
+
+/// Where the pair overlaps, if it does or did on its way.
+fn overlap_of(bodies: &Bodies, pair: Pair, scratch: &mut NarrowScratch) -> Option<Overlap> {
+    let now = relative_pose(bodies, pair.a, pair.b);
+    let to_a = bodies.rotation[pair.a as usize].inverse();
+    let way = rotate(to_a, shift(bodies, pair.b) - shift(bodies, pair.a));
+    let length = way.length();
+    let mut done = 0.0;
+    for _ in 0..MAX_ADVANCES {
+        let mut b_in_a = now;
+        b_in_a.position -= (1.0 - done) * way;
+        let (axis, distance) =
+            match examine_pair(bodies, pair, b_in_a, 0.0, SatCache::NONE, scratch) {
+                SatResult::Touching(patch) => return Some(overlap_at(bodies, pair, &patch)),
+                SatResult::Separated { axis, distance } => (axis, distance),
+            };
+        let approach = -axis.dot(way);
+        if done >= 1.0 || approach <= 0.0 {
+            return None;
+        }
+        // A little more, or two faces that are parallel would be approached for ever.
+        done += (distance + NEAR * length) / approach;
+        if done > 1.0 {
+            // The distance is a lower bound along one axis: at the end it is looked at once more.
+            done = 1.0;
+        }
+    }
+    None
+}
+
+fn overlap_at(bodies: &Bodies, pair: Pair, patch: &LocalManifold) -> Overlap {
+    let pose = bodies.pose(pair.a);
+    let points = patch.points();
+    let sum: Vec3 = points.iter().map(|point| point.on_a).sum();
+    let [a, b] = [pair.a, pair.b].map(|slot| bodies.center_of_mass(slot));
+    let point = if points.is_empty() {
+        0.5 * (a + b)
+    } else {
+        pose.transform_point(sum / points.len() as f32)
+    };
+    let normal = rotate(pose.rotation, patch.normal);
+    Overlap {
+        pair,
+        normal: normal.try_normalize().unwrap_or(Vec3::Y),
+        point,
+    }
+}

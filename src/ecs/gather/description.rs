@@ -1,0 +1,162 @@
+//! What a body is made from, as its entity has it, and what of that changed.
+
+use crate::bodies::body::{BodyDesc, BodyError, RigidBody, Shape};
+use crate::contact::layers::CollisionLayers;
+use crate::contact::material::{Density, Friction, Restitution};
+use crate::ecs::collisions::Sensor;
+use crate::ecs::components::*;
+use crate::ecs::forces::Mass;
+use crate::geometry::{ConvexMesh, HalfSpaceShape};
+use crate::math::Pose;
+use crate::slice::fracturable::Fracturable;
+use bevy_ecs::change_detection::ContiguousRef;
+use bevy_ecs::prelude::*;
+use bevy_ecs::query::QueryData;
+use bevy_math::Vec3;
+use bevy_transform::components::Transform;
+
+/// Everything a body is made from.
+#[derive(QueryData)]
+pub(crate) struct BodyParts {
+    pub(super) child_of: Option<&'static ChildOf>,
+    kind: &'static RigidBody,
+    convex: Option<&'static ConvexMesh>,
+    half_space: Option<&'static HalfSpaceShape>,
+    pub(super) transform: &'static Transform,
+    pub(super) linear: &'static LinearVelocity,
+    pub(super) angular: &'static AngularVelocity,
+    density: &'static Density,
+    mass: Option<&'static MassOverride>,
+    friction: &'static Friction,
+    restitution: &'static Restitution,
+    layers: &'static CollisionLayers,
+    sensor: Has<Sensor>,
+    total_mass: Option<&'static Mass>,
+    fracturable: Option<&'static Fracturable>,
+}
+
+/// The description of a body at `pose` whose shape is scaled.
+pub(super) fn describe(
+    parts: &BodyPartsItem,
+    pose: Pose,
+    scale: Vec3,
+) -> Result<BodyDesc, BodyError> {
+    let shape = match (parts.convex, parts.half_space) {
+        (Some(mesh), _) => Shape::Convex(scaled(mesh, scale)?),
+        (None, Some(half_space)) => Shape::HalfSpace(HalfSpaceShape {
+            normal: scaled_normal(half_space.normal, scale)?,
+        }),
+        (None, None) => return Err(BodyError::NoShape),
+    };
+    let density = match (&shape, parts.total_mass) {
+        (Shape::Convex(mesh), Some(&Mass(mass))) if parts.mass.is_none() => {
+            let density = f64::from(mass) / mesh.hull().volume();
+            let is_usable = mass > 0.0 && density.is_finite();
+            is_usable
+                .then_some(density as f32)
+                .ok_or(BodyError::TotalMass(mass))?
+        }
+        _ => parts.density.0,
+    };
+    Ok(BodyDesc {
+        kind: *parts.kind,
+        shape,
+        pose,
+        linear_velocity: parts.linear.0,
+        angular_velocity: parts.angular.0,
+        density,
+        mass: parts.mass.map(|m| m.0),
+        friction: *parts.friction,
+        restitution: *parts.restitution,
+        layers: *parts.layers,
+        is_sensor: parts.sensor,
+        fracturable: parts.fracturable.cloned(),
+    })
+}
+
+fn scaled(mesh: &ConvexMesh, scale: Vec3) -> Result<ConvexMesh, BodyError> {
+    if scale == Vec3::ONE {
+        return Ok(mesh.clone());
+    }
+    mesh.scaled(scale).map_err(|_| BodyError::Scaled(scale))
+}
+
+/// The normal of a plane through the origin of a frame that is scaled.
+fn scaled_normal(normal: Vec3, scale: Vec3) -> Result<Vec3, BodyError> {
+    if scale == Vec3::ONE {
+        return Ok(normal);
+    }
+    let scaled = (normal / scale).normalize();
+    let is_usable = scale.min_element() > 0.0 && scaled.is_finite();
+    is_usable.then_some(scaled).ok_or(BodyError::Scaled(scale))
+}
+
+/// What does nothing on a body of this description.
+pub(super) fn idle_part(desc: &BodyDesc) -> Result<(), BodyError> {
+    match (&desc.fracturable, &desc.shape) {
+        (Some(_), Shape::HalfSpace(_)) => Err(BodyError::UnbreakableHalfSpace),
+        (Some(_), _) if desc.kind != RigidBody::Dynamic => Err(BodyError::UnbreakableKind),
+        _ => Ok(()),
+    }
+}
+
+/// What of a body's description changed.
+pub(super) type Changes = Or<(
+    Changed<ConvexMesh>,
+    Changed<HalfSpaceShape>,
+    Changed<Density>,
+    Changed<MassOverride>,
+    Changed<Friction>,
+    Changed<Restitution>,
+    Changed<CollisionLayers>,
+    Changed<Fracturable>,
+    Changed<Sensor>,
+    Changed<Mass>,
+)>;
+
+/// The same components, table by table.
+pub(super) type ChangeTicks = (
+    (
+        Option<Ref<'static, ConvexMesh>>,
+        Option<Ref<'static, HalfSpaceShape>>,
+        Option<Ref<'static, Density>>,
+        Option<Ref<'static, MassOverride>>,
+        Option<Ref<'static, Mass>>,
+    ),
+    (
+        Option<Ref<'static, Friction>>,
+        Option<Ref<'static, Restitution>>,
+        Option<Ref<'static, CollisionLayers>>,
+        Option<Ref<'static, Fracturable>>,
+        Option<Ref<'static, Sensor>>,
+    ),
+);
+
+/// Whether any value of a column may have changed.
+pub(super) fn any_changed<T>(column: Option<ContiguousRef<T>>) -> bool {
+    column.is_some_and(|column| {
+        let (_, ticks) = ContiguousRef::split(column);
+        // All of these components ask for such a note.
+        ticks.summary_tick_is_changed().unwrap_or(true)
+    })
+}
+
+/// Whether any description may have changed: a look at what tables have noted of all their entities together.
+pub(super) fn has_any_changed(ticks: &Query<ChangeTicks, With<BodyHandle>>) -> bool {
+    use any_changed as any;
+    let Ok(mut tables) = ticks.contiguous_iter() else {
+        return true;
+    };
+    tables.any(|((a, b, c, d, e), (f, g, h, i, j))| {
+        any(a)
+            || any(b)
+            || any(c)
+            || any(d)
+            || any(e)
+            || any(f)
+            || any(g)
+            || any(h)
+            || any(i)
+            || any(j)
+    })
+}

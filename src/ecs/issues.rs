@@ -1,0 +1,113 @@
+//! What is wrong with entities: a component on each, for as long as it lasts, and a message when it begins.
+
+use crate::ecs::components::{BodyProblem, BodyWarning, warn};
+use bevy_ecs::prelude::*;
+
+/// What is wrong with this entity's body. Written by the plugin, and taken off when all of it is mended.
+///
+/// What a command asked for and did not get (a cut, a bond) is told by [`BodyWarning`] alone.
+#[derive(Clone, Debug, PartialEq, Component)]
+#[component(clone_behavior = Ignore)]
+pub struct BodyIssues(pub(super) Vec<BodyProblem>);
+
+impl BodyIssues {
+    /// The problems, in the order in which they were found.
+    pub fn iter(&self) -> impl Iterator<Item = &BodyProblem> {
+        self.0.iter()
+    }
+}
+
+/// What a problem was found in: the next look at the same that finds nothing wrong mends it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Source {
+    /// The entity as a whole, which is no body yet.
+    Body,
+    /// Shape, mass and materials.
+    Description,
+    /// How it moves.
+    Kind,
+    /// Pose and velocity.
+    Motion,
+    /// A velocity that does nothing.
+    Velocity,
+    /// Events and drives.
+    Options,
+    /// How it breaks.
+    Breaking,
+}
+
+/// Something that is wrong.
+#[derive(Clone, Debug)]
+pub(super) struct Issue {
+    pub(super) entity: Entity,
+    source: Source,
+    pub(super) problem: BodyProblem,
+}
+
+/// All that is wrong now.
+#[derive(Debug, Default)]
+pub(crate) struct Issues {
+    pub(super) known: Vec<Issue>,
+    /// Entities whose component is out of date.
+    pub(crate) changed: Vec<Entity>,
+}
+
+impl Issues {
+    /// Takes note of a problem, and tells of it unless it is known.
+    pub(crate) fn raise(
+        &mut self,
+        warnings: &mut Messages<BodyWarning>,
+        entity: Entity,
+        source: Source,
+        problem: impl Into<BodyProblem>,
+    ) {
+        let problem = problem.into();
+        let is_same = |issue: &Issue| issue.entity == entity && issue.source == source;
+        let known = self.known.iter_mut().find(|issue| is_same(issue));
+        // As texts, because a NaN in the reason is not equal to itself.
+        if (known.as_ref()).is_some_and(|known| known.problem.to_string() == problem.to_string()) {
+            return;
+        }
+        warn(warnings, entity, problem.clone());
+        self.changed.push(entity);
+        match known {
+            Some(known) => known.problem = problem,
+            None => self.known.push(Issue {
+                entity,
+                source,
+                problem,
+            }),
+        }
+    }
+
+    /// Takes note that nothing is wrong with that any more.
+    pub(crate) fn mend(&mut self, entity: Entity, source: Source) {
+        let count = self.known.len();
+        if count > 0 {
+            (self.known).retain(|issue| !(issue.entity == entity && issue.source == source));
+            if self.known.len() < count {
+                self.changed.push(entity);
+            }
+        }
+    }
+
+    /// Takes note of what a look found.
+    pub(crate) fn note<T, E: Into<BodyProblem>>(
+        &mut self,
+        warnings: &mut Messages<BodyWarning>,
+        entity: Entity,
+        source: Source,
+        found: Result<T, E>,
+    ) -> Option<T> {
+        match found {
+            Ok(value) => {
+                self.mend(entity, source);
+                Some(value)
+            }
+            Err(problem) => {
+                self.raise(warnings, entity, source, problem);
+                None
+            }
+        }
+    }
+}

@@ -1,0 +1,92 @@
+//! Children of a body that breaks: they go to the piece that holds them.
+
+use crate::bodies::store::Bodies;
+use crate::ecs::components::BodyHandle;
+use crate::ecs::parents::{local_of, parent_of};
+use crate::ecs::state::PluginState;
+use crate::math::Pose;
+use bevy_ecs::prelude::*;
+use bevy_math::Vec3;
+use bevy_transform::components::Transform;
+
+/// What becomes of the children of an entity whose body breaks; a component of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Component)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub enum ChildrenOfPieces {
+    /// Each goes to the piece that its origin is in, or else to the nearest, and stays where it is in the world. The default,
+    /// without this component too. Those that have no `Transform` go to the first piece.
+    #[default]
+    ToNearest,
+    /// They are despawned with the parent.
+    Despawn,
+}
+
+/// Gives the children of `parent` to its pieces (slots and entities).
+pub(super) fn hand_on_children(world: &mut World, parent: Entity, pieces: &[(u32, Entity)]) {
+    let rule = world
+        .get::<ChildrenOfPieces>(parent)
+        .copied()
+        .unwrap_or_default();
+    let children = world
+        .get::<Children>(parent)
+        .map(|children| children.to_vec());
+    if rule == ChildrenOfPieces::Despawn {
+        return;
+    }
+    for child in children.into_iter().flatten() {
+        let transform = world.get::<Transform>(child).copied();
+        let place = transform.and_then(|local| {
+            let above = parent_of(world, child)?;
+            let (scale, rotation, translation) =
+                (above * local.compute_affine()).to_scale_rotation_translation();
+            Some((scale, Pose::new(translation, rotation)))
+        });
+        let alive = |&&(_, piece): &&(u32, Entity)| world.get_entity(piece).is_ok();
+        let piece = match place {
+            Some((_, pose)) => nearest(world, pieces.iter().filter(alive), pose.position),
+            None => pieces.iter().find(alive).map(|&(_, piece)| piece),
+        };
+        let Some(piece) = piece else {
+            continue;
+        };
+        let local = place.and_then(|(scale, pose)| {
+            let piece_world = parent_of(world, piece).unwrap_or_default()
+                * world.get::<Transform>(piece)?.compute_affine();
+            let (above, ..) = piece_world.to_scale_rotation_translation();
+            Some(local_of(&piece_world, pose, scale / above))
+        });
+        let mut child = world.entity_mut(child);
+        child.insert(ChildOf(piece));
+        if let Some(local) = local {
+            child.insert(local);
+        }
+        let body = child.get::<BodyHandle>().and_then(|handle| handle.0);
+        if let (Some((slot, _)), Some(local)) = (body, local) {
+            // It is where it was: no news to its body.
+            world
+                .resource_mut::<PluginState>()
+                .entities
+                .set_local(slot, local);
+        }
+    }
+}
+
+/// The piece that a point (world, m) is in, or is nearest to by the planes of its faces.
+fn nearest<'p>(
+    world: &World,
+    pieces: impl Iterator<Item = &'p (u32, Entity)>,
+    point: Vec3,
+) -> Option<Entity> {
+    let bodies = world.resource::<Bodies>();
+    let distance = |slot: u32| {
+        let local = bodies.pose(slot).inverse_transform_point(point);
+        let faces = bodies
+            .convex(slot)
+            .map_or(&[][..], |mesh| mesh.hull().faces());
+        let distances = faces.iter().map(|face| face.plane.distance(local));
+        distances.fold(f32::NEG_INFINITY, f32::max)
+    };
+    let pieces = pieces.map(|&(slot, piece)| (distance(slot), piece));
+    let nearest = pieces.min_by(|(a, _), (b, _)| a.total_cmp(b));
+    nearest.map(|(_, piece)| piece)
+}

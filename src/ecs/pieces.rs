@@ -1,0 +1,377 @@
+//! Pieces as entities: each is born whole, by one insertion, while its parent still lives.
+//!
+//! A piece is a clone of the parent in which the components of the body are the piece's own. The clone is made in one go, so
+//! whoever observes that any of them is added sees all of them.
+
+use crate::bodies::body::RigidBody;
+use crate::bodies::store::Bodies;
+use crate::contact::body_id::BodyId;
+use crate::contact::material::Density;
+use crate::ecs::components::*;
+use crate::ecs::forces::{ConstantForce, ConstantTorque, Mass};
+use crate::ecs::issues::BodyIssues;
+use crate::ecs::joint::{JointsOfA, JointsOfB, follow_pieces};
+use crate::ecs::parents::{local_of, parent_of};
+use crate::ecs::piece_children::hand_on_children;
+use crate::ecs::state::PluginState;
+use crate::ecs::uncloned::name_uncloned;
+use crate::fracture::{Fracture, Fractures};
+use crate::geometry::ConvexMesh;
+use crate::mass::MassProperties;
+use crate::math::Pose;
+use crate::slice::fracturable::Fracturable;
+use bevy_ecs::component::ComponentCloneBehavior;
+use bevy_ecs::entity::{
+    ComponentCloneCtx, EntityCloner, EntityClonerBuilder, OptOut, SourceComponent,
+};
+use bevy_ecs::prelude::*;
+use bevy_math::Vec3;
+use bevy_transform::components::{GlobalTransform, Transform};
+use smallvec::SmallVec;
+use std::cell::RefCell;
+
+/// The entity that stands for what this one is a piece of. Pieces of pieces belong to the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Component)]
+#[relationship(relationship_target = Pieces)]
+#[component(clone_behavior = Ignore)]
+pub struct PieceOf(pub Entity);
+
+/// The pieces of what once was one body. Despawning this entity despawns them all; it goes when the last of them goes.
+#[derive(Debug, Default, Component)]
+#[relationship_target(relationship = PieceOf, linked_spawn)]
+pub struct Pieces(Vec<Entity>);
+
+/// What the pieces of an entity with [`Pieces`] were.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Component)]
+pub struct Remains {
+    /// The entity that first broke. It is no more.
+    pub of: Entity,
+}
+
+/// Which components pieces do not get from what they were, besides those that the plugin gives them or takes from them.
+#[derive(Debug, Default, Resource)]
+pub struct PieceRules {
+    dropped: Vec<fn(&mut EntityClonerBuilder<OptOut>)>,
+}
+
+impl PieceRules {
+    /// Pieces do not get `C`.
+    pub fn drop_component<C: Component>(&mut self) -> &mut Self {
+        self.dropped.push(|builder| {
+            builder.deny::<C>();
+        });
+        self
+    }
+}
+
+/// The body's components of the piece that is being cloned.
+struct Staged {
+    kind: RigidBody,
+    mesh: ConvexMesh,
+    transform: Transform,
+    global: GlobalTransform,
+    linear: LinearVelocity,
+    angular: AngularVelocity,
+    density: Density,
+    mass: MassProperties,
+    handle: BodyHandle,
+    fracturable: Option<Fracturable>,
+}
+
+thread_local! {
+    /// What functions that clone a component read: they are given nothing but the component.
+    static STAGED: RefCell<Option<Staged>> = const { RefCell::new(None) };
+}
+
+/// Clones of `C` are what `part` says of the piece.
+fn stage<C: Component>(
+    builder: &mut EntityClonerBuilder<OptOut>,
+    clone: fn(&SourceComponent, &mut ComponentCloneCtx),
+) {
+    builder.override_clone_behavior::<C>(ComponentCloneBehavior::Custom(clone));
+}
+
+/// A function that writes a part of the piece in place of a clone.
+macro_rules! staged {
+    ($part:ident) => {
+        |_, target| {
+            STAGED.with_borrow(|staged| {
+                if let Some(staged) = staged {
+                    target.write_target_component(staged.$part.clone());
+                }
+            })
+        }
+    };
+}
+
+impl Staged {
+    fn of(world: &World, parent: Entity, slot: u32) -> Option<Self> {
+        let bodies = world.resource::<Bodies>();
+        let (pose, (v, omega)) = (bodies.pose(slot), bodies.velocity(slot));
+        let in_world = Transform {
+            translation: pose.position,
+            rotation: pose.rotation,
+            ..Transform::IDENTITY
+        };
+        let above = parent_of(world, parent);
+        Some(Self {
+            kind: bodies.kind(slot),
+            mesh: bodies.convex(slot)?.clone(),
+            // The shape is as large as it is in the world: beneath a scaled parent it must be scaled back.
+            transform: above.map_or(in_world, |above| {
+                let (scale, ..) = above.to_scale_rotation_translation();
+                local_of(&above, pose, scale.recip())
+            }),
+            global: in_world.into(),
+            linear: LinearVelocity(v),
+            angular: AngularVelocity(omega),
+            density: Density(bodies.density(slot)),
+            mass: *bodies.mass(slot),
+            handle: BodyHandle(Some((slot, bodies.id(slot)))),
+            fracturable: bodies.fracturable(slot).cloned(),
+        })
+    }
+
+    /// Puts what the parent had not, and so was not cloned, onto the piece.
+    fn complete(self, world: &mut World, piece: Entity) {
+        let Ok(mut piece) = world.get_entity_mut(piece) else {
+            return;
+        };
+        if !piece.contains::<ConvexMesh>() {
+            piece.insert(self.mesh);
+        }
+        if let Some(fracturable) = self
+            .fracturable
+            .filter(|_| !piece.contains::<Fracturable>())
+        {
+            piece.insert(fracturable);
+        }
+        // What is there already is not touched.
+        let motion = (
+            self.transform,
+            self.linear,
+            self.angular,
+            self.density,
+            self.mass,
+        );
+        piece.insert_if_new((self.kind, motion, self.handle));
+    }
+}
+
+/// Command: spawns an entity for every piece, tells what happened, despawns the parents.
+///
+/// A piece that broke again in the same step never was an entity: its pieces are told of as those of the first parent.
+/// Pieces of a body without an entity stay bodies without entities.
+pub(super) fn spawn_pieces(world: &mut World) {
+    let done = std::mem::take(&mut world.resource_mut::<Fractures>().done);
+    let families = families(world, &done).into_iter();
+    let events: Vec<Fractured> = families
+        .map(|(event, slots)| Fractured {
+            pieces: spawn_family(world, event.parent, slots),
+            ..event
+        })
+        .collect();
+    follow_pieces(world);
+    for event in events {
+        world.trigger(event.clone());
+        if let Ok(parent) = world.get_entity_mut(event.parent) {
+            parent.despawn();
+        }
+        world.write_message(event);
+    }
+    world.resource_mut::<Fractures>().done = done;
+}
+
+/// The pieces of one parent, which get what it leaves.
+fn spawn_family(world: &mut World, parent: Entity, slots: Vec<u32>) -> Vec<Entity> {
+    let remains = remains_of(world, parent);
+    let pieces: Vec<_> = (slots.into_iter())
+        .filter_map(|slot| {
+            let piece = spawn_piece(world, parent, remains, slot);
+            if piece.is_none() {
+                forget_body(world, slot);
+            }
+            piece
+        })
+        .collect();
+    name_uncloned(world, parent, pieces.first().map(|&(_, piece)| piece));
+    hand_on_children(world, parent, &pieces);
+    pieces.into_iter().map(|(_, piece)| piece).collect()
+}
+
+/// The entity that stands for what `parent` was or is a piece of.
+fn remains_of(world: &mut World, parent: Entity) -> Entity {
+    let known = world.get::<PieceOf>(parent).map(|of| of.0);
+    known.unwrap_or_else(|| world.spawn(Remains { of: parent }).id())
+}
+
+/// Observer: the last of the pieces is gone.
+pub(crate) fn on_last_piece_gone(remove: On<Remove<Pieces>>, mut commands: Commands) {
+    commands.entity(remove.entity).try_despawn();
+}
+
+/// The events to send, without the pieces, and the slots of these.
+fn families(world: &World, done: &[Fracture]) -> Vec<(Fractured, Vec<u32>)> {
+    let bodies = world.resource::<Bodies>();
+    let entities = &world.resource::<PluginState>().entities;
+    let mut families: Vec<(Fractured, Vec<u32>)> = Vec::new();
+    // By id of a piece: which of the families it belongs to. Ids only grow.
+    let mut family_of: Vec<(BodyId, usize)> = Vec::new();
+    for fracture in done {
+        let known = family_of.binary_search_by_key(&fracture.parent, |&(id, _)| id);
+        let family = match known {
+            Ok(at) => family_of[at].1,
+            Err(_) => {
+                let parent = entities.of(fracture.parent_slot, fracture.parent);
+                let Some(parent) = parent.filter(|&p| world.get_entity(p).is_ok()) else {
+                    continue;
+                };
+                families.push((event_of(fracture, parent, entities), Vec::new()));
+                families.len() - 1
+            }
+        };
+        let (event, slots) = &mut families[family];
+        event.planes.extend_from_slice(&fracture.planes);
+        for (&slot, &id) in fracture.pieces.iter().zip(&fracture.ids) {
+            family_of.push((id, family));
+            if bodies.is_current(slot, id) {
+                slots.push(slot);
+            }
+        }
+    }
+    families
+}
+
+/// What is told of a fracture, but for planes and pieces.
+fn event_of(fracture: &Fracture, parent: Entity, entities: &BodyEntities) -> Fractured {
+    let cause = match fracture.blow.as_ref().or(fracture.waited.as_ref()) {
+        None => FractureCause::Cut,
+        Some(blow) => FractureCause::Impact {
+            by: blow.by.and_then(|(slot, id)| entities.of(slot, id)),
+            point: blow.point,
+            direction: blow.direction,
+            impulse: blow.impulse,
+            energy: blow.energy,
+        },
+    };
+    Fractured {
+        parent,
+        pieces: Vec::new(),
+        cause,
+        planes: SmallVec::new(),
+        ledger: fracture.ledger,
+    }
+}
+
+/// One piece: its slot and its entity. Nothing if an observer of its birth despawned it.
+fn spawn_piece(
+    world: &mut World,
+    parent: Entity,
+    remains: Entity,
+    slot: u32,
+) -> Option<(u32, Entity)> {
+    // An observer of another piece may have taken the parent away.
+    world.get_entity(parent).ok()?;
+    let staged = Staged::of(world, parent, slot)?;
+    let transform = staged.transform;
+    let keeps_breaking = staged.fracturable.is_some();
+    let pose = world.resource::<Bodies>().pose(slot);
+    let piece = world.spawn_empty().id();
+    let id = world.resource::<Bodies>().id(slot);
+    let is_child = world.get::<ChildOf>(parent).is_some();
+    let state = &mut *world.resource_mut::<PluginState>();
+    let seen = seen_at(pose);
+    state.entities.set(slot, id, piece, seen);
+    if is_child {
+        state.entities.set_local(slot, transform);
+    }
+    if state.options.is_used {
+        state.options.entities.push(piece);
+    }
+    let dropped = world
+        .get_resource::<PieceRules>()
+        .map(|rules| rules.dropped.clone());
+    STAGED.set(Some(staged));
+    let mut builder = EntityCloner::build_opt_out(world);
+    keep_apart(&mut builder, keeps_breaking);
+    (dropped.iter().flatten()).for_each(|deny| deny(&mut builder));
+    builder.clone_entity(parent, piece);
+    let staged = STAGED.take();
+    if world.get_entity(piece).is_err() {
+        return None;
+    }
+    if let Some(staged) = staged {
+        staged.complete(world, piece);
+    }
+    toggle_if_disabled(world, piece);
+    // Whole before it is said to be a piece.
+    let mut born = world.get_entity_mut(piece).ok()?;
+    born.insert(PieceOf(remains));
+    world.get_entity(piece).is_ok().then_some((slot, piece))
+}
+
+/// A body that never got its entity goes.
+fn forget_body(world: &mut World, slot: u32) {
+    let bodies = world.resource::<Bodies>();
+    if bodies.contains(slot) {
+        let body = (slot, bodies.id(slot));
+        world.resource_mut::<PluginState>().queue.left.push(body);
+    }
+}
+
+/// A pose as the `Transform` that was last read of a body.
+fn seen_at(pose: Pose) -> Transform {
+    Transform {
+        translation: pose.position,
+        rotation: pose.rotation,
+        scale: Vec3::ONE,
+    }
+}
+
+/// A piece of an entity that was disabled while it broke takes no part either.
+fn toggle_if_disabled(world: &mut World, piece: Entity) {
+    let Ok(entity) = world.get_entity(piece) else {
+        return;
+    };
+    if entity.contains::<bevy_ecs::entity_disabling::Disabled>() {
+        world
+            .resource_mut::<PluginState>()
+            .queue
+            .toggled
+            .push(piece);
+    }
+}
+
+/// What of the parent a piece does not get, and what it has of its own instead.
+fn keep_apart(builder: &mut EntityClonerBuilder<OptOut>, keeps_breaking: bool) {
+    builder.add_observers(true);
+    // Whatever requires one of these is denied too: nothing that `RigidBody` requires may be among them.
+    builder.deny::<(
+        (MassOverride, Mass, ConstantForce, ConstantTorque),
+        (Sleeping, Children, BodyIssues, PieceOf),
+        (JointsOfA, JointsOfB),
+    )>();
+    stage::<RigidBody>(builder, staged!(kind));
+    stage::<ConvexMesh>(builder, staged!(mesh));
+    stage::<Transform>(builder, staged!(transform));
+    stage::<GlobalTransform>(builder, staged!(global));
+    stage::<LinearVelocity>(builder, staged!(linear));
+    stage::<AngularVelocity>(builder, staged!(angular));
+    stage::<Density>(builder, staged!(density));
+    stage::<MassProperties>(builder, staged!(mass));
+    stage::<BodyHandle>(builder, staged!(handle));
+    if keeps_breaking {
+        stage::<Fracturable>(builder, |_, target| {
+            STAGED.with_borrow(|staged| {
+                let fracturable = staged
+                    .as_ref()
+                    .and_then(|staged| staged.fracturable.clone());
+                fracturable
+                    .into_iter()
+                    .for_each(|own| target.write_target_component(own));
+            });
+        });
+    } else {
+        builder.deny::<Fracturable>();
+    }
+}

@@ -1,0 +1,51 @@
+//! Bodies of a batch that something drives besides gravity and contacts.
+
+use crate::bodies::store::Bodies;
+use crate::solver::batch::Batch;
+use glam::Vec3;
+
+impl Batch {
+    /// Lists them.
+    pub(super) fn load_driven(&mut self, bodies: &Bodies) {
+        self.bodies.driven.clear();
+        if bodies.drives.is_empty() {
+            return;
+        }
+        let gravity = self.settings.gravity;
+        let driven = (0..).zip(&self.layout.slots);
+        let driven = driven.filter_map(|(number, &slot)| {
+            let drive = bodies.drive_of(slot, gravity)?;
+            Some((number, drive))
+        });
+        self.bodies.driven.extend(driven);
+    }
+
+    /// The velocities that drives give within a sub-step.
+    pub(super) fn apply_drives(&mut self) {
+        let h = self.settings.substep_dt;
+        for (number, drive) in &self.bodies.driven {
+            let body = &mut self.bodies.velocities[*number as usize];
+            drive.advance(&mut body.linear, &mut body.angular, h);
+        }
+    }
+
+    /// Takes out what contacts gave along locked axes and beyond limits.
+    pub(super) fn restrain_driven(&mut self) {
+        for (number, drive) in &self.bodies.driven {
+            let body = &mut self.bodies.velocities[*number as usize];
+            drive.restrain(&mut body.linear, &mut body.angular);
+        }
+    }
+
+    /// What [`correct_flight`](Self::correct_flight) took for a fall and was none.
+    pub(super) fn correct_driven_flight(&mut self, is_pushed: &[bool]) {
+        let h = self.settings.substep_dt;
+        for (number, drive) in &self.bodies.driven {
+            let i = *number as usize;
+            if !is_pushed[i] {
+                let more: Vec3 = 0.5 * h * h * drive.acceleration;
+                self.bodies.displacements[i].linear -= more;
+            }
+        }
+    }
+}
