@@ -392,15 +392,3 @@ fn remove_old_pieces(
         cache.remove_bodies(|id| expired.binary_search_by_key(&id, |&(_, id)| id).is_ok());
     }
 }
-
-impl BreakingImpact {
-    /// Impulse that acted on the body before it broke, N s.
-    pub fn borne_impulse(&self) -> f32 {
-        self.withstood * self.impulse
-    }
-
-    /// Kinetic energy that it took to break the body, J: what the withstood share of a plastic blow takes.
-    pub fn borne_energy(&self) -> f32 {
-        self.energy * self.withstood * (2.0 - self.withstood)
-    }
-}

@@ -164,3 +164,15 @@ fn push(bodies: &mut Bodies, slot: u32, anchor: Vec3, impulse: Vec3) {
         body.angular += bodies.inverse_inertia[i] * anchor.cross(impulse);
     }
 }
+
+impl BreakingImpact {
+    /// Impulse that acted on the body before it broke, N s.
+    pub fn borne_impulse(&self) -> f32 {
+        self.withstood * self.impulse
+    }
+
+    /// Kinetic energy that it took to break the body, J: what the withstood share of a plastic blow takes.
+    pub fn borne_energy(&self) -> f32 {
+        self.energy * self.withstood * (2.0 - self.withstood)
+    }
+}
