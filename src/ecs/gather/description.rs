@@ -7,6 +7,7 @@ use crate::ecs::collisions::Sensor;
 use crate::ecs::components::*;
 use crate::ecs::forces::Mass;
 use crate::geometry::{ConvexMesh, HalfSpaceShape};
+use crate::mass::MassProperties;
 use crate::math::Pose;
 use crate::slice::fracturable::Fracturable;
 use bevy_ecs::change_detection::ContiguousRef;
@@ -50,10 +51,10 @@ pub(super) fn describe(
     };
     let density = match (&shape, parts.total_mass) {
         (Shape::Convex(mesh), Some(&Mass(mass))) if parts.mass.is_none() => {
-            let density = f64::from(mass) / mesh.hull().volume();
+            let density = mass / MassProperties::of_shape(mesh, 1.0)?.mass;
             let is_usable = mass > 0.0 && density.is_finite();
             is_usable
-                .then_some(density as f32)
+                .then_some(density)
                 .ok_or(BodyError::TotalMass(mass))?
         }
         _ => parts.density.0,
