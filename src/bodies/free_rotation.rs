@@ -11,7 +11,7 @@
 //! 1991, for the midpoint form.
 
 use crate::mass::MassProperties;
-use crate::math::rotate_by;
+use crate::math::{rotate, rotate_by};
 use crate::simd::dispatch::run;
 use crate::simd::doubles::Doubles;
 use crate::simd::lanes::{Kernel, LaneWidth, Lanes};
@@ -81,6 +81,13 @@ impl FreeRotation {
     #[inline]
     pub fn is_noticeable(omega: Vec3, step: f32) -> bool {
         omega.length() * step >= SLOW
+    }
+
+    /// Energy of rotation with the angular velocity `omega` (world, rad/s), as a share of what the largest moment would have.
+    pub(crate) fn energy(&self, omega: Vec3) -> f64 {
+        let frame = self.rotation * self.frame;
+        let about_axes = rotate(frame.inverse(), omega).as_dvec3();
+        self.moments.dot(about_axes * about_axes)
     }
 
     /// Turns the body for `h` seconds; returns the free angular velocity after it, from `omega` before (world, rad/s).

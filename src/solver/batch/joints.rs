@@ -212,6 +212,7 @@ impl Batch {
                         spin: body.spin,
                         inverse_inertia: bodies.mass(slot).inverse_inertia(),
                         is_jointed: true,
+                        followed: Vec3::ZERO,
                     },
                 );
                 at

@@ -17,7 +17,7 @@ use crate::solver::wide::reanchor::{AnchorStart, ReanchoredBlock, ReanchoredBloc
 use crate::threads::parts::{front, front_mut};
 use crate::threads::team::Team;
 use crate::tuning::{MAX_PARTS, MIN_MEASURED_PAIRS};
-use glam::Mat3;
+use glam::{Mat3, Vec3};
 use std::ops::Range;
 
 /// Which of two bodies carries their contact points: the smaller one, whose corners they mostly are, if it can move.
@@ -197,6 +197,7 @@ impl Batch {
                     spin,
                     inverse_inertia: bodies.mass(slot).inverse_inertia(),
                     is_jointed: false,
+                    followed: Vec3::ZERO,
                 });
             }
         }

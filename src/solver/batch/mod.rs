@@ -43,7 +43,7 @@ use crate::solver::rows::acceleration::AccelerationWeight;
 use crate::solver::settings::SubstepSettings;
 use crate::solver::wide::block::PointImpact;
 use crate::solver::wide::bond::BondConstraint;
-use glam::{Mat3, Quat};
+use glam::{Mat3, Quat, Vec3};
 use layout::Layout;
 
 /// Islands with all that their sub-steps read and write; buffers are reused from step to step.
@@ -104,6 +104,8 @@ pub struct TurningBody {
     pub inverse_inertia: Mat3,
     /// Whether it turns with its joints.
     pub is_jointed: bool,
+    /// The angular displacement that the rotation has followed, rad.
+    pub followed: Vec3,
 }
 
 impl TurningBody {

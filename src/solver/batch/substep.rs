@@ -60,7 +60,7 @@ impl Batch {
         self.restrain_driven();
         self.note_contact_velocity_changes(team);
         self.restore_hits(&targets);
-        self.turn_bodies(team);
+        self.turn_bodies(&targets, team);
     }
 
     /// Finds impulses with which the rows have their target velocities.
