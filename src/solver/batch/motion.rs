@@ -18,6 +18,9 @@ use glam::{Mat3, Vec3};
 /// Share of the angles that a turn is the difference of, below which it is their rounding.
 const ROUNDING: f32 = 1e-6;
 
+/// Turn in a sub-step, rad, beyond which rows that were not pointed anew within it say nothing of where a body gets to.
+const MAX_PUSH: f32 = 1.0;
+
 impl Batch {
     /// The velocities that gravity gives, and if a tolerance depends on it, how fast the bodies of each island are then.
     pub(crate) fn apply_gravity(&mut self, team: Option<&Team>) {
@@ -186,7 +189,8 @@ impl TurningBody {
         let push = moved - self.followed - free;
         self.followed = moved;
         let noise = ROUNDING * (moved.abs() + free.abs()).element_sum();
-        if push.length_squared() > noise * noise {
+        let square = push.length_squared();
+        if square > noise * noise && square < MAX_PUSH * MAX_PUSH {
             let before = self.spin.energy(*velocity);
             self.spin.rotation = rotate_by(self.spin.rotation, push, 1.0);
             let after = self.spin.energy(*velocity);

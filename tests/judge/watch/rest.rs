@@ -7,6 +7,7 @@
 use super::Worst;
 use crate::judge::laws::{Breach, Law};
 use crate::judge::run::Run;
+use crate::judge::scene::Form;
 use glam::DVec3;
 
 /// Fastest speed at rest, as a share of `sqrt(g L)`.
@@ -39,7 +40,7 @@ impl Rest {
     pub(super) fn look(&mut self, run: &Run<'_>, step: u32) {
         let all_sleep = run
             .dynamic()
-            .all(|(_, slot, _)| run.simulation.bodies.is_asleep(slot));
+            .all(|(_, slot, _)| run.simulation.bodies.is_asleep(slot) || is_off(run, slot));
         self.asleep = if all_sleep { self.asleep + 1 } else { 0 };
         let is_late = 4 * (run.scene.steps - step) <= run.scene.steps;
         if is_late && run.scene.has(Law::Rest) {
@@ -51,6 +52,9 @@ impl Rest {
         let floor = self.floor.map(|slot| run.state(slot));
         let gravity = f64::from(run.scene.gravity.length());
         for (i, slot, _) in run.dynamic() {
+            if is_off(run, slot) {
+                continue;
+            }
             let state = run.state(slot);
             let (min_extent, radius) = run.size(slot);
             let (carried, turned) = floor.map_or((DVec3::ZERO, DVec3::ZERO), |floor| {
@@ -90,4 +94,25 @@ impl Rest {
             })
         })
     }
+}
+
+/// Whether a body of a scene that is to come to rest is beyond the edges of all floors. What got through one is not.
+fn is_off(run: &Run<'_>, slot: u32) -> bool {
+    if !run.scene.has(Law::Rest) {
+        return false;
+    }
+    let center = run.state(slot).center.as_vec3();
+    let floors = run.scene.actors.iter().zip(&run.slots);
+    let mut floors = floors.filter(|(actor, _)| !actor.is_dynamic());
+    floors.all(|(actor, &floor)| match actor.form {
+        Form::Box(size) => {
+            let at = run
+                .simulation
+                .bodies
+                .pose(floor)
+                .inverse_transform_point(center);
+            at.x.abs() > 0.5 * size.x || at.z.abs() > 0.5 * size.z
+        }
+        Form::Hull(_) | Form::HalfSpace(_) => false,
+    })
 }
