@@ -162,9 +162,48 @@ fn spin(c: &mut Criterion) {
     }
 }
 
+/// Crates that come to rest on a plane, and on a level of triangles in its place.
+fn level(c: &mut Criterion) {
+    let cells = 64;
+    let heights = vec![0.0; (cells + 1) * (cells + 1)];
+    let ground = StaticMesh::from_heights(&heights, cells + 1, 1.0).expect("a valid grid");
+    let plane = BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y });
+    for (name, floor) in [("plane", plane), ("level", BodyDesc::level(ground))] {
+        for (state, steps) in [("falling", 0), ("resting", 300)] {
+            let mut simulation = Simulation::default();
+            simulation.bodies.insert(floor.clone()).expect("usable");
+            let shape = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("valid size");
+            for i in 0..BODIES {
+                let at = Vec3::new(
+                    2.3 * (i % 20) as f32 + 5.0,
+                    0.6,
+                    2.3 * (i / 20) as f32 + 5.0,
+                );
+                let desc = BodyDesc::dynamic(shape.clone(), at);
+                simulation.bodies.insert(desc).expect("usable");
+            }
+            (0..steps).for_each(|_| simulation.step(H));
+            bench(c, &format!("{state}_on_{name}"), simulation);
+        }
+    }
+}
+
+/// A step after which nobody asks anything, and one after which an index for questions is made.
+fn queries(c: &mut Criterion) {
+    let mut simulation = settled(|_| {}, SolverConfig::default());
+    c.bench_function("features/query_index", |b| {
+        b.iter(|| simulation.queries().bodies().len());
+    });
+    let ray = Ray::new(Vec3::new(0.1, 50.0, 0.1), Vec3::NEG_Y, 100.0).expect("usable");
+    c.bench_function("features/ray", |b| {
+        let queries = simulation.queries();
+        b.iter(|| queries.cast_ray(&ray, &QueryFilter::all()));
+    });
+}
+
 criterion_group! {
     name = benches;
     config = Criterion::default().sample_size(30);
-    targets = features, spin, many
+    targets = features, spin, many, level, queries
 }
 criterion_main!(benches);

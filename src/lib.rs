@@ -73,7 +73,7 @@ pub mod prelude {
         FractureBudget, Fractures, Ledger,
     };
     pub use crate::geometry::{
-        ConvexHull, ConvexMesh, HalfSpaceShape, HullError, MeshError, TriMesh,
+        ConvexHull, ConvexMesh, HalfSpaceShape, HullError, MeshError, StaticMesh, TriMesh,
     };
     pub use crate::joints::{
         AxisRange, BrokenJoint, DriveTarget, Joint, JointAxis, JointDrive, JointError, JointId,

@@ -3,7 +3,7 @@
 use crate::contact::layers::CollisionLayers;
 use crate::contact::material::{Friction, MaterialError, Restitution};
 use crate::geometry::predicates::check_plane;
-use crate::geometry::{ConvexMesh, HalfSpaceShape, PlaneError};
+use crate::geometry::{ConvexMesh, HalfSpaceShape, PlaneError, StaticMesh};
 use crate::mass::{MassError, MassProperties};
 use crate::math::{Plane, Pose};
 use crate::slice::fracturable::{Fracturable, FracturableError};
@@ -31,14 +31,24 @@ pub enum Shape {
     Convex(ConvexMesh),
     /// Everything behind a plane; only for bodies that are not dynamic.
     HalfSpace(HalfSpaceShape),
+    /// A mesh of triangles; only for bodies that are not dynamic.
+    Level(StaticMesh),
 }
 
 impl Shape {
+    /// The level of triangles, if it is one.
+    pub(crate) fn level(&self) -> Option<&StaticMesh> {
+        match self {
+            Self::Level(mesh) => Some(mesh),
+            _ => None,
+        }
+    }
+
     /// The convex shape, if it is one.
     pub(crate) fn convex(&self) -> Option<&ConvexMesh> {
         match self {
             Self::Convex(mesh) => Some(mesh),
-            Self::HalfSpace(_) => None,
+            Self::HalfSpace(_) | Self::Level(_) => None,
         }
     }
 }
@@ -99,6 +109,11 @@ impl BodyDesc {
         }
     }
 
+    /// A static level of triangles at the origin.
+    pub fn level(mesh: StaticMesh) -> Self {
+        Self::new(RigidBody::Static, Shape::Level(mesh))
+    }
+
     /// A static half-space through the origin with the given outward normal: a floor.
     pub fn floor(half_space: HalfSpaceShape) -> Self {
         Self::new(RigidBody::Static, Shape::HalfSpace(half_space))
@@ -155,6 +170,9 @@ pub enum BodyError {
     /// A half-space cannot be dynamic.
     #[error("a half-space has no mass and cannot be dynamic")]
     DynamicHalfSpace,
+    /// A level of triangles cannot be dynamic.
+    #[error("a StaticMesh has no mass and cannot be dynamic")]
+    DynamicLevel,
     /// Strength or least volume is out of range.
     #[error(transparent)]
     Fracturable(#[from] FracturableError),
@@ -170,8 +188,8 @@ pub enum BodyError {
     /// A component that every body has was removed.
     #[error("a component that RigidBody requires (Transform, velocities, materials) was removed")]
     Incomplete,
-    /// Neither `ConvexMesh` nor `HalfSpaceShape` is there.
-    #[error("a RigidBody needs a ConvexMesh or a HalfSpaceShape")]
+    /// Neither `ConvexMesh`, `HalfSpaceShape` nor `StaticMesh` is there.
+    #[error("a RigidBody needs a ConvexMesh, a HalfSpaceShape or a StaticMesh")]
     NoShape,
 }
 
@@ -221,6 +239,8 @@ impl BodyInfo {
             (Shape::HalfSpace(_), _) if self.kind == RigidBody::Dynamic => {
                 Err(BodyError::DynamicHalfSpace)
             }
+            (Shape::Level(_), _) if self.kind == RigidBody::Dynamic => Err(BodyError::DynamicLevel),
+            (Shape::Level(_), _) => Ok(()),
             (Shape::HalfSpace(half_space), _) => {
                 let plane = Plane::through(Vec3::ZERO, half_space.normal);
                 Ok(check_plane(&plane)?)
@@ -237,6 +257,7 @@ impl BodyInfo {
         let same_shape = match (&self.shape, &other.shape) {
             (Shape::Convex(a), Shape::Convex(b)) => a.is_same(b),
             (Shape::HalfSpace(a), Shape::HalfSpace(b)) => a == b,
+            (Shape::Level(a), Shape::Level(b)) => a.is_same(b),
             _ => false,
         };
         same_shape && self.density == other.density && self.mass_override == other.mass_override

@@ -66,7 +66,7 @@ impl Bodies {
         let info = self.info(slot);
         let kind = info.kind;
         self.mass[i] = match (&info.shape, info.mass_override) {
-            (Shape::HalfSpace(_), _) => MassProperties::default(),
+            (Shape::HalfSpace(_) | Shape::Level(_), _) => MassProperties::default(),
             (Shape::Convex(_), Some(given)) => given,
             (Shape::Convex(mesh), None) => MassProperties::of_shape(mesh, info.density)?,
         };
@@ -94,6 +94,9 @@ impl Bodies {
     }
 
     fn radius_about(&self, slot: u32, center: Vec3) -> f32 {
+        if let Some(mesh) = self.info(slot).shape.level() {
+            return mesh.radius() + center.length();
+        }
         let vertices = self
             .convex(slot)
             .map_or(&[][..], |mesh| mesh.hull().vertices());

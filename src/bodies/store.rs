@@ -60,6 +60,8 @@ pub struct Bodies {
     pub(crate) sensors: Vec<u32>,
     /// What moves bodies besides gravity and contacts, or keeps them from moving.
     pub(crate) drives: Drives,
+    /// Whether there was ever a body that is a level of triangles.
+    pub(crate) any_level: bool,
     /// Who rests, and what was changed since.
     pub(crate) sleep: Sleep,
     /// Pairs of bodies that are bonded, ascending: their contact stays where the bond was made, wherever they are going.
@@ -351,6 +353,7 @@ impl Bodies {
         let aabb = self.convex(slot).map(|m| m.hull().aabb());
         self.kd_box[i] = aabb.map(KdBox::around);
         self.min_extent[i] = aabb.map_or(f32::INFINITY, |b| b.extents().min_element());
+        self.any_level |= self.info(slot).shape.level().is_some();
         self.stale_mass.push(slot);
         self.renew_version(slot);
     }

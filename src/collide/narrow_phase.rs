@@ -4,6 +4,7 @@
 //! lives with its part (`contact/known.rs`), so the split stays what it is until parts have become too unequal.
 //! It depends on the scene only, and the parts are joined in order: any number of threads gives the same bits.
 
+mod level;
 pub(super) mod part;
 
 use crate::bodies::store::Bodies;
@@ -201,7 +202,7 @@ impl NarrowPhase {
 /// The body in `slot` as its pairs see it.
 fn pair_body(bodies: &Bodies, slot: u32, ahead: Lookahead) -> PairBody {
     let i = slot as usize;
-    let is_half_space = bodies.min_extent[i] == f32::INFINITY;
+    let is_half_space = bodies.min_extent[i] == f32::INFINITY && bodies.radius(slot) == 0.0;
     PairBody {
         place: BodyPlace {
             center: bodies.center[i],

@@ -4,8 +4,9 @@ use crate::bodies::body::{RigidBody, Shape};
 use crate::bodies::store::Bodies;
 use crate::contact::body_id::BodyId;
 use crate::contact::pairs::broad_phase::{Broadphase, Proxy, ProxyKind, ProxyShape};
-use crate::geometry::ConvexHull;
 use crate::geometry::hull_lanes::bounds;
+use crate::geometry::support::Core;
+use crate::geometry::{ConvexHull, StaticMesh};
 use crate::math::{Aabb, Plane, rotate};
 use crate::threads::team::Team;
 use crate::tuning::{MIN_PROXIES, PROXIES_WORTH_HELP};
@@ -75,6 +76,20 @@ impl Lookahead {
         // From the center of mass, so that little is lost far from the origin.
         let shift = bodies.center[i] - turn * bodies.mass[i].center;
         let tight = bounds(&hull.lanes.points, &turn, shift).fattened(self.reach(bodies, slot));
+        let travel = STEPS_TOLD * self.travel(bodies, slot);
+        Aabb {
+            min: tight.min + travel.min(Vec3::ZERO),
+            max: tight.max + travel.max(Vec3::ZERO),
+        }
+    }
+}
+
+impl Lookahead {
+    /// The same for a level, whose margin is that of what comes near.
+    fn swept_level(&self, bodies: &Bodies, slot: u32, mesh: &StaticMesh) -> Aabb {
+        let turn = Mat3::from_quat(bodies.rotation[slot as usize]);
+        let tight = Core::Box(mesh.aabb()).bounds(&turn, bodies.pose(slot).position);
+        let tight = tight.fattened(self.turn(bodies, slot));
         let travel = STEPS_TOLD * self.travel(bodies, slot);
         Aabb {
             min: tight.min + travel.min(Vec3::ZERO),
@@ -247,6 +262,7 @@ fn proxy(bodies: &Bodies, slot: u32, ahead: Lookahead) -> Proxy {
     };
     let shape = match &info.shape {
         Shape::Convex(mesh) => ProxyShape::Box(ahead.swept_box(bodies, slot, mesh.hull())),
+        Shape::Level(mesh) => ProxyShape::Box(ahead.swept_level(bodies, slot, mesh)),
         Shape::HalfSpace(_) => ProxyShape::HalfSpace(half_space_plane(bodies, slot)),
     };
     Proxy {

@@ -47,6 +47,7 @@ fn insert_body(world: &mut World, entity: Entity, desc: BodyDesc) {
     match desc.shape {
         Shape::Convex(mesh) => entity.insert(mesh),
         Shape::HalfSpace(half_space) => entity.insert(half_space),
+        Shape::Level(mesh) => entity.insert(mesh),
     };
     if let Some(mass) = desc.mass {
         entity.insert(MassOverride(mass));

@@ -69,7 +69,9 @@ pub(super) fn area_in_pose(bodies: &Bodies, a: u32, b: u32, b_in_a: &Pose) -> Op
         (Shape::HalfSpace(_), Shape::Convex(_)) => {
             return area_in_pose(bodies, b, a, &b_in_a.inverse());
         }
-        (Shape::HalfSpace(_), Shape::HalfSpace(_)) => 0.0,
+        (Shape::HalfSpace(_), Shape::HalfSpace(_))
+        | (Shape::Level(_), _)
+        | (_, Shape::Level(_)) => 0.0,
     };
     (area > MIN_AREA * extent * extent).then_some(area)
 }

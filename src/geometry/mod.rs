@@ -10,6 +10,8 @@
 //! | `moments.rs` | volume integrals from faces |
 //! | `convex_mesh.rs`, `primitives.rs` | the shapes that a body can have |
 //! | `constant_shapes.rs` | shapes of constant sizes, as macros |
+//! | `static_mesh.rs`, `bvh.rs` | a level of triangles, and walks through trees |
+//! | `support.rs`, `distance.rs`, `simplex.rs` | distances and casts of convex shapes |
 //! | `kd_code.rs` | cells of a box, for the contact cache |
 //!
 //! Must not know mass, motion, contacts or the ECS. Coordinates are meters in the body's own frame; triangles and face loops run
@@ -36,6 +38,7 @@ pub(crate) mod moments;
 pub(crate) mod predicates;
 pub mod primitives;
 mod simplex;
+pub(crate) mod static_mesh;
 pub(crate) mod support;
 mod triangle_corners;
 mod weld;
@@ -53,3 +56,4 @@ pub use kd_code::{KdBox, KdCode};
 pub use mesh::TriMesh;
 pub use mesh_error::MeshError;
 pub use predicates::{PlaneError, Side};
+pub use static_mesh::{EdgeKind, StaticMesh};

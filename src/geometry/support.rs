@@ -31,6 +31,10 @@ impl<'s> Core<'s> {
         Self::Few([from, to, to, to], 2)
     }
 
+    pub(crate) fn of_triangle([a, b, c]: [Vec3; 3]) -> Self {
+        Self::Few([a, b, c, c], 3)
+    }
+
     /// The corner farthest along `axis`, the first one on a tie.
     #[inline]
     pub(crate) fn support(&self, axis: Vec3) -> Vec3 {
@@ -90,6 +94,11 @@ impl<'s> PlacedCore<'s> {
             exact_turn: turn.as_dmat3(),
             shift: pose.position.as_dvec3(),
         }
+    }
+
+    /// The box around the core.
+    pub(crate) fn bounds(&self) -> Aabb {
+        self.core.bounds(&self.turn, self.shift.as_vec3())
     }
 
     /// The same, moved from where it was placed.

@@ -43,14 +43,12 @@ impl QueryIndex {
         self.strays.clear();
         self.boxes.clear();
         for slot in (0..bodies.slots() as u32).filter(|&slot| bodies.is_active(slot)) {
-            if bodies.min_extent[slot as usize] == f32::INFINITY {
-                self.half_spaces.push(slot);
-                continue;
-            }
-            if narrow.surely_holds(bodies, slot) {
+            let has_extent = bodies.min_extent[slot as usize] < f32::INFINITY;
+            if has_extent && narrow.surely_holds(bodies, slot) {
                 continue;
             }
             let Some(bounds) = Target::of(bodies, slot).bounds() else {
+                self.half_spaces.push(slot);
                 continue;
             };
             if !broadphase.holds(slot, bodies.id(slot), &bounds) && is_finite(&bounds) {

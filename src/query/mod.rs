@@ -7,7 +7,7 @@
 //! | `request.rs`, `shape.rs`, `filter.rs`, `error.rs` | what is asked: a ray, a cast, a shape, who counts |
 //! | `hit.rs` | what is found |
 //! | `target.rs` | one body: its shape where it lies now |
-//! | `hull.rs`, `half_space.rs`, `local.rs` | the exact tests, in the frame of the body |
+//! | `hull.rs`, `half_space.rs`, `level.rs`, `local.rs` | the exact tests, in the frame of the body |
 //!
 //! Bodies are seen where they are now; the tree holds boxes that they have not left, and what has left its box since the last step, or
 //! has come, is in a small tree of its own. Nothing here changes a scene or is remembered by it. Must not know contacts, the solver
@@ -19,6 +19,7 @@ mod half_space;
 pub(crate) mod hit;
 mod hull;
 pub(crate) mod index;
+mod level;
 mod local;
 pub(crate) mod request;
 pub(crate) mod shape;

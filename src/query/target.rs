@@ -11,7 +11,7 @@ use crate::query::hit::QueryHit;
 use crate::query::local::{LocalCast, LocalHit, LocalRay};
 use crate::query::request::{Ray, ShapeCast};
 use crate::query::shape::QueryShape;
-use crate::query::{half_space, hull};
+use crate::query::{half_space, hull, level};
 use glam::{Mat3, Vec3};
 
 /// Gap at which a moved shape touches, as a share of the shape's diagonal, m.
@@ -44,6 +44,7 @@ impl<'b> Target<'b> {
                 let points = &mesh.hull().lanes.points;
                 Some(bounds(points, &turn, self.pose.position))
             }
+            Shape::Level(mesh) => Some(Core::Box(mesh.aabb()).bounds(&turn, self.pose.position)),
             Shape::HalfSpace(_) => None,
         }
     }
@@ -82,6 +83,7 @@ impl<'b> Target<'b> {
         let hit = match self.shape {
             Shape::Convex(mesh) => hull::cast_ray(mesh.hull(), &local),
             Shape::HalfSpace(below) => half_space::cast_ray(below.normal, &local),
+            Shape::Level(mesh) => level::cast_ray(mesh, &local),
         }?;
         Some(QueryHit {
             point: ray.at(hit.distance),
@@ -102,6 +104,7 @@ impl<'b> Target<'b> {
         let hit = match self.shape {
             Shape::Convex(mesh) => hull::cast_shape(mesh.hull(), &local),
             Shape::HalfSpace(below) => half_space::cast_shape(below.normal, &local),
+            Shape::Level(mesh) => level::cast_shape(mesh, &local),
         };
         hit.map(|hit| self.in_world(hit))
     }
@@ -120,6 +123,7 @@ impl<'b> Target<'b> {
                 }
             }
             Shape::HalfSpace(below) => half_space::lowest(below.normal, &other).0 <= radius,
+            Shape::Level(mesh) => level::overlaps(mesh, &other, shape.radius),
         }
     }
 
@@ -129,6 +133,7 @@ impl<'b> Target<'b> {
         let hit = match self.shape {
             Shape::Convex(mesh) => hull::closest(mesh.hull(), local, limit)?,
             Shape::HalfSpace(below) => half_space::closest(below.normal, local),
+            Shape::Level(mesh) => level::closest(mesh, local, limit)?,
         };
         (hit.distance <= limit).then(|| self.in_world(hit))
     }

@@ -299,6 +299,7 @@ fn insert(entity: &mut EntityWorldMut<'_>, desc: &BodyDesc) {
     match &desc.shape {
         Shape::Convex(mesh) => entity.insert(mesh.clone()),
         Shape::HalfSpace(half_space) => entity.insert(*half_space),
+        Shape::Level(mesh) => entity.insert(mesh.clone()),
     };
     if let Some(fracturable) = desc.fracturable.clone() {
         entity.insert(fracturable);

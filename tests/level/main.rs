@@ -4,4 +4,5 @@
 mod common;
 
 mod in_app;
+mod mesh;
 mod queries;

@@ -9,6 +9,7 @@ use crate::contact::local_manifold::LocalManifold;
 use crate::contact::manifolds::{ManifoldHead, ManifoldWriter};
 use crate::contact::narrow::cast::{Cast, CastResult, Course};
 use crate::contact::narrow::half_space::examine_half_space;
+use crate::contact::narrow::level::LevelScratch;
 use crate::contact::narrow::sat::{distance_along, examine_hulls};
 use crate::contact::narrow::scratch::{NarrowScratch, SatCache, SatResult};
 use crate::contact::pairs::broad_phase::Pair;
@@ -41,7 +42,7 @@ impl Scene<'_> {
         [&self.seen[pair.a as usize], &self.seen[pair.b as usize]]
     }
 
-    fn paces(&self, pair: Pair) -> [&MotionBound; 2] {
+    pub(super) fn paces(&self, pair: Pair) -> [&MotionBound; 2] {
         [&self.paces[pair.a as usize], &self.paces[pair.b as usize]]
     }
 
@@ -69,7 +70,7 @@ impl Scene<'_> {
     }
 
     /// Bodies farther apart than this, m, cannot touch within the step, if they approach by no more than `approach`.
-    fn margin(&self, paces: [&MotionBound; 2], approach: f32) -> f32 {
+    pub(super) fn margin(&self, paces: [&MotionBound; 2], approach: f32) -> f32 {
         CONTACT_MARGIN * smaller_extent(paces) + self.fall + approach
     }
 }
@@ -85,8 +86,9 @@ pub(crate) struct PairRun {
     pub(crate) is_outdated: bool,
     pub(crate) known: PairStore,
     scratch: NarrowScratch,
+    pub(super) level_scratch: LevelScratch,
     /// Its pairs that touch: index within the part, and where.
-    touching: Vec<[u32; 2]>,
+    pub(super) touching: Vec<[u32; 2]>,
     /// Where the points of these go: from 0 on until those of the parts before are counted.
     pub(crate) points: Range<u32>,
 }
@@ -127,6 +129,9 @@ impl PairRun {
                 self.touching[count] = [index as u32, term.touch];
                 count += usize::from(term.points > 0);
                 self.points.end += term.points;
+                if self.known.touches.has_chains() {
+                    count += self.list_rest(index, count);
+                }
             }
         }
         self.touching.truncate(count);
@@ -154,6 +159,9 @@ impl PairRun {
     /// Looks closer at a pair, and tests it if that does not help.
     fn renew(&mut self, scene: &Scene, pair: Pair, index: usize) {
         let bodies = scene.bodies;
+        if bodies.any_level && self.renew_on_level(scene, pair, index) {
+            return;
+        }
         let mut view = self.known.view(index, scene.pair(pair), scene.paces(pair));
         let [a, b] = view.bodies;
         let approach = (b.travel - a.travel).length() + a.turning + b.turning;
@@ -230,7 +238,7 @@ impl PairRun {
 }
 
 /// A patch of a pair, found while B was turned so in A's frame, with the materials.
-fn touch_of(bodies: &Bodies, pair: Pair, patch: &LocalManifold, turn: Quat) -> Touch {
+pub(super) fn touch_of(bodies: &Bodies, pair: Pair, patch: &LocalManifold, turn: Quat) -> Touch {
     let slots = [pair.a as usize, pair.b as usize];
     let [a, b] = [pair.a, pair.b].map(|slot| bodies.info(slot));
     let centers = slots.map(|i| bodies.mass[i].center);
@@ -286,6 +294,7 @@ pub(in crate::collide) fn examine_pair(
                 },
             }
         }
-        (Shape::HalfSpace(_), Shape::HalfSpace(_)) => SatResult::Touching(LocalManifold::default()),
+        // Levels are tested by triangle, and two half-spaces never are.
+        _ => SatResult::Touching(LocalManifold::default()),
     }
 }

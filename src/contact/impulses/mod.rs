@@ -363,7 +363,8 @@ fn bodies_of(manifold: &ManifoldHead, ids: &[BodyId]) -> (BodyId, BodyId) {
 
 /// Whether manifolds come in the order that the merge relies on.
 fn is_sorted(manifolds: &[ManifoldHead], ids: &[BodyId]) -> bool {
-    manifolds.is_sorted_by(|l, r| bodies_of(l, ids) < bodies_of(r, ids))
+    // A body on a level of triangles has a manifold for each direction.
+    manifolds.is_sorted_by(|l, r| bodies_of(l, ids) <= bodies_of(r, ids))
 }
 
 /// Whether the points are those of the entries, in the same order.

@@ -13,5 +13,6 @@ pub(crate) mod cast;
 mod clipping;
 mod edge_search;
 pub(crate) mod half_space;
+pub(crate) mod level;
 pub(crate) mod sat;
 pub(crate) mod scratch;

@@ -241,7 +241,7 @@ pub(crate) fn smaller_extent([a, b]: [&MotionBound; 2]) -> f32 {
 }
 
 /// How far points must come towards each other within the step for it to matter by which face, m.
-fn min_approach(paces: [&MotionBound; 2]) -> f32 {
+pub(crate) fn min_approach(paces: [&MotionBound; 2]) -> f32 {
     APPROACH * smaller_extent(paces)
 }
 
@@ -351,6 +351,21 @@ impl PairView<'_> {
             Some(touch) => self.touches.set(&mut self.term.touch, touch),
             None => self.touches.end(&mut self.term.touch),
         }
+    }
+
+    /// Notes that a test now found these touches, with all points up to `reach` (m); good for the step only unless the pair is quiet.
+    pub(crate) fn set_near_all(
+        &mut self,
+        touches: impl DoubleEndedIterator<Item = Touch> + Clone,
+        reach: f32,
+        is_quiet: bool,
+    ) {
+        let points = touches.clone().map(|touch| touch.patch.count).sum();
+        let kept = |value: f32| if is_quiet { value } else { f32::NEG_INFINITY };
+        let tolerance = kept(RECYCLE_UNSTEADY * smaller_extent(self.paces));
+        self.note(points, tolerance, kept(reach));
+        self.state.axis = None;
+        self.touches.set_all(&mut self.term.touch, touches);
     }
 
     /// Notes that a test now found that the bodies touch, with all points up to `reach` (m).

@@ -16,6 +16,7 @@ use crate::contact::pairs::touches::Touches;
 use crate::merge::{Merged, merge};
 use crate::simd::prefetch::prefetch;
 use crate::tuning::TOUCH_DISORDER;
+use smallvec::SmallVec;
 
 /// What is known of a run of pairs.
 #[derive(Debug, Default)]
@@ -88,14 +89,8 @@ impl PairStore {
         if self.touches.unsorted * TOUCH_DISORDER <= self.touches.len() {
             return;
         }
-        spare.clear();
-        for term in self.terms.iter_mut().filter(|t| t.touch != NO_TOUCH) {
-            spare.push(*self.touches.at(term.touch));
-            term.touch = spare.len() as u32 - 1;
-        }
-        std::mem::swap(&mut self.touches.slab.list, spare);
-        self.touches.slab.free.clear();
-        self.touches.unsorted = 0;
+        let firsts = self.terms.iter_mut().map(|term| &mut term.touch);
+        self.touches.sort(spare, firsts);
     }
 
     /// The pairs that it knows, in order.
@@ -107,9 +102,13 @@ impl PairStore {
     pub(crate) fn take(&mut self, from: &Self, pair: usize) {
         let mut term = from.terms[pair];
         // In the order of the pairs.
-        if let Some(touch) = from.touches.of(term.touch) {
-            term.touch = self.touches.slab.add(*touch);
-        }
+        let first = Some(term.touch).filter(|&at| at != NO_TOUCH);
+        let chain = std::iter::successors(first, |&at| {
+            Some(from.touches.after(at)).filter(|&next| next != NO_TOUCH)
+        });
+        let touches: SmallVec<[Touch; 4]> = chain.map(|at| *from.touches.at(at)).collect();
+        term.touch = NO_TOUCH;
+        self.touches.set_all(&mut term.touch, touches.into_iter());
         term.state = self.states.add(from.states.list[term.state as usize]);
         self.names.push(from.names[pair]);
         self.terms.push(term);

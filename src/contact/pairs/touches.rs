@@ -46,6 +46,8 @@ pub(crate) struct Touches {
     pub(crate) slab: Slab<Touch>,
     /// How many have come since they were sorted.
     pub(crate) unsorted: usize,
+    /// By place: where the next touch of the same pair is. Empty where no pair has two.
+    next: Vec<u32>,
 }
 
 impl Touches {
@@ -64,8 +66,10 @@ impl Touches {
     /// Notes where the pair touches.
     #[inline]
     pub(crate) fn set(&mut self, at: &mut u32, touch: Touch) {
-        if let Some(old) = self.slab.list.get_mut(*at as usize) {
-            *old = touch;
+        if *at != NO_TOUCH {
+            let mut rest = self.unlink(*at);
+            self.end(&mut rest);
+            self.slab.list[*at as usize] = touch;
         } else {
             *at = self.slab.add(touch);
             self.unsorted += 1;
@@ -75,10 +79,74 @@ impl Touches {
     /// Notes that the pair does not touch.
     #[inline]
     pub(crate) fn end(&mut self, at: &mut u32) {
-        if *at != NO_TOUCH {
+        while *at != NO_TOUCH {
             self.slab.free.push(*at);
-            *at = NO_TOUCH;
+            *at = self.unlink(*at);
         }
+    }
+
+    /// Whether any pair may have more than one touch.
+    #[inline]
+    pub(crate) fn has_chains(&self) -> bool {
+        !self.next.is_empty()
+    }
+
+    /// The next touch of the same pair.
+    #[inline]
+    pub(crate) fn after(&self, at: u32) -> u32 {
+        self.next.get(at as usize).copied().unwrap_or(NO_TOUCH)
+    }
+
+    /// Parts a touch from the next one of the same pair, and tells where that is.
+    #[inline]
+    fn unlink(&mut self, at: u32) -> u32 {
+        let next = self.next.get_mut(at as usize);
+        next.map_or(NO_TOUCH, |next| std::mem::replace(next, NO_TOUCH))
+    }
+
+    /// Notes that the pair touches at several places, in this order.
+    pub(crate) fn set_all(
+        &mut self,
+        at: &mut u32,
+        touches: impl DoubleEndedIterator<Item = Touch>,
+    ) {
+        self.end(at);
+        for touch in touches.rev() {
+            let place = self.slab.add(touch);
+            self.unsorted += 1;
+            if *at != NO_TOUCH {
+                let needed = self.next.len().max(place as usize + 1);
+                self.next.resize(needed, NO_TOUCH);
+                self.next[place as usize] = *at;
+            }
+            *at = place;
+        }
+    }
+
+    /// Puts the touches of pairs, of which these are the first ones, into the order of the pairs. `spare`: a list of any content.
+    pub(crate) fn sort<'t>(
+        &mut self,
+        spare: &mut Vec<Touch>,
+        firsts: impl Iterator<Item = &'t mut u32>,
+    ) {
+        spare.clear();
+        let mut links = Vec::new();
+        for first in firsts.filter(|first| **first != NO_TOUCH) {
+            let mut at = std::mem::replace(first, spare.len() as u32);
+            loop {
+                spare.push(*self.at(at));
+                at = self.after(at);
+                if at == NO_TOUCH {
+                    break;
+                }
+                links.resize(spare.len(), NO_TOUCH);
+                links[spare.len() - 1] = spare.len() as u32;
+            }
+        }
+        std::mem::swap(&mut self.slab.list, spare);
+        self.slab.free.clear();
+        self.next = links;
+        self.unsorted = 0;
     }
 
     /// How many there are.

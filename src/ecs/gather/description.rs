@@ -6,7 +6,7 @@ use crate::contact::material::{Density, Friction, Restitution};
 use crate::ecs::collisions::Sensor;
 use crate::ecs::components::*;
 use crate::ecs::forces::Mass;
-use crate::geometry::{ConvexMesh, HalfSpaceShape};
+use crate::geometry::{ConvexMesh, HalfSpaceShape, StaticMesh};
 use crate::mass::MassProperties;
 use crate::math::Pose;
 use crate::slice::fracturable::Fracturable;
@@ -23,6 +23,7 @@ pub(crate) struct BodyParts {
     kind: &'static RigidBody,
     convex: Option<&'static ConvexMesh>,
     half_space: Option<&'static HalfSpaceShape>,
+    level: Option<&'static StaticMesh>,
     pub(super) transform: &'static Transform,
     pub(super) linear: &'static LinearVelocity,
     pub(super) angular: &'static AngularVelocity,
@@ -42,12 +43,13 @@ pub(super) fn describe(
     pose: Pose,
     scale: Vec3,
 ) -> Result<BodyDesc, BodyError> {
-    let shape = match (parts.convex, parts.half_space) {
-        (Some(mesh), _) => Shape::Convex(scaled(mesh, scale)?),
-        (None, Some(half_space)) => Shape::HalfSpace(HalfSpaceShape {
+    let shape = match (parts.convex, parts.half_space, parts.level) {
+        (Some(mesh), ..) => Shape::Convex(scaled(mesh, scale)?),
+        (None, Some(half_space), _) => Shape::HalfSpace(HalfSpaceShape {
             normal: scaled_normal(half_space.normal, scale)?,
         }),
-        (None, None) => return Err(BodyError::NoShape),
+        (None, None, Some(mesh)) => Shape::Level(scaled_level(mesh, scale)?),
+        (None, None, None) => return Err(BodyError::NoShape),
     };
     let density = match (&shape, parts.total_mass) {
         (Shape::Convex(mesh), Some(&Mass(mass))) if parts.mass.is_none() => {
@@ -82,6 +84,16 @@ fn scaled(mesh: &ConvexMesh, scale: Vec3) -> Result<ConvexMesh, BodyError> {
     mesh.scaled(scale).map_err(|_| BodyError::Scaled(scale))
 }
 
+fn scaled_level(mesh: &StaticMesh, scale: Vec3) -> Result<StaticMesh, BodyError> {
+    if scale == Vec3::ONE {
+        return Ok(mesh.clone());
+    }
+    if scale.min_element() <= 0.0 {
+        return Err(BodyError::Scaled(scale));
+    }
+    mesh.scaled(scale).map_err(|_| BodyError::Scaled(scale))
+}
+
 /// The normal of a plane through the origin of a frame that is scaled.
 fn scaled_normal(normal: Vec3, scale: Vec3) -> Result<Vec3, BodyError> {
     if scale == Vec3::ONE {
@@ -105,6 +117,7 @@ pub(super) fn idle_part(desc: &BodyDesc) -> Result<(), BodyError> {
 pub(super) type Changes = Or<(
     Changed<ConvexMesh>,
     Changed<HalfSpaceShape>,
+    Changed<StaticMesh>,
     Changed<Density>,
     Changed<MassOverride>,
     Changed<Friction>,
@@ -120,6 +133,7 @@ pub(super) type ChangeTicks = (
     (
         Option<Ref<'static, ConvexMesh>>,
         Option<Ref<'static, HalfSpaceShape>>,
+        Option<Ref<'static, StaticMesh>>,
         Option<Ref<'static, Density>>,
         Option<Ref<'static, MassOverride>>,
         Option<Ref<'static, Mass>>,
@@ -148,7 +162,7 @@ pub(super) fn has_any_changed(ticks: &Query<ChangeTicks, With<BodyHandle>>) -> b
     let Ok(mut tables) = ticks.contiguous_iter() else {
         return true;
     };
-    tables.any(|((a, b, c, d, e), (f, g, h, i, j))| {
+    tables.any(|((a, b, c, d, e, f), (g, h, i, j, k))| {
         any(a)
             || any(b)
             || any(c)
@@ -159,5 +173,6 @@ pub(super) fn has_any_changed(ticks: &Query<ChangeTicks, With<BodyHandle>>) -> b
             || any(h)
             || any(i)
             || any(j)
+            || any(k)
     })
 }

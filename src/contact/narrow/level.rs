@@ -1,0 +1,359 @@
+//! Where a hull touches a level of triangles, without seams.
+//!
+//! A triangle is touched by what of the hull's underside lies over it: all faces that look at it are cut by the planes through its
+//! edges, so that no triangle acts beyond its border. Triangles in one plane make one manifold, so that a floor of many is as one.
+//!
+//! Where the hull moves far within the step, it is looked at when it reaches the plane of the triangle, and when it touches the level
+//! first: contacts are along what is reached, and only there.
+//!
+//! A hull that has got in beside a convex edge, or at an open border, by less than it is below the triangle, came from the side:
+//! what it touches is the triangle across that edge.
+
+use crate::contact::local_manifold::{LocalManifold, LocalPoint};
+use crate::contact::narrow::scratch::MERGE;
+use crate::contact::reduce::{Candidate, CornerKind, reduce};
+use crate::geometry::ConvexHull;
+use crate::geometry::bvh::within;
+use crate::geometry::distance::CoreCast;
+use crate::geometry::hull_lanes::{Points4, box_of, lowest_height, move_points, point};
+use crate::geometry::static_mesh::{EdgeKind, LevelTriangle, StaticMesh};
+use crate::geometry::support::{Core, PlacedCore};
+use crate::math::{Aabb, Pose};
+use glam::{Mat3, Vec3};
+
+/// Cosine of the angle between normals that make one manifold.
+const SAME: f32 = 0.9999;
+
+/// Share of the hull's diagonal by which it may be below a triangle without it being asked from where it came.
+const SHALLOW: f32 = 1e-3;
+
+/// How often a hull is followed to what it touches within a step.
+const MAX_STOPS: usize = 4;
+
+/// Gap that counts as none for a hull that moves, as a share of its diagonal.
+const TOUCH: f32 = 3e-6;
+
+/// A hull (A) over a level (B).
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LevelPair<'h> {
+    pub(crate) hull: &'h ConvexHull,
+    pub(crate) mesh: &'h StaticMesh,
+    /// The hull's pose in the frame of the level.
+    pub(crate) hull_in_mesh: Pose,
+    /// How far the hull goes within the step as seen from the level, its axes, m.
+    pub(crate) travel: Vec3,
+    /// How far they may be apart and touch, m.
+    pub(crate) reach: f32,
+}
+
+/// A triangle with the origin of the hull's frame as its own, turned so that the hull is above it.
+#[derive(Clone, Copy, Debug)]
+struct Ground {
+    corners: [Vec3; 3],
+    normal: Vec3,
+    edges: [EdgeKind; 3],
+}
+
+impl Ground {
+    fn height(&self, at: Vec3) -> f32 {
+        self.normal.dot(at - self.corners[0])
+    }
+
+    /// A corner on an edge, and the unit vector out of the triangle there.
+    fn border(&self, edge: usize) -> (Vec3, Vec3) {
+        let from = self.corners[edge];
+        let along = self.corners[(edge + 1) % 3] - from;
+        (from, along.cross(self.normal).normalize_or_zero())
+    }
+}
+
+/// A point that was found.
+#[derive(Clone, Copy, Debug)]
+struct Found {
+    group: u32,
+    /// On the hull at the start of the step, axes of the level, from the origin of the hull's frame, m.
+    at: Vec3,
+    separation: f32,
+}
+
+/// Buffers, and what was found.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct LevelScratch {
+    points: Vec<Points4>,
+    near: Vec<u32>,
+    ahead: Vec<u32>,
+    /// Shifts after which the hull touches the level, m.
+    stops: Vec<Vec3>,
+    polygon: Vec<Vec3>,
+    clipped: Vec<Vec3>,
+    /// Points over one triangle, and their heights.
+    over: Vec<(Vec3, f32)>,
+    /// Normals of the manifolds.
+    groups: Vec<Vec3>,
+    found: Vec<Found>,
+    candidates: Vec<Candidate>,
+    /// The manifolds, hull first.
+    pub(crate) patches: Vec<LocalManifold>,
+}
+
+impl LevelPair<'_> {
+    /// Fills `scratch.patches` with the contacts, one manifold for each direction.
+    pub(crate) fn examine(&self, scratch: &mut LevelScratch) {
+        scratch.patches.clear();
+        scratch.groups.clear();
+        scratch.found.clear();
+        if !self.hull_in_mesh.is_finite() || !self.travel.is_finite() || !self.reach.is_finite() {
+            return;
+        }
+        let turn = Mat3::from_quat(self.hull_in_mesh.rotation);
+        let points = &self.hull.lanes.points;
+        move_points(&mut scratch.points, points, &turn, Vec3::ZERO);
+        self.follow(box_of(&scratch.points), scratch);
+        // In the order of the mesh, whatever its tree is like.
+        scratch.near.sort_unstable();
+        scratch.near.dedup();
+        for at in 0..scratch.near.len() {
+            let triangle = &self.mesh.triangles()[scratch.near[at] as usize];
+            if let Some(ground) = self.ground(triangle) {
+                self.add_triangle(&ground, &turn, scratch);
+            }
+        }
+        for group in 0..scratch.groups.len() as u32 {
+            self.add_patch(group, &turn, scratch);
+        }
+    }
+
+    /// A triangle that the hull may be on; none if it is behind.
+    fn ground(&self, triangle: &LevelTriangle) -> Option<Ground> {
+        let place = self.hull_in_mesh.position;
+        let mut ground = Ground {
+            corners: triangle.corners.map(|corner| corner - place),
+            normal: triangle.plane.normal,
+            edges: triangle.edges,
+        };
+        let middle = self.hull_in_mesh.transform_point(self.hull.aabb().center()) - place;
+        let is_above = ground.height(middle) > 0.0;
+        if !is_above && !self.mesh.is_two_sided() {
+            return None;
+        }
+        if !is_above {
+            ground.normal = -ground.normal;
+            ground.corners.swap(1, 2);
+            let [first, second, third] = ground.edges.map(EdgeKind::mirrored);
+            ground.edges = [third, second, first];
+        }
+        Some(ground)
+    }
+
+    /// Fills `scratch.near` with the triangles that the hull, around which this is the box, may touch on its way, and `scratch.stops`
+    /// with where it is deflected: there it goes on along what it has met.
+    fn follow(&self, tight: Aabb, scratch: &mut LevelScratch) {
+        let LevelScratch {
+            near, ahead, stops, ..
+        } = scratch;
+        near.clear();
+        stops.clear();
+        let size = self.hull.aabb().diagonal();
+        let (mut shift, mut way) = (Vec3::ZERO, self.travel);
+        for _ in 0..MAX_STOPS {
+            let place = self.hull_in_mesh.position + shift;
+            let swept = Aabb {
+                min: place + tight.min + way.min(Vec3::ZERO),
+                max: place + tight.max + way.max(Vec3::ZERO),
+            };
+            ahead.clear();
+            within(self.mesh.tree(), &swept.fattened(self.reach), |leaf| {
+                ahead.push(leaf);
+            });
+            ahead.sort_unstable();
+            near.extend_from_slice(ahead);
+            if way.length() <= SHALLOW * size {
+                return;
+            }
+            let Some((share, normal)) = self.first_touch(shift, way, ahead) else {
+                return;
+            };
+            shift += share * way;
+            way *= 1.0 - share;
+            way -= way.dot(normal).min(0.0) * normal;
+            if share > 0.0 {
+                stops.push(shift);
+            }
+        }
+    }
+
+    /// Share of a way, begun at a shift, after which the hull touches one of these triangles, and the normal there.
+    fn first_touch(&self, shift: Vec3, way: Vec3, ahead: &[u32]) -> Option<(f32, Vec3)> {
+        let length = way.length();
+        let place = self.hull_in_mesh.position;
+        let hull = PlacedCore::new(
+            Core::of_hull(self.hull),
+            &Pose::new(shift, self.hull_in_mesh.rotation),
+        );
+        let mut first = None;
+        let mut cast = CoreCast {
+            direction: (way / length).as_dvec3(),
+            length: f64::from(length),
+            radius: 0.0,
+            touch: f64::from(TOUCH * self.hull.aabb().diagonal()),
+        };
+        for &leaf in ahead {
+            let triangle = &self.mesh.triangles()[leaf as usize];
+            let Some(ground) = self.ground(triangle) else {
+                continue;
+            };
+            if ground.normal.dot(way) >= 0.0 {
+                continue;
+            }
+            let core = Core::of_triangle(triangle.corners.map(|corner| corner - place));
+            if let Some(touch) = cast.first_touch(&core, &hull) {
+                cast.length = touch.distance;
+                let share = (touch.distance / f64::from(length)) as f32;
+                let normal = touch.nearest.map(|nearest| nearest.normal.as_vec3());
+                first = Some((share, normal.unwrap_or(ground.normal)));
+            }
+        }
+        first
+    }
+
+    /// Adds the points over a triangle, if there are any.
+    fn add_triangle(&self, ground: &Ground, turn: &Mat3, scratch: &mut LevelScratch) {
+        let normal = ground.normal;
+        let lowest = lowest_height(&scratch.points, normal) - normal.dot(ground.corners[0]);
+        let rate = -normal.dot(self.travel);
+        if lowest > self.reach + rate.max(0.0) {
+            return;
+        }
+        let reached = if lowest > 0.0 && rate > 0.0 {
+            (lowest / rate).min(1.0)
+        } else {
+            0.0
+        };
+        for stop in 0..=scratch.stops.len() {
+            let shift = match stop {
+                0 => reached * self.travel,
+                _ => scratch.stops[stop - 1],
+            };
+            self.find_over(ground, shift, turn, scratch);
+            if !scratch.over.is_empty() {
+                self.take_over(ground, shift, scratch);
+                return;
+            }
+        }
+    }
+
+    /// Fills `scratch.over` with the points of the hull's underside over a triangle, after a shift.
+    fn find_over(&self, ground: &Ground, shift: Vec3, turn: &Mat3, scratch: &mut LevelScratch) {
+        let LevelScratch {
+            points,
+            polygon,
+            clipped,
+            over,
+            ..
+        } = scratch;
+        // What comes down to it in the rest of the step counts too.
+        let rest = -ground.normal.dot(self.travel - shift);
+        let reach = self.reach + rest.max(0.0);
+        over.clear();
+        for face in self.hull.faces() {
+            if (*turn * face.plane.normal).dot(ground.normal) >= 0.0 {
+                continue;
+            }
+            let outline = self.hull.face_loop(face).iter();
+            polygon.clear();
+            polygon.extend(outline.map(|&v| point(points, v as usize) + shift));
+            if polygon.iter().all(|&at| ground.height(at) > reach) {
+                continue;
+            }
+            for edge in 0..3 {
+                let (from, outward) = ground.border(edge);
+                clip(polygon, from, outward, clipped);
+                std::mem::swap(polygon, clipped);
+            }
+            let heights = polygon.iter().map(|&at| (at, ground.height(at)));
+            over.extend(heights.filter(|&(_, height)| height <= reach));
+        }
+    }
+
+    /// Takes what lies over a triangle into the manifold of its direction, unless the hull came from the side.
+    fn take_over(&self, ground: &Ground, shift: Vec3, scratch: &mut LevelScratch) {
+        let lowest = scratch.over.iter().map(|(_, height)| *height);
+        let depth = -lowest.fold(f32::INFINITY, f32::min);
+        if depth > SHALLOW * self.hull.aabb().diagonal() {
+            for edge in 0..3 {
+                if matches!(ground.edges[edge], EdgeKind::Flat | EdgeKind::Concave) {
+                    continue;
+                }
+                let (from, outward) = ground.border(edge);
+                let inward = scratch.over.iter().map(|(at, _)| -outward.dot(*at - from));
+                if inward.fold(0.0, f32::max) < depth {
+                    return;
+                }
+            }
+        }
+        let groups = &mut scratch.groups;
+        let known = groups.iter().position(|n| n.dot(ground.normal) > SAME);
+        let group = known.unwrap_or(groups.len());
+        if known.is_none() {
+            groups.push(ground.normal);
+        }
+        let found = scratch.over.iter().map(|&(at, _)| Found {
+            group: group as u32,
+            at: at - shift,
+            separation: ground.height(at - shift),
+        });
+        scratch.found.extend(found);
+    }
+
+    /// Makes the manifold of one direction.
+    fn add_patch(&self, group: u32, turn: &Mat3, scratch: &mut LevelScratch) {
+        let normal = scratch.groups[group as usize];
+        let candidates = &mut scratch.candidates;
+        candidates.clear();
+        let found = scratch.found.iter().filter(|found| found.group == group);
+        candidates.extend(found.map(|found| Candidate {
+            at: found.at,
+            separation: found.separation,
+            kind: CornerKind::Incident,
+            leaves_on_cut: false,
+        }));
+        reduce(candidates, normal, MERGE * self.hull.aabb().diagonal());
+        let back = turn.transpose();
+        let mut patch = LocalManifold {
+            normal: -(back * normal),
+            normal_in_b: Some(-normal),
+            ..LocalManifold::default()
+        };
+        for &Candidate { at, separation, .. } in candidates.iter() {
+            patch.push(LocalPoint {
+                on_a: back * at,
+                on_b: self.hull_in_mesh.position + (at - separation * normal),
+                separation,
+                share_b: 0.0,
+                along: Vec3::ZERO,
+            });
+        }
+        scratch.patches.push(patch);
+    }
+}
+
+/// What of a polygon lies behind the plane through `from` with the normal `outward`.
+fn clip(polygon: &[Vec3], from: Vec3, outward: Vec3, result: &mut Vec<Vec3>) {
+    result.clear();
+    let Some(&last) = polygon.last() else {
+        return;
+    };
+    let height = |at: Vec3| outward.dot(at - from);
+    let (mut before, mut before_height) = (last, height(last));
+    for &at in polygon {
+        let at_height = height(at);
+        if (before_height > 0.0) != (at_height > 0.0) {
+            let share = before_height / (before_height - at_height);
+            result.push(before + share * (at - before));
+        }
+        if at_height <= 0.0 {
+            result.push(at);
+        }
+        (before, before_height) = (at, at_height);
+    }
+}

@@ -1,0 +1,149 @@
+//! Rays, moved shapes and points against a level of triangles, in the frame of the level.
+//!
+//! Whether a ray passes an edge is the sign of one product, the same for both triangles at the edge but for its sign: no ray gets
+//! through between them.
+//!
+//! # References
+//! S. Woop, C. Benthin, I. Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013: edges are judged by one product for both
+//! triangles.
+
+use crate::geometry::bvh::{RayWalk, along_ray, around, within};
+use crate::geometry::distance::{Separation, distance};
+use crate::geometry::static_mesh::{LevelTriangle, StaticMesh};
+use crate::geometry::support::{Core, PlacedCore};
+use crate::math::{Aabb, Pose};
+use crate::query::hull::cast_against_core;
+use crate::query::local::{LocalCast, LocalHit, LocalRay};
+use glam::{DVec3, Quat, Vec3};
+
+/// Where a ray hits a triangle, and whether from the front.
+fn pierce(triangle: &LevelTriangle, ray: &LocalRay) -> Option<(f32, bool)> {
+    let direction = ray.direction.as_dvec3();
+    let origin = ray.origin.as_dvec3();
+    let [a, b, c] = triangle.corners.map(|corner| corner.as_dvec3() - origin);
+    let side = |p: DVec3, q: DVec3| direction.dot(p.cross(q));
+    let sides = [side(b, c), side(c, a), side(a, b)];
+    let is_inside = sides.iter().all(|&s| s >= 0.0) || sides.iter().all(|&s| s <= 0.0);
+    let sum = sides[0] + sides[1] + sides[2];
+    if !is_inside || sum == 0.0 {
+        return None;
+    }
+    let at = (sides[0] * a + sides[1] * b + sides[2] * c) / sum;
+    let distance = at.dot(direction);
+    // The product of the sides is six times a volume that is positive where the ray comes from behind.
+    (distance >= 0.0).then_some((distance as f32, sum < 0.0))
+}
+
+pub(crate) fn cast_ray(mesh: &StaticMesh, ray: &LocalRay) -> Option<LocalHit> {
+    let point = Aabb {
+        min: Vec3::ZERO,
+        max: Vec3::ZERO,
+    };
+    let walk = RayWalk::new(ray.origin, ray.direction, point);
+    let mut best: Option<LocalHit> = None;
+    along_ray(mesh.tree(), walk, ray.end, |leaf, end| {
+        let triangle = &mesh.triangles()[leaf as usize];
+        let Some((distance, is_front)) = pierce(triangle, ray) else {
+            return end;
+        };
+        if distance > end || !(is_front || mesh.is_two_sided()) {
+            return end;
+        }
+        let normal = triangle.plane.normal;
+        keep_first(
+            &mut best,
+            LocalHit {
+                point: ray.origin + distance * ray.direction,
+                normal: if is_front { normal } else { -normal },
+                distance,
+                triangle: Some(triangle.index),
+                face: None,
+            },
+        );
+        end.min(distance)
+    });
+    best
+}
+
+/// Keeps the hit that is nearer, or of the triangle that comes first.
+fn keep_first(best: &mut Option<LocalHit>, hit: LocalHit) {
+    let order = |hit: &LocalHit| (hit.distance, hit.triangle);
+    if best.as_ref().is_none_or(|best| order(&hit) < order(best)) {
+        *best = Some(hit);
+    }
+}
+
+fn core_of(triangle: &LevelTriangle) -> Core<'static> {
+    Core::of_triangle(triangle.corners)
+}
+
+pub(crate) fn cast_shape(mesh: &StaticMesh, cast: &LocalCast) -> Option<LocalHit> {
+    let b = cast.core.bounds().fattened(cast.radius);
+    let origin = b.center();
+    let about = Aabb {
+        min: b.min - origin,
+        max: b.max - origin,
+    };
+    let walk = RayWalk::new(origin, cast.direction, about);
+    let middle = cast.core.middle().as_vec3();
+    let mut best: Option<LocalHit> = None;
+    along_ray(mesh.tree(), walk, cast.end, |leaf, end| {
+        let triangle = &mesh.triangles()[leaf as usize];
+        let is_behind = triangle.plane.distance(middle) < 0.0;
+        if is_behind && !mesh.is_two_sided() {
+            return end;
+        }
+        let Some(hit) = cast_against_core(&core_of(triangle), &LocalCast { end, ..*cast }) else {
+            return end;
+        };
+        let triangle = Some(triangle.index);
+        keep_first(&mut best, LocalHit { triangle, ..hit });
+        end.min(hit.distance)
+    });
+    best
+}
+
+pub(crate) fn overlaps(mesh: &StaticMesh, core: &PlacedCore, radius: f32) -> bool {
+    let mut is_met = false;
+    within(mesh.tree(), &core.bounds().fattened(radius), |leaf| {
+        let triangle = core_of(&mesh.triangles()[leaf as usize]);
+        is_met = is_met
+            || match distance(&triangle, core, f64::from(radius)) {
+                Separation::Overlap => true,
+                Separation::Near(nearest) => nearest.distance <= f64::from(radius),
+                Separation::Far => false,
+            };
+    });
+    is_met
+}
+
+/// The point of the surface that is nearest to a point, if it is within `limit` (m).
+pub(crate) fn closest(mesh: &StaticMesh, point: Vec3, limit: f32) -> Option<LocalHit> {
+    let there = Pose::new(point, Quat::IDENTITY);
+    let there = PlacedCore::new(Core::of_point(Vec3::ZERO), &there);
+    let mut best: Option<LocalHit> = None;
+    around(mesh.tree(), point, limit, |leaf, limit| {
+        let triangle = &mesh.triangles()[leaf as usize];
+        let (at, normal, away) = match distance(&core_of(triangle), &there, f64::from(limit)) {
+            Separation::Far => return limit,
+            Separation::Overlap => (point, triangle.plane.normal, 0.0),
+            Separation::Near(nearest) => (
+                nearest.on_a.as_vec3(),
+                nearest.normal.as_vec3(),
+                nearest.distance as f32,
+            ),
+        };
+        keep_first(
+            &mut best,
+            LocalHit {
+                point: at,
+                normal,
+                distance: away,
+                triangle: Some(triangle.index),
+                face: None,
+            },
+        );
+        limit.min(away)
+    });
+    best
+}
