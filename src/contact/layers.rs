@@ -84,7 +84,9 @@ mod tests {
     #[test]
     fn layers_are_what_their_makers_say() {
         let player = CollisionLayers::in_layer(1).colliding_with(&[0, 2]);
-        let enemy = CollisionLayers::in_layer(2).and_in_layer(5).ignoring(&[2]);
+        let enemy = CollisionLayers::in_layer(2)
+            .and_in_layer(5)
+            .ignoring(&[2, 5]);
         assert_eq!(player, CollisionLayers::new(0b10, 0b101));
         assert!(player.interact(&enemy) && enemy.interact(&player));
         assert!(!enemy.interact(&enemy) && !player.interact(&player));

@@ -121,7 +121,7 @@ impl Joints {
     /// Changes what a joint is, and wakes its bodies if that changes anything; whether there is such a joint.
     ///
     /// # Errors
-    /// [`JointError`]; the joint stays as it was then.
+    /// [`JointError`], also if none of its bodies is dynamic any more; the joint stays as it was then.
     pub fn set(
         &mut self,
         bodies: &mut Bodies,
@@ -133,6 +133,9 @@ impl Joints {
             return Ok(false);
         };
         let record = &mut self.list[at];
+        if record.is_there(bodies) && !record.can_move(bodies) {
+            return Err(JointError::NothingMoves);
+        }
         if record.joint != joint {
             self.is_outdated |= record.joint.contacts != joint.contacts;
             record.joint = joint;
@@ -287,6 +290,12 @@ impl JointRecord {
     pub(crate) fn is_there(&self, bodies: &Bodies) -> bool {
         let mut ends = self.ends.iter().flatten();
         ends.all(|&(slot, id)| bodies.is_current(slot, id))
+    }
+
+    /// Whether one of its bodies is dynamic.
+    fn can_move(&self, bodies: &Bodies) -> bool {
+        let mut ends = self.ends.iter().flatten();
+        ends.any(|&(slot, _)| bodies.kind(slot) == RigidBody::Dynamic)
     }
 
     /// Wakes a body that sleeps on one that is moved or was changed.

@@ -29,7 +29,10 @@ pub(crate) fn on_body_inserted(
     let known = known.and_then(|(handle, kind)| Some((handle.0.filter(is_current)?.0, *kind)));
     match known {
         Some((slot, kind)) if bodies.kind(slot) == kind => {}
-        Some(_) => state.queue.changed_kind.push(entity),
+        Some(_) => {
+            state.queue.changed_kind.push(entity);
+            state.joints.have_bodies_changed = true;
+        }
         None => state.queue.arrived.push(entity),
     }
 }
