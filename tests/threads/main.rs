@@ -10,6 +10,7 @@ mod bodies;
 mod bonded_wall;
 mod bonds;
 mod cache;
+mod joints;
 mod sleep;
 
 use bevy_tasks::{ComputeTaskPool, TaskPoolBuilder};
@@ -22,6 +23,7 @@ struct Alone {
     bonded_wall: bonded_wall::Outcome,
     bonds: bonds::Outcome,
     cache: Vec<cache::Outcome>,
+    joints: joints::Outcome,
     /// Without slots that were used before, and with them.
     sleep: [sleep::Outcome; 2],
 }
@@ -38,6 +40,7 @@ impl Alone {
                 bonded_wall: bonded_wall::run(),
                 bonds: bonds::run(),
                 cache: cache::play(),
+                joints: joints::run(),
                 sleep: [0, 40].map(sleep::history),
                 bodies: bodies.join().expect("the run went as it should"),
             }
