@@ -34,7 +34,7 @@ fn main() -> Result<(), Error> {
     let mut hulls = Vec::new();
     for path in models(&folder)? {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
-        let mesh = model::load(&path)?.into_mesh()?;
+        let mesh = model::into_mesh(model::load(&path)?)?;
         let hull = ConvexHull::from_points(mesh.positions())?;
         let exact = VolumeIntegrals::of_hull(&hull);
         print_row(&format!("{name} hull"), hull.vertices(), &exact);

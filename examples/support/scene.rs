@@ -11,8 +11,8 @@ const CUT_COLOR: Vec4 = Vec4::new(2.2, 2.2, 2.2, 1.0);
 
 /// A floor, a model from a file high above it, and bodies around and above the place where it lands.
 pub fn shatter(path: &str) -> Result<Vec<BodyDesc>, Error> {
-    let mesh = model::load(path)?.fitted(2.6).colored(SURFACE_COLOR);
-    let body = ConvexMesh::from_mesh(mesh.into_mesh()?)?;
+    let model = model::colored(model::fitted(model::load(path)?, 2.6), SURFACE_COLOR);
+    let body = ConvexMesh::from_mesh(model::into_mesh(model)?)?;
     let mut model = BodyDesc::dynamic(body, Vec3::new(0.0, 4.0, 0.0));
     model.pose.rotation = Quat::from_rotation_z(0.12) * Quat::from_rotation_y(0.7);
     model.angular_velocity = Vec3::new(0.1, 0.3, 0.1);
