@@ -39,17 +39,7 @@ impl TriMesh {
     /// # Errors
     /// [`MeshError::NotFinite`], [`MeshError::IndexOutOfRange`], or [`MeshError::Empty`] if no triangle is left.
     pub fn new(positions: Vec<Vec3>, mut triangles: Vec<[u32; 3]>) -> Result<Self, MeshError> {
-        check_finite(&positions, |p| p.is_finite())?;
-        let vertices = positions.len();
-        for (triangle, corners) in triangles.iter().enumerate() {
-            if let Some(&index) = corners.iter().find(|&&i| i as usize >= vertices) {
-                return Err(MeshError::IndexOutOfRange {
-                    triangle,
-                    index,
-                    vertices,
-                });
-            }
-        }
+        check_vertices(&positions, &triangles)?;
         let topology = weld(&positions);
         triangles.retain(|corners| {
             let [a, b, c] = corners.map(|i| topology[i as usize]);
@@ -343,6 +333,25 @@ struct HalfEdge {
     reversed: bool,
     triangle: u32,
     corner: u8,
+}
+
+/// Whether positions are finite and triangles name only such as are there.
+///
+/// # Errors
+/// [`MeshError::NotFinite`] or [`MeshError::IndexOutOfRange`].
+pub(crate) fn check_vertices(positions: &[Vec3], triangles: &[[u32; 3]]) -> Result<(), MeshError> {
+    check_finite(positions, |p| p.is_finite())?;
+    let vertices = positions.len();
+    for (triangle, corners) in triangles.iter().enumerate() {
+        if let Some(&index) = corners.iter().find(|&&i| i as usize >= vertices) {
+            return Err(MeshError::IndexOutOfRange {
+                triangle,
+                index,
+                vertices,
+            });
+        }
+    }
+    Ok(())
 }
 
 fn check_finite<T>(values: &[T], is_finite: impl Fn(&T) -> bool) -> Result<(), MeshError> {

@@ -1,6 +1,7 @@
 //! `StaticMesh`: a level of triangles, shared and immutable, with a tree over them and what their edges are.
 
 use crate::geometry::bvh::tree_box;
+use crate::geometry::mesh::check_vertices;
 use crate::geometry::weld::weld;
 use crate::geometry::{MeshError, TriMesh};
 use crate::math::{Aabb, Plane};
@@ -89,19 +90,7 @@ impl StaticMesh {
     /// # Errors
     /// [`MeshError::NotFinite`], [`MeshError::IndexOutOfRange`], or [`MeshError::Empty`] if no triangle has an area.
     pub fn new(positions: &[Vec3], triangles: &[[u32; 3]]) -> Result<Self, MeshError> {
-        if let Some(vertex) = positions.iter().position(|p| !p.is_finite()) {
-            return Err(MeshError::NotFinite { vertex });
-        }
-        let vertices = positions.len();
-        for (triangle, corners) in triangles.iter().enumerate() {
-            if let Some(&index) = corners.iter().find(|&&i| i as usize >= vertices) {
-                return Err(MeshError::IndexOutOfRange {
-                    triangle,
-                    index,
-                    vertices,
-                });
-            }
-        }
+        check_vertices(positions, triangles)?;
         Self::build(positions, triangles)
     }
 
