@@ -48,6 +48,19 @@ fn listening() -> App {
     app
 }
 
+/// The same, with bodies that fall asleep.
+fn listening_with_sleep() -> App {
+    let mut app = listening();
+    app.insert_resource(SolverConfig {
+        sleep: SleepConfig {
+            enabled: true,
+            ..SleepConfig::default()
+        },
+        ..SolverConfig::default()
+    });
+    app
+}
+
 fn floor(app: &mut App) -> Entity {
     let half_space = HalfSpaceShape { normal: Vec3::Y };
     app.world_mut().spawn((RigidBody::Static, half_space)).id()
@@ -132,14 +145,7 @@ fn both_who_ask_get_an_event_and_the_pair_one_message() {
 
 #[test]
 fn sleep_ends_no_contact_and_waking_begins_none() {
-    let mut app = listening();
-    app.insert_resource(SolverConfig {
-        sleep: SleepConfig {
-            enabled: true,
-            ..SleepConfig::default()
-        },
-        ..SolverConfig::default()
-    });
+    let mut app = listening_with_sleep();
     let floor = floor(&mut app);
     let mut tower = Vec::new();
     for level in 0..4 {
@@ -315,14 +321,7 @@ fn sensors_see_all_that_moves_and_what_flies_through() {
 
 #[test]
 fn a_sleeper_stays_inside_a_sensor_and_a_water_level_sees_who_is_below() {
-    let mut app = listening();
-    app.insert_resource(SolverConfig {
-        sleep: SleepConfig {
-            enabled: true,
-            ..SleepConfig::default()
-        },
-        ..SolverConfig::default()
-    });
+    let mut app = listening_with_sleep();
     floor(&mut app);
     let water = Transform::from_xyz(0.0, 1.5, 0.0);
     let surface = HalfSpaceShape { normal: Vec3::Y };

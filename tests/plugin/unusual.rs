@@ -24,6 +24,20 @@ fn body(app: &mut App, place: Vec3) -> Entity {
     app.world_mut().spawn(parts).id()
 }
 
+/// A static cube in the air, and one that a bond holds to it.
+fn bonded(app: &mut App) -> [Entity; 2] {
+    let parts = (
+        RigidBody::Static,
+        cube(1.0),
+        Transform::from_xyz(0.0, 5.0, 0.0),
+    );
+    let fixed = app.world_mut().spawn(parts).id();
+    let held = body(app, Vec3::new(1.0, 5.0, 0.0));
+    let mut commands = app.world_mut().commands();
+    commands.bond_neighbors([fixed, held], 1e9);
+    [fixed, held]
+}
+
 /// An app without physics so far.
 fn bare_app() -> App {
     let mut app = App::new();
@@ -130,18 +144,7 @@ fn what_changed_while_disabled_is_taken_over() {
 #[test]
 fn bonds_outlast_being_disabled() {
     let mut app = app();
-    let fixed = app
-        .world_mut()
-        .spawn((
-            RigidBody::Static,
-            cube(1.0),
-            Transform::from_xyz(0.0, 5.0, 0.0),
-        ))
-        .id();
-    let held = body(&mut app, Vec3::new(1.0, 5.0, 0.0));
-    app.world_mut()
-        .commands()
-        .bond_neighbors([fixed, held], 1e9);
+    let [_, held] = bonded(&mut app);
     steps(&mut app, 30);
     app.world_mut().entity_mut(held).insert(Disabled);
     steps(&mut app, 30);
@@ -461,18 +464,7 @@ fn a_platform_that_turns_carries_and_one_that_jumps_pushes_nobody() {
 fn another_kind_keeps_identity_bonds_and_contacts() {
     for kind in [RigidBody::Kinematic, RigidBody::Static] {
         let mut app = app();
-        let fixed = app
-            .world_mut()
-            .spawn((
-                RigidBody::Static,
-                cube(1.0),
-                Transform::from_xyz(0.0, 5.0, 0.0),
-            ))
-            .id();
-        let held = body(&mut app, Vec3::new(1.0, 5.0, 0.0));
-        app.world_mut()
-            .commands()
-            .bond_neighbors([fixed, held], 1e9);
+        let [fixed, held] = bonded(&mut app);
         steps(&mut app, 60);
         let handle = |app: &App| app.world().get::<BodyHandle>(fixed).expect("a body").get();
         let before = handle(&app);
