@@ -12,7 +12,7 @@
 //! cuts of convex hulls (`convex.rs`) and of cells (`cells.rs`), which know more and are faster, against it and against each other.
 //! Flat faces that cuts divide are few triangles again afterwards (`merge_faces.rs`); what a face is goes with its triangles, and is
 //! found once (`flat_faces.rs`).
-//! How an impact divides a body is a pattern (`pattern.rs`), which gives planes, cells or sites (`cutting.rs`); another pattern goes
+//! How an impact divides a body is a pattern (`pattern.rs`), which gives planes, cells or sites (`cutting.rs`, `even_sites.rs`); another pattern goes
 //! there. What makes a body breakable is `fracturable.rs`.
 //!
 //! Must not know bodies or contacts. Read `clip.rs` first.
@@ -33,6 +33,7 @@ pub(crate) mod crack_area;
 mod cut;
 pub(crate) mod cutting;
 pub(crate) mod edge_table;
+mod even_sites;
 pub(crate) mod flat_faces;
 pub(crate) mod fracturable;
 mod merge_faces;

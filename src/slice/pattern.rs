@@ -9,6 +9,7 @@ use crate::math::{Aabb, Plane, tangents};
 use crate::slice::cutting::CellPlanes;
 use crate::slice::cutting::Cutting;
 use crate::slice::cutting::Planes;
+use crate::slice::even_sites::even_sites;
 use crate::slice::random::{PointsInHull, centered, unit_interval, unit_vector};
 use glam::{Vec2, Vec3};
 use rand_core::SeedableRng;
@@ -92,6 +93,11 @@ pub enum FracturePattern {
         /// for cells of one size, at most 1.
         focus: f32,
     },
+    /// Voronoi cells of about the same size: how concrete crumbles. The time to find them grows with the square of their number.
+    EvenVoronoi {
+        /// Number of cells.
+        cells: u16,
+    },
     /// Slabs across the longest direction of the body's box: how a beam or a tree breaks.
     Slabs {
         /// Number of slabs.
@@ -149,6 +155,11 @@ impl FracturePattern {
                 let count = u32::from(cells).min(most);
                 let focus = if focus.is_nan() { 0.0 } else { focus };
                 Cutting::Sites(blow.sites(count, focus.clamp(0.0, 1.0), &mut random))
+            }
+            Self::EvenVoronoi { cells } => {
+                let count = u32::from(cells).min(most) as usize;
+                let points = PointsInHull::new(hull);
+                Cutting::Sites(even_sites(&points, count, &mut random))
             }
             Self::Slabs { count } => Cutting::Cells(blow.slabs(count.min(most_u8), &mut random)),
             Self::Brick { size } => {

@@ -312,6 +312,33 @@ fn focus_puts_more_sites_near_the_impact() {
     );
 }
 
+/// Largest over smallest cell: some thirty of random sites, four or five of even ones. The cells fill the body all the same.
+#[test]
+fn even_cells_are_of_about_one_size() {
+    for (x, y, z) in [(1.0, 1.0, 1.0), (4.0, 2.0, 0.3), (0.2, 3.0, 0.2)] {
+        let hull = primitives::cuboid(x, y, z).unwrap();
+        for seed in 0..5 {
+            let impact = impact_on(&hull, &mut Dice::new(seed));
+            let ratio = |pattern: FracturePattern| {
+                let cutting = pattern.cutting(&impact, &hull, seed, MOST).unwrap();
+                let pieces = divide(&hull, None, &cutting);
+                let volumes = pieces.iter().map(|piece| piece.volume);
+                let whole: f64 = volumes.clone().sum();
+                assert!((whole / hull.volume() - 1.0).abs() < 1e-5);
+                assert_eq!(pieces.len(), 50);
+                let largest = volumes.clone().fold(0.0, f64::max);
+                largest / volumes.fold(f64::INFINITY, f64::min)
+            };
+            let even = ratio(FracturePattern::EvenVoronoi { cells: 50 });
+            let random = ratio(FracturePattern::Voronoi {
+                cells: 50,
+                focus: 0.0,
+            });
+            assert!(even < 5.5 && random > 1.8 * even, "{even} and {random}");
+        }
+    }
+}
+
 #[test]
 fn bricks_are_of_one_size_and_staggered() {
     let wall = primitives::cuboid(4.0, 2.0, 0.5).unwrap();
