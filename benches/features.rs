@@ -63,6 +63,15 @@ fn features(c: &mut Criterion) {
         let unbroken = Fracturable::with_strength(f32::MAX);
         settled(|desc| desc.fracturable = Some(unbroken.clone()), default)
     });
+    bench(c, "fatigue", {
+        let unbroken = Fracturable::with_strength(1e9);
+        let mut simulation = settled(|desc| desc.fracturable = Some(unbroken.clone()), default);
+        for slot in 1..simulation.bodies.slots() as u32 {
+            let taken = simulation.bodies.set_fatigue(slot, Some(Fatigue::new(1e9)));
+            taken.expect("usable");
+        }
+        simulation
+    });
     bench(
         c,
         "no_warm_start",
@@ -162,6 +171,59 @@ fn spin(c: &mut Criterion) {
     }
 }
 
+/// Crates on a floor of static slabs: ordinary ones, and such as may break and are anchored.
+fn standing(c: &mut Criterion) {
+    for (name, may_break) in [("static_slabs", false), ("fracturable_slabs", true)] {
+        let mut simulation = Simulation::default();
+        let slab = ConvexMesh::cuboid(2.0, 0.2, 2.0).expect("valid size");
+        let block = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("valid size");
+        for i in 0..BODIES {
+            let at = Vec3::new(2.0 * (i % 20) as f32, 0.0, 2.0 * (i / 20) as f32);
+            let mut desc = BodyDesc {
+                kind: RigidBody::Static,
+                ..BodyDesc::dynamic(slab.clone(), at - 0.1 * Vec3::Y)
+            };
+            desc.fracturable = may_break.then(|| Fracturable::with_strength(1e9));
+            let slot = simulation.bodies.insert(desc).expect("usable");
+            if may_break {
+                let anchors = Anchors::none().and_behind(Vec3::Y, 0.0);
+                let taken = simulation.bodies.set_anchors(slot, Some(anchors));
+                taken.expect("usable");
+            }
+            let desc = BodyDesc::dynamic(block.clone(), at + 0.5 * Vec3::Y);
+            simulation.bodies.insert(desc).expect("usable");
+        }
+        (0..120).for_each(|_| simulation.step(H));
+        bench(c, name, simulation);
+    }
+}
+
+/// A heap of pieces that nobody looks at, and one with rules by which none of them goes.
+fn debris(c: &mut Criterion) {
+    for (name, max_age) in [("pieces", f32::INFINITY), ("pieces_with_rules", 1e9)] {
+        let mut simulation = Simulation::default();
+        simulation.budget.debris.max_age = max_age;
+        let floor = BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y });
+        simulation.bodies.insert(floor).expect("usable");
+        let block = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("valid size");
+        for i in 0..BODIES / 8 {
+            let at = Vec3::new(1.5 * (i % 5) as f32, 3.0, 1.5 * (i / 5) as f32);
+            let mut desc = BodyDesc::dynamic(block.clone(), at);
+            desc.fracturable = Some(Fracturable {
+                pattern: FracturePattern::Voronoi {
+                    cells: 8,
+                    focus: 0.0,
+                },
+                generations: 0,
+                ..Fracturable::with_strength(100.0)
+            });
+            simulation.bodies.insert(desc).expect("usable");
+        }
+        (0..600).for_each(|_| simulation.step(H));
+        bench(c, name, simulation);
+    }
+}
+
 /// Crates that come to rest on a plane, and on a level of triangles in its place.
 fn level(c: &mut Criterion) {
     let cells = 64;
@@ -204,6 +266,6 @@ fn queries(c: &mut Criterion) {
 criterion_group! {
     name = benches;
     config = Criterion::default().sample_size(30);
-    targets = features, spin, many, level, queries
+    targets = features, spin, many, level, standing, debris, queries
 }
 criterion_main!(benches);

@@ -54,7 +54,8 @@ mod tuning;
 /// What most users need.
 pub mod prelude {
     pub use crate::bodies::{
-        Bodies, BodyDesc, BodyDrive, BodyError, LockedAxes, RigidBody, Shape, StepForces,
+        AnchorRegion, Anchors, Bodies, BodyDesc, BodyDrive, BodyError, Fatigue, LockedAxes,
+        RigidBody, Shape, StepForces,
     };
     pub use crate::contact::{
         BodyId, CollisionLayers, CombineRule, ContactCache, Density, Friction, Restitution,
@@ -63,14 +64,15 @@ pub mod prelude {
         AngularDamping, AngularVelocity, BodyHandle, BodyIssues, BodyProblem, BodyWarning,
         BondBroken, BondCommands, ChildrenOfPieces, Collision, CollisionEnd, CollisionEvents,
         CollisionStart, Collisions, ConstantForce, ConstantTorque, ContactForce,
-        ContactForceEvents, Explosion, ForceCommands, Forces, ForcesItem, FractureCause, Fractured,
-        GravityScale, JointA, JointB, JointBroken, JointCommands, JointHandle, JointProblem,
-        JointsOfA, JointsOfB, LinearDamping, LinearVelocity, Mass, MassOverride, MaxSpeed, PieceOf,
-        PieceRules, Pieces, Remains, Sensor, Sleeping, SliceCommands, SpatialQuery, SpawnBody,
+        ContactForceEvents, DebrisRemoved, Explosion, Fading, ForceCommands, Forces, ForcesItem,
+        FractureCause, Fractured, GravityScale, JointA, JointB, JointBroken, JointCommands,
+        JointHandle, JointProblem, JointsOfA, JointsOfB, LinearDamping, LinearVelocity, Mass,
+        MassOverride, MaxSpeed, PieceOf, PieceRules, Pieces, Remains, Sensor, Sleeping,
+        SliceCommands, SpatialQuery, SpawnBody,
     };
     pub use crate::fracture::{
-        Bond, BondError, Bonds, BreakingImpact, BrokenBond, CutError, CutRequest, Fracture,
-        FractureBudget, Fractures, Ledger,
+        Bond, BondError, Bonds, BreakingImpact, BrokenBond, CutError, CutRequest, DebrisRules,
+        ExpiredPiece, FadingPiece, Fracture, FractureBudget, Fractures, Ledger, RemovedDebris,
     };
     pub use crate::geometry::{
         ConvexHull, ConvexMesh, HalfSpaceShape, HullError, MeshError, StaticMesh, TriMesh,

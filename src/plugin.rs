@@ -92,6 +92,7 @@ impl Plugin for CleavePlugin {
             .add_message::<BondBroken>()
             .add_message::<joint::JointBroken>()
             .add_message::<BodyWarning>()
+            .add_message::<DebrisRemoved>()
             .add_message::<CollisionStart>()
             .add_message::<CollisionEnd>()
             .add_message::<ContactForce>()

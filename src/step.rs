@@ -276,7 +276,7 @@ pub fn fracture(
         joints.inherit(bodies, fractures);
         joints.note_pairs(bodies);
         contacts.events.note_pieces(bodies, fractures);
-        contacts.stash_solved();
+        contacts.stash_solved(bodies);
         broadphase(bodies, contacts, settings, report);
         generate_contacts(bodies, contacts, cache, settings, report);
         contacts.merge_solved(bodies);
@@ -287,7 +287,7 @@ pub fn fracture(
     if was_broken {
         report_solution(bodies, contacts, settings, report);
     }
-    note_loads(fractures, bodies, &contacts.manifolds, &contacts.solver);
+    note_loads(fractures, bodies, &contacts.solver);
 }
 
 /// Phase 7: poses from velocities. A body that would stop being finite is stopped where it is, and reported.

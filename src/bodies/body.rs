@@ -3,7 +3,7 @@
 use crate::contact::layers::CollisionLayers;
 use crate::contact::material::{Friction, MaterialError, Restitution};
 use crate::geometry::predicates::check_plane;
-use crate::geometry::{ConvexMesh, HalfSpaceShape, PlaneError, StaticMesh};
+use crate::geometry::{ConvexMesh, HalfSpaceShape, MeshError, PlaneError, StaticMesh};
 use crate::mass::{MassError, MassProperties};
 use crate::math::{Plane, Pose};
 use crate::slice::fracturable::{Fracturable, FracturableError};
@@ -158,12 +158,28 @@ pub enum BodyError {
     /// A static body has a velocity.
     #[error("a Static body has a velocity, which does nothing: make it Kinematic")]
     StaticVelocity,
-    /// A body that is not dynamic is to break.
-    #[error("Fracturable does nothing to a body that is not Dynamic")]
-    UnbreakableKind,
-    /// A half-space is to break.
-    #[error("Fracturable does nothing to a half-space")]
-    UnbreakableHalfSpace,
+    /// A shape that has no inside is to break.
+    #[error("Fracturable does nothing to a half-space or a StaticMesh")]
+    UnbreakableShape,
+    /// What is seen of a body that is to break does not enclose anything.
+    #[error(
+        "Fracturable does nothing, because the visual mesh cannot be cut: {0}; import::Model closes holes"
+    )]
+    UnbreakableVisual(MeshError),
+    /// No blow makes two pieces of the body.
+    #[error(
+        "Fracturable does nothing: its pattern and max_pieces make no two pieces of this shape"
+    )]
+    NoPieces,
+    /// Numbers of `Fatigue` mean nothing.
+    #[error("Fatigue needs a positive energy, and endurance and damage from 0 to 1")]
+    Fatigue,
+    /// A body that does not break is to wear out.
+    #[error("Fatigue does nothing to a body that is not Fracturable")]
+    IdleFatigue,
+    /// Anchors mean nothing, or are on a body that falls anyway.
+    #[error("Anchors do nothing: {0}")]
+    Anchors(&'static str),
     /// A shape without a body.
     #[error("a shape without RigidBody does nothing")]
     NoRigidBody,

@@ -3,9 +3,14 @@
 //! Looked at while the step is being solved. As soon as one body of a batch is overloaded, the solve is given up: the body
 //! breaks, and the step is solved anew with its pieces. If nothing may break any more in the step, it is only noted.
 
-use crate::bodies::body::RigidBody;
 use crate::bodies::store::Bodies;
 use crate::slice::fracturable::Fracturable;
+use glam::Vec3;
+use smallvec::SmallVec;
+
+/// Approach of two bodies up to which they rest on each other, m/s: a fall of 5 um. What the contact of two that rest bore in the
+/// last step is a load, and no part of a blow; and where nothing comes faster, there is no blow, but only loads that shift.
+pub(crate) const RESTING_SPEED: f32 = 0.01;
 
 /// What one body of a batch bears in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,33 +33,67 @@ impl BreakingLimit {
 /// What contacts did to a body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ImpactLoad {
-    /// Sum of the normal impulses, N s.
+    /// Sum of the normal impulses, as far as they are more than what the contacts bore before, N s.
     pub impulse: f32,
     /// Kinetic energy that they took out of the approach, J.
     pub energy: f32,
 }
 
 impl ImpactLoad {
-    /// Adds a contact point with the normal impulse `impulse` (N s) on two bodies that approached each other with `speed`
-    /// (m/s) before the step.
+    /// Adds what one contact gave.
+    pub(crate) fn add(&mut self, other: Self) {
+        self.impulse += other.impulse;
+        self.energy += other.energy;
+    }
+
+    /// Adds the energy of a contact point with the normal impulse `impulse` (N s) on two bodies that approached each other with
+    /// `speed` (m/s) before the step.
     ///
     /// A plastic load changes the energy by `impulse (v + v') / 2` with the speeds before and after it, and leaves `v' = 0`.
-    pub fn add(&mut self, impulse: f32, speed: f32) {
-        self.impulse += impulse;
+    pub(crate) fn add_energy(&mut self, impulse: f32, speed: f32) {
         self.energy += 0.5 * impulse * speed.max(0.0);
     }
 }
 
+/// How two bodies rest on each other at a contact.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Rest {
+    /// What the contact bore in the last step, N s.
+    pub(crate) impulse: f32,
+    /// Approach above which they hit each other, m/s.
+    pub(crate) speed: f32,
+}
+
+/// A blow to one body, from all contacts of its island. A body that contacts do not move has one for each island at it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Blow {
+    /// Who was hit.
+    pub(crate) slot: u32,
+    /// Impulse and energy, all contacts together.
+    pub(crate) load: ImpactLoad,
+    /// Sum of the impulses times where they act, from the center of mass, world axes, N s m.
+    ///
+    /// Divided by the impulse, the center of the blow. A single point would do for corners only: a box that lands flat
+    /// touches with four, and a plane through one of them is the plane of a face.
+    pub(crate) moment: Vec3,
+    /// Sum of the impulses with their directions on the body, world axes, N s.
+    pub(crate) direction: Vec3,
+    /// Slot of the body that gave most of it, and how much that was, N s.
+    pub(crate) strongest: Option<(u32, f32)>,
+    /// The manifolds that gave it, and which share of their impulses is part of it.
+    pub(crate) contacts: SmallVec<[(u32, f32); 4]>,
+}
+
 impl Bodies {
-    /// What the body bears in a step, with number 0; `None` if it does not break, or has borne more already.
+    /// What the body bears in a step, with number 0; `None` if it does not break, or must not now.
     #[inline]
     pub(crate) fn limit(&self, slot: u32) -> Option<BreakingLimit> {
         let fracturable = self.fracturable(slot)?;
-        let is_at_risk =
-            self.kind(slot) == RigidBody::Dynamic && !self.is_overloaded[slot as usize];
+        let borne = self.borne_impulse[slot as usize];
+        let is_at_risk = borne < f32::INFINITY && self.convex(slot).is_some();
         is_at_risk.then_some(BreakingLimit {
             body: 0,
-            impulse: fracturable.strength,
+            impulse: self.strength(slot).max(borne),
             energy: fracturable.min_energy,
         })
     }
@@ -75,7 +114,7 @@ impl Bodies {
         self.fracturable > 0
     }
 
-    /// Makes a body breakable or unbreakable, and wakes it if that changes anything: its own weight may break it.
+    /// Makes a body breakable or unbreakable, and wakes it if that changes anything.
     pub fn set_fracturable(&mut self, slot: u32, fracturable: Option<Fracturable>) {
         if self.is_asleep(slot) && self.info(slot).fracturable != fracturable {
             self.wake(slot);

@@ -2,7 +2,7 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | `store.rs` | `Bodies`, the arrays; slots and ids |
+//! | `store.rs`, `slots.rs` | `Bodies`, the arrays; slots and ids |
 //! | `body.rs` | what a body is made from, and why one is refused |
 //! | `solver_body.rs` | the rows of eight numbers that sweeps touch: velocity, mass, motion |
 //! | `drive.rs`, `driving.rs`, `sensor.rs` | forces, damping, locked axes of the few bodies that have some; bodies that only sense |
@@ -10,26 +10,34 @@
 //! | `free_rotation.rs` | rotation without torque that keeps angular momentum and energy |
 //! | `integrate.rs` | phase 7: bodies are put where the solver has moved them |
 //! | `inertia.rs` | how heavy bodies are: inertia and energy from shape and density |
-//! | `breaking.rs` | what a body bears, and what it was hit with |
+//! | `anchors.rs`, `holding.rs` | where bodies that stand hold on to the world |
+//! | `breaking.rs`, `fatigue.rs`, `wearing.rs` | what a body bears, and what it was hit with; what blows leave of it |
 //! | `sleep_state.rs`, `waking.rs` | who rests and who sleeps; setters wake at once |
 //!
 //! Must not know manifolds, rows or how anything is solved: when islands fall asleep is the solver's business, who breaks that of
 //! `fracture`. Read `store.rs` first, then `solver_body.rs`.
 
+pub(crate) mod anchors;
 pub(crate) mod body;
 pub(crate) mod breaking;
 pub(crate) mod drive;
 mod driving;
+pub(crate) mod fatigue;
 pub(crate) mod free_rotation;
+mod holding;
 pub(crate) mod inertia;
 pub(crate) mod integrate;
 mod kind;
 mod sensor;
 pub(crate) mod sleep_state;
+mod slots;
 pub(crate) mod solver_body;
 pub(crate) mod store;
 mod waking;
+mod wearing;
 
+pub use anchors::{AnchorRegion, Anchors};
 pub use body::{BodyDesc, BodyError, RigidBody, Shape};
 pub use drive::{BodyDrive, LockedAxes, StepForces};
+pub use fatigue::Fatigue;
 pub use store::Bodies;

@@ -23,5 +23,9 @@ impl Bodies {
     pub(super) fn forget_extras(&mut self, slot: u32) {
         self.sensors.retain(|&sensor| sensor != slot);
         self.drives.remove(slot);
+        self.forget_fatigue(slot);
+        if let Some(hold) = self.holds.get_mut(slot as usize) {
+            *hold = None;
+        }
     }
 }

@@ -8,8 +8,10 @@ use crate::bodies::sleep_state::Status;
 use crate::bodies::solver_body::Motion;
 use crate::bodies::solver_body::SolverBody;
 
+use crate::bodies::anchors::Hold;
 use crate::bodies::body::{BodyInfo, check_pose, check_velocity};
 use crate::bodies::drive::Drives;
+use crate::bodies::fatigue::Wearing;
 use crate::bodies::free_rotation::FreeRotation;
 use crate::bodies::sleep_state::Sleep;
 use crate::contact::body_id::BodyId;
@@ -45,9 +47,9 @@ pub struct Bodies {
     pub(super) radius: Vec<f32>,
     /// Changes with shape, mass or material: what is kept about the body elsewhere is out of date then.
     pub(crate) version: Vec<u32>,
-    /// Whether the impulses of the last step were more than the body bears: what did not break it then is a load that it
-    /// stands, and breaks it when it comes anew.
-    pub(crate) is_overloaded: Vec<bool>,
+    /// Impulse of a blow that the body bears whatever its strength, N s: of a larger one nothing came. Infinite while it waits for
+    /// its turn to break.
+    pub(crate) borne_impulse: Vec<f32>,
     /// Slots whose mass properties are out of date.
     pub(crate) stale_mass: Vec<u32>,
     /// Slots whose mass properties the last mass phase computed.
@@ -60,6 +62,10 @@ pub struct Bodies {
     pub(crate) sensors: Vec<u32>,
     /// What moves bodies besides gravity and contacts, or keeps them from moving.
     pub(crate) drives: Drives,
+    /// By slot, as far as any has it: how bodies that stand hold on to the world.
+    pub(crate) holds: Vec<Option<Box<Hold>>>,
+    /// Those that blows wear out, by slot.
+    pub(crate) wearing: Vec<Wearing>,
     /// Whether there was ever a body that is a level of triangles.
     pub(crate) any_level: bool,
     /// Who rests, and what was changed since.
@@ -68,9 +74,11 @@ pub struct Bodies {
     pub(crate) bonded: Vec<(BodyId, BodyId)>,
     /// Pairs of bodies that do not touch each other because a joint says so, ascending.
     pub(crate) apart: Vec<(BodyId, BodyId)>,
-    free: Vec<u32>,
+    pub(super) free: Vec<u32>,
+    /// Slots that become free with the next step: something may name them until then.
+    pub(super) retired: Vec<u32>,
     next_id: u32,
-    alive: usize,
+    pub(super) alive: usize,
 }
 
 impl Bodies {
@@ -128,7 +136,7 @@ impl Bodies {
         };
         self.mass[i] = MassProperties::default();
         self.inverse_inertia[i] = Mat3::ZERO;
-        self.is_overloaded[i] = false;
+        self.borne_impulse[i] = 0.0;
         self.info[i] = Some(info);
         self.fracturable += usize::from(self.info(slot).fracturable.is_some());
         self.dynamic += usize::from(self.kind(slot) == RigidBody::Dynamic);
@@ -144,24 +152,6 @@ impl Bodies {
         self.refresh_mass(slot).inspect_err(|_| self.remove(slot))?;
         self.stale_mass.pop();
         Ok(slot)
-    }
-
-    /// Removes the body in `slot`; does nothing if the slot is free.
-    pub fn remove(&mut self, slot: u32) {
-        let i = slot as usize;
-        if i >= self.slots() || self.status[i] == Status::Free {
-            return;
-        }
-        self.disturb(slot);
-        self.fracturable -= usize::from(self.info(slot).fracturable.is_some());
-        self.dynamic -= usize::from(self.kind(slot) == RigidBody::Dynamic);
-        self.status[i] = Status::Free;
-        self.info[i] = None;
-        self.forget_extras(slot);
-        self.velocity[i] = SolverBody::default();
-        self.kd_box[i] = None;
-        self.free.push(slot);
-        self.alive -= 1;
     }
 
     /// Slots that hold a body, ascending.
@@ -376,24 +366,5 @@ impl Bodies {
     pub(super) fn renew_version(&mut self, slot: u32) {
         let version = &mut self.version[slot as usize];
         *version = version.wrapping_add(1);
-    }
-
-    fn grow(&mut self) -> u32 {
-        let slot = self.ids.len() as u32;
-        self.ids.push(BodyId::default());
-        self.status.push(Status::Free);
-        self.info.push(None);
-        self.center.push(Vec3::ZERO);
-        self.rotation.push(Quat::IDENTITY);
-        self.velocity.push(SolverBody::default());
-        self.motion.push(Motion::default());
-        self.mass.push(MassProperties::default());
-        self.inverse_inertia.push(Mat3::ZERO);
-        self.kd_box.push(None);
-        self.min_extent.push(0.0);
-        self.radius.push(0.0);
-        self.version.push(0);
-        self.is_overloaded.push(false);
-        slot
     }
 }

@@ -89,6 +89,33 @@ pub struct Fractured {
     pub ledger: Ledger,
 }
 
+/// A piece of debris that will be removed, as [`DebrisRules::fade`](crate::fracture::DebrisRules::fade) says: for whoever draws it
+/// to let it fade, shrink or sink. Written by the plugin in each step.
+#[derive(Clone, Copy, Debug, PartialEq, Component)]
+#[component(clone_behavior = Ignore)]
+pub struct Fading {
+    /// Time until it is removed, s.
+    pub remaining: f32,
+    /// Time that it has for fading altogether, s.
+    pub duration: f32,
+}
+
+impl Fading {
+    /// How much of it is left to be seen: from 1 at the beginning to 0.
+    pub fn opacity(&self) -> f32 {
+        (self.remaining / self.duration).clamp(0.0, 1.0)
+    }
+}
+
+/// A piece was removed because [`DebrisRules`](crate::fracture::DebrisRules) say so. The entity is gone when this is read.
+#[derive(Clone, Copy, Debug, PartialEq, Message)]
+pub struct DebrisRemoved {
+    /// The entity that it was.
+    pub entity: Entity,
+    /// What went with it, kg.
+    pub mass: f32,
+}
+
 /// Two bodies that were bonded came apart, or their load passed the strength of the bond. Sent once; a bond does not heal.
 #[derive(Clone, Copy, Debug, PartialEq, Message)]
 pub struct BondBroken {

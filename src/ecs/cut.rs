@@ -1,9 +1,11 @@
 //! Cuts that commands ask for, and what became of those that were not made.
 
+use crate::bodies::anchors::Anchors;
+use crate::bodies::body::RigidBody;
 use crate::bodies::store::Bodies;
 use crate::ecs::components::*;
 use crate::ecs::state::{PluginState, SliceRequests};
-use crate::fracture::{CutError, CutRequest, Fractures};
+use crate::fracture::{CutError, CutRequest, ExpiredPiece, FadingPiece, Fracture, Fractures};
 use crate::math::Plane;
 use bevy_ecs::prelude::*;
 
@@ -59,15 +61,43 @@ pub(super) fn report_refusals(
     }
 }
 
-/// Despawns the entities of pieces whose time was over.
+/// Despawns the entities of pieces whose time was over, and says which are to go.
 pub(super) fn despawn_expired(
     commands: &mut Commands,
     fractures: &Fractures,
     entities: &BodyEntities,
+    duration: f32,
+    messages: &mut Messages<DebrisRemoved>,
 ) {
-    for &(slot, id) in &fractures.expired {
-        if let Some(entity) = entities.of(slot, id) {
+    for &FadingPiece {
+        slot,
+        body,
+        remaining,
+    } in &fractures.fading
+    {
+        if let Some(entity) = entities.of(slot, body) {
+            commands.entity(entity).try_insert(Fading {
+                remaining,
+                duration,
+            });
+        }
+    }
+    for &ExpiredPiece { slot, body, mass } in &fractures.expired {
+        if let Some(entity) = entities.of(slot, body) {
             commands.entity(entity).try_despawn();
+            messages.write(DebrisRemoved { entity, mass });
+        }
+    }
+}
+
+/// Entities of bodies that stood become dynamic with their bodies, because they hung on what broke.
+pub(super) fn let_fall(world: &mut World, done: &[Fracture]) {
+    for &slot in done.iter().flat_map(|fracture| &fracture.fallen) {
+        let id = world.resource::<Bodies>().id(slot);
+        let entity = world.resource::<PluginState>().entities.of(slot, id);
+        let entity = entity.and_then(|entity| world.get_entity_mut(entity).ok());
+        if let Some(mut entity) = entity {
+            entity.remove::<Anchors>().insert(RigidBody::Dynamic);
         }
     }
 }

@@ -92,6 +92,7 @@ pub(crate) fn read_entities(
     children.clear();
     read_kinds(queue, bodies, issues, warnings, &readings.rare);
     let enabled = toggle(queue, bodies, issues, &readings.rare);
+    options.read_again(&queue.reduced);
     gather_changes(queue, bodies, issues, warnings, readings);
     let mut reader = MotionReader {
         step_dt: settings.step_dt,
@@ -110,13 +111,14 @@ pub(crate) fn read_entities(
             reader.read_one(item);
         }
     }
+    options.read_again(&queue.reduced);
     if !queue.reduced.is_empty() {
         redescribe(queue, bodies, issues, warnings, readings, None);
     }
     settle_marked(queue, bodies, &readings.marked);
     read_options(
         options,
-        bodies,
+        (bodies, entities),
         (issues, warnings),
         &readings.changed_options,
         &readings.options,

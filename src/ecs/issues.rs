@@ -34,6 +34,10 @@ pub(crate) enum Source {
     Options,
     /// How it breaks.
     Breaking,
+    /// Where it holds on to the world.
+    Anchors,
+    /// How blows wear it out.
+    Fatigue,
 }
 
 /// Something that is wrong.

@@ -53,8 +53,8 @@ pub use collisions::{
     ContactForceEvents, Sensor,
 };
 pub use components::{
-    AngularVelocity, BodyHandle, BodyProblem, BodyWarning, BondBroken, FractureCause, Fractured,
-    LinearVelocity, MassOverride, Sleeping,
+    AngularVelocity, BodyHandle, BodyProblem, BodyWarning, BondBroken, DebrisRemoved, Fading,
+    FractureCause, Fractured, LinearVelocity, MassOverride, Sleeping,
 };
 pub use cut::SliceCommands;
 pub use explosion::Explosion;

@@ -1,8 +1,10 @@
 //! What only some bodies have: events of their contacts, and what drives them. Read when it changes; a scene in which no entity
 //! ever had any of it is not looked at.
 
-use crate::bodies::body::BodyError;
+use crate::bodies::anchors::Anchors;
+use crate::bodies::body::{BodyError, RigidBody};
 use crate::bodies::drive::{BodyDrive, LockedAxes};
+use crate::bodies::fatigue::Fatigue;
 use crate::bodies::store::Bodies;
 use crate::ecs::collisions::{CollisionEvents, ContactForceEvents};
 use crate::ecs::components::*;
@@ -18,7 +20,7 @@ use bevy_math::Vec3;
 type Options = (
     (CollisionEvents, ContactForceEvents, LockedAxes, MaxSpeed),
     (GravityScale, LinearDamping, AngularDamping),
-    (ConstantForce, ConstantTorque),
+    (ConstantForce, ConstantTorque, Anchors, Fatigue),
 );
 
 /// What may have changed of them without having come or gone.
@@ -31,6 +33,8 @@ pub(crate) type ChangedOptions = Or<(
     Changed<AngularDamping>,
     Changed<ConstantForce>,
     Changed<ConstantTorque>,
+    Changed<Anchors>,
+    Changed<Fatigue>,
 )>;
 
 /// All of them.
@@ -46,6 +50,8 @@ pub(crate) struct BodyOptions {
     angular_damping: Option<&'static AngularDamping>,
     force: Option<&'static ConstantForce>,
     torque: Option<&'static ConstantTorque>,
+    anchors: Option<&'static Anchors>,
+    fatigue: Option<&'static Fatigue>,
 }
 
 /// Observer: a body got an option.
@@ -62,7 +68,7 @@ pub(crate) fn on_option_removed(remove: On<Remove<Options>>, mut state: ResMut<P
 /// Reads the options of entities that were queued or changed.
 pub(crate) fn read_options(
     queue: &mut OptionQueue,
-    bodies: &mut Bodies,
+    (bodies, entities): (&mut Bodies, &BodyEntities),
     (issues, warnings): (&mut Issues, &mut Messages<BodyWarning>),
     changed: &Query<Entity, (ChangedOptions, With<BodyHandle>)>,
     options: &Query<BodyOptions>,
@@ -73,14 +79,14 @@ pub(crate) fn read_options(
     let queued = std::mem::take(&mut queue.entities);
     for entity in queued.into_iter().chain(changed) {
         if let Ok(item) = options.get(entity) {
-            read_option(queue, bodies, (issues, warnings), entity, &item);
+            read_option(queue, (bodies, entities), (issues, warnings), entity, &item);
         }
     }
 }
 
 fn read_option(
     queue: &mut OptionQueue,
-    bodies: &mut Bodies,
+    (bodies, entities): (&mut Bodies, &BodyEntities),
     (issues, warnings): (&mut Issues, &mut Messages<BodyWarning>),
     entity: Entity,
     item: &BodyOptionsItem,
@@ -107,11 +113,34 @@ fn read_option(
     let taken = is_usable.ok_or(BodyError::Drive("ContactForceEvents"));
     let taken = taken.and(bodies.set_drive(slot, drive));
     issues.note(warnings, entity, Source::Options, taken);
+    let scale = entities.seen[slot as usize].scale;
+    let held = read_anchors(bodies, slot, item.anchors, scale);
+    issues.note(warnings, entity, Source::Anchors, held);
+    let worn = bodies.set_fatigue(slot, item.fatigue.copied());
+    let is_idle = item.fatigue.is_some() && bodies.fracturable(slot).is_none();
+    let is_idle = is_idle.then_some(Err(BodyError::IdleFatigue));
+    let worn = worn.and(is_idle.unwrap_or(Ok(())));
+    issues.note(warnings, entity, Source::Fatigue, worn);
     let watch = ContactWatch {
         touches: item.touches,
         force: if force.is_nan() { f32::INFINITY } else { force },
     };
     queue.watches.push((slot, id, watch));
+}
+
+/// Takes over where a body holds on to the world.
+fn read_anchors(
+    bodies: &mut Bodies,
+    slot: u32,
+    anchors: Option<&Anchors>,
+    scale: Vec3,
+) -> Result<(), BodyError> {
+    let scaled = anchors.map(|anchors| anchors.scaled(scale));
+    bodies.set_anchors(slot, scaled)?;
+    if anchors.is_some() && bodies.kind(slot) == RigidBody::Dynamic {
+        return Err(BodyError::Anchors("a Dynamic body holds on to nothing"));
+    }
+    Ok(())
 }
 
 /// Says whose contacts are to be watched.
@@ -128,6 +157,7 @@ pub(super) fn settle_options(world: &mut World) {
     let state = &mut *world.resource_mut::<PluginState>();
     let mut queue = std::mem::take(&mut state.options);
     let mut issues = std::mem::take(&mut state.issues);
+    let entities = std::mem::take(&mut state.entities);
     if !queue.entities.is_empty() {
         let mut options = world.query::<BodyOptions>();
         world.resource_scope(|world, mut bodies: Mut<Bodies>| {
@@ -135,7 +165,7 @@ pub(super) fn settle_options(world: &mut World) {
                 for entity in std::mem::take(&mut queue.entities) {
                     if let Ok(item) = options.get(world, entity) {
                         let tell = (&mut issues, &mut *warnings);
-                        read_option(&mut queue, &mut bodies, tell, entity, &item);
+                        read_option(&mut queue, (&mut bodies, &entities), tell, entity, &item);
                     }
                 }
             });
@@ -144,5 +174,5 @@ pub(super) fn settle_options(world: &mut World) {
         });
     }
     let state = &mut *world.resource_mut::<PluginState>();
-    (state.options, state.issues) = (queue, issues);
+    (state.options, state.issues, state.entities) = (queue, issues, entities);
 }

@@ -3,11 +3,14 @@
 //! A piece is a clone of the parent in which the components of the body are the piece's own. The clone is made in one go, so
 //! whoever observes that any of them is added sees all of them.
 
+use crate::bodies::anchors::Anchors;
 use crate::bodies::body::RigidBody;
+use crate::bodies::fatigue::Fatigue;
 use crate::bodies::store::Bodies;
 use crate::contact::body_id::BodyId;
 use crate::contact::material::Density;
 use crate::ecs::components::*;
+use crate::ecs::cut::let_fall;
 use crate::ecs::forces::{ConstantForce, ConstantTorque, Mass};
 use crate::ecs::issues::BodyIssues;
 use crate::ecs::joint::{JointsOfA, JointsOfB, follow_pieces};
@@ -76,6 +79,7 @@ struct Staged {
     mass: MassProperties,
     handle: BodyHandle,
     fracturable: Option<Fracturable>,
+    anchors: Option<Anchors>,
 }
 
 thread_local! {
@@ -129,6 +133,7 @@ impl Staged {
             mass: *bodies.mass(slot),
             handle: BodyHandle(Some((slot, bodies.id(slot)))),
             fracturable: bodies.fracturable(slot).cloned(),
+            anchors: bodies.anchors(slot).cloned(),
         })
     }
 
@@ -145,6 +150,9 @@ impl Staged {
             .filter(|_| !piece.contains::<Fracturable>())
         {
             piece.insert(fracturable);
+        }
+        if let Some(anchors) = self.anchors {
+            piece.insert(anchors);
         }
         // What is there already is not touched.
         let motion = (
@@ -164,6 +172,7 @@ impl Staged {
 /// Pieces of a body without an entity stay bodies without entities.
 pub(super) fn spawn_pieces(world: &mut World) {
     let done = std::mem::take(&mut world.resource_mut::<Fractures>().done);
+    let_fall(world, &done);
     let families = families(world, &done).into_iter();
     let events: Vec<Fractured> = families
         .map(|(event, slots)| Fractured {
@@ -303,6 +312,13 @@ fn spawn_piece(
     if let Some(staged) = staged {
         staged.complete(world, piece);
     }
+    if let Some(mut fatigue) = world.get_mut::<Fatigue>(piece) {
+        if keeps_breaking {
+            fatigue.damage = 0.0;
+        } else {
+            world.entity_mut(piece).remove::<Fatigue>();
+        }
+    }
     toggle_if_disabled(world, piece);
     // Whole before it is said to be a piece.
     let mut born = world.get_entity_mut(piece).ok()?;
@@ -347,7 +363,7 @@ fn keep_apart(builder: &mut EntityClonerBuilder<OptOut>, keeps_breaking: bool) {
     builder.add_observers(true);
     // Whatever requires one of these is denied too: nothing that `RigidBody` requires may be among them.
     builder.deny::<(
-        (MassOverride, Mass, ConstantForce, ConstantTorque),
+        (MassOverride, Mass, ConstantForce, ConstantTorque, Anchors),
         (Sleeping, Children, BodyIssues, PieceOf),
         (JointsOfA, JointsOfB),
     )>();

@@ -3,8 +3,10 @@
 //! The types themselves are plain data that only derive `Reflect`; that they are components and resources is said here,
 //! in the first layer that knows what these are.
 
+use crate::bodies::anchors::Anchors;
 use crate::bodies::body::RigidBody;
 use crate::bodies::drive::LockedAxes;
+use crate::bodies::fatigue::Fatigue;
 use crate::contact::layers::CollisionLayers;
 use crate::contact::material::{Density, Friction, Restitution};
 use crate::ecs::collisions::{CollisionEvents, ContactForceEvents, Sensor};
@@ -52,6 +54,8 @@ pub(crate) fn register_types(app: &mut App) {
     component_with_default::<ConstantForce>(app);
     component_with_default::<ConstantTorque>(app);
     component_with_default::<ChildrenOfPieces>(app);
+    component_with_default::<Anchors>(app);
+    component_with_default::<Fatigue>(app);
     resource::<Gravity>(app);
     resource::<SolverConfig>(app);
     resource::<FractureBudget>(app);

@@ -29,6 +29,7 @@ pub(crate) struct BodySync<'w, 's> {
     fractures: Res<'w, Fractures>,
     state: Res<'w, PluginState>,
     warnings: ResMut<'w, Messages<BodyWarning>>,
+    removed: ResMut<'w, Messages<DebrisRemoved>>,
     marked: Query<'w, 's, (), (With<Sleeping>, Allow<Disabled>)>,
 }
 
@@ -38,10 +39,12 @@ pub(crate) fn any_entity_is_outdated(bodies: Res<Bodies>, fractures: Res<Fractur
         done,
         refused,
         expired,
+        fading,
         ..
     } = &*fractures;
-    let is_unbroken = done.is_empty() && refused.is_empty() && expired.is_empty();
-    !(is_unbroken && bodies.sleep_changes().is_empty())
+    let is_unbroken = done.is_empty() && refused.is_empty();
+    let nothing_goes = expired.is_empty() && fading.is_empty();
+    !(is_unbroken && nothing_goes && bodies.sleep_changes().is_empty())
 }
 
 /// System: brings the entities in line with the bodies, before motion is written: cuts that were refused, pieces whose time is
@@ -56,11 +59,13 @@ pub(crate) fn renew_entities(world: &mut World, renewal: &mut SystemState<BodySy
         fractures,
         state,
         mut warnings,
+        mut removed,
         marked,
     } = renewal.get_mut(world)?;
     let entities = &state.entities;
     cut::report_refusals(&fractures, entities, &mut warnings);
-    cut::despawn_expired(&mut commands, &fractures, entities);
+    let fade = state.settings.budget.debris.fade;
+    cut::despawn_expired(&mut commands, &fractures, entities, fade, &mut removed);
     unmark_woken(&mut commands, &bodies, entities, &marked);
     if !fractures.done.is_empty() {
         commands.queue(spawn_pieces);
@@ -90,6 +95,11 @@ pub(crate) fn write_entities(
     for entity in state.queue.halted.drain(..) {
         let rest = (LinearVelocity::default(), AngularVelocity::default());
         marks.commands.entity(entity).try_insert(rest);
+    }
+    for damaged in bodies.damaged() {
+        if let Some(entity) = state.entities.of(damaged.slot, damaged.id) {
+            marks.commands.entity(entity).try_insert(damaged.fatigue);
+        }
     }
     if !state.children.is_empty() {
         marks.commands.queue(write_children);

@@ -103,3 +103,12 @@ pub(crate) struct OptionQueue {
     /// Bodies whose contacts are to be watched otherwise.
     pub(crate) watches: Vec<(u32, BodyId, ContactWatch)>,
 }
+
+impl OptionQueue {
+    /// Reads the options of these entities again, if there are any: kind or scale of their bodies changed.
+    pub(crate) fn read_again(&mut self, entities: &[Entity]) {
+        if self.is_used {
+            self.entities.extend_from_slice(entities);
+        }
+    }
+}

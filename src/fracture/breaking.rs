@@ -1,13 +1,13 @@
 //! When bodies break: on request at the start of a step, and under a blow while it is solved.
 
-use crate::bodies::body::RigidBody;
+use crate::bodies::breaking::Blow;
 use crate::bodies::store::Bodies;
 use crate::contact::body_id::BodyId;
 use crate::contact::impulses::ContactCache;
 use crate::contact::manifolds::Manifolds;
 use crate::fracture::budget::FractureBudget;
+use crate::fracture::debris::Debris;
 use crate::fracture::impact;
-use crate::fracture::impact::ImpulseSum;
 use crate::fracture::inheritance::{ParentState, transfer_impulses};
 use crate::fracture::pieces::{BreakPlan, PieceSet, replace};
 use crate::fracture::{Bonds, BreakingImpact, CutError, CutRequest, Fractures, MIN_PIECES};
@@ -15,6 +15,10 @@ use crate::geometry::predicates::check_plane;
 use crate::slice::{Impact, PieceCutter, SliceError};
 use crate::solver::contact_solver::ContactSolver;
 use smallvec::SmallVec;
+
+/// How much harder than a blow that nothing came of another one must be to be tried, as long as what is borne stays above the
+/// strength: a press on what cannot be divided any more would try it anew in every step.
+const RETRIED: f32 = 2.0;
 
 /// Bodies that broke, in one go, and their pieces.
 type Lines = Vec<(ParentState, SmallVec<[u32; 8]>)>;
@@ -30,15 +34,6 @@ struct PendingBreak {
     blow: BreakingImpact,
 }
 
-/// A piece, and for how long it has slept.
-#[derive(Clone, Copy, Debug)]
-struct Alive {
-    body: BodyId,
-    slot: u32,
-    /// s.
-    slept: f32,
-}
-
 /// What is kept from step to step, and buffers.
 #[derive(Debug, Default)]
 pub(super) struct FractureState {
@@ -47,10 +42,9 @@ pub(super) struct FractureState {
     /// Dynamic bodies that were awake when it began.
     awake: usize,
     waiting: Vec<PendingBreak>,
-    alive: Vec<Alive>,
-    /// By slot.
-    impacts: Vec<ImpulseSum>,
-    shares: Vec<f32>,
+    debris: Debris,
+    /// Bodies that must not break by some blows, see [`Bodies::borne_impulse`].
+    spared: Vec<(u32, BodyId)>,
     cutter: PieceCutter,
     /// Who broke since impulses were last handed on.
     lines: Lines,
@@ -64,15 +58,18 @@ impl FractureState {
         self.waiting.len()
     }
 
-    /// Forgets pieces that are no more, for whatever reason.
-    fn take_stock(&mut self, bodies: &Bodies) {
-        self.alive
-            .retain(|piece| bodies.is_current(piece.slot, piece.body));
+    /// Lets a body bear blows up to `impulse`, N s.
+    fn spare(&mut self, bodies: &mut Bodies, slot: u32, impulse: f32) {
+        let body = (slot, bodies.id(slot));
+        if !self.spared.contains(&body) {
+            self.spared.push(body);
+        }
+        bodies.borne_impulse[slot as usize] = impulse;
     }
 
     /// Pieces that blows may still make in this step.
     pub(super) fn left(&self, budget: &FractureBudget) -> usize {
-        budget.left(self.made, self.alive.len(), self.awake)
+        budget.left(self.made, self.debris.len(), self.awake)
     }
 }
 
@@ -100,30 +97,32 @@ pub(crate) fn make_cuts(
     fractures.done.clear();
     fractures.refused.clear();
     fractures.expired.clear();
+    fractures.fading.clear();
     fractures.state.handed_on.clear();
     fractures.state.made = 0;
+    bodies.free_retired();
     fractures.state.awake = bodies.dynamic() - bodies.asleep();
-    remove_old_pieces(fractures, bodies, cache, budget, step_dt);
-    fractures.state.take_stock(bodies);
+    let Fractures {
+        expired,
+        fading,
+        removed,
+        state,
+        ..
+    } = &mut *fractures;
+    (state.debris).pass(bodies, &budget.debris, step_dt, (expired, fading));
+    removed.remove(expired, bodies, cache);
+    fractures.state.debris.take_stock(bodies);
     if fractures.requests.is_empty() && fractures.state.waiting.is_empty() {
         return;
     }
     for (plan, requests) in collect_requests(fractures, bodies) {
         bodies.wake(plan.slot);
-        // A load that the parent stood must not break a piece that was cut off, but a blow may.
-        let stands = bodies.is_overloaded[plan.slot as usize];
         let division = PieceSet::new(bodies, &plan, &mut fractures.state.cutter);
         let made = division
             .and_then(|division| fractures.replace(bodies, bonds, plan.slot, division, budget));
-        match made {
-            Ok(fracture) => fracture
-                .pieces
-                .iter()
-                .for_each(|&piece| bodies.is_overloaded[piece as usize] = stands),
-            Err(error) => {
-                let refused = requests.into_iter().map(|r| (r, error.clone()));
-                fractures.refused.extend(refused);
-            }
+        if let Err(error) = made {
+            let refused = requests.into_iter().map(|r| (r, error.clone()));
+            fractures.refused.extend(refused);
         }
     }
     break_waiting(fractures, bodies, bonds, budget);
@@ -174,70 +173,79 @@ pub(crate) fn break_overloaded(
     solver: &ContactSolver,
 ) {
     let state = &mut fractures.state;
-    impact::sum_impulses(&mut state.impacts, bodies, manifolds);
-    state.shares.clear();
-    state.shares.resize(bodies.slots(), 0.0);
-    state.take_stock(bodies);
+    state.debris.take_stock(bodies);
     let mut left = state.left(budget);
-    let mut divisions = Vec::new();
-    let mut hit: Vec<_> = (0..bodies.slots() as u32)
-        .filter(|&slot| solver.is_deferred(slot))
-        .filter(|&slot| state.impacts[slot as usize].is_too_much(bodies, slot))
-        .collect();
-    hit.sort_by_key(|&slot| bodies.id(slot));
-    for slot in hit {
+    let (mut divisions, mut shares) = (Vec::new(), Vec::new());
+    let mut blows: Vec<&Blow> = solver.breaking().collect();
+    // Of a body that contacts do not move, and that was hit in several places at once, the hardest blow counts.
+    blows.sort_by(|a, b| {
+        let by_impulse = b.load.impulse.total_cmp(&a.load.impulse);
+        bodies.id(a.slot).cmp(&bodies.id(b.slot)).then(by_impulse)
+    });
+    blows.dedup_by_key(|blow| blow.slot);
+    for blow in blows {
         // If it cannot be broken now, it has to bear everything.
-        bodies.is_overloaded[slot as usize] = true;
-        let sum = state.impacts[slot as usize];
+        state.spare(bodies, blow.slot, f32::INFINITY);
         if left < MIN_PIECES {
-            state.waiting.extend(wait(bodies, slot, &sum));
+            state.waiting.extend(wait(bodies, blow));
             continue;
         }
-        let impact = sum.impact(bodies, slot);
-        if let Some(division) = divide(bodies, slot, &impact, left, &mut state.cutter) {
-            left = left.saturating_sub(division.len());
-            let withstood = sum.withstood(bodies, slot, &division);
-            state.shares[slot as usize] = withstood;
-            divisions.push((slot, division, sum.blow(bodies, slot, withstood)));
-        }
+        let impact = blow.impact(bodies);
+        let Some(division) = divide(bodies, blow.slot, &impact, left, &mut state.cutter) else {
+            state.spare(bodies, blow.slot, RETRIED * blow.load.impulse);
+            continue;
+        };
+        left = left.saturating_sub(division.len());
+        let withstood = blow.withstood(bodies, &division);
+        let contacts = blow.contacts.iter();
+        shares.extend(contacts.map(|&(index, part)| (index, part * withstood)));
+        divisions.push((division, blow.report(bodies, withstood), blow));
     }
-    impact::apply_shares(&state.shares, bodies, manifolds);
-    for (slot, division, blow) in divisions {
-        if let Ok(fracture) = fractures.replace(bodies, bonds, slot, division, budget) {
-            fracture.blow = Some(blow);
+    impact::apply_shares(&mut shares, bodies, manifolds);
+    for (division, report, blow) in divisions {
+        match fractures.replace(bodies, bonds, blow.slot, division, budget) {
+            Ok(fracture) => fracture.blow = Some(report),
+            Err(_) => bodies.borne_impulse[blow.slot as usize] = RETRIED * blow.load.impulse,
         }
     }
     fractures.hand_on_impulses(bodies, cache);
 }
 
-/// After the last round: notes which bodies have got through the step although its impulses were more than they bear, and
-/// lets those break later that would have, had there been a budget or a round for them.
-pub(crate) fn note_loads(
-    fractures: &mut Fractures,
-    bodies: &mut Bodies,
-    manifolds: &Manifolds,
-    solver: &ContactSolver,
-) {
-    if !bodies.any_fracturable() {
-        return;
+/// After the last round: lets those break later that would have, had there been a budget or a round for them, and those that bore a
+/// blow which nothing came of be asked again by the next one.
+pub(crate) fn note_loads(fractures: &mut Fractures, bodies: &mut Bodies, solver: &ContactSolver) {
+    if !bodies.wearing.is_empty() {
+        bodies.wear_out(solver.borne_loads());
     }
     let state = &mut fractures.state;
-    impact::sum_impulses(&mut state.impacts, bodies, manifolds);
-    for (slot, blow) in solver.overloaded() {
-        let sum = state.impacts[slot as usize].with_energy(blow.energy);
-        state.waiting.extend(wait(bodies, slot, &sum));
-    }
-    for (slot, sum) in (0..).zip(&state.impacts) {
-        if let Some(fracturable) = bodies.fracturable(slot) {
-            bodies.is_overloaded[slot as usize] = sum.impulse() > fracturable.strength;
+    for blow in solver.overloaded() {
+        match wait(bodies, blow) {
+            Some(pending) => {
+                state.waiting.push(pending);
+                state.spare(bodies, blow.slot, f32::INFINITY);
+            }
+            None => state.spare(bodies, blow.slot, RETRIED * blow.load.impulse),
         }
     }
-    // Another blow does not break them twice.
-    for entry in &state.waiting {
-        if bodies.is_current(entry.slot, entry.body) {
-            bodies.is_overloaded[entry.slot as usize] = true;
-        }
+    if state.spared.is_empty() {
+        return;
     }
+    let waiting = &state.waiting;
+    state.spared.retain(|&(slot, id)| {
+        if !bodies.is_current(slot, id) {
+            return false;
+        }
+        if waiting.iter().any(|entry| entry.body == id) {
+            return true;
+        }
+        let loads = solver.borne_loads().filter(|&(hit, _)| hit == slot);
+        let most = loads.map(|(_, load)| load.impulse).fold(0.0, f32::max);
+        if most > bodies.strength(slot) && bodies.borne_impulse[slot as usize].is_finite() {
+            return true;
+        }
+        bodies.borne_impulse[slot as usize] = 0.0;
+        false
+    });
 }
 
 /// What a blow makes of the body in `slot` where `left` pieces may be made; nothing if it bears it.
@@ -259,8 +267,9 @@ fn divide(
 }
 
 /// A body that waits for its turn to break, unless it bears the blow.
-fn wait(bodies: &Bodies, slot: u32, sum: &ImpulseSum) -> Option<PendingBreak> {
-    let impact = sum.impact(bodies, slot);
+fn wait(bodies: &Bodies, blow: &Blow) -> Option<PendingBreak> {
+    let slot = blow.slot;
+    let impact = blow.impact(bodies);
     // Whether it breaks does not depend on the number of pieces, and how it does is found when its turn comes.
     let most = bodies.max_pieces(slot).min(MIN_PIECES);
     impact::cutting(bodies, slot, &impact, most)?;
@@ -268,7 +277,7 @@ fn wait(bodies: &Bodies, slot: u32, sum: &ImpulseSum) -> Option<PendingBreak> {
         body: bodies.id(slot),
         slot,
         impact,
-        blow: sum.blow(bodies, slot, 1.0),
+        blow: blow.report(bodies, 1.0),
     })
 }
 
@@ -283,19 +292,17 @@ impl Fractures {
         budget: &FractureBudget,
     ) -> Result<&mut crate::fracture::Fracture, CutError> {
         let line = ParentState::of(bodies, slot);
-        let drive = bodies.drive(slot);
+        let (drive, fatigue) = (bodies.drive(slot), bodies.fatigue(slot).copied());
         let fracture = replace(bodies, slot, division, budget)?;
         bonds.inherit(bodies, &line, &fracture.pieces);
         bodies.drive_pieces(drive, &fracture.pieces);
+        if let Some(fatigue) = fatigue {
+            bodies.wear_pieces(fatigue, &fracture.pieces);
+        }
         let state = &mut self.state;
         state.lines.push((line, fracture.pieces.clone()));
         state.made += fracture.pieces.len();
-        let pieces = fracture.pieces.iter().zip(&fracture.ids);
-        state.alive.extend(pieces.map(|(&slot, &body)| Alive {
-            body,
-            slot,
-            slept: 0.0,
-        }));
+        state.debris.add(bodies, &fracture.pieces);
         self.done.push(fracture);
         Ok(self.done.last_mut().expect("just pushed"))
     }
@@ -345,8 +352,8 @@ fn check_request(request: &CutRequest, bodies: &Bodies) -> Result<(), CutError> 
     if !bodies.is_current(request.slot, request.body) {
         return Err(CutError::NoBody);
     }
-    if bodies.kind(request.slot) != RigidBody::Dynamic {
-        return Err(CutError::NotDynamic);
+    if bodies.convex(request.slot).is_none() {
+        return Err(CutError::NotConvex);
     }
     if !bodies.is_active(request.slot) {
         return Err(CutError::Frozen);
@@ -356,39 +363,4 @@ fn check_request(request: &CutRequest, bodies: &Bodies) -> Result<(), CutError> 
     }
     check_plane(&request.plane).map_err(SliceError::from)?;
     Ok(())
-}
-
-/// Removes pieces that have slept for longer than the budget allows.
-fn remove_old_pieces(
-    fractures: &mut Fractures,
-    bodies: &mut Bodies,
-    cache: &mut ContactCache,
-    budget: &FractureBudget,
-    step_dt: f32,
-) {
-    if budget.lifetime.is_infinite() {
-        return;
-    }
-    let expired = &mut fractures.expired;
-    fractures.state.alive.retain_mut(|piece| {
-        let is_there = bodies.is_current(piece.slot, piece.body);
-        let is_asleep = is_there && bodies.is_asleep(piece.slot);
-        piece.slept = if is_asleep {
-            piece.slept + step_dt
-        } else {
-            0.0
-        };
-        let is_old = piece.slept > budget.lifetime;
-        if is_old {
-            expired.push((piece.slot, piece.body));
-        }
-        is_there && !is_old
-    });
-    for &(slot, _) in expired.iter() {
-        bodies.remove(slot);
-    }
-    if !expired.is_empty() {
-        expired.sort_unstable_by_key(|&(_, id)| id);
-        cache.remove_bodies(|id| expired.binary_search_by_key(&id, |&(_, id)| id).is_ok());
-    }
 }

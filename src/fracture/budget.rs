@@ -1,5 +1,6 @@
 //! How much fracture a scene can afford.
 
+use crate::fracture::debris::DebrisRules;
 use bevy_ecs::resource::Resource;
 
 /// Awake bodies up to which a scene may grow at once, whatever [`FractureBudget::growth`] says: a step of a millisecond or two.
@@ -28,8 +29,8 @@ pub struct FractureBudget {
     pub min_volume: f32,
     /// How often a body and its pieces may break one after the other. At 0 blows break nothing.
     pub generations: u8,
-    /// Pieces that have slept for so long, s, are removed. Infinite: never.
-    pub lifetime: f32,
+    /// When pieces go again.
+    pub debris: DebrisRules,
 }
 
 impl Default for FractureBudget {
@@ -41,7 +42,7 @@ impl Default for FractureBudget {
             max_alive_pieces: 20_000,
             min_volume: 0.0,
             generations: u8::MAX,
-            lifetime: f32::INFINITY,
+            debris: DebrisRules::default(),
         }
     }
 }

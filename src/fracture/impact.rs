@@ -1,53 +1,20 @@
-//! Contact impulses of one step, summed by body: what they break, and what of them acts before that.
+//! Blows: what they break, and what of them acts before that.
 
 use crate::bodies::body::RigidBody;
-use crate::bodies::breaking::ImpactLoad;
+use crate::bodies::breaking::{Blow, ImpactLoad};
 use crate::bodies::store::Bodies;
 use crate::contact::manifolds::Manifolds;
 use crate::fracture::BreakingImpact;
 use crate::fracture::pieces::PieceSet;
 use crate::math::rotate;
-use crate::slice::{Cutting, Impact};
+use crate::slice::{Cutting, Fracturable, Impact};
 use glam::Vec3;
 
-/// Contact impulses on one body in one step.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct ImpulseSum {
-    /// Impulse and energy of the blow, all contact points together.
-    blow: ImpactLoad,
-    /// Sum of the impulses times where they act, from the center of mass, world axes, N s m.
-    ///
-    /// Divided by the impulse, the center of the blow. A single point would do for corners only: a box that lands flat
-    /// touches with four, and a plane through one of them is the plane of a face.
-    moment: Vec3,
-    /// Sum of the impulses with their directions on the body, world axes, N s.
-    direction: Vec3,
-    /// Slot of the body that gave most of it, and how much that was, N s.
-    strongest: Option<(u32, f32)>,
-}
-
-impl ImpulseSum {
-    /// Sum of the normal impulses, N s.
-    pub(super) fn impulse(&self) -> f32 {
-        self.blow.impulse
-    }
-
-    /// The same with another energy, J: that of a blow is not known any more once the velocities are those after it.
-    pub(super) fn with_energy(mut self, energy: f32) -> Self {
-        self.blow.energy = energy;
-        self
-    }
-
-    /// Whether the body in `slot` does not bear it.
-    pub(super) fn is_too_much(&self, bodies: &Bodies, slot: u32) -> bool {
-        let limit = bodies.limit(slot);
-        limit.is_some_and(|limit| limit.is_exceeded_by(&self.blow))
-    }
-
+impl Blow {
     /// What the fracture is reported with.
-    pub(super) fn blow(&self, bodies: &Bodies, slot: u32, withstood: f32) -> BreakingImpact {
-        let ImpactLoad { impulse, energy } = self.blow;
-        let center = bodies.center_of_mass(slot);
+    pub(super) fn report(&self, bodies: &Bodies, withstood: f32) -> BreakingImpact {
+        let ImpactLoad { impulse, energy } = self.load;
+        let center = bodies.center_of_mass(self.slot);
         BreakingImpact {
             impulse,
             energy,
@@ -58,23 +25,17 @@ impl ImpulseSum {
         }
     }
 
-    /// Takes note of what the body in `by` gave.
-    fn note_giver(&mut self, by: u32, impulse: f32) {
-        if self.strongest.is_none_or(|(_, most)| impulse > most) {
-            self.strongest = Some((by, impulse));
-        }
-    }
-
-    /// The share of the impulses that acts before the body in `slot` breaks: what it bears, and what the cracks take.
+    /// The share of the impulses that acts before the body breaks: what it bears, and what the cracks take.
     ///
     /// The first share `s` of a plastic blow with energy `E` takes `E (1 - (1 - s)^2)`: the approach is fastest at the
     /// start.
-    pub(super) fn withstood(&self, bodies: &Bodies, slot: u32, division: &PieceSet) -> f32 {
-        let (Some(fracturable), Some(mesh)) = (bodies.fracturable(slot), bodies.convex(slot))
+    pub(super) fn withstood(&self, bodies: &Bodies, division: &PieceSet) -> f32 {
+        let (Some(fracturable), Some(mesh)) =
+            (bodies.fracturable(self.slot), bodies.convex(self.slot))
         else {
             return 0.0;
         };
-        let ImpactLoad { impulse, energy } = self.blow;
+        let ImpactLoad { impulse, energy } = self.load;
         let cracks = fracturable.toughness * division.crack_area(mesh.hull()) as f32;
         let taken = fracturable.min_energy.max(cracks) / energy;
         let by_energy = if taken > 0.0 {
@@ -82,19 +43,21 @@ impl ImpulseSum {
         } else {
             0.0
         };
-        (fracturable.strength / impulse).max(by_energy).min(1.0)
+        (bodies.strength(self.slot) / impulse)
+            .max(by_energy)
+            .min(1.0)
     }
 
-    /// The blow as the body in `slot` feels it, body's frame.
-    pub(super) fn impact(&self, bodies: &Bodies, slot: u32) -> Impact {
-        let to_body = bodies.pose(slot).rotation.inverse();
+    /// The blow as the body feels it, body's frame.
+    pub(super) fn impact(&self, bodies: &Bodies) -> Impact {
+        let to_body = bodies.pose(self.slot).rotation.inverse();
         // Squeezed from opposite sides, the impulses cancel; any direction across the body is as good as another then.
         let direction = rotate(to_body, self.direction).normalize_or(Vec3::Y);
         Impact {
-            point: rotate(to_body, self.moment / self.impulse()) + bodies.mass(slot).center,
+            point: rotate(to_body, self.moment / self.load.impulse) + bodies.mass(self.slot).center,
             normal: direction,
-            impulse: self.impulse(),
-            energy: self.blow.energy,
+            impulse: self.load.impulse,
+            energy: self.load.energy,
         }
     }
 }
@@ -105,48 +68,29 @@ impl ImpulseSum {
 pub(super) fn cutting(bodies: &Bodies, slot: u32, impact: &Impact, most: usize) -> Option<Cutting> {
     let (fracturable, mesh) = (bodies.fracturable(slot)?, bodies.convex(slot)?);
     let most = u32::try_from(most).unwrap_or(u32::MAX);
+    let strength = bodies.strength(slot);
+    if strength < fracturable.strength {
+        let worn = Fracturable {
+            strength,
+            ..fracturable.clone()
+        };
+        return worn.cutting(impact, mesh.hull(), most);
+    }
     fracturable.cutting(impact, mesh.hull(), most)
 }
 
-/// Fills `sums`, by slot. The velocities of `bodies` are those before the blow.
-pub(super) fn sum_impulses(sums: &mut Vec<ImpulseSum>, bodies: &Bodies, manifolds: &Manifolds) {
-    sums.clear();
-    sums.resize(bodies.slots(), ImpulseSum::default());
-    for manifold in manifolds.iter() {
-        let [a, b] = [manifold.a, manifold.b].map(|slot| &bodies.velocity[slot as usize]);
-        let mut total = 0.0;
-        for point in manifold.points() {
-            // Bonds pull too, but only a push is a blow.
-            let impulse = point.total_impulse.max(0.0);
-            total += impulse;
-            let on_a = a.linear + a.angular.cross(point.anchor_a);
-            let on_b = b.linear + b.angular.cross(point.anchor_b);
-            let speed = manifold.normal.dot(on_a - on_b);
-            let sides = [
-                (manifold.a, point.anchor_a, -manifold.normal),
-                (manifold.b, point.anchor_b, manifold.normal),
-            ];
-            for (slot, anchor, direction) in sides {
-                let sum = &mut sums[slot as usize];
-                sum.blow.add(impulse, speed);
-                sum.moment += anchor * impulse;
-                sum.direction += direction * impulse;
-            }
-        }
-        sums[manifold.a as usize].note_giver(manifold.b, total);
-        sums[manifold.b as usize].note_giver(manifold.a, total);
-    }
-}
-
-/// Lets the shares (by slot) of the impulses on bodies that break act on them and on what touches them.
+/// Lets shares of the impulses of manifolds (indices, perhaps some several times) act on what breaks and on what touches it.
 ///
-/// Equal and opposite at one point, so momentum and angular momentum stay what they are.
-pub(super) fn apply_shares(shares: &[f32], bodies: &mut Bodies, manifolds: &Manifolds) {
-    for manifold in manifolds.iter() {
-        let share = shares[manifold.a as usize].max(shares[manifold.b as usize]);
-        if share == 0.0 {
+/// Equal and opposite at one point, so momentum and angular momentum stay what they are. Two bodies that break at one contact
+/// share what the stronger of them bears.
+pub(super) fn apply_shares(shares: &mut [(u32, f32)], bodies: &mut Bodies, manifolds: &Manifolds) {
+    shares.sort_unstable_by(|(a, share_a), (b, share_b)| a.cmp(b).then(share_b.total_cmp(share_a)));
+    let mut last = None;
+    for &mut (index, share) in shares {
+        if last.replace(index) == Some(index) {
             continue;
         }
+        let manifold = manifolds.at(index as usize);
         for point in manifold.points() {
             let impulse = share * point.total_impulse * manifold.normal;
             push(bodies, manifold.a, point.anchor_a, -impulse);

@@ -3,8 +3,8 @@
 //! Cuts that were asked for are made at the start of a step. A body that is hit with more than it bears breaks in the very
 //! step: the solver gives up its island, the part of the impulses that the body withstands acts on it and on what hit it, and
 //! the island is solved anew with the pieces. So what hit it goes on with the rest of its momentum, and nothing bounces off
-//! a pane that is not there any more. Only an impact that comes anew breaks a body; a sustained load below its strength never
-//! fatigues it.
+//! a pane that is not there any more. Only what comes above the load that is borne breaks a body; a sustained load never does, nor
+//! does it wear it out.
 //!
 //! A body is cut in its own frame; each piece becomes a body about its own center of mass and moves as that part of the parent did:
 //! `v_i = v + omega x r_i`, `omega_i = omega`, which conserves momentum, angular momentum and energy exactly; the
@@ -15,6 +15,8 @@
 //! | `breaking.rs` | when: on request, overloaded, or after waiting for the budget (`budget.rs`) |
 //! | `impact.rs` | impulses of a step by body: what they break, and what of them acts before |
 //! | `pieces.rs`, `conservation.rs`, `ledger.rs` | pieces as bodies; what rounding takes from them; before and after |
+//! | `holding.rs`, `hold_area.rs` | which pieces of what stood stay, and what falls with the others |
+//! | `debris.rs` | which pieces go again |
 //! | `inheritance.rs`, `bond_inheritance.rs`, `joint_inheritance.rs` | which piece gets multipliers, bonds and joints of the parent |
 //! | `bond.rs`, `bonds.rs`, `neighbors.rs`, `shared_area.rs` | what holds bodies together, and over which area |
 //!
@@ -27,6 +29,9 @@ pub(crate) mod bonds;
 mod breaking;
 mod budget;
 mod conservation;
+mod debris;
+mod hold_area;
+mod holding;
 mod impact;
 mod inheritance;
 mod joint_inheritance;
@@ -39,6 +44,7 @@ pub use bond::{Bond, BondError};
 pub use bonds::{Bonds, BrokenBond};
 pub(crate) use breaking::{Inherited, break_overloaded, make_cuts, note_loads};
 pub use budget::FractureBudget;
+pub use debris::{DebrisRules, ExpiredPiece, FadingPiece, RemovedDebris};
 pub use ledger::{Invariants, Ledger};
 
 use crate::bodies::body::BodyError;
@@ -61,9 +67,9 @@ pub enum CutError {
     /// There is no such body (any more).
     #[error("there is no such body")]
     NoBody,
-    /// Only dynamic bodies can be cut.
-    #[error("only dynamic bodies can be cut")]
-    NotDynamic,
+    /// A half-space and a level of triangles have no inside that could be divided.
+    #[error("only convex bodies can be cut, no half-space and no level of triangles")]
+    NotConvex,
     /// The body is out of the simulation because its state is not finite.
     #[error("the body is left out of the simulation")]
     Frozen,
@@ -128,6 +134,8 @@ pub struct Fracture {
     pub planes: SmallVec<[Plane; 8]>,
     /// Before and after.
     pub ledger: Ledger,
+    /// Slots of static bodies that became dynamic because nothing but the parent bore them, pieces among them; by id.
+    pub fallen: Vec<u32>,
     /// What broke it; `None` if it was cut, or had to wait for its turn to break.
     pub blow: Option<BreakingImpact>,
     /// Of a body that had to wait for its turn: what it was hit with then, all of which acted on it.
@@ -161,8 +169,12 @@ pub struct Fractures {
     pub done: Vec<Fracture>,
     /// Cuts of the last step that were not made.
     pub refused: Vec<(CutRequest, CutError)>,
-    /// Pieces that were removed at the start of the last step because their time was over: slot and id.
-    pub expired: Vec<(u32, BodyId)>,
+    /// Pieces that were removed at the start of the last step because their time was over, by id.
+    pub expired: Vec<ExpiredPiece>,
+    /// Pieces that will be removed, in the order in which they came to be.
+    pub fading: Vec<FadingPiece>,
+    /// All that has been removed.
+    pub removed: RemovedDebris,
     state: FractureState,
 }
 

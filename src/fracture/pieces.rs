@@ -1,9 +1,11 @@
 //! What becomes of a body that breaks: its pieces, first as shapes, then as bodies.
 
+use crate::bodies::anchors::Hold;
 use crate::bodies::body::{BodyDesc, RigidBody, Shape};
 use crate::bodies::store::Bodies;
 use crate::fracture::budget::FractureBudget;
 use crate::fracture::conservation::{keep_mass, keep_momentum};
+use crate::fracture::holding::Foothold;
 use crate::fracture::ledger::{Invariants, Ledger, Reference};
 use crate::fracture::{CutError, Fracture};
 use crate::geometry::{ConvexHull, ConvexMesh, TriMesh};
@@ -44,7 +46,7 @@ impl PieceSet {
         plan: &BreakPlan,
         cutter: &mut PieceCutter,
     ) -> Result<Self, CutError> {
-        let mesh = bodies.convex(plan.slot).ok_or(CutError::NotDynamic)?;
+        let mesh = bodies.convex(plan.slot).ok_or(CutError::NotConvex)?;
         let fracturable = bodies.fracturable(plan.slot);
         let mut pieces = pieces_of(mesh, fracturable, plan, cutter)?;
         let surface = pieces.iter().map(|piece| piece.hull.area()).sum();
@@ -119,6 +121,7 @@ pub(super) fn replace(
     budget: &FractureBudget,
 ) -> Result<Fracture, CutError> {
     let reference = Reference::of(bodies, slot);
+    let foothold = Foothold::of(bodies, slot);
     let mut pieces: Vec<BodyDesc> = (division.pieces.into_iter())
         .map(|piece| piece_desc(bodies, slot, piece.hull, piece.visual))
         .collect();
@@ -129,6 +132,11 @@ pub(super) fn replace(
     let mut ledger = Ledger::default();
     ledger.before.add_body(bodies, slot, &reference);
     ledger.dropped = lost_between_parts(&pieces, &halves, &reference);
+    let holds = match &foothold {
+        Some(foothold) => foothold.keep(bodies, &mut pieces),
+        None => vec![None; pieces.len()],
+    };
+    let pieces: Vec<_> = pieces.into_iter().zip(holds).collect();
     let kept = insert(bodies, slot, pieces, budget, &mut ledger, &reference);
     if kept.len() < 2 {
         kept.iter().for_each(|&s| bodies.remove(s));
@@ -137,17 +145,23 @@ pub(super) fn replace(
     keep_momentum(bodies, &kept, &mut ledger, &reference);
     let to_world = bodies.pose(slot).inverse();
     let planes = division.planes.iter();
-    let fracture = Fracture {
+    let mut fracture = Fracture {
         parent: bodies.id(slot),
         parent_slot: slot,
         ids: kept.iter().map(|&piece| bodies.id(piece)).collect(),
         pieces: kept,
         planes: planes.map(|p| p.in_frame_of(&to_world)).collect(),
         ledger,
+        fallen: Vec::new(),
         blow: None,
         waited: None,
     };
-    bodies.remove(slot);
+    let Some(foothold) = foothold else {
+        bodies.remove(slot);
+        return Ok(fracture);
+    };
+    bodies.retire(slot);
+    fracture.fallen = foothold.let_fall(bodies, &fracture.pieces);
     Ok(fracture)
 }
 
@@ -155,7 +169,7 @@ pub(super) fn replace(
 fn insert(
     bodies: &mut Bodies,
     parent: u32,
-    pieces: Vec<BodyDesc>,
+    pieces: Vec<(BodyDesc, Option<Hold>)>,
     budget: &FractureBudget,
     ledger: &mut Ledger,
     reference: &Reference,
@@ -164,7 +178,7 @@ fn insert(
     let min_volume = fracturable.as_ref().map_or(0.0, |f| f.min_volume);
     let min_volume = f64::from(min_volume.max(budget.min_volume));
     let mut kept = SmallVec::new();
-    for mut desc in pieces {
+    for (mut desc, hold) in pieces {
         let inherited = fracturable.as_ref().and_then(|f| f.for_piece(kept.len()));
         desc.fracturable = inherited.map(|f| Fracturable {
             generations: f.generations.min(budget.generations.saturating_sub(1)),
@@ -177,6 +191,9 @@ fn insert(
         match is_large_enough.then(|| bodies.insert_with_mass(desc)) {
             Some(Ok(slot)) => {
                 ledger.after.add_body(bodies, slot, reference);
+                if let Some(hold) = hold {
+                    *bodies.hold_mut(slot) = hold;
+                }
                 kept.push(slot);
             }
             Some(Err(_)) | None => {
@@ -207,7 +224,7 @@ fn lost_between_parts(
     lost
 }
 
-/// The body that a piece becomes: in a frame about its own centroid, moving as that part of the parent did. It does not break.
+/// The body that a piece becomes: in a frame about its own centroid, moving as that part of the parent did: dynamic, and it does not break.
 fn piece_desc(bodies: &Bodies, parent: u32, hull: ConvexHull, visual: Option<TriMesh>) -> BodyDesc {
     let info = bodies.info(parent);
     let rotation = bodies.pose(parent).rotation;

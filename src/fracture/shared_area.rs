@@ -41,6 +41,12 @@ pub(super) fn on_half_space(hull: &ConvexHull, plane: &Plane, gap: f32) -> f32 {
         .sum()
 }
 
+/// Faces of a hull that a plane with this normal could lie on.
+pub(super) fn faces_opposed(hull: &ConvexHull, normal: Vec3) -> impl Iterator<Item = &Face> {
+    let faces = hull.faces().iter();
+    faces.filter(move |face| face.plane.normal.dot(normal) <= -FLAT)
+}
+
 /// Whether a face with this normal and outline is opposed to a plane and within `gap` of it.
 fn lies_on(plane: &Plane, normal: Vec3, mut outline: impl Iterator<Item = Vec3>, gap: f32) -> bool {
     plane.normal.dot(normal) <= -FLAT && outline.any(|at| plane.distance(at).abs() <= gap)
@@ -48,7 +54,7 @@ fn lies_on(plane: &Plane, normal: Vec3, mut outline: impl Iterator<Item = Vec3>,
 
 /// What of a convex polygon lies within the outline of a face, seen along the face's normal: Sutherland and Hodgman's
 /// clipping.
-fn overlap(mut polygon: Vec<Vec3>, hull: &ConvexHull, face: &Face) -> Vec<Vec3> {
+pub(super) fn overlap(mut polygon: Vec<Vec3>, hull: &ConvexHull, face: &Face) -> Vec<Vec3> {
     let outline = hull.face_loop(face);
     let corner = |i: usize| hull.vertices()[outline[i % outline.len()] as usize];
     for i in 0..outline.len() {
@@ -60,7 +66,7 @@ fn overlap(mut polygon: Vec<Vec3>, hull: &ConvexHull, face: &Face) -> Vec<Vec3> 
 }
 
 /// What of a polygon has no positive height.
-fn behind(polygon: &[Vec3], height: impl Fn(Vec3) -> f32) -> Vec<Vec3> {
+pub(super) fn behind(polygon: &[Vec3], height: impl Fn(Vec3) -> f32) -> Vec<Vec3> {
     let mut kept = Vec::with_capacity(polygon.len() + 1);
     let Some(&last) = polygon.last() else {
         return kept;
@@ -80,7 +86,7 @@ fn behind(polygon: &[Vec3], height: impl Fn(Vec3) -> f32) -> Vec<Vec3> {
 }
 
 /// Area of a plane polygon, m2.
-fn area_of(polygon: &[Vec3]) -> f32 {
+pub(super) fn area_of(polygon: &[Vec3]) -> f32 {
     let Some(&first) = polygon.first() else {
         return 0.0;
     };

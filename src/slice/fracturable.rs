@@ -7,12 +7,15 @@ use crate::slice::pattern::{FracturePattern, Impact};
 use bevy_ecs::component::Component;
 use glam::Vec4;
 
-/// Makes a body break when it is hit hard enough.
+/// Makes a body break when it is hit hard enough: a dynamic one, and one that stands or is moved, of which the component `Anchors`
+/// says which pieces stay.
 #[derive(Clone, Debug, PartialEq, Component)]
 #[component(summary_tick)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Fracturable {
-    /// The body breaks when its contact impulses of one step, summed over all contacts, exceed this; N s.
+    /// The body breaks when a blow exceeds this, N s: its contact impulses of one step, summed over all contacts, as far as they
+    /// are more than what the same contacts bore in the step before. What rests on it is no blow, whatever it weighs. On a body
+    /// that contacts do not move, the contacts of each island count by themselves.
     pub strength: f32,
     /// The energy that the impact must have besides; J. 0 leaves it to the strength alone.
     pub min_energy: f32,
@@ -101,6 +104,21 @@ impl Fracturable {
             return Err(FracturableError::LeastVolume(self.min_volume));
         }
         Ok(())
+    }
+
+    /// Whether a blow can make two pieces of a body, by the numbers that are said. With an infinite strength only cuts on request
+    /// are made, whatever the pattern is.
+    pub(crate) fn makes_pieces(&self) -> bool {
+        let has_two = match &self.pattern {
+            FracturePattern::Voronoi { cells, .. } | FracturePattern::EvenVoronoi { cells } => {
+                *cells >= 2
+            }
+            FracturePattern::Slabs { count } => *count >= 2,
+            FracturePattern::Brick { size } => size.is_finite() && size.min_element() > 0.0,
+            FracturePattern::Planes(planes) => !planes.is_empty(),
+            _ => true,
+        };
+        self.strength.is_infinite() || has_two && self.max_pieces >= 2
     }
 
     /// Breaks at `strength` (N s); everything else as by default.

@@ -5,7 +5,7 @@
 //! the bodies around it and without the rest: how hard an impact is decides itself in its neighborhood. Its impulses say what
 //! breaks, and how much of the impact that bears; the island is solved as a whole when no probe breaks anything any more.
 
-use crate::bodies::breaking::ImpactLoad;
+use crate::bodies::breaking::{Blow, ImpactLoad};
 use crate::bodies::store::Bodies;
 use crate::contact::manifolds::{ManifoldRef, Manifolds};
 use crate::solver::batch::Batch;
@@ -32,6 +32,8 @@ pub(crate) struct BreakageProbe {
     pub(crate) joining: Vec<u32>,
     pub(crate) islands: Islands,
     pub(crate) batch: Batch,
+    /// What bodies were hit with that break.
+    pub(crate) overloaded: Vec<Blow>,
 }
 
 /// Whether an island is rehearsed.
@@ -101,8 +103,11 @@ fn may_break(manifold: &ManifoldRef, bodies: &Bodies, step: f32) -> bool {
             let impulse = BACKING * speed / row.diagonal;
             // The points of a contact share its impact.
             if impulse > impact.impulse {
-                impact = ImpactLoad::default();
-                impact.add(impulse, speed);
+                impact = ImpactLoad {
+                    impulse,
+                    energy: 0.0,
+                };
+                impact.add_energy(impulse, speed);
             }
         }
     }

@@ -18,6 +18,7 @@ impl ContactSolver {
     ) -> bool {
         self.is_deferred.clear();
         self.is_deferred.resize(self.islands.list.len(), false);
+        self.probe.overloaded.clear();
         if !bodies.any_fracturable() || !self.islands.list.iter().any(is_large) {
             return false;
         }
@@ -28,6 +29,7 @@ impl ContactSolver {
                 participants,
                 islands,
                 batch,
+                overloaded,
                 ..
             } = &mut probe;
             let takes_part = |slot: u32| participants[slot as usize] != breakage_probe::NONE;
@@ -57,6 +59,7 @@ impl ContactSolver {
                 batch.solve(manifolds, None);
                 if batch.impacts.is_broken {
                     batch.store_impulses(&mut manifolds.whole(), 0);
+                    overloaded.append(&mut batch.impacts.overloaded);
                     self.is_deferred[whole] = true;
                 }
             }

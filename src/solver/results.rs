@@ -1,6 +1,6 @@
 //! What the solver found: velocities and motions of bodies, islands with their rows, bodies that are overloaded.
 
-use crate::bodies::breaking::ImpactLoad;
+use crate::bodies::breaking::{Blow, ImpactLoad};
 use crate::bodies::solver_body::{Motion, SolverBody};
 use crate::bodies::store::Bodies;
 use crate::math::rotate_by;
@@ -65,11 +65,32 @@ impl ContactSolver {
             })
     }
 
-    /// Bodies (by slot) that got through the step although they were hit with more than they bear, and with what.
-    pub fn overloaded(&self) -> impl Iterator<Item = (u32, ImpactLoad)> {
+    /// Blows to bodies that got through the step although these are more than they bear.
+    pub(crate) fn overloaded(&self) -> impl Iterator<Item = &Blow> {
         let batches = self.batches[..self.earlier + self.ranges.len()].iter();
         let solved = batches.filter(|batch| !batch.impacts.is_broken);
-        solved.flat_map(|batch| batch.impacts.overloaded.iter().copied())
+        solved.flat_map(|batch| &batch.impacts.overloaded)
+    }
+
+    /// Blows that ended the solve of their islands in the last round.
+    pub(crate) fn breaking(&self) -> impl Iterator<Item = &Blow> {
+        let batches = self.batches[self.earlier..][..self.ranges.len()].iter();
+        let broken = batches.filter(|batch| batch.impacts.is_broken);
+        let blows = broken.flat_map(|batch| &batch.impacts.overloaded);
+        blows.chain(&self.probe.overloaded)
+    }
+
+    /// What bodies that may break, by slot, were hit with in the islands that have been solved in this step.
+    pub(crate) fn borne_loads(&self) -> impl Iterator<Item = (u32, ImpactLoad)> + Clone {
+        let batches = self.batches[..self.earlier + self.ranges.len()].iter();
+        let solved = batches.filter(|batch| !batch.impacts.is_broken);
+        solved.flat_map(|batch| {
+            let limits = batch.impacts.limits.iter();
+            limits.map(|limit| {
+                let number = limit.body as usize;
+                (batch.layout.slots[number], batch.impacts.loads[number])
+            })
+        })
     }
 
     /// Whether the body in `slot` is as it was before the step, because something in its island breaks.

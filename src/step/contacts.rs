@@ -66,9 +66,14 @@ impl Contacts {
     }
 
     /// Keeps the manifolds of bodies that have got their motion, whose contacts are not to be looked for again.
-    pub(crate) fn stash_solved(&mut self) {
+    pub(crate) fn stash_solved(&mut self, bodies: &Bodies) {
         self.solved.clear();
         for manifold in self.manifolds.iter() {
+            // What rested on a body that stood, and broke, has been solved with it, and meets its pieces in the next step.
+            let are_there = bodies.contains(manifold.a) && bodies.contains(manifold.b);
+            if !are_there {
+                continue;
+            }
             if self.solver.is_solved(manifold.a) || self.solver.is_solved(manifold.b) {
                 self.solved.push(manifold);
             }

@@ -149,7 +149,7 @@ impl Scene {
     pub(crate) fn budget(self) -> FractureBudget {
         let mut budget = FractureBudget::default();
         match self {
-            Self::Sleep => budget.lifetime = 0.5,
+            Self::Sleep => budget.debris.max_sleep = 0.5,
             // What may break at once must not have to wait, or nothing is rehearsed.
             Self::LargeBreaking | Self::BrickWall => {
                 (budget.growth, budget.pieces_per_step) = (f32::INFINITY, 400);

@@ -178,7 +178,10 @@ fn pieces_below_the_least_volume_of_the_budget_are_dropped_and_told_of() {
 #[test]
 fn pieces_go_when_they_have_slept_for_long_enough() {
     let budget = FractureBudget {
-        lifetime: 1.0,
+        debris: DebrisRules {
+            max_sleep: 1.0,
+            ..Default::default()
+        },
         ..Default::default()
     };
     let mut simulation = row(1, budget);

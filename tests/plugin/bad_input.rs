@@ -412,26 +412,19 @@ fn density_that_becomes_negative_is_not_taken_over() {
 }
 
 #[test]
-fn cut_of_a_static_body_is_refused() {
-    let still = |world: &mut World| {
-        let cube = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("valid size");
-        Some(
-            world
-                .spawn((
-                    RigidBody::Static,
-                    cube,
-                    Transform::from_xyz(100.0, 0.0, 0.0),
-                ))
-                .id(),
-        )
+fn cut_of_a_half_space_is_refused() {
+    let floor = |world: &mut World| {
+        let half_space = HalfSpaceShape { normal: Vec3::Y };
+        let at = Transform::from_xyz(100.0, -50.0, 0.0);
+        Some(world.spawn((RigidBody::Static, half_space, at)).id())
     };
-    let outcome = run(still, |world, bad| {
-        let plane = Plane::through(Vec3::new(100.0, 0.0, 0.0), Vec3::X);
+    let outcome = run(floor, |world, bad| {
+        let plane = Plane::through(Vec3::new(100.0, -60.0, 0.0), Vec3::X);
         world.commands().slice(bad.expect("spawned"), plane);
         world.flush();
     });
     check_warned(&outcome, |p| {
-        matches!(p, BodyProblem::Cut(CutError::NotDynamic))
+        matches!(p, BodyProblem::Cut(CutError::NotConvex))
     });
 }
 

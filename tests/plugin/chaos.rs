@@ -130,7 +130,12 @@ fn budget(dice: &mut Dice) -> FractureBudget {
     FractureBudget {
         pieces_per_step: [3, 20, 64][dice.below(3)],
         max_alive_pieces: [50, 20_000][dice.below(2)],
-        lifetime: [0.1, f32::INFINITY][dice.below(2)],
+        debris: DebrisRules {
+            max_sleep: [0.1, f32::INFINITY][dice.below(2)],
+            max_pieces: [20, usize::MAX][dice.below(2)],
+            fade: [0.0, 0.2][dice.below(2)],
+            ..Default::default()
+        },
         ..FractureBudget::default()
     }
 }

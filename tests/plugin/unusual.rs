@@ -528,10 +528,14 @@ fn what_does_nothing_is_an_issue() {
         .spawn((RigidBody::Static, cube(1.0), shot))
         .id();
     let glass = Fracturable::with_strength(1.0);
+    let whole = Fracturable {
+        max_pieces: 1,
+        ..glass.clone()
+    };
     let pane = Transform::from_xyz(5.0, 0.0, 0.0);
     let pane = app
         .world_mut()
-        .spawn((RigidBody::Static, cube(1.0), pane, glass.clone()))
+        .spawn((RigidBody::Static, cube(1.0), pane, whole))
         .id();
     let ground = app
         .world_mut()
@@ -546,7 +550,9 @@ fn what_does_nothing_is_an_issue() {
     app.world_mut()
         .entity_mut(fixed)
         .insert(LinearVelocity::default());
-    app.world_mut().entity_mut(pane).insert(RigidBody::Dynamic);
+    app.world_mut()
+        .entity_mut(pane)
+        .insert(Fracturable::default());
     app.world_mut().entity_mut(ground).remove::<Fracturable>();
     app.world_mut().entity_mut(empty).insert(cube(1.0));
     steps(&mut app, 3);

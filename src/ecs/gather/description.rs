@@ -106,11 +106,21 @@ fn scaled_normal(normal: Vec3, scale: Vec3) -> Result<Vec3, BodyError> {
 
 /// What does nothing on a body of this description.
 pub(super) fn idle_part(desc: &BodyDesc) -> Result<(), BodyError> {
-    match (&desc.fracturable, &desc.shape) {
-        (Some(_), Shape::HalfSpace(_)) => Err(BodyError::UnbreakableHalfSpace),
-        (Some(_), _) if desc.kind != RigidBody::Dynamic => Err(BodyError::UnbreakableKind),
-        _ => Ok(()),
+    let Some(fracturable) = &desc.fracturable else {
+        return Ok(());
+    };
+    let Shape::Convex(mesh) = &desc.shape else {
+        return Err(BodyError::UnbreakableShape);
+    };
+    if let Some(visual) = mesh.visual() {
+        visual
+            .check_closed()
+            .map_err(BodyError::UnbreakableVisual)?;
     }
+    fracturable
+        .makes_pieces()
+        .then_some(())
+        .ok_or(BodyError::NoPieces)
 }
 
 /// What of a body's description changed.

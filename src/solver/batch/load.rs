@@ -84,7 +84,7 @@ impl Batch {
         for island in &islands.list[range.clone()] {
             self.load_moving(&islands.moving[island.moving.clone()], first, bodies);
         }
-        self.load_limits(bodies);
+        self.load_limits(bodies, manifolds);
         self.mark_reanchored();
         self.fill_blocks(manifolds, team);
         self.impacts.has_restitution = islands.list[range.clone()].iter().any(|i| i.bounces);

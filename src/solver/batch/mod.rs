@@ -33,7 +33,7 @@ pub(crate) use contacts::{BatchContacts, MovingManifold};
 pub(crate) use joints::BatchJoints;
 pub use load::Step;
 
-use crate::bodies::breaking::{BreakingLimit, ImpactLoad};
+use crate::bodies::breaking::{Blow, BreakingLimit, ImpactLoad, Rest};
 use crate::bodies::drive::Drive;
 use crate::bodies::free_rotation::FreeRotation;
 use crate::bodies::solver_body::{BodyMass, SolverBody};
@@ -128,14 +128,16 @@ pub struct Impacts {
     pub(crate) is_hit: Vec<bool>,
     /// Bodies that break under too large an impulse.
     pub limits: Vec<BreakingLimit>,
-    /// Bodies (by slot) that are overloaded, and what they were hit with.
-    pub overloaded: Vec<(u32, ImpactLoad)>,
+    /// What bodies were hit with that are overloaded, by their numbers.
+    pub(crate) overloaded: Vec<Blow>,
     /// Whether the solve is to be given up when a body is overloaded.
     pub may_break: bool,
     /// Whether the solve was given up because a body breaks; velocities and motions mean nothing then.
     pub is_broken: bool,
     /// Velocities at the start of the step, if a body may break.
     pub(crate) start: Vec<SolverBody>,
+    /// By manifold, if a body may break: how its bodies rest on each other.
+    pub(crate) rests: Vec<Rest>,
     /// By body: what it was hit with.
     pub(crate) loads: Vec<ImpactLoad>,
 }

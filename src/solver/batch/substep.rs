@@ -23,7 +23,7 @@ impl Batch {
             self.substep(substep == 0, manifolds, team);
             let is_last = substep + 1 == substeps;
             let is_looked_at = is_last || self.impacts.may_break && self.impacts.can_hit();
-            if is_looked_at && self.find_overloaded() {
+            if is_looked_at && self.find_overloaded(manifolds) {
                 self.impacts.is_broken = self.impacts.may_break;
             }
             if self.impacts.is_broken {

@@ -1,0 +1,280 @@
+//! What of a body that stood goes on standing when it breaks: the pieces that hold on to the world.
+//!
+//! Each piece is looked at by itself, because all that are not one piece are divided by cracks. It holds on where it lies face to face
+//! on something that stands, or reaches into it (`hold_area.rs`): the regions that its [`Anchors`] name, or static bodies around it,
+//! but never what was once a part of the same body.
+//!
+//! Nothing hangs on what hangs on nothing. Bodies that stand for themselves are the ground; those that may break, and pieces, stand as
+//! long as a chain of contacts leads from them to the ground. When one of them breaks, what it bore is looked at anew: of what
+//! had its ground through it, and has none any more, all falls. What hung in the air from the start was put there, and stays.
+
+use crate::bodies::anchors::{AnchorRegion, Anchors, Hold};
+use crate::bodies::body::{BodyDesc, RigidBody, Shape};
+use crate::bodies::store::Bodies;
+use crate::contact::body_id::BodyId;
+use crate::fracture::hold_area::{Standing, holds};
+use crate::geometry::ConvexHull;
+use crate::geometry::primitives::cuboid;
+use crate::math::{Aabb, Plane, Pose, rotate};
+use glam::{Quat, Vec3};
+
+/// Default of [`Anchors::reach`], as a share of the geometric mean of the least and the largest extent.
+const REACH_SHARE: f32 = 0.01;
+
+/// A body that stands before it breaks, and what is around it.
+#[derive(Debug)]
+pub(super) struct Foothold {
+    slot: u32,
+    kind: RigidBody,
+    anchors: Anchors,
+    /// m.
+    reach: f32,
+    /// What it once was a piece of, or it itself.
+    origin: BodyId,
+    /// Static bodies near it, by slot.
+    neighbors: Vec<u32>,
+    /// Those of them that it touches.
+    touching: Vec<u32>,
+    /// Whether it had a chain of contacts to the ground.
+    had_ground: bool,
+}
+
+impl Foothold {
+    /// How the body in `slot` stands; `None` if it is dynamic.
+    pub(super) fn of(bodies: &Bodies, slot: u32) -> Option<Self> {
+        let kind = bodies.kind(slot);
+        let mesh = bodies.convex(slot).filter(|_| kind != RigidBody::Dynamic)?;
+        let unsaid = if kind == RigidBody::Static {
+            Anchors::touching()
+        } else {
+            Anchors::none()
+        };
+        let anchors = bodies.anchors(slot).cloned().unwrap_or(unsaid);
+        let reach = reach_of(&anchors, mesh.hull());
+        let origin = bodies.hold(slot).and_then(|hold| hold.origin);
+        let mut ground = Ground::new(bodies, true);
+        let neighbors = ground.near(slot, reach);
+        let touching = ground.around(slot, &neighbors, reach);
+        let had_ground = kind == RigidBody::Static && ground.reaches(slot);
+        Some(Self {
+            slot,
+            kind,
+            anchors,
+            reach,
+            origin: origin.unwrap_or(bodies.id(slot)),
+            neighbors,
+            touching,
+            had_ground,
+        })
+    }
+
+    /// Makes those of the pieces that hold on what the body was; how they hold on, by piece.
+    pub(super) fn keep(&self, bodies: &Bodies, pieces: &mut [BodyDesc]) -> Vec<Option<Hold>> {
+        let body = bodies.pose(self.slot);
+        let look = |piece: &mut BodyDesc| {
+            let hull = piece.shape.convex()?.hull();
+            let origin = body.inverse_transform_point(piece.pose.position);
+            let anchors = self.anchors.seen_from(origin);
+            let is_held = self.is_held(bodies, hull, &piece.pose, &anchors);
+            is_held.then(|| {
+                piece.kind = self.kind;
+                Hold {
+                    anchors: Some(anchors.with_reach(self.reach)),
+                    origin: Some(self.origin),
+                }
+            })
+        };
+        pieces.iter_mut().map(look).collect()
+    }
+
+    fn is_held(&self, bodies: &Bodies, hull: &ConvexHull, pose: &Pose, anchors: &Anchors) -> bool {
+        if holds_in_regions(anchors, hull, self.reach) {
+            return true;
+        }
+        let mut neighbors = self.neighbors.iter().filter(|&&other| {
+            let hold = bodies.hold(other);
+            anchors.is_touching && hold.and_then(|hold| hold.origin) != Some(self.origin)
+        });
+        neighbors.any(|&other| holds(hull, &Standing::of(bodies, other, pose), self.reach))
+    }
+
+    /// After the body broke into `pieces`: lets those of them, and of what stood on it, fall that have no ground; who that was.
+    pub(super) fn let_fall(self, bodies: &mut Bodies, pieces: &[u32]) -> Vec<u32> {
+        if self.kind != RigidBody::Static {
+            return Vec::new();
+        }
+        let mut fallen = Vec::new();
+        let mut ground = Ground::new(bodies, self.had_ground);
+        for &slot in pieces.iter().chain(&self.touching) {
+            if bodies.kind(slot) == RigidBody::Static && !ground.reaches(slot) {
+                // All that a search went through hangs on nothing.
+                fallen.append(&mut ground.searched);
+            }
+        }
+        fallen.sort_by_key(|&slot| bodies.id(slot));
+        fallen.dedup();
+        fallen.iter().for_each(|&slot| bodies.let_fall(slot));
+        fallen
+    }
+}
+
+/// The gap over which a body with this hull holds on, m.
+fn reach_of(anchors: &Anchors, hull: &ConvexHull) -> f32 {
+    let extents = hull.aabb().extents();
+    let mean = (extents.min_element() * extents.max_element()).sqrt();
+    anchors.reach.unwrap_or(REACH_SHARE * mean)
+}
+
+/// Whether a piece, in whose frame the anchors are, reaches into one of their regions.
+fn holds_in_regions(anchors: &Anchors, hull: &ConvexHull, reach: f32) -> bool {
+    anchors.regions.iter().any(|region| match *region {
+        AnchorRegion::Behind { normal, offset } => {
+            let normal = normal.normalize_or(Vec3::Y);
+            holds(hull, &Standing::HalfSpace(Plane { normal, offset }), reach)
+        }
+        AnchorRegion::Within { min, max } => {
+            let at = Pose::new(0.5 * (min + max), Quat::IDENTITY);
+            let size = max - min;
+            let region = cuboid(size.x, size.y, size.z);
+            region.is_ok_and(|region| holds(hull, &Standing::Hull(&region, at), reach))
+        }
+    })
+}
+
+/// The box of a body's shape, world, m; `None` for a half-space.
+fn world_box(bodies: &Bodies, slot: u32) -> Option<Aabb> {
+    let local = match &bodies.info(slot).shape {
+        Shape::Convex(mesh) => mesh.hull().aabb(),
+        Shape::Level(level) => level.aabb(),
+        Shape::HalfSpace(_) => return None,
+    };
+    let pose = bodies.pose(slot);
+    let corner = |i: u8| {
+        let choose = |bit: u8, min: f32, max: f32| if i & bit == 0 { min } else { max };
+        let Aabb { min, max } = local;
+        pose.transform_point(Vec3::new(
+            choose(1, min.x, max.x),
+            choose(2, min.y, max.y),
+            choose(4, min.z, max.z),
+        ))
+    };
+    Some(Aabb::of_points((0..8).map(corner)))
+}
+
+/// Searches for the ground along contacts of what stands.
+struct Ground<'b> {
+    bodies: &'b Bodies,
+    /// Static bodies, by slot, and their boxes in the world; half-spaces have none.
+    standing: Vec<(u32, Option<Aabb>)>,
+    /// Whether whole bodies that may break need a chain of contacts to it. If what they hung on had none, they were put there.
+    need_chains: bool,
+    /// By slot: whether a chain leads from it to the ground, of those that an earlier search went through.
+    is_known: Vec<bool>,
+    /// Bodies of the last search, in the order in which they were found.
+    searched: Vec<u32>,
+}
+
+impl<'b> Ground<'b> {
+    fn new(bodies: &'b Bodies, need_chains: bool) -> Self {
+        let standing = bodies.iter().filter(|&slot| {
+            let is_static = bodies.kind(slot) == RigidBody::Static;
+            is_static && bodies.is_active(slot) && !bodies.is_sensor(slot)
+        });
+        Self {
+            bodies,
+            standing: standing
+                .map(|slot| (slot, world_box(bodies, slot)))
+                .collect(),
+            need_chains,
+            is_known: vec![false; bodies.slots()],
+            searched: Vec::new(),
+        }
+    }
+
+    /// Whether a static body stands for itself.
+    fn is_ground(&self, slot: u32) -> bool {
+        let anchors = self.bodies.anchors(slot);
+        let hold = self.bodies.hold(slot);
+        let is_piece = hold.is_some_and(|hold| hold.origin.is_some());
+        let is_fragile = self.bodies.fracturable(slot).is_some() || anchors.is_some();
+        let may_fall = is_piece || is_fragile && self.need_chains;
+        anchors.is_some_and(|anchors| !anchors.regions.is_empty()) || !may_fall
+    }
+
+    /// Whether a chain of contacts leads from a static body to one that stands for itself, if it is none.
+    fn reaches(&mut self, slot: u32) -> bool {
+        self.searched.clear();
+        self.searched.push(slot);
+        let mut next = 0;
+        while let Some(&from) = self.searched.get(next) {
+            next += 1;
+            if self.is_known[from as usize] || self.is_ground(from) {
+                let reached = self.searched.iter();
+                reached.for_each(|&slot| self.is_known[slot as usize] = true);
+                return true;
+            }
+            let near = self.near(from, self.reach_of(from));
+            for other in self.touched(from, &near) {
+                if !self.searched.contains(&other) {
+                    self.searched.push(other);
+                }
+            }
+        }
+        false
+    }
+
+    /// The gap over which a body holds on, m.
+    fn reach_of(&self, slot: u32) -> f32 {
+        let touching = Anchors::touching();
+        let anchors = self.bodies.anchors(slot).unwrap_or(&touching);
+        let mesh = self.bodies.convex(slot);
+        mesh.map_or(0.0, |mesh| reach_of(anchors, mesh.hull()))
+    }
+
+    /// Static bodies whose boxes come within `reach` (m) of that of a body.
+    fn near(&self, slot: u32, reach: f32) -> Vec<u32> {
+        let Some(around) = world_box(self.bodies, slot) else {
+            return Vec::new();
+        };
+        let around = around.fattened(reach);
+        let (half, center) = (0.5 * around.extents(), around.center());
+        let is_near = |other: u32, aabb: &Option<Aabb>| match (aabb, &self.bodies.info(other).shape)
+        {
+            (Some(aabb), _) => aabb.overlaps(&around),
+            (None, Shape::HalfSpace(half_space)) => {
+                let pose = self.bodies.pose(other);
+                let normal = rotate(pose.rotation, half_space.normal);
+                let plane = Plane::through(pose.position, normal);
+                plane.distance(center) <= plane.normal.abs().dot(half)
+            }
+            (None, _) => false,
+        };
+        let others = self.standing.iter();
+        let near = others.filter(|(other, aabb)| *other != slot && is_near(*other, aabb));
+        near.map(|&(other, _)| other).collect()
+    }
+
+    /// Those of `others` that a body holds on to where it touches them.
+    fn touched(&self, slot: u32, others: &[u32]) -> Vec<u32> {
+        let anchors = self.bodies.anchors(slot);
+        if anchors.is_some_and(|anchors| !anchors.is_touching) {
+            return Vec::new();
+        }
+        self.around(slot, others, self.reach_of(slot))
+    }
+
+    /// Those of `others` that a body touches over a gap of at most `reach` (m), and that were never part of the same one.
+    fn around(&self, slot: u32, others: &[u32], reach: f32) -> Vec<u32> {
+        let bodies = self.bodies;
+        let Some(mesh) = bodies.convex(slot) else {
+            return Vec::new();
+        };
+        let pose = bodies.pose(slot);
+        let origin = |slot: u32| bodies.hold(slot).and_then(|hold| hold.origin);
+        let others = others.iter().copied().filter(|&other| {
+            let is_sibling = origin(slot).is_some() && origin(slot) == origin(other);
+            !is_sibling && holds(mesh.hull(), &Standing::of(bodies, other, &pose), reach)
+        });
+        others.collect()
+    }
+}
