@@ -5,6 +5,7 @@
 //! | `view.rs` | [`Queries`]: one read-only view that answers all of it |
 //! | `index.rs` | what the view knows besides the tree of the broad phase |
 //! | `request.rs`, `shape.rs`, `filter.rs`, `error.rs` | what is asked: a ray, a cast, a shape, who counts |
+//! | `blade.rs` | the blade between two rays of a camera |
 //! | `hit.rs` | what is found |
 //! | `target.rs` | one body: its shape where it lies now |
 //! | `hull.rs`, `half_space.rs`, `level.rs`, `local.rs` | the exact tests, in the frame of the body |
@@ -13,6 +14,7 @@
 //! has come, is in a small tree of its own. Nothing here changes a scene or is remembered by it. Must not know contacts, the solver
 //! or the ECS. Read `view.rs` first.
 
+pub(crate) mod blade;
 pub(crate) mod error;
 pub(crate) mod filter;
 mod half_space;
@@ -26,6 +28,7 @@ pub(crate) mod shape;
 mod target;
 pub(crate) mod view;
 
+pub use blade::Blade;
 pub use error::QueryError;
 pub use filter::QueryFilter;
 pub use hit::QueryHit;
