@@ -19,7 +19,7 @@ pub struct F8(pub [f32; WIDTH]);
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum LaneWidth {
-    /// As many as the processor has: 8 with AVX2, else 4.
+    /// As many as the processor has: 8 with AVX2, else 4; in WebAssembly 4 if it is built with `simd128`, else 1.
     #[default]
     Widest,
     /// At most 4.
@@ -179,7 +179,10 @@ macro_rules! operators {
         }
     )*};
 }
-#[cfg(target_arch = "x86_64")]
+#[cfg(any(
+    target_arch = "x86_64",
+    all(target_arch = "wasm32", target_feature = "simd128")
+))]
 pub(super) use operators;
 
 operators! { Plain,
