@@ -9,6 +9,8 @@
 //! Users need the [`prelude`] and what is public in these rooms:
 //!
 //! - [`plugin`]: the phases of a step as system sets; [`ecs`]: components, commands and messages.
+//! - [`extras`]: plugins of their own, such as interpolation, and those of the cargo features `mesh`, `gizmos`, `diagnostics`
+//!   and `picking`.
 //! - [`step`]: the loop, one function per phase; [`Simulation`](prelude::Simulation) runs it on plain data, without an app.
 //! - [`joints`]: what holds two bodies together at a distance.
 //! - [`solver`]: methods and settings ([`SolverConfig`](prelude::SolverConfig)); [`bodies`]: what a body is made from.
@@ -20,7 +22,7 @@
 //! How it works inside is told in the repository: `docs/architecture.md` opens with the way of one contact through a step and says
 //! where to find what, `docs/glossary.md` has the terms. Layers from the bottom up, each of which uses only those before it: `tuning`,
 //! `math`, `merge`, `simd`, `threads`, `geometry`, `mass`, `slice`, `import`, `contact`, `bodies`, `joints`, `solver`, `collide`,
-//! `query`, `fracture`, `step`, `ecs`, `plugin`.
+//! `query`, `fracture`, `step`, `ecs`, `plugin`, `extras`.
 //!
 //! # Conventions
 //!
@@ -35,6 +37,7 @@ pub mod bodies;
 mod collide;
 pub mod contact;
 pub mod ecs;
+pub mod extras;
 pub mod fracture;
 pub mod geometry;
 pub mod import;
@@ -67,9 +70,21 @@ pub mod prelude {
         ContactForceEvents, DebrisRemoved, Explosion, Fading, ForceCommands, Forces, ForcesItem,
         FractureCause, Fractured, GravityScale, JointA, JointB, JointBroken, JointCommands,
         JointHandle, JointProblem, JointsOfA, JointsOfB, LinearDamping, LinearVelocity, Mass,
-        MassOverride, MaxSpeed, PieceOf, PieceRules, Pieces, Remains, Sensor, Sleeping,
-        SliceCommands, SpatialQuery, SpawnBody,
+        MassOverride, MaxSpeed, PieceOf, PieceRules, Pieces, Remains, Sensor, ShapeConstructor,
+        Sleeping, SliceCommands, SpatialQuery, SpawnBody,
     };
+    #[cfg(feature = "diagnostics")]
+    pub use crate::extras::CleaveDiagnosticsPlugin;
+    #[cfg(feature = "picking")]
+    pub use crate::extras::CleavePickingPlugin;
+    #[cfg(feature = "gizmos")]
+    pub use crate::extras::{CleaveGizmos, CleaveGizmosPlugin};
+    #[cfg(feature = "mesh")]
+    pub use crate::extras::{
+        CleaveMeshPlugin, DrawShape, MeshConversionError, ShapeFromMesh, ShapeFromMeshError,
+        ShapeRefused, ShapesOfScene, SlotMesh,
+    };
+    pub use crate::extras::{InterpolationPlugin, NoInterpolation};
     pub use crate::fracture::{
         Bond, BondError, Bonds, BreakingImpact, BrokenBond, CutError, CutRequest, DebrisRules,
         ExpiredPiece, FadingPiece, Fracture, FractureBudget, Fractures, Ledger, RemovedDebris,
@@ -85,7 +100,7 @@ pub mod prelude {
     pub use crate::math::{Aabb, Plane, Pose};
     pub use crate::plugin::{CleavePlugin, PhysicsSchedule, PhysicsSystems};
     pub use crate::query::{
-        Queries, QueryError, QueryFilter, QueryHit, QueryIndex, QueryShape, Ray, ShapeCast,
+        Blade, Queries, QueryError, QueryFilter, QueryHit, QueryIndex, QueryShape, Ray, ShapeCast,
     };
     pub use crate::slice::{Fracturable, FracturePattern};
     #[cfg(feature = "exact")]

@@ -4,6 +4,7 @@ use bevy_app::App;
 use bevy_cleave::prelude::*;
 use bevy_ecs::prelude::{AppTypeRegistry, World};
 use bevy_ecs::reflect::{ReflectComponent, ReflectResource};
+use bevy_reflect::std_traits::ReflectDefault;
 use bevy_reflect::{FromReflect, Reflect};
 use std::any::TypeId;
 
@@ -60,4 +61,46 @@ fn read_by_reflection(world: &World, id: TypeId, entity: bevy_ecs::entity::Entit
     component
         .and_then(|data| data.reflect(world.entity(entity)))
         .expect("registered and there")
+}
+
+#[test]
+fn a_shape_survives_as_data() {
+    let mut app = App::new();
+    app.add_plugins(CleavePlugin::default());
+    let ball = ConvexMesh::icosphere(0.5, 1).expect("a ball");
+    let described = ShapeConstructor::of(&ball);
+    let entity = app.world_mut().spawn(described.clone()).id();
+    let id = TypeId::of::<ShapeConstructor>();
+    // As a scene file does: read without knowing the type, written to an entity of another world.
+    let data = read_by_reflection(app.world(), id, entity)
+        .to_dynamic()
+        .expect("plain data");
+    let mut other = App::new();
+    other.add_plugins(CleavePlugin::default());
+    let entity = other.world_mut().spawn(RigidBody::Dynamic).id();
+    let registry = other.world().resource::<AppTypeRegistry>().clone();
+    let registry = registry.read();
+    let component = registry.get_type_data::<ReflectComponent>(id);
+    let component = component.expect("registered");
+    component.insert(&mut other.world_mut().entity_mut(entity), &*data, &registry);
+    other.world_mut().flush();
+    let shape = other.world().get::<ConvexMesh>(entity).expect("built");
+    assert_eq!(shape.hull().vertices(), ball.hull().vertices());
+}
+
+#[test]
+fn components_can_be_made_from_nothing() {
+    let mut app = App::new();
+    app.add_plugins(CleavePlugin::default());
+    let registry = app.world().resource::<AppTypeRegistry>().read();
+    let defaults = [
+        TypeId::of::<ShapeConstructor>(),
+        TypeId::of::<Joint>(),
+        TypeId::of::<JointLoad>(),
+        TypeId::of::<RigidBody>(),
+        TypeId::of::<Fracturable>(),
+    ];
+    for id in defaults {
+        assert!(registry.get_type_data::<ReflectDefault>(id).is_some());
+    }
 }

@@ -3,6 +3,7 @@
 use crate::bodies::body::BodyError;
 use crate::contact::body_id::BodyId;
 use crate::fracture::{Bond, BondError, CutError, Ledger};
+use crate::geometry::HullError;
 use crate::joints::JointError;
 use crate::mass::MassProperties;
 use crate::math::Plane;
@@ -142,6 +143,9 @@ pub enum BodyProblem {
     /// Its state or material is not usable.
     #[error(transparent)]
     Body(#[from] BodyError),
+    /// No shape comes of its `ShapeConstructor`.
+    #[error("no shape comes of its ShapeConstructor: {0}")]
+    Shape(#[from] HullError),
     /// A cut of it was refused.
     #[error("the cut was not made: {0}")]
     Cut(#[from] CutError),

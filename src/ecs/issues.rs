@@ -24,6 +24,8 @@ pub(crate) enum Source {
     Body,
     /// Shape, mass and materials.
     Description,
+    /// What its shape is to be made from.
+    Constructor,
     /// How it moves.
     Kind,
     /// Pose and velocity.

@@ -16,6 +16,7 @@
 //! | `issues.rs`, `issue_sync.rs` | what is wrong with an entity, as a component |
 //! | `kinematic.rs`, `parents.rs` | bodies that are moved by their `Transform`, and that are children |
 //! | `setup.rs` | components that bodies require, whenever the plugin is added |
+//! | `shape_constructor.rs` | shapes as data that a scene file can hold |
 //! | `spawn.rs` | an entity from a description of a body |
 //! | `state.rs` | the one resource that the plugin keeps for itself |
 //!
@@ -43,6 +44,7 @@ pub(crate) mod query;
 pub(crate) mod reflect;
 pub(crate) mod scatter;
 pub(crate) mod setup;
+pub(crate) mod shape_constructor;
 pub(crate) mod spawn;
 pub(crate) mod state;
 mod uncloned;
@@ -69,4 +71,5 @@ pub use joint::{
 pub use piece_children::ChildrenOfPieces;
 pub use pieces::{PieceOf, PieceRules, Pieces, Remains};
 pub use query::SpatialQuery;
+pub use shape_constructor::{MeshDescription, ShapeConstructor};
 pub use spawn::SpawnBody;

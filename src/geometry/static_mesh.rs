@@ -204,6 +204,15 @@ impl StaticMesh {
         })))
     }
 
+    /// Its triangles as a mesh to draw, each with corners of its own.
+    pub fn to_mesh(&self) -> TriMesh {
+        let corners = self.0.triangles.iter().map(|triangle| triangle.corners);
+        let positions: Vec<Vec3> = corners.flatten().collect();
+        let numbers: Vec<u32> = (0..positions.len() as u32).collect();
+        // All of them are finite and have an area.
+        TriMesh::new(positions, numbers.as_chunks().0.to_vec()).unwrap_or_default()
+    }
+
     /// Number of triangles.
     pub fn len(&self) -> usize {
         self.0.triangles.len()

@@ -6,9 +6,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Floors from the bottom up. `lib.rs` names them all.
-const FLOORS: [&str; 19] = [
+const FLOORS: [&str; 20] = [
     "tuning", "math", "merge", "simd", "threads", "geometry", "mass", "slice", "import", "contact",
     "bodies", "joints", "solver", "collide", "query", "fracture", "step", "ecs", "plugin",
+    "extras",
 ];
 
 /// What a room may use of its own floor, and nothing else of it; and what of the floors below it must not.

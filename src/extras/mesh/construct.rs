@@ -1,0 +1,154 @@
+//! Shapes for entities whose `Mesh3d` is yet to be loaded.
+
+use super::convert::{MeshConversionError, unread_attributes};
+use crate::bodies::body::RigidBody;
+use crate::geometry::{ConvexMesh, HalfSpaceShape, HullError, MeshError, StaticMesh, TriMesh};
+use crate::import::{ImportError, ImportOptions, Model, ModelObject};
+use bevy_asset::Assets;
+use bevy_ecs::prelude::*;
+use bevy_math::Vec3;
+use bevy_mesh::{Mesh, Mesh3d};
+
+/// Makes the shape of a body from the entity's `Mesh3d`, as soon as that is loaded; goes when it is done.
+///
+/// What cannot be made leaves a [`ShapeRefused`] on the entity, and a warning in the log.
+#[derive(Clone, Copy, Component, Debug, PartialEq)]
+#[component(clone_behavior = Ignore)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+#[cfg_attr(feature = "reflect", reflect(Component))]
+pub enum ShapeFromMesh {
+    /// The convex hull. Pieces look like it.
+    Hull,
+    /// The convex hull, with the mesh riding in it: pieces look like parts of the mesh. What is not closed is mended as
+    /// [`Model::import`] does, by default options; its report goes to the log.
+    HullWithVisual,
+    /// A level of triangles, for bodies that are not dynamic.
+    Static {
+        /// Whether what comes from behind a triangle collides with it too.
+        is_two_sided: bool,
+    },
+}
+
+/// No shape came of a [`ShapeFromMesh`].
+#[derive(Clone, Component, Debug, PartialEq)]
+#[component(clone_behavior = Ignore)]
+pub struct ShapeRefused(pub ShapeFromMeshError);
+
+/// Why no shape came of a mesh.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ShapeFromMeshError {
+    /// The mesh cannot be read.
+    #[error(transparent)]
+    Conversion(#[from] MeshConversionError),
+    /// It cannot be mended.
+    #[error(transparent)]
+    Import(#[from] ImportError),
+    /// It has no hull.
+    #[error(transparent)]
+    Hull(#[from] HullError),
+    /// It is no level.
+    #[error(transparent)]
+    Level(#[from] MeshError),
+}
+
+/// Makes bodies of all entities with `Mesh3d` below this one, as they come: put it on the root of a scene that is being loaded.
+///
+/// Entities that have a [`RigidBody`], a shape or a [`ShapeFromMesh`] of their own are left as they are.
+#[derive(Clone, Copy, Component, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+#[cfg_attr(feature = "reflect", reflect(Component))]
+pub struct ShapesOfScene {
+    /// What kind of bodies they become.
+    pub body: RigidBody,
+    /// How their shapes are made.
+    pub shape: ShapeFromMesh,
+}
+
+/// Entities whose shape is for others to see to.
+type Alone = (
+    With<Mesh3d>,
+    Without<RigidBody>,
+    Without<ConvexMesh>,
+    Without<StaticMesh>,
+    Without<HalfSpaceShape>,
+    Without<ShapeFromMesh>,
+);
+
+/// System: entities that come below a [`ShapesOfScene`], or were there when it came, ask for their shapes.
+pub(super) fn ask_for_shapes(
+    mut commands: Commands,
+    scenes: Query<&ShapesOfScene>,
+    new_scenes: Query<Entity, Added<ShapesOfScene>>,
+    new_meshes: Query<Entity, (Added<Mesh3d>, Alone)>,
+    meshes: Query<Entity, Alone>,
+    (above, below): (Query<&ChildOf>, Query<&Children>),
+) {
+    if scenes.is_empty() {
+        return;
+    }
+    let there = new_scenes
+        .iter()
+        .flat_map(|root| below.iter_descendants(root));
+    let there = there.filter(|&entity| meshes.contains(entity));
+    for entity in new_meshes.iter().chain(there) {
+        let mut ancestors = above.iter_ancestors(entity);
+        if let Some(scene) = ancestors.find_map(|ancestor| scenes.get(ancestor).ok()) {
+            commands.entity(entity).insert((scene.body, scene.shape));
+        }
+    }
+}
+
+/// System: shapes of those whose meshes are loaded.
+pub(super) fn construct_shapes(
+    mut commands: Commands,
+    meshes: Res<Assets<Mesh>>,
+    waiting: Query<(Entity, &ShapeFromMesh, &Mesh3d)>,
+) {
+    for (entity, wish, handle) in &waiting {
+        let Some(mesh) = meshes.get(&handle.0) else {
+            continue;
+        };
+        let unread = unread_attributes(mesh);
+        if *wish == ShapeFromMesh::HullWithVisual && !unread.is_empty() {
+            log::info!("pieces of {entity} will not have the attributes {unread:?} of its mesh");
+        }
+        let mut entity = commands.entity(entity);
+        entity.remove::<(ShapeFromMesh, ShapeRefused)>();
+        if let Err(error) = wish.construct(mesh, &mut entity) {
+            log::warn!("no shape for {} comes of its mesh: {error}", entity.id());
+            entity.insert(ShapeRefused(error));
+        }
+    }
+}
+
+impl ShapeFromMesh {
+    fn construct(self, mesh: &Mesh, entity: &mut EntityCommands) -> Result<(), ShapeFromMeshError> {
+        match self {
+            Self::Hull => {
+                let object = ModelObject::try_from(mesh)?;
+                let corners = object.triangles.as_flattened().iter();
+                let used = corners.filter_map(|&v| object.positions.get(v as usize));
+                let points: Vec<Vec3> = used.copied().collect();
+                entity.insert(ConvexMesh::from_points(&points)?);
+            }
+            Self::HullWithVisual => {
+                let model = Model::from_object(ModelObject::try_from(mesh)?);
+                let import = model.import(&ImportOptions::default())?;
+                if !import.report.is_untouched() {
+                    log::info!("the mesh of {} was mended:\n{}", entity.id(), import.report);
+                }
+                entity.insert(import.shape()?);
+            }
+            Self::Static { is_two_sided } => {
+                let level = StaticMesh::from_mesh(&TriMesh::try_from(mesh)?)?;
+                entity.insert(if is_two_sided {
+                    level.two_sided()
+                } else {
+                    level
+                });
+            }
+        }
+        Ok(())
+    }
+}

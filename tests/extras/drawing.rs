@@ -1,0 +1,159 @@
+//! `Mesh3d` in step with the shapes of bodies and pieces.
+
+use crate::{all_with, app};
+use bevy_app::App;
+use bevy_asset::Assets;
+use bevy_cleave::geometry::primitives;
+use bevy_cleave::prelude::*;
+use bevy_ecs::prelude::*;
+use bevy_math::Vec3;
+use bevy_mesh::{Mesh, Mesh3d};
+
+/// In place of a material, which needs a renderer.
+#[derive(Clone, Component, Debug, PartialEq)]
+struct Paint(&'static str);
+
+const CUT: u16 = 1;
+
+fn spawn_body(app: &mut App, draw: DrawShape) -> Entity {
+    let hull = primitives::cuboid(1.0, 1.0, 1.0).expect("a box");
+    let visual = hull.to_mesh();
+    let slots = vec![0; visual.triangles().len()];
+    let shape = ConvexMesh::from_parts(hull, visual.with_materials(slots).ok());
+    let fracturable = Fracturable {
+        cut_material: Some(CUT),
+        ..Fracturable::default()
+    };
+    let body = (
+        RigidBody::Dynamic,
+        shape,
+        fracturable,
+        Paint("outside"),
+        draw,
+    );
+    app.world_mut().spawn(body).id()
+}
+
+fn drawn(app: &App, entity: Entity) -> TriMesh {
+    let handle = app.world().get::<Mesh3d>(entity).expect("it is drawn");
+    let meshes = app.world().resource::<Assets<Mesh>>();
+    TriMesh::try_from(meshes.get(&handle.0).expect("the mesh is there")).expect("readable")
+}
+
+fn drawing_app() -> App {
+    let mut app = app();
+    app.add_plugins(CleaveMeshPlugin);
+    app.finish();
+    app.cleanup();
+    app.update();
+    app
+}
+
+/// Of the tetrahedra between the origin and the triangles: those of the parts of a closed surface add up.
+fn swept_volume(mesh: &TriMesh) -> f64 {
+    let corners = mesh.triangles().iter();
+    let corners = corners.map(|t| t.map(|v| mesh.positions()[v as usize].as_dvec3()));
+    corners.map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum()
+}
+
+/// Children that draw slots.
+fn slots_of(app: &App, entity: Entity) -> Vec<Entity> {
+    let world = app.world();
+    let children = world.get::<Children>(entity).into_iter().flatten();
+    let slots = children.filter(|&&child| world.entity(child).contains::<SlotMesh>());
+    slots.copied().collect()
+}
+
+#[test]
+fn pieces_of_pieces_are_drawn_whole_and_inside_out() {
+    let mut app = drawing_app();
+    let draw = DrawShape::new().with_slot(CUT, Paint("inside"));
+    let body = spawn_body(&mut app, draw);
+    app.update();
+    assert_eq!(drawn(&app, body).triangles().len(), 12);
+    assert!(slots_of(&app, body).is_empty());
+    for (round, normal) in [Vec3::X, Vec3::new(0.3, 1.0, 0.2), Vec3::Z]
+        .into_iter()
+        .enumerate()
+    {
+        for body in all_with::<RigidBody>(&mut app) {
+            // Through where it is now, for all fall.
+            let at = app
+                .world()
+                .get::<bevy_transform::components::Transform>(body);
+            let at = at.expect("a body").translation;
+            let plane = Plane::through(at, normal);
+            app.world_mut().commands().slice(body, plane);
+        }
+        app.update();
+        let pieces = all_with::<RigidBody>(&mut app);
+        assert_eq!(pieces.len(), 2 << round);
+        for piece in pieces {
+            let shape = app
+                .world()
+                .get::<ConvexMesh>(piece)
+                .expect("a body")
+                .clone();
+            let slots = slots_of(&app, piece);
+            assert_eq!(slots.len(), 1, "one child for all cut faces");
+            assert_eq!(app.world().get::<Paint>(piece), Some(&Paint("outside")));
+            assert_eq!(app.world().get::<Paint>(slots[0]), Some(&Paint("inside")));
+            let parts = [piece, slots[0]].map(|entity| drawn(&app, entity));
+            let of_piece = parts.iter().map(swept_volume).sum::<f64>();
+            let volume = swept_volume(&shape.render_mesh());
+            assert!(
+                (of_piece - volume).abs() < 1e-5 * volume,
+                "{of_piece} of {volume}"
+            );
+        }
+        assert_eq!(
+            all_with::<SlotMesh>(&mut app).len(),
+            2 << round,
+            "none is left over"
+        );
+    }
+}
+
+#[test]
+fn without_looks_of_slots_all_is_on_the_entity() {
+    let mut app = drawing_app();
+    let body = spawn_body(&mut app, DrawShape::new());
+    app.update();
+    let plane = Plane::through(Vec3::ZERO, Vec3::X);
+    app.world_mut().commands().slice(body, plane);
+    app.update();
+    let pieces = all_with::<RigidBody>(&mut app);
+    assert_eq!(pieces.len(), 2);
+    for piece in pieces {
+        drawn(&app, piece).check_closed().expect("closed");
+    }
+}
+
+#[test]
+fn tangents_are_made_anew_where_there_were_some() {
+    let mut app = drawing_app();
+    let body = spawn_body(&mut app, DrawShape::new());
+    let textured = primitives::cuboid(1.0, 1.0, 1.0).expect("a box").to_mesh();
+    let uvs = textured.positions().iter().map(|p| p.truncate()).collect();
+    let textured = textured.with_uvs(uvs).expect("fits");
+    let mut mesh = Mesh::from(&textured);
+    mesh.generate_tangents().expect("it has all that is needed");
+    let handle = app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh);
+    let shape = ConvexMesh::from_mesh(textured).expect("a shape");
+    app.world_mut()
+        .entity_mut(body)
+        .insert((shape, Mesh3d(handle)));
+    app.update();
+    app.world_mut()
+        .commands()
+        .slice(body, Plane::through(Vec3::ZERO, Vec3::X));
+    (0..2).for_each(|_| app.update());
+    for piece in all_with::<RigidBody>(&mut app) {
+        let handle = app.world().get::<Mesh3d>(piece).expect("drawn");
+        let mesh = app.world().resource::<Assets<Mesh>>().get(&handle.0);
+        assert!(
+            mesh.expect("there")
+                .contains_attribute(Mesh::ATTRIBUTE_TANGENT)
+        );
+    }
+}
