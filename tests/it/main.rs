@@ -31,6 +31,7 @@ mod mass;
 mod mlcp;
 mod pattern;
 mod prelude;
+mod public_items;
 mod recycling;
 mod seams;
 mod shape;
