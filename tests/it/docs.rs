@@ -4,17 +4,20 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Pages that a reader is sent to.
-const PAGES: [&str; 10] = [
+const PAGES: [&str; 13] = [
     "README.md",
     "CHANGELOG.md",
     "CONTRIBUTING.md",
     "docs/architecture.md",
+    "docs/demo.md",
     "docs/destructible_level.md",
     "docs/glossary.md",
     "docs/materials.md",
+    "docs/window.md",
     "docs/report/README.md",
     "docs/report/slicing.md",
     "benches/arena/README.md",
+    "demo/README.md",
 ];
 
 fn root() -> &'static Path {
@@ -197,4 +200,18 @@ fn the_glossary_has_sixty_terms_at_most_and_says_each_in_a_line() {
         assert_eq!(term.matches('|').count(), 4, "{term}");
         assert!(term.len() < 160, "{term}");
     }
+}
+
+#[test]
+fn the_chapter_on_windows_quotes_the_example() {
+    let (chapter, example) = (read("docs/window.md"), read("demo/examples/pane.rs"));
+    let blocks: Vec<_> = chapter.split("```rust\n").skip(1).collect();
+    assert!(!blocks.is_empty(), "the chapter shows code");
+    let quoted = blocks.into_iter().map(|block| {
+        let (code, _) = block.split_once("```").expect("the block ends");
+        assert!(example.contains(code), "not in the example:\n{code}");
+        code.matches("fn ").count()
+    });
+    let shown: usize = quoted.sum();
+    assert_eq!(shown, example.matches("fn ").count(), "all of it is shown");
 }

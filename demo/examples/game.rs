@@ -1,0 +1,286 @@
+//! A game as a newcomer would write it: rough ground, a figurine, a wall, a pane in its frame; swipe to slice, right button to
+//! throw, `E` for an explosion under the pointer, `S` for slow motion, `D` for what the solver sees.
+//!
+//! What is the game is above; what only brings the physics and Bevy together is [`glue`], line by line, with why it is needed.
+
+use bevy::prelude::*;
+use bevy::window::PrimaryWindow;
+use bevy_cleave::import::{ImportOptions, Model};
+use bevy_cleave::prelude::*;
+
+const SPOT: &str = include_str!("../../assets/meshes/spot.obj");
+/// Material slot of cut faces.
+const CUT: u16 = 1;
+/// How far the pointer reaches, m.
+const REACH: f32 = 50.0;
+
+fn main() {
+    App::new()
+        .add_plugins((bevy::DefaultPlugins, glue::plugins))
+        .add_systems(Startup, (build_level, build_targets).chain())
+        .add_systems(
+            Update,
+            (slice, throw, explode, slow_down, look_inside, score),
+        )
+        .insert_resource(SolverConfig {
+            sleep: SleepConfig::on(),
+            ..default()
+        })
+        .run();
+}
+
+/// Materials of the game.
+#[derive(Resource)]
+struct Palette {
+    ground: MeshMaterial3d<StandardMaterial>,
+    brick: MeshMaterial3d<StandardMaterial>,
+    glass: MeshMaterial3d<StandardMaterial>,
+    iron: MeshMaterial3d<StandardMaterial>,
+    flesh: MeshMaterial3d<StandardMaterial>,
+}
+
+fn build_level(mut commands: Commands, mut materials: ResMut<Assets<StandardMaterial>>) -> Result {
+    let mut paint = |color: Color| {
+        MeshMaterial3d(materials.add(StandardMaterial {
+            base_color: color,
+            alpha_mode: if color.alpha() < 1.0 {
+                AlphaMode::Blend
+            } else {
+                AlphaMode::Opaque
+            },
+            ..default()
+        }))
+    };
+    let palette = Palette {
+        ground: paint(Color::srgb(0.35, 0.42, 0.30)),
+        brick: paint(Color::srgb(0.60, 0.30, 0.22)),
+        glass: paint(Color::srgba(0.6, 0.85, 0.85, 0.35)),
+        iron: paint(Color::srgb(0.25, 0.25, 0.28)),
+        flesh: paint(Color::srgb(0.75, 0.10, 0.08)),
+    };
+    let eye = Transform::from_xyz(4.0, 3.0, 7.0).looking_at(Vec3::new(0.0, 0.8, 0.0), Vec3::Y);
+    commands.spawn((Camera3d::default(), eye));
+    let sun = DirectionalLight {
+        shadow_maps_enabled: true,
+        ..default()
+    };
+    commands.spawn((
+        sun,
+        Transform::from_xyz(3.0, 6.0, 4.0).looking_at(Vec3::ZERO, Vec3::Y),
+    ));
+
+    // Rough ground: a level of triangles over a grid of heights.
+    let heights: Vec<f32> = (0..64 * 64)
+        .map(|i| 0.06 * ((i % 64) as f32 * 0.9).sin() * ((i / 64) as f32 * 0.7).cos())
+        .collect();
+    let ground = StaticMesh::from_heights(&heights, 64, 0.4)?;
+    let at = Transform::from_xyz(-12.8, 0.0, -12.8);
+    commands.spawn((
+        RigidBody::Static,
+        ground,
+        at,
+        DrawShape::new(),
+        palette.ground.clone(),
+    ));
+    commands.insert_resource(palette);
+    Ok(())
+}
+
+fn build_targets(mut commands: Commands, palette: Res<Palette>) -> Result {
+    let figurine = Fracturable {
+        cut_material: Some(CUT),
+        ..Fracturable::with_strength(400.0)
+    };
+    let draw = DrawShape::new().with_slot(CUT, palette.flesh.clone());
+    let model = Model::from_obj(SPOT)?.import(&ImportOptions::default())?;
+    let shape = model.shape()?.scaled(Vec3::splat(0.5))?;
+    for i in 0..3 {
+        let at = Transform::from_xyz(1.1 * i as f32 - 1.1, 2.5 + i as f32, 1.2);
+        let look = (palette.brick.clone(), draw.clone());
+        commands.spawn((
+            RigidBody::Dynamic,
+            shape.clone(),
+            at,
+            figurine.clone(),
+            look,
+        ));
+    }
+
+    let mut wall = Vec::new();
+    for (course, i) in (0..8).flat_map(|course| (0..8).map(move |i| (course, i))) {
+        let shift = 0.25 * (course % 2) as f32;
+        let at = Transform::from_xyz(
+            0.5 * i as f32 + shift - 4.2,
+            0.25 * course as f32 + 0.2,
+            -1.6,
+        );
+        let brick = (
+            RigidBody::Dynamic,
+            cuboid!(0.5, 0.25, 0.25),
+            Density(1900.0),
+        );
+        let look = (palette.brick.clone(), DrawShape::new());
+        wall.push(commands.spawn((brick, at, look)).id());
+    }
+    commands.bond_neighbors(wall, 3.0e5);
+
+    let glass = Fracturable {
+        pattern: FracturePattern::Radial { rays: 16, rings: 8 },
+        toughness: 8.0,
+        generations: 0,
+        ..Fracturable::with_strength(20.0)
+    };
+    let mut held = Vec::new();
+    for x in [1.3, 2.7] {
+        let at = Transform::from_xyz(x, 0.8, -0.8);
+        let post = (RigidBody::Static, cuboid!(0.1, 1.6, 0.1), at);
+        let look = (palette.ground.clone(), DrawShape::new());
+        held.push(commands.spawn((post, look)).id());
+    }
+    let at = Transform::from_xyz(2.0, 0.9, -0.8);
+    let pane = (
+        RigidBody::Dynamic,
+        cuboid!(1.3, 1.0, 0.015),
+        Density(2500.0),
+        glass,
+    );
+    let look = (palette.glass.clone(), DrawShape::new());
+    held.push(commands.spawn((pane, at, look)).id());
+    commands.bond_neighbors(held, 4.0e5);
+    Ok(())
+}
+
+/// From where the left button was pressed to where it was released, all that moves is cut.
+fn slice(
+    buttons: Res<ButtonInput<MouseButton>>,
+    pointer: glue::Pointer,
+    space: SpatialQuery,
+    bodies: Query<&RigidBody>,
+    mut pressed: Local<Option<Ray>>,
+    mut commands: Commands,
+) -> Result {
+    if buttons.just_pressed(MouseButton::Left) {
+        *pressed = pointer.ray();
+    }
+    let is_over = buttons.just_released(MouseButton::Left);
+    let Some((from, to)) = pressed.take_if(|_| is_over).zip(pointer.ray()) else {
+        return Ok(());
+    };
+    // Of a click nothing comes.
+    let Ok(blade) = Blade::between(&from, &to) else {
+        return Ok(());
+    };
+    let is_moved = |body| {
+        bodies
+            .get(body)
+            .is_ok_and(|kind| *kind == RigidBody::Dynamic)
+    };
+    let moved = QueryFilter::all().with_predicate(&is_moved);
+    for body in space.overlap_shape(&blade.shape(), &Pose::IDENTITY, &moved)? {
+        commands.slice(body, blade.plane());
+    }
+    Ok(())
+}
+
+/// A ball from the camera through the pointer.
+fn throw(
+    buttons: Res<ButtonInput<MouseButton>>,
+    pointer: glue::Pointer,
+    palette: Res<Palette>,
+    mut commands: Commands,
+) {
+    if buttons.just_pressed(MouseButton::Right)
+        && let Some(ray) = pointer.ray()
+    {
+        let ball = (RigidBody::Dynamic, icosphere!(0.1, 2), Density(7800.0));
+        let at = Transform::from_translation(ray.at(1.0));
+        let velocity = LinearVelocity(16.0 * ray.direction());
+        let look = (palette.iron.clone(), DrawShape::new());
+        commands.spawn((ball, at, velocity, look));
+    }
+}
+
+/// A blast of 200 N s at what the pointer is on.
+fn explode(
+    keys: Res<ButtonInput<KeyCode>>,
+    pointer: glue::Pointer,
+    space: SpatialQuery,
+    mut commands: Commands,
+) {
+    if keys.just_pressed(KeyCode::KeyE)
+        && let Some(ray) = pointer.ray()
+        && let Some(hit) = space.cast_ray(&ray, &QueryFilter::all())
+    {
+        commands.explode(Explosion {
+            center: hit.point,
+            radius: 3.0,
+            impulse: 200.0,
+        });
+    }
+}
+
+fn look_inside(keys: Res<ButtonInput<KeyCode>>, mut store: ResMut<GizmoConfigStore>) {
+    if keys.just_pressed(KeyCode::KeyD) {
+        store.config_mut::<CleaveGizmos>().0.enabled ^= true;
+    }
+}
+
+fn slow_down(keys: Res<ButtonInput<KeyCode>>, mut time: ResMut<Time<Virtual>>) {
+    if keys.just_pressed(KeyCode::KeyS) {
+        let speed = if time.relative_speed() < 1.0 {
+            1.0
+        } else {
+            0.15
+        };
+        time.set_relative_speed(speed);
+    }
+}
+
+/// A point for each piece.
+fn score(
+    mut fractures: MessageReader<Fractured>,
+    mut windows: Query<&mut Window>,
+    mut points: Local<usize>,
+) {
+    let won: usize = fractures.read().map(|fracture| fracture.pieces.len()).sum();
+    if won > 0 {
+        *points += won;
+        for mut window in &mut windows {
+            window.title = format!("{} points", *points);
+        }
+    }
+}
+
+/// What a game has to add today, and nothing else.
+mod glue {
+    use super::*;
+    use bevy::ecs::system::SystemParam;
+
+    /// 3 lines: what draws, smooths and shows inside is each to be asked for, since an app without a window needs none of it.
+    pub(crate) fn plugins(app: &mut App) {
+        app.add_plugins((
+            CleavePlugin::default(),
+            InterpolationPlugin,
+            CleaveMeshPlugin,
+            CleaveGizmosPlugin,
+        ));
+        let mut store = app.world_mut().resource_mut::<GizmoConfigStore>();
+        store.config_mut::<CleaveGizmos>().0.enabled = false;
+    }
+
+    /// 13 lines: Bevy without its picking has no ray of the pointer, and that of its cameras has no end.
+    #[derive(SystemParam)]
+    pub(crate) struct Pointer<'w, 's> {
+        window: Query<'w, 's, &'static Window, With<PrimaryWindow>>,
+        camera: Query<'w, 's, (&'static Camera, &'static GlobalTransform)>,
+    }
+
+    impl Pointer<'_, '_> {
+        pub(crate) fn ray(&self) -> Option<Ray> {
+            let (camera, eye) = self.camera.single().ok()?;
+            let at = self.window.single().ok()?.cursor_position()?;
+            let ray = camera.viewport_to_world(eye, at).ok()?;
+            Ray::new(ray.origin, *ray.direction, REACH).ok()
+        }
+    }
+}

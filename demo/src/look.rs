@@ -1,0 +1,97 @@
+//! What bodies look like: a material for the outside of each, and one for the faces that cuts lay open.
+
+use bevy::prelude::*;
+use bevy_cleave::prelude::*;
+
+/// Material slots of a body's mesh.
+pub(crate) const OUTSIDE: u16 = 0;
+/// Slot of the faces of cuts.
+pub(crate) const INSIDE: u16 = 1;
+
+/// What a body is drawn with; its pieces have it too.
+#[derive(Bundle, Clone)]
+pub(crate) struct Look {
+    outside: MeshMaterial3d<StandardMaterial>,
+    shape: DrawShape,
+}
+
+impl Look {
+    fn new(outside: Handle<StandardMaterial>, inside: Handle<StandardMaterial>) -> Self {
+        Self {
+            outside: MeshMaterial3d(outside),
+            shape: DrawShape::new().with_slot(INSIDE, MeshMaterial3d(inside)),
+        }
+    }
+}
+
+/// All looks that there are.
+#[derive(Resource)]
+pub(crate) struct Looks {
+    pub(crate) glass: Look,
+    pub(crate) frame: Look,
+    /// A few shades, so that no wall is of one color.
+    pub(crate) bricks: Vec<Look>,
+    pub(crate) laths: Vec<Look>,
+    pub(crate) granite: Look,
+    pub(crate) porcelain: Look,
+    pub(crate) iron: Look,
+    pub(crate) plinth: Look,
+}
+
+pub(crate) fn plugin(app: &mut App) {
+    app.add_systems(PreStartup, mix);
+}
+
+fn mix(mut commands: Commands, mut materials: ResMut<Assets<StandardMaterial>>) {
+    let mut add = |color: Color, roughness: f32, metallic: f32| {
+        materials.add(StandardMaterial {
+            base_color: color,
+            perceptual_roughness: roughness,
+            metallic,
+            ..default()
+        })
+    };
+    let mut look = |outside: [f32; 3], inside: [f32; 3], roughness: f32| {
+        let outside = add(Color::srgb_from_array(outside), roughness, 0.0);
+        Look::new(outside, add(Color::srgb_from_array(inside), 0.9, 0.0))
+    };
+    let bricks = [
+        [0.62, 0.28, 0.20],
+        [0.56, 0.24, 0.18],
+        [0.67, 0.33, 0.24],
+        [0.52, 0.25, 0.21],
+    ];
+    let bricks = bricks.map(|outside| look(outside, [0.83, 0.52, 0.40], 0.85));
+    let laths = [[0.55, 0.36, 0.19], [0.50, 0.32, 0.16], [0.60, 0.41, 0.23]];
+    let laths = laths.map(|outside| look(outside, [0.88, 0.74, 0.52], 0.6));
+    let frame = look([0.16, 0.18, 0.21], [0.3, 0.3, 0.3], 0.45);
+    let granite = look([0.36, 0.37, 0.39], [0.66, 0.63, 0.60], 0.8);
+    let porcelain = look([0.93, 0.91, 0.86], [0.80, 0.33, 0.22], 0.25);
+    let plinth = look([0.78, 0.77, 0.75], [0.8, 0.8, 0.8], 0.7);
+    let iron = add(Color::srgb(0.55, 0.56, 0.58), 0.28, 1.0);
+    let iron = Look::new(iron.clone(), iron);
+    let mut glass = |color: Color| {
+        materials.add(StandardMaterial {
+            base_color: color,
+            perceptual_roughness: 0.06,
+            reflectance: 0.7,
+            alpha_mode: AlphaMode::Blend,
+            double_sided: true,
+            cull_mode: None,
+            ..default()
+        })
+    };
+    // The edge of a pane is seen along its width: dark and green.
+    let edge = glass(Color::srgba(0.25, 0.66, 0.58, 0.85));
+    let glass = Look::new(glass(Color::srgba(0.62, 0.86, 0.84, 0.28)), edge);
+    commands.insert_resource(Looks {
+        glass,
+        frame,
+        bricks: bricks.into(),
+        laths: laths.into(),
+        granite,
+        porcelain,
+        iron,
+        plinth,
+    });
+}

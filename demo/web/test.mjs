@@ -1,0 +1,62 @@
+// Drags the mouse across a body in the page at the given address, and sees two pieces. Pictures are written to ../target/web.
+import { chromium } from 'playwright-core';
+import assert from 'node:assert/strict';
+import { mkdirSync } from 'node:fs';
+
+const address = process.argv[2];
+const pictures = new URL('../target/web/', import.meta.url).pathname;
+mkdirSync(pictures, { recursive: true });
+const browser = await chromium.launch({
+  executablePath: '/usr/bin/chromium',
+  args: ['--headless=new', '--no-sandbox', '--no-first-run', '--disable-quic', '--disable-background-networking', '--disable-component-update',
+    '--disable-sync', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'],
+});
+try {
+  const page = await browser.newPage({ viewport: { width: 960, height: 540 } });
+  page.on('pageerror', error => { if (!String(error).includes('Using exceptions')) console.log('page:', String(error).slice(0, 300)); });
+  page.on('console', message => { if (message.type() === 'error') console.log('console:', message.text().slice(0, 300)); });
+  const state = () => page.evaluate(() => window.demo?.() ?? {});
+  const until = async (what, holds, seconds) => {
+    const end = Date.now() + 1000 * seconds;
+    for (;;) {
+      const now = await state();
+      if (holds(now)) return now;
+      assert.ok(Date.now() < end, `${what}: ${JSON.stringify(now)}`);
+      await page.waitForTimeout(100);
+    }
+  };
+  const begun = Date.now();
+  await page.goto(address);
+  await until('the page starts', s => s.frames > 5, 300);
+  console.log(`started after ${((Date.now() - begun) / 1000).toFixed(1)} s`);
+
+  // A pane hangs in its frame: one body, until the mouse is dragged across it.
+  await page.keyboard.press('Digit2');
+  const before = await until('the pane is put up', s => s.exhibit === 'Glass' && s.pieces === 1, 60);
+  await page.screenshot({ path: pictures + 'before.png' });
+  await page.mouse.move(340, 330);
+  await page.mouse.down();
+  await page.mouse.move(480, 270, { steps: 6 });
+  await page.mouse.move(620, 190, { steps: 6 });
+  await page.mouse.up();
+  const after = await until('the swipe cuts', s => s.cuts > before.cuts, 60);
+  assert.equal(after.pieces, 2, 'one swipe makes two of one');
+  await page.waitForTimeout(600);
+  await page.screenshot({ path: pictures + 'sliced.png' });
+
+  await page.keyboard.press('KeyR');
+  await until('a new pane is put up', s => s.pieces === 1, 60);
+  await page.mouse.click(520, 230);
+  const broken = await until('a ball shatters the pane', s => s.pieces > 10, 60);
+  await page.waitForTimeout(600);
+  await page.screenshot({ path: pictures + 'shattered.png' });
+
+  await page.keyboard.press('Digit1');
+  await until('all is put up', s => s.exhibit === 'All', 60);
+  await page.waitForTimeout(5000);
+  const rest = await state();
+  await page.screenshot({ path: pictures + 'all.png' });
+  console.log(`two pieces of a swipe, ${broken.pieces} bodies of a pane; ${rest.pieces} bodies: ${rest.step_ms} ms a step, ${rest.frame_ms} ms a frame`);
+} finally {
+  await browser.close();
+}
