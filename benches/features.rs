@@ -102,6 +102,23 @@ fn features(c: &mut Criterion) {
         }),
     );
     bench(c, "paper", settled(|_| {}, SolverConfig::paper()));
+    // A heap of hulls in a scene that has a ball too, and one that is half of balls.
+    bench(c, "one_round", {
+        let mut simulation = settled(|_| {}, default);
+        let ball = BodyDesc::dynamic(bevy_cleave::sphere!(0.3), Vec3::new(50.0, 0.3, 50.0));
+        simulation.bodies.insert(ball).expect("usable");
+        simulation
+    });
+    bench(c, "half_round", {
+        let number = std::cell::Cell::new(0_u32);
+        let change = |desc: &mut BodyDesc| {
+            number.set(number.get() + 1);
+            if number.get().is_multiple_of(2) {
+                desc.shape = Shape::Convex(bevy_cleave::sphere!(0.3));
+            }
+        };
+        settled(change, default)
+    });
     bench(c, "contact_events", {
         let mut simulation = settled(|_| {}, default);
         watch_all(&mut simulation);

@@ -71,7 +71,7 @@ pub mod prelude {
         FractureCause, Fractured, GravityScale, JointA, JointB, JointBroken, JointCommands,
         JointHandle, JointProblem, JointsOfA, JointsOfB, LinearDamping, LinearVelocity, Mass,
         MassOverride, MaxSpeed, PieceOf, PieceRules, Pieces, Remains, Sensor, ShapeConstructor,
-        Sleeping, SliceCommands, SpatialQuery, SpawnBody,
+        Sleeping, SliceCommands, SpatialQuery, SpawnBody, Walker, Walking,
     };
     #[cfg(feature = "diagnostics")]
     pub use crate::extras::CleaveDiagnosticsPlugin;
@@ -98,9 +98,10 @@ pub mod prelude {
     };
     pub use crate::mass::MassProperties;
     pub use crate::math::{Aabb, Plane, Pose};
-    pub use crate::plugin::{CleavePlugin, PhysicsSchedule, PhysicsSystems};
+    pub use crate::plugin::{CleavePlugin, PhysicsSchedule, PhysicsSystems, WalkerPlugin};
     pub use crate::query::{
         Blade, Queries, QueryError, QueryFilter, QueryHit, QueryIndex, QueryShape, Ray, ShapeCast,
+        Slid, Slider, WalkInput, WalkSettings, WalkState,
     };
     pub use crate::slice::{Fracturable, FracturePattern};
     #[cfg(feature = "exact")]
@@ -112,7 +113,7 @@ pub mod prelude {
         ContactChange, ContactEvent, ContactEvents, ContactWatch, Contacts, IslandReport,
         Simulation, StepError, StepReport, StepSettings,
     };
-    pub use crate::{cuboid, icosphere, prism};
+    pub use crate::{capsule, cone, cuboid, cylinder, icosphere, prism, sphere};
 }
 
 /// Inside views for the tests, benches and examples of this crate, by room. No part of the interface: it changes at will.

@@ -42,11 +42,11 @@ impl VolumeIntegrals {
         volume_integrals(mesh.positions(), mesh.solid().iter().copied())
     }
 
-    /// Integrals over what of a shape has mass: its hull, or the mesh in it.
+    /// Integrals over what of a shape has mass: the shape itself, exactly if it is round, or the mesh in it.
     pub fn of_shape(shape: &ConvexMesh) -> Self {
         match shape.weighed_visual() {
             Some(mesh) => Self::of_mesh(mesh),
-            None => Self::of_hull(shape.hull()),
+            None => Self::of_moments(shape.moments()),
         }
     }
 
@@ -312,7 +312,7 @@ impl MassProperties {
         Self::from_integrals(&VolumeIntegrals::of_hull(hull), density)
     }
 
-    /// Mass properties of a shape of uniform `density` (kg/m3): of its hull, or of the mesh in it.
+    /// Mass properties of a shape of uniform `density` (kg/m3): of itself, or of the mesh in it.
     ///
     /// # Errors
     /// As [`from_integrals`](Self::from_integrals).

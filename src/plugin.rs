@@ -1,5 +1,9 @@
 //! The plugin: the phases of [`step`] as system sets, in the same order and under the same names.
 
+mod walker;
+
+pub use walker::WalkerPlugin;
+
 use crate::bodies::store::Bodies;
 use crate::contact::impulses::ContactCache;
 use crate::ecs::collisions::{CollisionEnd, CollisionStart, ContactForce};

@@ -40,6 +40,12 @@ impl Bodies {
         }
     }
 
+    /// Stops the body.
+    pub(crate) fn halt(&mut self, slot: u32) {
+        let v = &mut self.velocity[slot as usize];
+        (v.linear, v.angular) = (Vec3::ZERO, Vec3::ZERO);
+    }
+
     /// Lets forces act on the body in the next step; it wakes, unless they are zero. Does nothing to bodies that forces do not
     /// move. The mass must be known: call after the mass phase.
     ///

@@ -90,6 +90,18 @@ impl FreeRotation {
         self.moments.dot(about_axes * about_axes)
     }
 
+    /// The same, without what rounding makes of a quaternion's length: what is left of it is of second order where the body turns
+    /// about a principal axis.
+    pub(crate) fn exact_energy(&self, omega: Vec3) -> f64 {
+        let frame = self.rotation.as_dquat() * self.frame.as_dquat();
+        // Of a unit quaternion: `v + 2 w (u x v) + 2 u x (u x v)`.
+        let (u, w) = (-frame.xyz(), frame.w);
+        let (v, square) = (omega.as_dvec3(), frame.length_squared());
+        let t = 2.0 / square * u.cross(v);
+        let about_axes = v + w * t + u.cross(t);
+        self.moments.dot(about_axes * about_axes)
+    }
+
     /// Turns the body for `h` seconds; returns the free angular velocity after it, from `omega` before (world, rad/s).
     pub fn advance(&mut self, omega: Vec3, h: f32) -> Vec3 {
         let (mut spin, mut omega) = ([*self], [omega]);

@@ -2,6 +2,7 @@
 
 use crate::bodies::body::{RigidBody, Shape};
 use crate::bodies::store::Bodies;
+use crate::geometry::ConvexMesh;
 use crate::mass::{MassError, MassProperties};
 use crate::math::rotate;
 use glam::{Mat3, Quat, Vec3};
@@ -93,18 +94,18 @@ impl Bodies {
         self.radius[slot as usize]
     }
 
+    /// Whether the body's surface is curved.
+    #[inline]
+    pub(crate) fn is_round(&self, slot: u32) -> bool {
+        self.any_round && self.convex(slot).is_some_and(ConvexMesh::is_round)
+    }
+
     fn radius_about(&self, slot: u32, center: Vec3) -> f32 {
         if let Some(mesh) = self.info(slot).shape.level() {
             return mesh.radius() + center.length();
         }
-        let vertices = self
-            .convex(slot)
-            .map_or(&[][..], |mesh| mesh.hull().vertices());
-        vertices
-            .iter()
-            .map(|v| v.distance_squared(center))
-            .fold(0.0, f32::max)
-            .sqrt()
+        let mesh = self.convex(slot);
+        mesh.map_or(0.0, |mesh| mesh.farthest_from(center))
     }
 
     /// Recomputes what follows from the pose: inverse inertia.

@@ -68,6 +68,8 @@ pub struct Bodies {
     pub(crate) wearing: Vec<Wearing>,
     /// Whether there was ever a body that is a level of triangles.
     pub(crate) any_level: bool,
+    /// Whether there was ever a round one.
+    pub(crate) any_round: bool,
     /// Who rests, and what was changed since.
     pub(crate) sleep: Sleep,
     /// Pairs of bodies that are bonded, ascending: their contact stays where the bond was made, wherever they are going.
@@ -295,12 +297,6 @@ impl Bodies {
         self.center[i] = pose.position + rotate(pose.rotation, self.mass[i].center);
     }
 
-    /// Stops the body.
-    pub(crate) fn halt(&mut self, slot: u32) {
-        let v = &mut self.velocity[slot as usize];
-        (v.linear, v.angular) = (Vec3::ZERO, Vec3::ZERO);
-    }
-
     /// Takes over shape, density, material, layers and strength from `desc`, but neither pose nor velocity nor kind. Wakes
     /// the body and what rests on it if that changes anything.
     ///
@@ -340,10 +336,11 @@ impl Bodies {
     /// Call after changing shape, density or mass override: boxes now, mass in the next mass phase.
     pub(crate) fn mark_shape_changed(&mut self, slot: u32) {
         let i = slot as usize;
-        let aabb = self.convex(slot).map(|m| m.hull().aabb());
+        let aabb = self.convex(slot).map(ConvexMesh::aabb);
         self.kd_box[i] = aabb.map(KdBox::around);
         self.min_extent[i] = aabb.map_or(f32::INFINITY, |b| b.extents().min_element());
         self.any_level |= self.info(slot).shape.level().is_some();
+        self.any_round |= self.convex(slot).is_some_and(ConvexMesh::is_round);
         self.stale_mass.push(slot);
         self.renew_version(slot);
     }

@@ -6,6 +6,7 @@
 
 mod level;
 pub(super) mod part;
+pub(super) mod round;
 
 use crate::bodies::store::Bodies;
 use crate::collide::narrow_phase::part::{PairRun, Scene};

@@ -4,9 +4,8 @@ use crate::bodies::body::{RigidBody, Shape};
 use crate::bodies::store::Bodies;
 use crate::contact::body_id::BodyId;
 use crate::contact::pairs::broad_phase::{Broadphase, Proxy, ProxyKind, ProxyShape};
-use crate::geometry::hull_lanes::bounds;
 use crate::geometry::support::Core;
-use crate::geometry::{ConvexHull, StaticMesh};
+use crate::geometry::{ConvexMesh, StaticMesh};
 use crate::math::{Aabb, Plane, rotate};
 use crate::threads::team::Team;
 use crate::tuning::{MIN_PROXIES, PROXIES_WORTH_HELP};
@@ -70,12 +69,12 @@ impl Lookahead {
     }
 
     /// The body's box with all places it may reach within the step, and in [`STEPS_TOLD`] of them if it goes on as it does.
-    fn swept_box(&self, bodies: &Bodies, slot: u32, hull: &ConvexHull) -> Aabb {
+    fn swept_box(&self, bodies: &Bodies, slot: u32, mesh: &ConvexMesh) -> Aabb {
         let i = slot as usize;
         let turn = Mat3::from_quat(bodies.rotation[i]);
         // From the center of mass, so that little is lost far from the origin.
         let shift = bodies.center[i] - turn * bodies.mass[i].center;
-        let tight = bounds(&hull.lanes.points, &turn, shift).fattened(self.reach(bodies, slot));
+        let tight = mesh.bounds(&turn, shift).fattened(self.reach(bodies, slot));
         let travel = STEPS_TOLD * self.travel(bodies, slot);
         Aabb {
             min: tight.min + travel.min(Vec3::ZERO),
@@ -261,7 +260,7 @@ fn proxy(bodies: &Bodies, slot: u32, ahead: Lookahead) -> Proxy {
         ProxyKind::Fixed
     };
     let shape = match &info.shape {
-        Shape::Convex(mesh) => ProxyShape::Box(ahead.swept_box(bodies, slot, mesh.hull())),
+        Shape::Convex(mesh) => ProxyShape::Box(ahead.swept_box(bodies, slot, mesh)),
         Shape::Level(mesh) => ProxyShape::Box(ahead.swept_level(bodies, slot, mesh)),
         Shape::HalfSpace(_) => ProxyShape::HalfSpace(half_space_plane(bodies, slot)),
     };

@@ -4,10 +4,11 @@ use crate::bodies::body::RigidBody;
 use crate::bodies::store::Bodies;
 use crate::collide::narrow_phase::part::examine_pair;
 use crate::collide::narrow_phase::relative_pose;
+use crate::collide::narrow_phase::round::examine_round_pair;
 use crate::contact::local_manifold::LocalManifold;
+use crate::contact::narrow::round::patch::RoundScratch;
 use crate::contact::narrow::scratch::{NarrowScratch, SatCache, SatResult};
 use crate::contact::pairs::broad_phase::{Broadphase, Pair};
-use crate::geometry::hull_lanes::bounds;
 use crate::math::{Aabb, rotate};
 use glam::{Mat3, Vec3};
 
@@ -34,6 +35,7 @@ pub(crate) struct Sensing {
     /// Sorted by the ids of the pair.
     pub(crate) overlaps: Vec<Overlap>,
     scratch: NarrowScratch,
+    round_scratch: RoundScratch,
     found: Vec<u32>,
     boxes: Vec<(u32, Option<Aabb>)>,
 }
@@ -70,7 +72,7 @@ impl Sensing {
             for &other in &self.found {
                 let pair = pair_of(bodies, sensor, other);
                 let overlap = may_sense(bodies, pair)
-                    .then(|| overlap_of(bodies, pair, &mut self.scratch))
+                    .then(|| overlap_of(bodies, pair, (&mut self.scratch, &mut self.round_scratch)))
                     .flatten();
                 self.overlaps.extend(overlap);
             }
@@ -113,13 +115,9 @@ fn shift(bodies: &Bodies, slot: u32) -> Vec3 {
 /// The box of all places where the body was within the last step; nothing for one that no box holds.
 fn swept_box(bodies: &Bodies, slot: u32) -> Option<Aabb> {
     let i = slot as usize;
-    let hull = bodies.convex(slot)?.hull();
+    let mesh = bodies.convex(slot)?;
     let turn = Mat3::from_quat(bodies.rotation[i]);
-    let now = bounds(
-        &hull.lanes.points,
-        &turn,
-        bodies.center[i] - turn * bodies.mass[i].center,
-    );
+    let now = mesh.bounds(&turn, bodies.center[i] - turn * bodies.mass[i].center);
     let back = -shift(bodies, slot);
     Some(Aabb {
         min: now.min + back.min(Vec3::ZERO),
@@ -128,7 +126,11 @@ fn swept_box(bodies: &Bodies, slot: u32) -> Option<Aabb> {
 }
 
 /// Where the pair overlaps, if it does or did on its way.
-fn overlap_of(bodies: &Bodies, pair: Pair, scratch: &mut NarrowScratch) -> Option<Overlap> {
+fn overlap_of(
+    bodies: &Bodies,
+    pair: Pair,
+    (scratch, round_scratch): (&mut NarrowScratch, &mut RoundScratch),
+) -> Option<Overlap> {
     let now = relative_pose(bodies, pair.a, pair.b);
     let to_a = bodies.rotation[pair.a as usize].inverse();
     let way = rotate(to_a, shift(bodies, pair.b) - shift(bodies, pair.a));
@@ -137,11 +139,12 @@ fn overlap_of(bodies: &Bodies, pair: Pair, scratch: &mut NarrowScratch) -> Optio
     for _ in 0..MAX_ADVANCES {
         let mut b_in_a = now;
         b_in_a.position -= (1.0 - done) * way;
-        let (axis, distance) =
-            match examine_pair(bodies, pair, b_in_a, 0.0, SatCache::NONE, scratch) {
-                SatResult::Touching(patch) => return Some(overlap_at(bodies, pair, &patch)),
-                SatResult::Separated { axis, distance } => (axis, distance),
-            };
+        let found = examine_round_pair(bodies, pair, b_in_a, 0.0, round_scratch)
+            .unwrap_or_else(|| examine_pair(bodies, pair, b_in_a, 0.0, SatCache::NONE, scratch));
+        let (axis, distance) = match found {
+            SatResult::Touching(patch) => return Some(overlap_at(bodies, pair, &patch)),
+            SatResult::Separated { axis, distance } => (axis, distance),
+        };
         let approach = -axis.dot(way);
         if done >= 1.0 || approach <= 0.0 {
             return None;

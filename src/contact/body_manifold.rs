@@ -92,6 +92,10 @@ pub(crate) struct BodyManifold {
     along: Points4,
     code_a: [KdCode; MAX_POINTS],
     code_b: [KdCode; MAX_POINTS],
+    /// Whether `on_a` and `on_b` are not on the surfaces but inside of them, by `radii` along the normal.
+    is_round: bool,
+    /// Radii of curvature of A and B, m: those of the first point and those of the others, of which a cone has one.
+    radii: [[f32; 2]; 2],
 }
 
 const _: () = assert!(MAX_POINTS == LANES, "one lane for each point");
@@ -115,9 +119,16 @@ impl BodyManifold {
             ..Self::default()
         };
         let code = |b: Option<KdBox>, at: Vec3| b.map_or(KdCode::default(), |b| b.encode(at));
+        bound.is_round = patch.points().iter().any(|p| p.radii != [0.0; 2]);
+        bound.radii = [patch.points[0].radii, patch.points[1].radii];
+        let inward = rotate(turn.inverse(), patch.normal);
         for (l, point) in patch.points().iter().enumerate() {
-            bound.on_a.set(l, point.on_a - centers[0]);
-            bound.on_b.set(l, point.on_b - centers[1]);
+            // What rolls is known by a place that turns with it, and has one code all the while.
+            let radii = bound.radii_of(l);
+            let on_a = point.on_a - radii[0] * patch.normal;
+            let on_b = point.on_b + radii[1] * inward;
+            bound.on_a.set(l, on_a - centers[0]);
+            bound.on_b.set(l, on_b - centers[1]);
             bound.share_b[l] = point.share_b;
             let along = if bound.normal_of_b {
                 rotate(turn.inverse(), point.along)
@@ -125,10 +136,16 @@ impl BodyManifold {
                 point.along
             };
             bound.along.set(l, along);
-            bound.code_a[l] = code(boxes[0], point.on_a);
-            bound.code_b[l] = code(boxes[1], point.on_b);
+            bound.code_a[l] = code(boxes[0], on_a);
+            bound.code_b[l] = code(boxes[1], on_b);
         }
         bound
+    }
+
+    /// Radii of curvature of A and B at a point, m.
+    #[inline]
+    fn radii_of(&self, point: usize) -> [f32; 2] {
+        self.radii[usize::from(point > 0)]
     }
 
     /// The normal as one of the bodies sees it, B if `of_b`; `turn` is the rotation from the other's frame to its own.
@@ -148,7 +165,13 @@ impl BodyManifold {
     ) -> (Vec3, impl Iterator<Item = [Vec3; 2]>) {
         let turns = [a.turn, b.turn];
         let normal = turns[usize::from(self.normal_of_b)] * self.normal;
-        let arms = move |l| [turns[0] * self.on_a.get(l), turns[1] * self.on_b.get(l)];
+        let arms = move |l| {
+            let [radius_a, radius_b] = self.radii_of(l);
+            [
+                turns[0] * self.on_a.get(l) + radius_a * normal,
+                turns[1] * self.on_b.get(l) - radius_b * normal,
+            ]
+        };
         (normal, (0..self.count as usize).map(arms))
     }
 
@@ -175,7 +198,10 @@ impl BodyManifold {
         let turn = if self.normal_of_b { &b.turn } else { &a.turn };
         let normal = *turn * self.normal;
         let apart = b.center - a.center;
-        let (on_a, on_b) = (turned(&self.on_a, &a.turn), turned(&self.on_b, &b.turn));
+        let (mut on_a, mut on_b) = (turned(&self.on_a, &a.turn), turned(&self.on_b, &b.turn));
+        if self.is_round {
+            self.lift_to_surface(normal, &mut on_a, &mut on_b);
+        }
         let along = turned(&self.along, turn);
         let placed = self.place(normal, apart, &on_a, &on_b, &along);
         for (l, point) in points.iter_mut().enumerate() {
@@ -185,10 +211,21 @@ impl BodyManifold {
                 separation: placed.separation[l],
                 code_a: self.code_a[l],
                 code_b: self.code_b[l],
+                radii: self.radii_of(l),
                 ..ContactPoint::default()
             };
         }
         normal
+    }
+
+    /// From places inside of round surfaces to the surfaces, world axes.
+    #[inline(never)]
+    fn lift_to_surface(&self, normal: Vec3, on_a: &mut Points4, on_b: &mut Points4) {
+        for l in 0..self.count as usize {
+            let [radius_a, radius_b] = self.radii_of(l);
+            on_a.set(l, on_a.get(l) + radius_a * normal);
+            on_b.set(l, on_b.get(l) - radius_b * normal);
+        }
     }
 
     /// Separations and anchors, given the points' places on the two bodies in world axes.

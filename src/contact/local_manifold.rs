@@ -19,6 +19,9 @@ pub struct LocalPoint {
     /// Unit vector, A's frame, along which the point goes with the other body instead: where an edge of the one crosses
     /// an edge of the other's face, the point stays on both. Zero if there is none.
     pub along: Vec3,
+    /// Radii of curvature of A and B there, m: as a round surface rolls, its contact stays so far along the normal from a place
+    /// inside of it. 0 for a face, an edge or a corner.
+    pub radii: [f32; 2],
 }
 
 /// What the narrow phase finds for one pair: in A's frame, so that nothing is lost far from the origin.
@@ -57,6 +60,7 @@ impl LocalManifold {
         };
         for point in &mut patch.points {
             std::mem::swap(&mut point.on_a, &mut point.on_b);
+            point.radii.swap(0, 1);
             point.share_b = 1.0 - point.share_b;
             point.along = rotate(b_in_a.rotation.inverse(), point.along);
         }

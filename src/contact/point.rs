@@ -27,4 +27,9 @@ pub struct ContactPoint {
     pub friction_impulse: Vec3,
     /// Normal impulse of the whole step, blows included, N s.
     pub total_impulse: f32,
+    /// Radii of curvature of A's and B's surface there, m: a body that turns within the step turns the place so far inside, along
+    /// the normal, and not the point. 0 for faces, edges and corners.
+    pub radii: [f32; 2],
 }
+
+const _: () = assert!(size_of::<ContactPoint>() == 64);

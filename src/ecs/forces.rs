@@ -91,6 +91,13 @@ pub struct AppliedForces {
 }
 
 impl AppliedForces {
+    /// An impulse, N s, at a point so far from the origin of the body's frame, world axes, m.
+    pub(super) fn push_at(&mut self, impulse: Vec3, lever: Vec3) {
+        let [sum, moment] = &mut self.impulses_at_points;
+        *sum += impulse;
+        *moment += lever.cross(impulse);
+    }
+
     /// All of it about the center of mass of a body with this rotation.
     fn total(&self, mass: &MassProperties, rotation: Quat) -> StepForces {
         let to_center = rotate(rotation, mass.center);

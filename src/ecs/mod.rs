@@ -9,6 +9,7 @@
 //! | `pieces.rs`, `piece_children.rs`, `uncloned.rs` | pieces as entities, whose children those of the parent become, what they cannot get |
 //! | `bond.rs` | `commands.bond` |
 //! | `query.rs` | `SpatialQuery`: rays, casts, overlaps by entity |
+//! | `walker.rs` | characters that walk |
 //! | `joint.rs` | joints as entities |
 //! | `collisions.rs`, `collision_news.rs` | events of contacts, sensors, `Collisions` |
 //! | `forces.rs`, `explosion.rs` | `Forces`, constant forces, damping, explosions |
@@ -48,6 +49,7 @@ pub(crate) mod shape_constructor;
 pub(crate) mod spawn;
 pub(crate) mod state;
 mod uncloned;
+pub(crate) mod walker;
 
 pub use bond::BondCommands;
 pub use collisions::{
@@ -73,3 +75,4 @@ pub use pieces::{PieceOf, PieceRules, Pieces, Remains};
 pub use query::SpatialQuery;
 pub use shape_constructor::{MeshDescription, ShapeConstructor};
 pub use spawn::SpawnBody;
+pub use walker::{Walker, Walking};

@@ -179,7 +179,7 @@ impl SpatialQuery<'_, '_> {
         Ok(self.all_by_entity(hits))
     }
 
-    fn entity(&self, slot: u32) -> Option<Entity> {
+    pub(super) fn entity(&self, slot: u32) -> Option<Entity> {
         self.state.entities.of(slot, self.bodies.id(slot))
     }
 

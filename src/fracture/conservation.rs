@@ -46,7 +46,9 @@ pub(super) fn keep_mass(
         return;
     }
     let area: f64 = hulls().map(ConvexHull::area).sum();
-    if missing.abs() <= 2.0 * f64::from(thickness_of_faces(body.hull())) * area {
+    // A polyhedron has stood for a round body.
+    let is_known = body.is_round();
+    if is_known || missing.abs() <= 2.0 * f64::from(thickness_of_faces(body.hull())) * area {
         let density = (f64::from(mass) / volume) as f32;
         let descs = pieces.iter_mut().chain(halves);
         descs.for_each(|desc| desc.density = density);

@@ -94,6 +94,73 @@ macro_rules! prism {
     }};
 }
 
+/// A sphere with a constant radius, m: `sphere!(0.5)`.
+///
+/// A [`ConvexMesh`](crate::geometry::ConvexMesh), as [`ConvexMesh::sphere`](crate::geometry::ConvexMesh::sphere) makes it; checked as
+/// by [`cuboid!`](crate::cuboid).
+#[macro_export]
+macro_rules! sphere {
+    ($radius:expr $(,)?) => {{
+        const RADIUS: f32 = $radius;
+        const {
+            assert!(
+                $crate::geometry::are_sizes_usable([RADIUS]),
+                "no sphere has this size"
+            );
+        }
+        $crate::geometry::ConvexMesh::sphere(RADIUS).expect("checked at compile time")
+    }};
+}
+
+/// A capsule along y with a constant radius and length of the straight part, m: `capsule!(0.3, 1.2)`.
+///
+/// A [`ConvexMesh`](crate::geometry::ConvexMesh), as [`ConvexMesh::capsule`](crate::geometry::ConvexMesh::capsule) makes it; checked
+/// as by [`cuboid!`](crate::cuboid).
+#[macro_export]
+macro_rules! capsule {
+    ($radius:expr, $length:expr $(,)?) => {
+        $crate::__round!(capsule, $radius, $length)
+    };
+}
+
+/// A cylinder along y with a constant radius and height, m: `cylinder!(0.5, 1.0)`.
+///
+/// A [`ConvexMesh`](crate::geometry::ConvexMesh), as [`ConvexMesh::cylinder`](crate::geometry::ConvexMesh::cylinder) makes it; checked
+/// as by [`cuboid!`](crate::cuboid).
+#[macro_export]
+macro_rules! cylinder {
+    ($radius:expr, $height:expr $(,)?) => {
+        $crate::__round!(cylinder, $radius, $height)
+    };
+}
+
+/// A cone along y, its tip up, with a constant radius and height, m: `cone!(0.5, 1.0)`.
+///
+/// A [`ConvexMesh`](crate::geometry::ConvexMesh), as [`ConvexMesh::cone`](crate::geometry::ConvexMesh::cone) makes it; checked as by
+/// [`cuboid!`](crate::cuboid).
+#[macro_export]
+macro_rules! cone {
+    ($radius:expr, $height:expr $(,)?) => {
+        $crate::__round!(cone, $radius, $height)
+    };
+}
+
+/// A round shape of two constant sizes.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __round {
+    ($shape:ident, $radius:expr, $length:expr) => {{
+        const SIZES: [f32; 2] = [$radius, $length];
+        const {
+            assert!(
+                $crate::geometry::are_sizes_usable(SIZES),
+                "no such shape has these sizes"
+            );
+        }
+        $crate::geometry::ConvexMesh::$shape(SIZES[0], SIZES[1]).expect("checked at compile time")
+    }};
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -108,6 +175,10 @@ mod tests {
                     let is_made = ConvexMesh::cuboid(x, y, z).is_ok();
                     assert!(is_made || !are_sizes_usable([x, y, z]), "{x} {y} {z}");
                 }
+                let make = [ConvexMesh::capsule, ConvexMesh::cylinder, ConvexMesh::cone];
+                for make in make {
+                    assert!(make(x, y).is_ok() || !are_sizes_usable([x, y]), "{x} {y}");
+                }
                 for sides in [3, 4, 7, 32, 64] {
                     let is_made = ConvexMesh::regular_prism(sides, x, y).is_ok();
                     assert!(is_made || !are_sizes_usable([x, y]), "{sides}: {x} {y}");
@@ -116,6 +187,7 @@ mod tests {
             for subdivisions in 1..=4 {
                 assert!(ConvexMesh::icosphere(x, subdivisions).is_ok());
             }
+            assert!(ConvexMesh::sphere(x).is_ok());
         }
         for bad in [f32::NAN, f32::INFINITY, 0.0, -1.0, 1e-9, 1e9] {
             assert!(!are_sizes_usable([1.0, bad]));
@@ -130,5 +202,12 @@ mod tests {
         assert!((cuboid!(1.0, 2.0, 0.5 * EDGE).hull().volume() - 2.0).abs() < 1e-5);
         assert!(icosphere!(1.0).hull().vertices().len() > 12);
         assert_eq!(prism!(6, 1.0, 1.0).hull().vertices().len(), 12);
+        let round = [
+            sphere!(EDGE),
+            capsule!(0.5, EDGE),
+            cylinder!(0.5, EDGE),
+            cone!(0.5, EDGE),
+        ];
+        assert!(round.iter().all(ConvexMesh::is_round));
     }
 }

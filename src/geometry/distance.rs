@@ -51,10 +51,7 @@ pub(crate) enum Separation {
 /// How far apart two cores are, if no more than `limit` (m).
 pub(crate) fn distance(a: &Core, b: &PlacedCore, limit: f64) -> Separation {
     let start = b.middle() - a.middle().as_dvec3();
-    let corner = |axis: DVec3| {
-        let on_a = a.support(axis.as_vec3()).as_dvec3();
-        Corner::new(on_a, b.support(-axis))
-    };
+    let corner = |axis: DVec3| Corner::new(a.exact_support(axis), b.support(-axis));
     let away = |v: DVec3| v.try_normalize().unwrap_or(DVec3::X);
     let mut simplex = Simplex::new(corner(away(start)));
     let mut size = 0.0_f64;

@@ -9,6 +9,7 @@
 //! | `hull_lanes.rs`, `edge_tables.rs`, `triangle_corners.rs` | the same for several numbers at a time |
 //! | `moments.rs` | volume integrals from faces |
 //! | `convex_mesh.rs`, `primitives.rs` | the shapes that a body can have |
+//! | `round.rs`, `round_core.rs`, `round_moments.rs`, `round_polyhedron.rs`, `frustum.rs` | spheres, capsules, cylinders, cones, rounded hulls |
 //! | `constant_shapes.rs` | shapes of constant sizes, as macros |
 //! | `static_mesh.rs`, `bvh.rs` | a level of triangles, and walks through trees |
 //! | `support.rs`, `distance.rs`, `simplex.rs` | distances and casts of convex shapes |
@@ -28,6 +29,7 @@ pub(crate) mod distance;
 pub(crate) mod edge_tables;
 pub(crate) mod face;
 mod face_numbers;
+pub(crate) mod frustum;
 pub(crate) mod hull;
 pub(crate) mod hull_error;
 pub(crate) mod hull_lanes;
@@ -37,6 +39,10 @@ mod mesh_error;
 pub(crate) mod moments;
 pub(crate) mod predicates;
 pub mod primitives;
+pub(crate) mod round;
+pub(crate) mod round_core;
+mod round_moments;
+mod round_polyhedron;
 mod simplex;
 pub(crate) mod static_mesh;
 pub(crate) mod support;
@@ -56,4 +62,5 @@ pub use kd_code::{KdBox, KdCode};
 pub use mesh::TriMesh;
 pub use mesh_error::MeshError;
 pub use predicates::{PlaneError, Side};
+pub use round_polyhedron::RESOLUTIONS;
 pub use static_mesh::{EdgeKind, StaticMesh};

@@ -42,6 +42,17 @@ impl Moments {
         self.products += d * (turned(s) + turned(a) + turned(b) + turned(c));
     }
 
+    /// From the volume, first and second moments themselves.
+    pub(crate) fn of_integrals(volume: f64, first: DVec3, second: DMat3) -> Self {
+        let (x, y, z) = (second.x_axis, second.y_axis, second.z_axis);
+        Self {
+            six_volumes: 6.0 * volume,
+            first: 24.0 * first,
+            diagonal: 120.0 * DVec3::new(x.x, y.y, z.z),
+            products: 120.0 * DVec3::new(y.z, z.x, x.y),
+        }
+    }
+
     /// 120 times the second moments, m5.
     pub(crate) fn second(&self) -> DMat3 {
         let (d, p) = (self.diagonal, self.products);

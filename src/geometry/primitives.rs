@@ -69,6 +69,15 @@ pub fn regular_prism(sides: u32, circumradius: f32, height: f32) -> Result<Conve
 pub fn icosphere(radius: f32, subdivisions: u32) -> Result<ConvexHull, HullError> {
     check_count("subdivisions", subdivisions, &ICOSPHERE_SUBDIVISIONS)?;
     check_length("radius", radius)?;
+    let points: Vec<Vec3> = icosphere_directions(subdivisions)
+        .iter()
+        .map(|&d| (f64::from(radius) * d).as_vec3())
+        .collect();
+    ConvexHull::from_points(&points)
+}
+
+/// Unit vectors to the vertices of an icosphere, some of them twice.
+pub(crate) fn icosphere_directions(subdivisions: u32) -> Vec<DVec3> {
     // The edges of an icosahedron with golden-ratio corners have length 2, all other distances are longer than 3.2.
     let corners = icosahedron_corners();
     let neighbors = |a: usize, b: usize| corners[a].distance_squared(corners[b]) < 5.0;
@@ -86,11 +95,7 @@ pub fn icosphere(radius: f32, subdivisions: u32) -> Result<ConvexHull, HullError
             }
         }
     }
-    let points: Vec<Vec3> = directions
-        .iter()
-        .map(|d| (f64::from(radius) * d.normalize()).as_vec3())
-        .collect();
-    ConvexHull::from_points(&points)
+    directions.iter().map(|d| d.normalize()).collect()
 }
 
 /// Adds the midpoints of the triangle's edges, projected onto the sphere through its corners, and so on in its quarters.
@@ -176,14 +181,14 @@ fn half_lengths(x: f32, y: f32, z: f32) -> Result<Vec3, HullError> {
     Ok(0.5 * Vec3::new(x, y, z))
 }
 
-fn check_length(name: &'static str, value: f32) -> Result<(), HullError> {
+pub(crate) fn check_length(name: &'static str, value: f32) -> Result<(), HullError> {
     if value.is_finite() && value > 0.0 {
         return Ok(());
     }
     Err(HullError::Length { name, value })
 }
 
-fn check_count(
+pub(crate) fn check_count(
     name: &'static str,
     value: u32,
     allowed: &RangeInclusive<u32>,

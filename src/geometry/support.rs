@@ -3,6 +3,7 @@
 //! A shape is a core, whose corners are known, and a radius around it: a sphere is one corner, a capsule two, a hull many.
 
 use crate::geometry::ConvexHull;
+use crate::geometry::frustum::Frustum;
 use crate::geometry::hull_lanes::{Points4, lowest, point};
 use crate::math::{Aabb, Pose};
 use glam::{DMat3, DVec3, Mat3, Vec3};
@@ -16,6 +17,8 @@ pub(crate) enum Core<'s> {
     Few([Vec3; 4], usize),
     /// The corners of a box.
     Box(Aabb),
+    /// A cylinder or a cone, which has more corners than can be listed.
+    Frustum(Frustum),
 }
 
 impl<'s> Core<'s> {
@@ -52,6 +55,16 @@ impl<'s> Core<'s> {
                 best
             }
             Self::Box(b) => Vec3::select(axis.cmpge(Vec3::ZERO), b.max, b.min),
+            Self::Frustum(frustum) => frustum.support(axis.as_dvec3()).as_vec3(),
+        }
+    }
+
+    /// The same, as exact as it can be told.
+    #[inline]
+    pub(crate) fn exact_support(&self, axis: DVec3) -> DVec3 {
+        match self {
+            Self::Frustum(frustum) => frustum.support(axis),
+            _ => self.support(axis.as_vec3()).as_dvec3(),
         }
     }
 
@@ -61,6 +74,7 @@ impl<'s> Core<'s> {
             Self::Hull(points) => point(points, 0),
             Self::Few(corners, count) => corners[..*count].iter().sum::<Vec3>() / *count as f32,
             Self::Box(b) => b.center(),
+            Self::Frustum(f) => 0.5 * (f.levels[0] + f.levels[1]) * Vec3::Y,
         }
     }
 
@@ -111,8 +125,11 @@ impl<'s> PlacedCore<'s> {
 
     /// The corner farthest along `axis`.
     pub(crate) fn support(&self, axis: DVec3) -> DVec3 {
-        let own = self.turn.transpose() * axis.as_vec3();
-        self.exact_turn * self.core.support(own).as_dvec3() + self.shift
+        let own = match self.core {
+            Core::Frustum(_) => self.exact_turn.transpose() * axis,
+            _ => (self.turn.transpose() * axis.as_vec3()).as_dvec3(),
+        };
+        self.exact_turn * self.core.exact_support(own) + self.shift
     }
 
     pub(crate) fn middle(&self) -> DVec3 {

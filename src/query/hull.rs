@@ -129,6 +129,16 @@ pub(crate) fn cast_against_core(core: &Core, cast: &LocalCast) -> Option<LocalHi
     })
 }
 
+/// Whether a core comes within `radius` (m) of the hull.
+pub(crate) fn overlaps(hull: &ConvexHull, core: &PlacedCore, radius: f32) -> bool {
+    let radius = f64::from(radius);
+    match distance(&Core::of_hull(hull), core, radius) {
+        Separation::Overlap => true,
+        Separation::Near(nearest) => nearest.distance <= radius,
+        Separation::Far => false,
+    }
+}
+
 /// The point of the surface that is nearest to a point, if it is within `limit` (m).
 pub(crate) fn closest(hull: &ConvexHull, point: Vec3, limit: f32) -> Option<LocalHit> {
     let mut deepest = (f32::NEG_INFINITY, 0);

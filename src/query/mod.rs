@@ -1,4 +1,4 @@
-//! What a game asks of a scene: rays, shapes that are moved, what overlaps, what is near.
+//! What a game asks of a scene: rays, shapes that are moved, what overlaps, what is near; and characters that walk by asking.
 //!
 //! | file | holds |
 //! |---|---|
@@ -8,7 +8,8 @@
 //! | `blade.rs` | the blade between two rays of a camera |
 //! | `hit.rs` | what is found |
 //! | `target.rs` | one body: its shape where it lies now |
-//! | `hull.rs`, `half_space.rs`, `level.rs`, `local.rs` | the exact tests, in the frame of the body |
+//! | `slide.rs`, `walk.rs`, `walker.rs` | a shape that slides along what it meets; a character that walks |
+//! | `nearness.rs`, `hull.rs`, `round.rs`, `half_space.rs`, `level.rs`, `local.rs` | the exact tests, in the frame of the body |
 //!
 //! Bodies are seen where they are now; the tree holds boxes that they have not left, and what has left its box since the last step, or
 //! has come, is in a small tree of its own. Nothing here changes a scene or is remembered by it. Must not know contacts, the solver
@@ -23,10 +24,15 @@ mod hull;
 pub(crate) mod index;
 mod level;
 mod local;
+pub(crate) mod nearness;
 pub(crate) mod request;
+mod round;
 pub(crate) mod shape;
+pub(crate) mod slide;
 mod target;
 pub(crate) mod view;
+pub(crate) mod walk;
+pub(crate) mod walker;
 
 pub use blade::Blade;
 pub use error::QueryError;
@@ -35,4 +41,6 @@ pub use hit::QueryHit;
 pub use index::QueryIndex;
 pub use request::{Ray, ShapeCast};
 pub use shape::QueryShape;
+pub use slide::{Slid, Slider};
 pub use view::Queries;
+pub use walker::{Footing, Push, WalkInput, WalkSettings, WalkState};

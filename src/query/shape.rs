@@ -2,11 +2,12 @@
 
 use crate::geometry::support::Core;
 use crate::geometry::{ConvexHull, ConvexMesh};
-use crate::math::{Aabb, Pose};
+use crate::math::{Aabb, Pose, rotate};
 use crate::query::error::QueryError;
 use glam::{Mat3, Vec3};
 
-/// A convex shape to cast or to overlap with: a hull, a box, a sphere, a capsule, each with a radius around it.
+/// A convex shape to cast or to overlap with: a hull, a box, a sphere, a capsule, each with a radius around it, or that of a body
+/// (`QueryShape::from(&ConvexMesh)`), round as it may be.
 #[derive(Clone, Copy, Debug)]
 pub struct QueryShape<'s> {
     pub(crate) core: Core<'s>,
@@ -79,6 +80,12 @@ impl<'s> QueryShape<'s> {
         })
     }
 
+    /// How far the shape at a pose reaches along a unit vector, from the origin, m.
+    pub(crate) fn reach(&self, pose: &Pose, axis: Vec3) -> f32 {
+        let own = rotate(pose.rotation.inverse(), axis);
+        axis.dot(pose.position) + own.dot(self.core.support(own)) + self.radius
+    }
+
     /// The box around the shape at a pose.
     pub(crate) fn bounds(&self, pose: &Pose) -> Aabb {
         let turn = Mat3::from_quat(pose.rotation);
@@ -94,7 +101,13 @@ impl<'s> From<&'s ConvexHull> for QueryShape<'s> {
 
 impl<'s> From<&'s ConvexMesh> for QueryShape<'s> {
     fn from(mesh: &'s ConvexMesh) -> Self {
-        Self::hull(mesh.hull())
+        match mesh.round() {
+            Some(round) => Self {
+                core: round.core(),
+                radius: round.radius,
+            },
+            None => Self::hull(mesh.hull()),
+        }
     }
 }
 

@@ -3,15 +3,14 @@
 use crate::bodies::body::Shape;
 use crate::bodies::store::Bodies;
 use crate::contact::body_id::BodyId;
-use crate::geometry::distance::{Separation, distance};
-use crate::geometry::hull_lanes::bounds;
 use crate::geometry::support::{Core, PlacedCore};
 use crate::math::{Aabb, Pose, rotate};
 use crate::query::hit::QueryHit;
 use crate::query::local::{LocalCast, LocalHit, LocalRay};
+use crate::query::nearness::nearest_to;
 use crate::query::request::{Ray, ShapeCast};
 use crate::query::shape::QueryShape;
-use crate::query::{half_space, hull, level};
+use crate::query::{half_space, hull, level, round};
 use glam::{Mat3, Vec3};
 
 /// Gap at which a moved shape touches, as a share of the shape's diagonal, m.
@@ -40,10 +39,7 @@ impl<'b> Target<'b> {
     pub(crate) fn bounds(&self) -> Option<Aabb> {
         let turn = Mat3::from_quat(self.pose.rotation);
         match self.shape {
-            Shape::Convex(mesh) => {
-                let points = &mesh.hull().lanes.points;
-                Some(bounds(points, &turn, self.pose.position))
-            }
+            Shape::Convex(mesh) => Some(mesh.bounds(&turn, self.pose.position)),
             Shape::Level(mesh) => Some(Core::Box(mesh.aabb()).bounds(&turn, self.pose.position)),
             Shape::HalfSpace(_) => None,
         }
@@ -81,7 +77,10 @@ impl<'b> Target<'b> {
             is_solid: ray.is_solid,
         };
         let hit = match self.shape {
-            Shape::Convex(mesh) => hull::cast_ray(mesh.hull(), &local),
+            Shape::Convex(mesh) => match mesh.round() {
+                Some(shape) => round::cast_ray(shape, &local),
+                None => hull::cast_ray(mesh.hull(), &local),
+            },
             Shape::HalfSpace(below) => half_space::cast_ray(below.normal, &local),
             Shape::Level(mesh) => level::cast_ray(mesh, &local),
         }?;
@@ -102,7 +101,10 @@ impl<'b> Target<'b> {
             touch: TOUCH * size,
         };
         let hit = match self.shape {
-            Shape::Convex(mesh) => hull::cast_shape(mesh.hull(), &local),
+            Shape::Convex(mesh) => match mesh.round() {
+                Some(shape) => round::cast_shape(shape, &local),
+                None => hull::cast_shape(mesh.hull(), &local),
+            },
             Shape::HalfSpace(below) => half_space::cast_shape(below.normal, &local),
             Shape::Level(mesh) => level::cast_shape(mesh, &local),
         };
@@ -112,26 +114,38 @@ impl<'b> Target<'b> {
     /// Whether a shape at a pose overlaps the body or touches it.
     pub(crate) fn overlaps(&self, shape: &QueryShape, pose: &Pose) -> bool {
         let other = PlacedCore::new(shape.core, &self.own_pose(pose));
-        let radius = f64::from(shape.radius);
+        let shape_radius = shape.radius;
+        let radius = f64::from(shape_radius);
         match self.shape {
-            Shape::Convex(mesh) => {
-                let core = Core::of_hull(mesh.hull());
-                match distance(&core, &other, radius) {
-                    Separation::Overlap => true,
-                    Separation::Near(nearest) => nearest.distance <= radius,
-                    Separation::Far => false,
-                }
-            }
+            Shape::Convex(mesh) => match mesh.round() {
+                Some(shape) => round::overlaps(shape, &other, shape_radius),
+                None => hull::overlaps(mesh.hull(), &other, shape_radius),
+            },
             Shape::HalfSpace(below) => half_space::lowest(below.normal, &other).0 <= radius,
-            Shape::Level(mesh) => level::overlaps(mesh, &other, shape.radius),
+            Shape::Level(mesh) => level::overlaps(mesh, &other, shape_radius),
         }
+    }
+
+    /// Where the body is nearest to a shape at a pose, if that is within `limit` (m).
+    pub(crate) fn nearest_to(
+        &self,
+        shape: &QueryShape,
+        pose: &Pose,
+        limit: f32,
+    ) -> Option<QueryHit> {
+        let core = PlacedCore::new(shape.core, &self.own_pose(pose));
+        let hit = nearest_to(self.shape, &core, shape.radius, limit)?;
+        Some(self.in_world(hit))
     }
 
     /// The point of the surface that is nearest to `point`, if it is within `limit` (m).
     pub(crate) fn closest(&self, point: Vec3, limit: f32) -> Option<QueryHit> {
         let local = rotate(self.pose.rotation.inverse(), point - self.pose.position);
         let hit = match self.shape {
-            Shape::Convex(mesh) => hull::closest(mesh.hull(), local, limit)?,
+            Shape::Convex(mesh) => match mesh.round() {
+                Some(shape) => round::closest(shape, local, limit)?,
+                None => hull::closest(mesh.hull(), local, limit)?,
+            },
             Shape::HalfSpace(below) => half_space::closest(below.normal, local),
             Shape::Level(mesh) => level::closest(mesh, local, limit)?,
         };

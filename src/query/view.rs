@@ -177,6 +177,31 @@ impl<'q> Queries<'q> {
         Ok(())
     }
 
+    /// The bodies that come within `max_distance` (m) of a shape at a pose, with the places on them that are nearest to it, from near
+    /// to far; distances are negative where they overlap. `hits` is cleared first.
+    ///
+    /// # Errors
+    /// [`QueryError`] if the pose is not finite or not a rotation, or the distance negative.
+    pub fn near_shape(
+        &self,
+        shape: &QueryShape,
+        pose: &Pose,
+        max_distance: f32,
+        filter: &QueryFilter,
+        hits: &mut Vec<QueryHit>,
+    ) -> Result<(), QueryError> {
+        check_pose(pose)?;
+        check_length("the distance", max_distance)?;
+        hits.clear();
+        self.inside(&shape.bounds(pose).fattened(max_distance), |slot| {
+            if let Some(target) = self.target(slot, filter) {
+                hits.extend(target.nearest_to(shape, pose, max_distance));
+            }
+        });
+        settle(hits);
+        Ok(())
+    }
+
     /// The body in a slot, if it is there and counts.
     fn target(&self, slot: u32, filter: &QueryFilter) -> Option<Target<'q>> {
         let counts = self.bodies.is_active(slot) && filter.accepts(self.bodies, slot);

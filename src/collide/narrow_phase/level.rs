@@ -42,13 +42,17 @@ impl PairRun {
             scene.margin(view.paces, a.turning + b.turning)
         };
         let level = LevelPair {
-            hull: hull.hull(),
+            shape: hull,
             mesh,
             hull_in_mesh,
             travel: on_mesh.place.turn.transpose() * travel,
             reach,
         };
-        level.examine(&mut self.level_scratch);
+        if hull.is_round() {
+            level.examine_round(&mut self.level_scratch, &mut self.round_scratch);
+        } else {
+            level.examine(&mut self.level_scratch);
+        }
         let b_in_a = relative_pose(bodies, pair.a, pair.b);
         let touch = |patch: &LocalManifold| {
             let patch = if is_hull_first {

@@ -10,6 +10,7 @@ use crate::contact::manifolds::{ManifoldHead, ManifoldWriter};
 use crate::contact::narrow::cast::{Cast, CastResult, Course};
 use crate::contact::narrow::half_space::examine_half_space;
 use crate::contact::narrow::level::LevelScratch;
+use crate::contact::narrow::round::patch::RoundScratch;
 use crate::contact::narrow::sat::{distance_along, examine_hulls};
 use crate::contact::narrow::scratch::{NarrowScratch, SatCache, SatResult};
 use crate::contact::pairs::broad_phase::Pair;
@@ -46,23 +47,27 @@ impl Scene<'_> {
         [&self.paces[pair.a as usize], &self.paces[pair.b as usize]]
     }
 
-    /// How a pair of hulls moves within the step, from which they touch with this pose if they are nearer than `reach` (m).
-    fn cast(&self, pair: Pair, b_in_a: Pose, reach: f32) -> Option<Cast<'_>> {
-        let slots = [pair.a, pair.b];
-        let [a, b] = slots.map(|slot| self.bodies.convex(slot));
+    /// How a pair moves within the step, from this pose on.
+    pub(super) fn course(&self, pair: Pair, b_in_a: Pose) -> Course {
         let [now_a, now_b] = self.pair(pair);
         let from_world = now_a.place.turn.transpose();
+        Course {
+            b_in_a,
+            centers: [pair.a, pair.b].map(|slot| self.bodies.mass[slot as usize].center),
+            travel: from_world * (now_b.travel - now_a.travel),
+            spins: [now_a, now_b].map(|body| from_world * body.spin),
+            radii: [now_a, now_b].map(|body| body.radius),
+            end: haste([now_a, now_b], self.fall),
+        }
+    }
+
+    /// How a pair of hulls moves within the step, from which they touch with this pose if they are nearer than `reach` (m).
+    fn cast(&self, pair: Pair, b_in_a: Pose, reach: f32) -> Option<Cast<'_>> {
+        let [a, b] = [pair.a, pair.b].map(|slot| self.bodies.convex(slot));
         let extent = smaller_extent(self.paces(pair));
         Some(Cast {
             hulls: [a?.hull(), b?.hull()],
-            course: Course {
-                b_in_a,
-                centers: slots.map(|slot| self.bodies.mass[slot as usize].center),
-                travel: from_world * (now_b.travel - now_a.travel),
-                spins: [now_a, now_b].map(|body| from_world * body.spin),
-                radii: [now_a, now_b].map(|body| body.radius),
-                end: haste([now_a, now_b], self.fall),
-            },
+            course: self.course(pair, b_in_a),
             tolerance: OVERLAP * extent,
             reach,
             margin: CONTACT_MARGIN * extent + self.fall,
@@ -86,6 +91,7 @@ pub(crate) struct PairRun {
     pub(crate) is_outdated: bool,
     pub(crate) known: PairStore,
     scratch: NarrowScratch,
+    pub(super) round_scratch: RoundScratch,
     pub(super) level_scratch: LevelScratch,
     /// Its pairs that touch: index within the part, and where.
     pub(super) touching: Vec<[u32; 2]>,
@@ -159,7 +165,9 @@ impl PairRun {
     /// Looks closer at a pair, and tests it if that does not help.
     fn renew(&mut self, scene: &Scene, pair: Pair, index: usize) {
         let bodies = scene.bodies;
-        if bodies.any_level && self.renew_on_level(scene, pair, index) {
+        if bodies.any_level && self.renew_on_level(scene, pair, index)
+            || bodies.any_round && self.renew_round(scene, pair, index)
+        {
             return;
         }
         let mut view = self.known.view(index, scene.pair(pair), scene.paces(pair));
@@ -266,7 +274,7 @@ fn distance_of(bodies: &Bodies, pair: Pair, b_in_a: &Pose, axis: Vec3) -> Option
     Some(distance_along(a?.hull(), b?.hull(), b_in_a, axis))
 }
 
-/// Contact of one pair in A's frame, normal from A to B.
+/// Contact of one pair of hulls and half-spaces in A's frame, normal from A to B.
 pub(in crate::collide) fn examine_pair(
     bodies: &Bodies,
     pair: Pair,

@@ -61,7 +61,7 @@ pub(crate) struct Course {
 
 impl Course {
     /// How A has turned at a moment from 0 to 1.
-    fn turn_of_a(&self, moment: f32) -> Quat {
+    pub(super) fn turn_of_a(&self, moment: f32) -> Quat {
         rotate_by(Quat::IDENTITY, self.spins[0], moment)
     }
 
@@ -105,7 +105,7 @@ impl Course {
     }
 
     /// The patch as found at a moment with this pose, its normal bound to the body that turns less.
-    fn bind(&self, patch: LocalManifold, pose: &Pose) -> LocalManifold {
+    pub(super) fn bind(&self, patch: LocalManifold, pose: &Pose) -> LocalManifold {
         let turns = self.spins.map(|spin| spin.length_squared());
         let in_b = rotate(pose.rotation.inverse(), patch.normal);
         LocalManifold {

@@ -43,7 +43,7 @@ pub(crate) fn edge_patch(
         on_b: b_in_a.inverse_transform_point(on_b),
         separation,
         share_b: 0.5,
-        along: Vec3::ZERO,
+        ..LocalPoint::default()
     });
     patch
 }
@@ -229,6 +229,7 @@ impl Clipping<'_> {
                 separation: corner.separation,
                 share_b: if with_b { 1.0 } else { 0.0 },
                 along,
+                radii: [0.0; 2],
             });
         }
         patch

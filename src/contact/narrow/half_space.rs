@@ -6,7 +6,6 @@ use crate::contact::reduce::{Candidate, CornerKind, reduce};
 use crate::geometry::ConvexHull;
 use crate::geometry::hull_lanes::lowest;
 use crate::math::{Plane, Pose, rotate};
-use glam::Vec3;
 
 /// Contact of a hull (A) with a half-space (B) whose surface is `plane`, given in the hull's frame.
 ///
@@ -80,8 +79,7 @@ pub(crate) fn examine_half_space(
             on_a: vertex.at,
             on_b: b_in_a.inverse_transform_point(vertex.at - vertex.separation * plane.normal),
             separation: vertex.separation,
-            share_b: 0.0,
-            along: Vec3::ZERO,
+            ..LocalPoint::default()
         });
     }
     SatResult::Touching(patch)

@@ -12,7 +12,7 @@
 use crate::contact::local_manifold::{LocalManifold, LocalPoint};
 use crate::contact::narrow::scratch::MERGE;
 use crate::contact::reduce::{Candidate, CornerKind, reduce};
-use crate::geometry::ConvexHull;
+use crate::geometry::ConvexMesh;
 use crate::geometry::bvh::within;
 use crate::geometry::distance::CoreCast;
 use crate::geometry::hull_lanes::{Points4, box_of, lowest_height, move_points, point};
@@ -25,7 +25,7 @@ use glam::{Mat3, Vec3};
 const SAME: f32 = 0.9999;
 
 /// Share of the hull's diagonal by which it may be below a triangle without it being asked from where it came.
-const SHALLOW: f32 = 1e-3;
+pub(in crate::contact::narrow) const SHALLOW: f32 = 1e-3;
 
 /// How often a hull is followed to what it touches within a step.
 const MAX_STOPS: usize = 4;
@@ -33,10 +33,10 @@ const MAX_STOPS: usize = 4;
 /// Gap that counts as none for a hull that moves, as a share of its diagonal.
 const TOUCH: f32 = 3e-6;
 
-/// A hull (A) over a level (B).
+/// A hull or a round shape (A) over a level (B).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LevelPair<'h> {
-    pub(crate) hull: &'h ConvexHull,
+    pub(crate) shape: &'h ConvexMesh,
     pub(crate) mesh: &'h StaticMesh,
     /// The hull's pose in the frame of the level.
     pub(crate) hull_in_mesh: Pose,
@@ -48,19 +48,19 @@ pub(crate) struct LevelPair<'h> {
 
 /// A triangle with the origin of the hull's frame as its own, turned so that the hull is above it.
 #[derive(Clone, Copy, Debug)]
-struct Ground {
-    corners: [Vec3; 3],
-    normal: Vec3,
-    edges: [EdgeKind; 3],
+pub(in crate::contact::narrow) struct Ground {
+    pub(in crate::contact::narrow) corners: [Vec3; 3],
+    pub(in crate::contact::narrow) normal: Vec3,
+    pub(in crate::contact::narrow) edges: [EdgeKind; 3],
 }
 
 impl Ground {
-    fn height(&self, at: Vec3) -> f32 {
+    pub(in crate::contact::narrow) fn height(&self, at: Vec3) -> f32 {
         self.normal.dot(at - self.corners[0])
     }
 
     /// A corner on an edge, and the unit vector out of the triangle there.
-    fn border(&self, edge: usize) -> (Vec3, Vec3) {
+    pub(in crate::contact::narrow) fn border(&self, edge: usize) -> (Vec3, Vec3) {
         let from = self.corners[edge];
         let along = self.corners[(edge + 1) % 3] - from;
         (from, along.cross(self.normal).normalize_or_zero())
@@ -69,49 +69,69 @@ impl Ground {
 
 /// A point that was found.
 #[derive(Clone, Copy, Debug)]
-struct Found {
-    group: u32,
-    /// On the hull at the start of the step, axes of the level, from the origin of the hull's frame, m.
-    at: Vec3,
-    separation: f32,
+pub(in crate::contact::narrow) struct Found {
+    pub(in crate::contact::narrow) group: u32,
+    /// On the surface at the start of the step, axes of the level, from the origin of the shape's frame, m.
+    pub(in crate::contact::narrow) at: Vec3,
+    pub(in crate::contact::narrow) separation: f32,
+    /// Radius of curvature of the surface, m.
+    pub(in crate::contact::narrow) curvature: f32,
 }
 
 /// Buffers, and what was found.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LevelScratch {
     points: Vec<Points4>,
-    near: Vec<u32>,
+    pub(in crate::contact::narrow) near: Vec<u32>,
     ahead: Vec<u32>,
     /// Shifts after which the hull touches the level, m.
-    stops: Vec<Vec3>,
+    pub(in crate::contact::narrow) stops: Vec<Vec3>,
     polygon: Vec<Vec3>,
     clipped: Vec<Vec3>,
     /// Points over one triangle, and their heights.
     over: Vec<(Vec3, f32)>,
     /// Normals of the manifolds.
-    groups: Vec<Vec3>,
-    found: Vec<Found>,
-    candidates: Vec<Candidate>,
+    pub(in crate::contact::narrow) groups: Vec<Vec3>,
+    pub(in crate::contact::narrow) found: Vec<Found>,
+    pub(in crate::contact::narrow) candidates: Vec<Candidate>,
     /// The manifolds, hull first.
     pub(crate) patches: Vec<LocalManifold>,
 }
 
+impl LevelScratch {
+    /// The number of the manifold with a normal.
+    pub(in crate::contact::narrow) fn group_of(&mut self, normal: Vec3) -> u32 {
+        let known = self.groups.iter().position(|n| n.dot(normal) > SAME);
+        known.unwrap_or_else(|| {
+            self.groups.push(normal);
+            self.groups.len() - 1
+        }) as u32
+    }
+
+    /// Forgets what was found.
+    pub(in crate::contact::narrow) fn clear(&mut self) {
+        self.patches.clear();
+        self.groups.clear();
+        self.found.clear();
+    }
+}
+
 impl LevelPair<'_> {
+    /// Whether all numbers are finite.
+    pub(in crate::contact::narrow) fn is_usable(&self) -> bool {
+        self.hull_in_mesh.is_finite() && self.travel.is_finite() && self.reach.is_finite()
+    }
+
     /// Fills `scratch.patches` with the contacts, one manifold for each direction.
     pub(crate) fn examine(&self, scratch: &mut LevelScratch) {
-        scratch.patches.clear();
-        scratch.groups.clear();
-        scratch.found.clear();
-        if !self.hull_in_mesh.is_finite() || !self.travel.is_finite() || !self.reach.is_finite() {
+        scratch.clear();
+        if !self.is_usable() {
             return;
         }
         let turn = Mat3::from_quat(self.hull_in_mesh.rotation);
-        let points = &self.hull.lanes.points;
+        let points = &self.shape.hull().lanes.points;
         move_points(&mut scratch.points, points, &turn, Vec3::ZERO);
         self.follow(box_of(&scratch.points), scratch);
-        // In the order of the mesh, whatever its tree is like.
-        scratch.near.sort_unstable();
-        scratch.near.dedup();
         for at in 0..scratch.near.len() {
             let triangle = &self.mesh.triangles()[scratch.near[at] as usize];
             if let Some(ground) = self.ground(triangle) {
@@ -124,14 +144,17 @@ impl LevelPair<'_> {
     }
 
     /// A triangle that the hull may be on; none if it is behind.
-    fn ground(&self, triangle: &LevelTriangle) -> Option<Ground> {
+    pub(in crate::contact::narrow) fn ground(&self, triangle: &LevelTriangle) -> Option<Ground> {
         let place = self.hull_in_mesh.position;
         let mut ground = Ground {
             corners: triangle.corners.map(|corner| corner - place),
             normal: triangle.plane.normal,
             edges: triangle.edges,
         };
-        let middle = self.hull_in_mesh.transform_point(self.hull.aabb().center()) - place;
+        let middle = self
+            .hull_in_mesh
+            .transform_point(self.shape.aabb().center())
+            - place;
         let is_above = ground.height(middle) > 0.0;
         if !is_above && !self.mesh.is_two_sided() {
             return None;
@@ -147,13 +170,20 @@ impl LevelPair<'_> {
 
     /// Fills `scratch.near` with the triangles that the hull, around which this is the box, may touch on its way, and `scratch.stops`
     /// with where it is deflected: there it goes on along what it has met.
-    fn follow(&self, tight: Aabb, scratch: &mut LevelScratch) {
+    pub(in crate::contact::narrow) fn follow(&self, tight: Aabb, scratch: &mut LevelScratch) {
+        self.find_near(tight, scratch);
+        // In the order of the mesh, whatever its tree is like.
+        scratch.near.sort_unstable();
+        scratch.near.dedup();
+    }
+
+    fn find_near(&self, tight: Aabb, scratch: &mut LevelScratch) {
         let LevelScratch {
             near, ahead, stops, ..
         } = scratch;
         near.clear();
         stops.clear();
-        let size = self.hull.aabb().diagonal();
+        let size = self.shape.aabb().diagonal();
         let (mut shift, mut way) = (Vec3::ZERO, self.travel);
         for _ in 0..MAX_STOPS {
             let place = self.hull_in_mesh.position + shift;
@@ -186,16 +216,15 @@ impl LevelPair<'_> {
     fn first_touch(&self, shift: Vec3, way: Vec3, ahead: &[u32]) -> Option<(f32, Vec3)> {
         let length = way.length();
         let place = self.hull_in_mesh.position;
-        let hull = PlacedCore::new(
-            Core::of_hull(self.hull),
-            &Pose::new(shift, self.hull_in_mesh.rotation),
-        );
+        let round = self.shape.round();
+        let core = round.map_or_else(|| Core::of_hull(self.shape.hull()), |round| round.core());
+        let hull = PlacedCore::new(core, &Pose::new(shift, self.hull_in_mesh.rotation));
         let mut first = None;
         let mut cast = CoreCast {
             direction: (way / length).as_dvec3(),
             length: f64::from(length),
-            radius: 0.0,
-            touch: f64::from(TOUCH * self.hull.aabb().diagonal()),
+            radius: f64::from(round.map_or(0.0, |round| round.radius)),
+            touch: f64::from(TOUCH * self.shape.aabb().diagonal()),
         };
         for &leaf in ahead {
             let triangle = &self.mesh.triangles()[leaf as usize];
@@ -255,11 +284,11 @@ impl LevelPair<'_> {
         let rest = -ground.normal.dot(self.travel - shift);
         let reach = self.reach + rest.max(0.0);
         over.clear();
-        for face in self.hull.faces() {
+        for face in self.shape.hull().faces() {
             if (*turn * face.plane.normal).dot(ground.normal) >= 0.0 {
                 continue;
             }
-            let outline = self.hull.face_loop(face).iter();
+            let outline = self.shape.hull().face_loop(face).iter();
             polygon.clear();
             polygon.extend(outline.map(|&v| point(points, v as usize) + shift));
             if polygon.iter().all(|&at| ground.height(at) > reach) {
@@ -279,7 +308,7 @@ impl LevelPair<'_> {
     fn take_over(&self, ground: &Ground, shift: Vec3, scratch: &mut LevelScratch) {
         let lowest = scratch.over.iter().map(|(_, height)| *height);
         let depth = -lowest.fold(f32::INFINITY, f32::min);
-        if depth > SHALLOW * self.hull.aabb().diagonal() {
+        if depth > SHALLOW * self.shape.aabb().diagonal() {
             for edge in 0..3 {
                 if matches!(ground.edges[edge], EdgeKind::Flat | EdgeKind::Concave) {
                     continue;
@@ -291,16 +320,12 @@ impl LevelPair<'_> {
                 }
             }
         }
-        let groups = &mut scratch.groups;
-        let known = groups.iter().position(|n| n.dot(ground.normal) > SAME);
-        let group = known.unwrap_or(groups.len());
-        if known.is_none() {
-            groups.push(ground.normal);
-        }
+        let group = scratch.group_of(ground.normal);
         let found = scratch.over.iter().map(|&(at, _)| Found {
-            group: group as u32,
+            group,
             at: at - shift,
             separation: ground.height(at - shift),
+            curvature: 0.0,
         });
         scratch.found.extend(found);
     }
@@ -317,7 +342,7 @@ impl LevelPair<'_> {
             kind: CornerKind::Incident,
             leaves_on_cut: false,
         }));
-        reduce(candidates, normal, MERGE * self.hull.aabb().diagonal());
+        reduce(candidates, normal, MERGE * self.shape.aabb().diagonal());
         let back = turn.transpose();
         let mut patch = LocalManifold {
             normal: -(back * normal),
@@ -329,8 +354,7 @@ impl LevelPair<'_> {
                 on_a: back * at,
                 on_b: self.hull_in_mesh.position + (at - separation * normal),
                 separation,
-                share_b: 0.0,
-                along: Vec3::ZERO,
+                ..LocalPoint::default()
             });
         }
         scratch.patches.push(patch);

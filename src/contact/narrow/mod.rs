@@ -6,6 +6,8 @@
 //!
 //! `cast.rs` follows a pair that moves far within the step to what it touches first.
 //!
+//! `round/` is for what is curved, and `level.rs` for levels of triangles.
+//!
 //! A test of another shape goes here: it gives a `LocalManifold`, or an axis and a distance. Must not know the world: no bodies, no
 //! pairs, no steps. Read `examine_hulls` in `sat.rs` first.
 
@@ -14,5 +16,6 @@ mod clipping;
 mod edge_search;
 pub(crate) mod half_space;
 pub(crate) mod level;
+pub(crate) mod round;
 pub(crate) mod sat;
 pub(crate) mod scratch;

@@ -7,7 +7,9 @@ use crate::solver::batch::subdomain_slices::parts_of_blocks;
 use crate::solver::graph::indices::{BodyNumber, LaneSlot, ManifoldIndex};
 use crate::solver::wide::block::{Block, Point};
 use crate::solver::wide::prepare::derive_stale;
-use crate::solver::wide::reanchor::{AnchorStart, BodyRotation, ReanchoredBlock, ReanchoredBlocks};
+use crate::solver::wide::reanchor::{
+    AnchorStart, BodyRotation, Curvatures, ReanchoredBlock, ReanchoredBlocks,
+};
 use crate::threads::team::Team;
 
 /// Contacts in lanes.
@@ -23,6 +25,8 @@ pub struct BatchContacts {
     pub(crate) reanchored: Vec<ReanchoredBlock>,
     /// Where the points of these were at the start of the step.
     pub(crate) anchor_starts: Vec<AnchorStart>,
+    /// How curved bodies are there; empty where none is round.
+    pub(crate) curvatures: Vec<Curvatures>,
     /// By body: how it has turned since the start of the step, if any of its manifolds moves.
     pub(crate) rotations: Vec<BodyRotation>,
     /// By body: whether its turn within the step matters to the rows.

@@ -212,6 +212,7 @@ impl Batch {
                         spin: body.spin,
                         inverse_inertia: bodies.mass(slot).inverse_inertia(),
                         is_jointed: true,
+                        is_round: false,
                         followed: Vec3::ZERO,
                     },
                 );

@@ -13,7 +13,7 @@ use crate::solver::graph::islands::{Islands, MovingPair};
 use crate::solver::settings::SubstepSettings;
 use crate::solver::wide::block::PointImpact;
 use crate::solver::wide::prepare::{Source, fill};
-use crate::solver::wide::reanchor::{AnchorStart, ReanchoredBlock, ReanchoredBlocks};
+use crate::solver::wide::reanchor::{AnchorStart, FLAT, ReanchoredBlock, ReanchoredBlocks};
 use crate::threads::parts::{front, front_mut};
 use crate::threads::team::Team;
 use crate::tuning::{MAX_PARTS, MIN_MEASURED_PAIRS};
@@ -86,6 +86,12 @@ impl Batch {
         }
         self.load_limits(bodies, manifolds);
         self.mark_reanchored();
+        let round_points = if bodies.any_round {
+            self.contacts.anchor_starts.len()
+        } else {
+            0
+        };
+        self.contacts.curvatures.resize(round_points, FLAT);
         self.fill_blocks(manifolds, team);
         self.impacts.has_restitution = islands.list[range.clone()].iter().any(|i| i.bounces);
         if requirements.can_hit || self.settings.is_exact() {
@@ -197,6 +203,7 @@ impl Batch {
                     spin,
                     inverse_inertia: bodies.mass(slot).inverse_inertia(),
                     is_jointed: false,
+                    is_round: bodies.is_round(slot),
                     followed: Vec3::ZERO,
                 });
             }
@@ -280,20 +287,28 @@ impl Batch {
             slop: settings.slop,
         };
         let width = settings.lane_width;
-        let (mut reanchored, mut starts) = (
+        let (mut reanchored, mut starts, mut curvatures) = (
             ReanchoredBlocks::new(&self.contacts.reanchored),
             &mut self.contacts.anchor_starts[..],
+            &mut self.contacts.curvatures[..],
         );
+        let is_round = !curvatures.is_empty();
         let (blocks, points) = (&mut self.contacts.blocks, &mut self.contacts.points);
         let parts = parts_of_blocks(blocks, points, &self.layout.subdomains, team);
         let parts = parts.map(|(blocks, points)| {
             let reanchored = reanchored.take(blocks.len());
             let starts = front_mut(&mut starts, reanchored.points());
-            (blocks, points, reanchored, starts)
+            let round_points = if is_round { starts.len() } else { 0 };
+            let curvatures = front_mut(&mut curvatures, round_points);
+            (blocks, points, reanchored, starts, curvatures)
         });
-        Team::each(team, parts, |(blocks, points, reanchored, starts)| {
+        Team::each(team, parts, |part| {
+            let (blocks, points, reanchored, starts, curvatures) = part;
             fill(blocks, points, source, width);
             reanchored.start(blocks, points, starts);
+            if is_round {
+                reanchored.load_curvatures(blocks, manifolds, curvatures);
+            }
         });
     }
 }

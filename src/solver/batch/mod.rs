@@ -106,6 +106,8 @@ pub struct TurningBody {
     pub is_jointed: bool,
     /// The angular displacement that the rotation has followed, rad.
     pub followed: Vec3,
+    /// Whether it is round: then rounding must not be taken for energy, which it would lose of rolling for ever.
+    pub is_round: bool,
 }
 
 impl TurningBody {

@@ -1,6 +1,6 @@
 //! How the bodies of a batch move within a sub-step.
 
-use crate::bodies::free_rotation::{FreeRotations, SPINS};
+use crate::bodies::free_rotation::{FreeRotation, FreeRotations, SPINS};
 use crate::bodies::solver_body::SolverBody;
 use crate::contact::manifolds::Manifolds;
 use crate::contact::point::ContactPoint;
@@ -191,9 +191,13 @@ impl TurningBody {
         let noise = ROUNDING * (moved.abs() + free.abs()).element_sum();
         let square = push.length_squared();
         if square > noise * noise && square < MAX_PUSH * MAX_PUSH {
-            let before = self.spin.energy(*velocity);
+            let energy = match self.is_round {
+                true => FreeRotation::exact_energy,
+                false => FreeRotation::energy,
+            };
+            let before = energy(&self.spin, *velocity);
             self.spin.rotation = rotate_by(self.spin.rotation, push, 1.0);
-            let after = self.spin.energy(*velocity);
+            let after = energy(&self.spin, *velocity);
             if after > before {
                 *velocity *= (before / after).sqrt() as f32;
             }

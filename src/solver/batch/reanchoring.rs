@@ -99,10 +99,12 @@ impl Batch {
             &mut self.bonds.constraints[..],
         );
         let (turns, displacements) = (&self.contacts.rotations, &self.bodies.displacements);
-        let (mut reanchored, mut starts) = (
+        let (mut reanchored, mut starts, mut curvatures) = (
             ReanchoredBlocks::new(&self.contacts.reanchored),
             &self.contacts.anchor_starts[..],
+            &self.contacts.curvatures[..],
         );
+        let is_round = !curvatures.is_empty();
         let subdomain_slices = subdomain_slices(&self.layout.subdomains, blocks.len(), team);
         let parts = subdomain_slices.map(|share| {
             let of_points = points_of(&blocks[share.clone()]);
@@ -112,12 +114,14 @@ impl Batch {
                 of_points.len()
             };
             let reanchored = reanchored.take(share.len());
+            let round_points = if is_round { reanchored.points() } else { 0 };
             Reanchor {
                 blocks: &blocks[share],
                 reanchored,
                 points: front_mut(&mut points, of_points.len()),
                 bond_constraints: front_mut(&mut bond_constraints, ties_there),
                 starts: front(&mut starts, reanchored.points()),
+                curvatures: front(&mut curvatures, round_points),
                 turns,
                 displacements,
             }

@@ -8,16 +8,20 @@
 //! A manifold tells the middle between the two surfaces. That is no place of a body as long as there is a gap: metres from a
 //! splinter in flight, it would sweep around with the splinter's spin and hit what the splinter does not. So what is carried
 //! is the point of the anchor body's surface, half a gap away.
+//!
+//! Where a surface is curved the point does not stay at its place: the body rolls. What turns with it is the center of curvature, and
+//! the point stays where the normal leads to from there.
 
 use crate::bodies::solver_body::SolverBody;
+use crate::contact::manifolds::Manifolds;
 use crate::simd::dispatch::run;
-use crate::simd::lanes::{F8, Kernel, LaneWidth, Lanes, ReadRow};
+use crate::simd::lanes::{F8, Kernel, LaneWidth, Lanes, ReadRow, WIDTH};
 use crate::simd::vec3::V3;
 use crate::solver::wide::block::points_of;
 use crate::solver::wide::block::{Block, FAR, Point, load_anchors};
 use crate::solver::wide::body_pair::{BodyPair, Frame};
 use crate::solver::wide::bond::BondConstraint;
-use crate::threads::parts::front;
+use crate::threads::parts::{front, front_mut};
 use glam::Quat;
 
 /// A block of which some lanes follow, so that its masses and couplings change within the step.
@@ -93,6 +97,27 @@ impl<'a> ReanchoredPart<'a> {
             *start = AnchorStart::of(&points[point - first]);
         }
     }
+
+    /// Notes how curved bodies are at the points of these blocks.
+    pub(crate) fn load_curvatures(
+        self,
+        blocks: &[Block],
+        manifolds: &Manifolds,
+        curvatures: &mut [Curvatures],
+    ) {
+        let mut rest = curvatures;
+        for block in self.blocks().map(|block| &blocks[block]) {
+            let of_block = front_mut(&mut rest, block.points.len());
+            of_block.fill(FLAT);
+            for (lane, &manifold) in block.manifolds[..block.used].iter().enumerate() {
+                let points = manifolds.at(manifold as usize).points();
+                for (of_point, point) in of_block.iter_mut().zip(points) {
+                    of_point[0].0[lane] = point.radii[0];
+                    of_point[1].0[lane] = point.radii[1];
+                }
+            }
+        }
+    }
 }
 
 /// A point at the start of the step.
@@ -111,6 +136,12 @@ impl AnchorStart {
         }
     }
 }
+
+/// Radii of curvature of A and B at a point, m.
+pub(crate) type Curvatures = [F8; 2];
+
+/// Of what does not roll.
+pub(crate) const FLAT: Curvatures = [F8([0.0; WIDTH]); 2];
 
 /// How a body has turned since the start of the step: the quaternion x, y, z, w, then 1 if its points may follow, else 0.
 #[derive(Clone, Copy, Debug, Default)]
@@ -139,23 +170,26 @@ pub(crate) struct Reanchor<'a> {
     pub(crate) bond_constraints: &'a mut [BondConstraint],
     /// Of the points of those blocks that follow.
     pub(crate) starts: &'a [AnchorStart],
+    /// Of the same points; empty where nothing is round.
+    pub(crate) curvatures: &'a [Curvatures],
     pub(crate) turns: &'a [BodyRotation],
     pub(crate) displacements: &'a [SolverBody],
 }
 
 impl Reanchor<'_> {
     pub(crate) fn run(&mut self, width: LaneWidth) {
-        if self.bond_constraints.is_empty() {
-            run(width, Bonded::<false>(self));
-        } else {
-            run(width, Bonded::<true>(self));
+        match (self.bond_constraints.is_empty(), self.curvatures.is_empty()) {
+            (true, true) => run(width, Follow::<false, false>(self)),
+            (true, false) => run(width, Follow::<false, true>(self)),
+            (false, true) => run(width, Follow::<true, false>(self)),
+            (false, false) => run(width, Follow::<true, true>(self)),
         }
     }
 }
 
-struct Bonded<'p, 'a, const BONDED: bool>(&'p mut Reanchor<'a>);
+struct Follow<'p, 'a, const BONDED: bool, const ROUND: bool>(&'p mut Reanchor<'a>);
 
-impl<const BONDED: bool> Kernel for Bonded<'_, '_, BONDED> {
+impl<const BONDED: bool, const ROUND: bool> Kernel for Follow<'_, '_, BONDED, ROUND> {
     type Output = ();
 
     #[inline(always)]
@@ -166,17 +200,23 @@ impl<const BONDED: bool> Kernel for Bonded<'_, '_, BONDED> {
             points,
             bond_constraints,
             starts,
+            curvatures,
             turns,
             displacements,
         } = self.0;
         let first = points_of(blocks).start;
         let mut starts = starts.iter();
+        let mut curvatures = curvatures.iter();
         for (at, reanchored) in reanchored.blocks().zip(reanchored.list) {
             let block = &blocks[at];
             let carried = AnchorMotion::<L>::load(block, reanchored, turns, displacements);
             let of_block = block.points.start - first..block.points.end - first;
             for (i, start) in of_block.zip(&mut starts) {
-                let (follows, between) = carried.follow(start, &mut points[i]);
+                let curvatures = match ROUND {
+                    true => curvatures.next().unwrap_or(&FLAT),
+                    false => &FLAT,
+                };
+                let (follows, between) = carried.follow::<ROUND>(start, curvatures, &mut points[i]);
                 if BONDED {
                     carried.reanchor_bond(&mut bond_constraints[i], &points[i], follows, &between);
                 }
@@ -216,7 +256,12 @@ impl<L: Lanes> AnchorMotion<L> {
 
     /// Moves a point; returns in which lanes it is there and follows, and how far B has gone against A there, m.
     #[inline(always)]
-    fn follow(&self, start: &AnchorStart, point: &mut Point) -> (L, V3<L>) {
+    fn follow<const ROUND: bool>(
+        &self,
+        start: &AnchorStart,
+        curvatures: &Curvatures,
+        point: &mut Point,
+    ) -> (L, V3<L>) {
         let (zero, normal) = (L::splat(0.0), &self.frame.normal);
         let gap = L::load(&start.separation);
         let follows = L::splat(FAR).if_above(gap, self.moves, zero);
@@ -227,10 +272,21 @@ impl<L: Lanes> AnchorMotion<L> {
             V3::load(&start.anchors[0]).plus(to_surface),
             V3::load(&start.anchors[1]).plus(to_surface),
         ];
-        let [to_a, to_b] = [
-            turned(&self.turns[0], from_a),
-            turned(&self.turns[1], from_b),
-        ];
+        let [to_a, to_b] = if ROUND {
+            let inward = [
+                normal.times(zero - L::load(&curvatures[0])),
+                normal.times(L::load(&curvatures[1])),
+            ];
+            let center = |side: usize, from: V3<L>| {
+                turned(&self.turns[side], from.plus(inward[side])).minus(inward[side])
+            };
+            [center(0, from_a), center(1, from_b)]
+        } else {
+            [
+                turned(&self.turns[0], from_a),
+                turned(&self.turns[1], from_b),
+            ]
+        };
         let apart = self.moved.linear(1).minus(self.moved.linear(0));
         let between = apart.plus(to_b.minus(from_b)).minus(to_a.minus(from_a));
         let on_a = to_b.minus(between);
@@ -303,9 +359,11 @@ fn turned<L: Lanes>(columns: &[V3<L>; 3], v: V3<L>) -> V3<L> {
 
 #[cfg(test)]
 mod tests {
-    use super::{AnchorStart, BodyRotation, Reanchor, ReanchoredBlock, ReanchoredBlocks};
+    use super::{
+        AnchorStart, BodyRotation, Curvatures, Reanchor, ReanchoredBlock, ReanchoredBlocks,
+    };
     use crate::bodies::solver_body::SolverBody;
-    use crate::simd::lanes::{LaneWidth, WIDTH};
+    use crate::simd::lanes::{F8, LaneWidth, WIDTH};
     use crate::solver::wide::block::{Block, FAR, Point, set_vector, vector};
     use crate::solver::wide::bond::BondConstraint;
     use glam::{Mat3, Quat, Vec3};
@@ -364,16 +422,24 @@ mod tests {
         (block, points, bond_constraints, reanchored)
     }
 
+    /// Of three points, if anything is round.
+    fn curvatures(random: &mut Pcg32, is_round: bool) -> Vec<Curvatures> {
+        let mut lanes = || F8([(); WIDTH].map(|()| signed(random).max(0.0)));
+        let all = (0..3).map(|_| [lanes(), lanes()]);
+        all.filter(|_| is_round).collect()
+    }
+
     /// The definition: anchors on A and B, gap and first slide of a point that has followed.
     fn followed(
         [from_a, from_b]: [Vec3; 2],
+        inward: [Vec3; 2],
         turns: [Quat; 2],
         [a, b]: [&SolverBody; 2],
         is_on_b: bool,
     ) -> ([Vec3; 2], Vec3) {
         let [to_a, to_b] = [
-            Mat3::from_quat(turns[0]) * from_a,
-            Mat3::from_quat(turns[1]) * from_b,
+            Mat3::from_quat(turns[0]) * (from_a + inward[0]) - inward[0],
+            Mat3::from_quat(turns[1]) * (from_b + inward[1]) - inward[1],
         ];
         let between = (b.linear - a.linear) + (to_b - from_b) - (to_a - from_a);
         let anchors = if is_on_b {
@@ -395,6 +461,7 @@ mod tests {
             let starts: Vec<AnchorStart> = before.iter().map(AnchorStart::of).collect();
             let (mut points, mut new_ties) = (before.clone(), bond_constraints.clone());
             let width = [LaneWidth::Widest, LaneWidth::Four, LaneWidth::One][round % 3];
+            let curvatures = curvatures(&mut random, round % 2 == 1);
             let reanchored = [reanchored];
             let mut follow = Reanchor {
                 blocks: std::slice::from_ref(&block),
@@ -402,6 +469,7 @@ mod tests {
                 points: &mut points,
                 bond_constraints: &mut new_ties,
                 starts: &starts,
+                curvatures: &curvatures,
                 turns: &turn_rows,
                 displacements: &moved,
             };
@@ -427,7 +495,12 @@ mod tests {
                     let normal = vector(&block.normal, lane);
                     let to_surface = normal * if is_on_b { 0.5 * gap } else { -0.5 * gap };
                     let from = anchors.map(|anchor| anchor + to_surface);
-                    let (expected, between) = followed(from, turns, bodies, is_on_b);
+                    let inward = [-normal, normal].map(|n| n.to_array());
+                    let inward = [0, 1].map(|side| {
+                        let radius = curvatures.get(k).map_or(0.0, |c| c[side].0[lane]);
+                        radius * Vec3::from(inward[side])
+                    });
+                    let (expected, between) = followed(from, inward, turns, bodies, is_on_b);
                     assert_eq!(new, expected);
                     let shift = point.normal_velocity(lane, normal, bodies);
                     let expected = gap + normal.dot(between) - shift;

@@ -1,0 +1,284 @@
+//! Where a round shape touches a level of triangles, without seams.
+//!
+//! A triangle is touched from above by what of the shape lies over it, as by a hull. What is nearest to its border touches it there,
+//! but only in directions that no other triangle at the same place looks along: over an edge that is flat or hollow there are none.
+//! That is asked of the triangles themselves, so that it does not matter how they are joined.
+
+use crate::contact::local_manifold::{LocalManifold, LocalPoint};
+use crate::contact::narrow::level::{Found, Ground, LevelPair, LevelScratch, SHALLOW};
+use crate::contact::narrow::round::axis::{PairAxis, SolidPair};
+use crate::contact::narrow::round::patch::{PatchRule, RoundScratch, clip_places, patch_along};
+use crate::contact::narrow::round::solid::Solid;
+use crate::contact::narrow::scratch::MERGE;
+use crate::contact::reduce::{Candidate, CornerKind, reduce};
+use crate::geometry::distance::{Nearest, Separation, distance};
+use crate::geometry::static_mesh::EdgeKind;
+use crate::geometry::support::{Core, PlacedCore};
+use crate::math::Pose;
+use glam::{DVec3, Mat3, Quat, Vec3};
+
+/// Sine of the angle up to which a direction counts as that of a face, or as across one.
+const SLOPE: f64 = 1e-3;
+
+/// Share of the shape's diagonal up to which a triangle has a point.
+const AT: f64 = 1e-5;
+
+/// A round shape where it is at a moment, axes of the level.
+struct Placed<'s> {
+    solid: Solid<'s>,
+    turn: Mat3,
+    rotation: Quat,
+    size: f32,
+}
+
+impl LevelPair<'_> {
+    /// Fills `scratch.patches` with the contacts of a round shape, one manifold for each direction.
+    pub(crate) fn examine_round(&self, scratch: &mut LevelScratch, round: &mut RoundScratch) {
+        scratch.clear();
+        if !self.is_usable() {
+            return;
+        }
+        let placed = Placed {
+            solid: Solid::of(self.shape),
+            turn: Mat3::from_quat(self.hull_in_mesh.rotation),
+            rotation: self.hull_in_mesh.rotation,
+            size: self.shape.aabb().diagonal(),
+        };
+        self.follow(self.shape.bounds(&placed.turn, Vec3::ZERO), scratch);
+        let grounds = |at: usize, scratch: &LevelScratch| {
+            self.ground(&self.mesh.triangles()[scratch.near[at] as usize])
+        };
+        for at in 0..scratch.near.len() {
+            if let Some(ground) = grounds(at, scratch) {
+                self.add_face(&ground, &placed, scratch, round);
+            }
+        }
+        for at in 0..scratch.near.len() {
+            if let Some(ground) = grounds(at, scratch) {
+                self.add_border(&ground, &placed, scratch, round);
+            }
+        }
+        for group in 0..scratch.groups.len() as u32 {
+            self.add_round_patch(group, &placed, scratch);
+        }
+    }
+
+    /// Adds what of the shape lies over a triangle.
+    fn add_face(
+        &self,
+        ground: &Ground,
+        placed: &Placed,
+        scratch: &mut LevelScratch,
+        round: &mut RoundScratch,
+    ) {
+        let down = -ground.normal;
+        let own = placed.turn.transpose() * down;
+        let radius = placed.solid.radius;
+        let lowest = ground.height(placed.turn * placed.solid.support(own.as_dvec3()).as_vec3());
+        let rate = ground.normal.dot(-self.travel);
+        if lowest > self.reach + rate.max(0.0) {
+            return;
+        }
+        let reached = if lowest > 0.0 && rate > 0.0 {
+            (lowest / rate).min(1.0)
+        } else {
+            0.0
+        };
+        for stop in 0..=scratch.stops.len() {
+            let shift = match stop {
+                0 => reached * self.travel,
+                _ => scratch.stops[stop - 1],
+            };
+            placed.solid.feature(own, &mut round.places);
+            for place in &mut round.places {
+                place.at = placed.turn * place.at + shift;
+            }
+            // What comes down to it in the rest of the step counts too.
+            let rest = down.dot(self.travel - shift).max(0.0);
+            keep_over(ground, round);
+            round
+                .places
+                .retain(|place| ground.height(place.at) - radius <= self.reach + rest);
+            if round.places.is_empty() {
+                continue;
+            }
+            if !came_from_side(ground, placed, round) {
+                let group = scratch.group_of(ground.normal);
+                let is_one = round.places.len() == 1;
+                for place in &round.places {
+                    let at = place.at - shift;
+                    let own_place = placed.turn.transpose() * at;
+                    scratch.found.push(Found {
+                        group,
+                        at: at + radius * down,
+                        separation: ground.height(at) - radius,
+                        curvature: if is_one {
+                            placed.solid.curvature(own, own_place)
+                        } else {
+                            place.curvature
+                        },
+                    });
+                }
+            }
+            return;
+        }
+    }
+
+    /// Adds what touches the border of a triangle.
+    fn add_border(
+        &self,
+        ground: &Ground,
+        placed: &Placed,
+        scratch: &mut LevelScratch,
+        round: &mut RoundScratch,
+    ) {
+        let core = Core::of_triangle(ground.corners);
+        let limit = f64::from(self.reach + placed.size);
+        for stop in 0..=scratch.stops.len() {
+            let shift = match stop {
+                0 => Vec3::ZERO,
+                _ => scratch.stops[stop - 1],
+            };
+            let pose = Pose::new(shift, placed.rotation);
+            let inner = PlacedCore::new(placed.solid.inner, &pose);
+            let Separation::Near(Nearest { normal, on_a, .. }) = distance(&core, &inner, limit)
+            else {
+                continue;
+            };
+            let along = normal.dot(ground.normal.as_dvec3());
+            let is_face = along > 1.0 - 0.5 * SLOPE * SLOPE;
+            if is_face || along <= 0.0 && !self.mesh.is_two_sided() && self.is_closed(ground) {
+                continue;
+            }
+            if !self.is_outermost(normal, on_a, placed, scratch) {
+                continue;
+            }
+            let pair = SolidPair {
+                a: Solid::of_triangle(ground.corners),
+                b: placed.solid,
+                b_in_a: pose,
+            };
+            let axis = PairAxis {
+                normal: normal.as_vec3(),
+                separation: pair.separation(normal.as_vec3()),
+                inner: Some(on_a),
+            };
+            if axis.separation > f64::from(self.reach) {
+                continue;
+            }
+            let rule = PatchRule::new(self.reach, placed.size);
+            let patch = patch_along(&pair, &axis, rule, round);
+            let group = scratch.group_of(axis.normal);
+            for point in patch.points() {
+                let at = placed.turn * point.on_b;
+                scratch.found.push(Found {
+                    group,
+                    at,
+                    separation: point.separation - axis.normal.dot(shift),
+                    curvature: point.radii[1],
+                });
+            }
+            return;
+        }
+    }
+
+    /// Whether something lies beyond all edges of a triangle.
+    fn is_closed(&self, ground: &Ground) -> bool {
+        !ground.edges.contains(&EdgeKind::Open)
+    }
+
+    /// Whether no triangle that has a point rises above the plane through it, across a direction.
+    fn is_outermost(
+        &self,
+        direction: DVec3,
+        point: DVec3,
+        placed: &Placed,
+        scratch: &LevelScratch,
+    ) -> bool {
+        let place = self.hull_in_mesh.position;
+        let there = PlacedCore::new(
+            Core::of_point(Vec3::ZERO),
+            &Pose::new(point.as_vec3(), Quat::IDENTITY),
+        );
+        let near = AT * f64::from(placed.size);
+        scratch.near.iter().all(|&other| {
+            let triangle = &self.mesh.triangles()[other as usize];
+            let corners = triangle.corners.map(|corner| corner - place);
+            let rises = corners.iter().any(|&corner| {
+                let arm = corner.as_dvec3() - point;
+                direction.dot(arm) > SLOPE * arm.length()
+            });
+            let has_point = || match distance(&Core::of_triangle(corners), &there, near) {
+                Separation::Overlap => true,
+                Separation::Near(nearest) => nearest.distance <= near,
+                Separation::Far => false,
+            };
+            !(rises && has_point())
+        })
+    }
+
+    /// Makes the manifold of one direction.
+    fn add_round_patch(&self, group: u32, placed: &Placed, scratch: &mut LevelScratch) {
+        let normal = scratch.groups[group as usize];
+        let candidates = &mut scratch.candidates;
+        candidates.clear();
+        let of_group = || scratch.found.iter().filter(|found| found.group == group);
+        candidates.extend(of_group().map(|found| Candidate {
+            at: found.at,
+            separation: found.separation,
+            kind: CornerKind::Incident,
+            leaves_on_cut: false,
+        }));
+        reduce(candidates, normal, MERGE * placed.size);
+        let back = placed.turn.transpose();
+        let mut patch = LocalManifold {
+            normal: -(back * normal),
+            normal_in_b: Some(-normal),
+            ..LocalManifold::default()
+        };
+        for &Candidate { at, separation, .. } in candidates.iter() {
+            let curvature = of_group().find(|found| found.at == at);
+            patch.push(LocalPoint {
+                on_a: back * at,
+                on_b: self.hull_in_mesh.position + (at - separation * normal),
+                separation,
+                radii: [curvature.map_or(0.0, |found| found.curvature), 0.0],
+                ..LocalPoint::default()
+            });
+        }
+        scratch.patches.push(patch);
+    }
+}
+
+/// Keeps of the places what lies over a triangle.
+fn keep_over(ground: &Ground, round: &mut RoundScratch) {
+    round.outline.clear();
+    round.outline.extend(ground.corners);
+    if let [place] = round.places.as_slice() {
+        let is_over = (0..3).all(|edge| {
+            let (from, outward) = ground.border(edge);
+            outward.dot(place.at - from) <= 0.0
+        });
+        if !is_over {
+            round.places.clear();
+        }
+    } else {
+        clip_places(ground.normal, round);
+    }
+}
+
+/// Whether the core is below a triangle and farther so than it is inside of its border: then it came from there.
+fn came_from_side(ground: &Ground, placed: &Placed, round: &RoundScratch) -> bool {
+    let heights = round.places.iter().map(|place| ground.height(place.at));
+    let depth = -heights.fold(f32::INFINITY, f32::min);
+    depth > SHALLOW * placed.size
+        && (0..3).any(|edge| {
+            let is_border = !matches!(ground.edges[edge], EdgeKind::Flat | EdgeKind::Concave);
+            let (from, outward) = ground.border(edge);
+            let inward = round
+                .places
+                .iter()
+                .map(|place| -outward.dot(place.at - from));
+            is_border && inward.fold(0.0, f32::max) < depth
+        })
+}

@@ -1,0 +1,111 @@
+//! What is near a shape.
+
+use crate::bodies::body::Shape;
+use crate::geometry::bvh::within;
+use crate::geometry::distance::{Nearest, Separation, distance};
+use crate::geometry::support::{Core, PlacedCore};
+use crate::geometry::{ConvexMesh, StaticMesh};
+use crate::query::local::LocalHit;
+use crate::query::{half_space, hull, round};
+use glam::Vec3;
+
+/// Where a body is nearest to a core with a radius (m), if it is within `limit` (m); its frame. The distance is negative where they
+/// overlap.
+pub(crate) fn nearest_to(
+    shape: &Shape,
+    core: &PlacedCore,
+    radius: f32,
+    limit: f32,
+) -> Option<LocalHit> {
+    let found = match shape {
+        Shape::Convex(mesh) => of_mesh(mesh, core, radius + limit),
+        Shape::HalfSpace(below) => {
+            let (height, at) = half_space::lowest(below.normal, core);
+            let on_plane = at.as_vec3() - height as f32 * below.normal;
+            Some(hit(on_plane, below.normal, height as f32))
+        }
+        Shape::Level(mesh) => of_level(mesh, core, radius + limit),
+    }?;
+    let distance = found.distance - radius;
+    (distance <= limit).then_some(LocalHit { distance, ..found })
+}
+
+fn hit(point: Vec3, normal: Vec3, distance: f32) -> LocalHit {
+    LocalHit {
+        point,
+        normal,
+        distance,
+        triangle: None,
+        face: None,
+    }
+}
+
+fn of_mesh(mesh: &ConvexMesh, core: &PlacedCore, limit: f32) -> Option<LocalHit> {
+    let (body, rounding) = match mesh.round() {
+        Some(round) => (round.core(), round.radius),
+        None => (Core::of_hull(mesh.hull()), 0.0),
+    };
+    match of_core(&body, core, limit + rounding) {
+        Found::Far => None,
+        Found::Near(near) => Some(LocalHit {
+            point: near.point + rounding * near.normal,
+            distance: near.distance - rounding,
+            ..near
+        }),
+        // How deep that is, is told of the middle, if it is inside.
+        Found::Overlap => {
+            let middle = core.middle().as_vec3();
+            let near = match mesh.round() {
+                Some(round) => round::closest(round, middle, f32::MAX),
+                None => hull::closest(mesh.hull(), middle, f32::MAX),
+            }?;
+            let distance = near.distance.min(0.0);
+            Some(LocalHit { distance, ..near })
+        }
+    }
+}
+
+fn of_level(mesh: &StaticMesh, core: &PlacedCore, limit: f32) -> Option<LocalHit> {
+    let mut best: Option<LocalHit> = None;
+    let middle = core.middle().as_vec3();
+    within(mesh.tree(), &core.bounds().fattened(limit), |leaf| {
+        let triangle = &mesh.triangles()[leaf as usize];
+        let is_behind = triangle.plane.distance(middle) < 0.0;
+        if is_behind && !mesh.is_two_sided() {
+            return;
+        }
+        let near = match of_core(&Core::of_triangle(triangle.corners), core, limit) {
+            Found::Far => return,
+            Found::Near(near) => near,
+            Found::Overlap if is_behind => hit(middle, -triangle.plane.normal, 0.0),
+            Found::Overlap => hit(middle, triangle.plane.normal, 0.0),
+        };
+        let near = LocalHit {
+            triangle: Some(triangle.index),
+            ..near
+        };
+        let order = |hit: &LocalHit| (hit.distance, hit.triangle);
+        if best.as_ref().is_none_or(|best| order(&near) < order(best)) {
+            best = Some(near);
+        }
+    });
+    best
+}
+
+enum Found {
+    Far,
+    Near(LocalHit),
+    Overlap,
+}
+
+fn of_core(body: &Core, core: &PlacedCore, limit: f32) -> Found {
+    match distance(body, core, f64::from(limit)) {
+        Separation::Far => Found::Far,
+        Separation::Overlap => Found::Overlap,
+        Separation::Near(Nearest {
+            normal,
+            distance,
+            on_a,
+        }) => Found::Near(hit(on_a.as_vec3(), normal.as_vec3(), distance as f32)),
+    }
+}

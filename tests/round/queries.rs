@@ -1,0 +1,125 @@
+//! Questions about round bodies against what their formulas say.
+
+use crate::any_shape;
+use crate::common::dice::Dice;
+use bevy_cleave::prelude::*;
+use glam::Vec3;
+
+/// One body at the origin, turned any way.
+fn alone(mesh: ConvexMesh, dice: &mut Dice) -> (Simulation, u32) {
+    let mut simulation = Simulation {
+        gravity: Gravity(Vec3::ZERO),
+        ..Simulation::default()
+    };
+    let mut desc = BodyDesc::dynamic(mesh, dice.vector(-1.0, 1.0));
+    desc.pose.rotation = dice.rotation();
+    let slot = simulation.bodies.insert(desc).expect("usable");
+    simulation.step(1e-6);
+    (simulation, slot)
+}
+
+#[test]
+fn rays_meet_a_sphere_where_the_equation_says() {
+    let mut dice = Dice::new(1);
+    for _ in 0..2000 {
+        let radius = dice.in_range(0.1, 1.0);
+        let (mut simulation, slot) = alone(ConvexMesh::sphere(radius).expect("usable"), &mut dice);
+        let center = simulation.bodies.pose(slot).position;
+        let (origin, direction) = (dice.vector(-3.0, 3.0), dice.direction());
+        let ray = Ray::new(origin, direction, 10.0).expect("usable");
+        let (from, d) = ((origin - center).as_dvec3(), ray.direction().as_dvec3());
+        let (half, r) = (from.dot(d), f64::from(radius));
+        let square = half * half - from.length_squared() + r * r;
+        let hit = simulation.queries().cast_ray(&ray, &QueryFilter::all());
+        if from.length() <= r {
+            assert_eq!(hit.expect("inside").distance, 0.0);
+            let left = simulation
+                .queries()
+                .cast_ray(&ray.hollow(), &QueryFilter::all());
+            let expected = -half + square.sqrt();
+            let found = f64::from(left.expect("it leaves").distance);
+            assert!((found - expected).abs() < 1e-5, "{found} {expected}");
+            continue;
+        }
+        let expected = (square > 0.0 && half < 0.0).then(|| -half - square.sqrt());
+        match (hit, expected) {
+            (Some(hit), Some(expected)) => {
+                assert!((f64::from(hit.distance) - expected).abs() < 1e-5);
+                assert!((hit.point.distance(center) - radius).abs() < 1e-5);
+            }
+            (None, None) => {}
+            _ => assert!(square.abs() < 1e-5, "{square}"),
+        }
+    }
+}
+
+#[test]
+fn rays_casts_and_nearest_points_agree() {
+    let mut dice = Dice::new(2);
+    let all = QueryFilter::all();
+    let mut met = 0;
+    for _ in 0..1500 {
+        let mesh = any_shape(&mut dice);
+        let (mut simulation, _) = alone(mesh, &mut dice);
+        let queries = simulation.queries();
+        let (origin, direction) = (dice.vector(-3.0, 3.0), dice.direction());
+        let ray = Ray::new(origin, direction, 10.0).expect("usable");
+        let nearest = queries.closest_point(origin, 100.0, &all).expect("a point");
+        let nearest = nearest.expect("there is a body");
+        let hit = queries.cast_ray(&ray, &all);
+        if let Some(hit) = hit.filter(|_| nearest.distance > 1e-4) {
+            // No ray gets to the body on a shorter way than the shortest.
+            assert!(hit.distance > nearest.distance - 1e-4);
+            // Where it hits there is the surface.
+            let there = queries
+                .closest_point(hit.point, 1.0, &all)
+                .expect("a point");
+            let there = there.expect("on the body");
+            assert!(there.distance.abs() < 1e-4, "{}", there.distance);
+            // A little ball along the same ray is there earlier by about its radius over the slope.
+            let ball = QueryShape::sphere(0.02).expect("usable");
+            let pose = Pose::new(origin, glam::Quat::IDENTITY);
+            let cast = ShapeCast::new(ball, pose, direction, 10.0).expect("usable");
+            let touch = queries.cast_shape(&cast, &all).expect("the ray hits too");
+            assert!(touch.distance <= hit.distance - 0.02 + 1e-4);
+            let center = ray.at(touch.distance);
+            let gap = queries.closest_point(center, 1.0, &all).expect("a point");
+            let gap = gap.expect("near").distance;
+            assert!((gap - 0.02).abs() < 1e-4 || touch.distance == 0.0, "{gap}");
+        }
+        // A ray to the nearest point meets it there.
+        if nearest.distance > 1e-3 {
+            let towards = Ray::between(origin, nearest.point - 0.01 * nearest.normal);
+            let hit = queries.cast_ray(&towards.expect("usable"), &all);
+            // One that goes by a rim or a tip may miss it by rounding.
+            if let Some(hit) = hit {
+                met += 1;
+                let off = (hit.distance - nearest.distance).abs();
+                assert!(off < 1e-3, "{off} m off");
+            }
+        }
+    }
+    assert!(met > 1200, "{met}");
+}
+
+#[test]
+fn overlaps_of_round_bodies_are_where_they_are_near() {
+    let mut dice = Dice::new(3);
+    let all = QueryFilter::all();
+    for _ in 0..1500 {
+        let (mut simulation, _) = alone(any_shape(&mut dice), &mut dice);
+        let asked = any_shape(&mut dice);
+        let shape = QueryShape::from(&asked);
+        let pose = Pose::new(dice.vector(-1.0, 1.0), dice.rotation());
+        let queries = simulation.queries();
+        let (mut found, mut near) = (Vec::new(), Vec::new());
+        queries
+            .overlap_shape(&shape, &pose, &all, &mut found)
+            .expect("usable");
+        queries
+            .near_shape(&shape, &pose, 5.0, &all, &mut near)
+            .expect("usable");
+        let distance = near[0].distance;
+        assert!(found.is_empty() == (distance > 0.0) || distance.abs() < 1e-4);
+    }
+}
