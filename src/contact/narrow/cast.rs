@@ -19,12 +19,29 @@ use crate::contact::narrow::scratch::{
     FaceAxis, HullPair, MERGE, NarrowScratch, SatCache, SatResult,
 };
 use crate::geometry::ConvexHull;
+use crate::geometry::distance::{Separation, distance};
 use crate::geometry::hull_lanes::{Points4, lowest, point};
+use crate::geometry::support::{Core, PlacedCore};
 use crate::math::{Pose, rotate, rotate_by};
 use glam::{Quat, Vec3};
 
-/// Most moments at which the hulls are looked at. What is not decided then counts as touching, so that nothing is missed.
-const MAX_MOMENTS: usize = 200;
+/// Most axes, one after the other, that are followed. What is not decided then counts as touching, so that nothing is missed.
+const MAX_MOMENTS: usize = 64;
+
+/// Hulls that are nearer than this many touching distances at so many moments touch: edges that slide along each other separate by ever
+/// another axis.
+const CLOSE: f32 = 4.0;
+const MAX_CLOSE: u32 = 3;
+
+/// Most chords by which one axis is followed.
+const MAX_CHORDS: usize = 64;
+
+/// Share of the touching distance that is left along an axis that is followed no further: the next one that is worth following leaves
+/// much more.
+const SPENT: f32 = 0.1;
+
+/// How much shorter the next chord is at least.
+const SHORTER: f32 = 0.9;
 
 /// Distance that counts as none, as a share of the smaller hull's diagonal: moments that come ever closer end there.
 const TOUCH: f32 = 3e-5;
@@ -82,6 +99,12 @@ impl Course {
     /// How far turning can bring surfaces together in the whole step, m.
     fn turning(&self) -> f32 {
         self.spins[0].length() * self.radii[0] + self.spins[1].length() * self.radii[1]
+    }
+
+    /// How far turning can take the height of a point from its chord over the whole step, m.
+    fn bend(&self) -> f32 {
+        let bends = [0, 1].map(|i| self.spins[i].length_squared() * self.radii[i]);
+        0.125 * (bends[0] + bends[1])
     }
 
     /// How fast B comes towards A along `normal` (A's frame at `moment`) at a point there, m per step.
@@ -146,26 +169,41 @@ pub(crate) struct Cast<'h> {
 impl Cast<'_> {
     /// What becomes of a pair whose patch at the start is this one; perhaps an empty one.
     pub(crate) fn outcome(&self, found: &LocalManifold, scratch: &mut NarrowScratch) -> CastResult {
-        let (moment, normal, touches) = self.first_touch(found, scratch);
+        let (moment, last, touches) = self.first_touch(found);
         if !touches {
-            return self.miss(moment, normal, scratch);
+            return self.miss(moment, last, scratch);
         }
         let pose = self.course.at(moment);
+        let turn = self.course.turn_of_a(moment);
+        let is_as_found = |normal| found.count > 0 && rotate(turn, normal).dot(found.normal) > SAME;
+        // The axis that separated last is the normal, if faces are not to be preferred.
+        let patch = (!is_as_found(last))
+            .then(|| self.patch_at(&pose, scratch))
+            .flatten();
+        let normal = patch.as_ref().map_or(last, |patch| patch.normal);
         if let Some(axis) = self.lesser_axis(moment, normal, None, scratch) {
             return self.pass_along(axis, moment, scratch);
         }
-        let turn = self.course.turn_of_a(moment);
-        let is_same = rotate(turn, normal).dot(found.normal) > SAME;
-        if found.count > 0 && is_same {
-            return CastResult::AsFound;
-        }
-        let [a, b] = self.hulls;
-        match examine_hulls(a, b, pose, self.reach, SatCache::NONE, scratch) {
-            SatResult::Touching(patch) if patch.count > 0 => {
+        match patch {
+            Some(patch) if !is_as_found(patch.normal) => {
                 CastResult::Touches(self.course.bind(patch, &pose), pose)
             }
             _ => CastResult::AsFound,
         }
+    }
+
+    /// The patch of the hulls at a pose, if it has points.
+    fn patch_at(&self, pose: &Pose, scratch: &mut NarrowScratch) -> Option<LocalManifold> {
+        let [a, b] = self.hulls;
+        match examine_hulls(a, b, *pose, self.reach, SatCache::NONE, scratch) {
+            SatResult::Touching(patch) if patch.count > 0 => Some(patch),
+            _ => None,
+        }
+    }
+
+    /// Distance that counts as none, m.
+    fn touch(&self) -> f32 {
+        TOUCH * self.size()
     }
 
     /// The smaller hull's diagonal, m.
@@ -174,41 +212,81 @@ impl Cast<'_> {
         a.min(b)
     }
 
+    /// How far the hulls are apart at a moment along an axis that does not turn (A's frame at the start), m.
+    fn separation(&self, moment: f32, along: Vec3) -> f32 {
+        let [a, b] = self.hulls;
+        let axis = rotate(self.course.turn_of_a(moment).inverse(), along);
+        distance_along(a, b, &self.course.at(moment), axis)
+    }
+
+    /// The hulls' nearest points at a moment.
+    fn nearest(&self, moment: f32) -> Separation {
+        let [a, b] = self.hulls.map(Core::of_hull);
+        let b = PlacedCore::new(b, &self.course.at(moment));
+        distance(&a, &b, f64::INFINITY)
+    }
+
+    /// Up to when an axis that does not turn separates hulls that are `distance` (m) apart along it at `moment`; `None` if it does up
+    /// to the end of the step.
+    ///
+    /// Heights of corners along the axis are linear in time but for their turn, which bends them by at most `spin^2 radius`. So a
+    /// corner stays above the lower of its heights at the ends of a time `t`, less `spin^2 radius t^2 / 8`; and the least of all
+    /// corners' heights above their chord, less the same.
+    fn end_of_separation(&self, along: Vec3, mut moment: f32, mut distance: f32) -> Option<f32> {
+        let Course { end, .. } = self.course;
+        let (bend, nothing) = (self.course.bend(), SPENT * self.touch());
+        let mut ahead = end - moment;
+        for _ in 0..MAX_CHORDS {
+            let next = self.separation(moment + ahead, along);
+            if distance.min(next) > bend * ahead * ahead {
+                if moment + ahead >= end {
+                    return None;
+                }
+                (moment, distance) = (moment + ahead, next);
+                ahead = end - moment;
+                continue;
+            }
+            if distance <= nothing {
+                break;
+            }
+            let chord = (distance - 0.5 * nothing) / (distance - next).max(f32::MIN_POSITIVE);
+            let straight = (0.5 * distance / bend.max(f32::MIN_POSITIVE)).sqrt();
+            ahead = (ahead * chord.min(SHORTER)).min(straight);
+        }
+        Some(moment)
+    }
+
     /// The first moment at which no axis separates the hulls, the normal along which they touch, A's frame at that moment, and
     /// that they do; or the last axis that separated them, and that they do not.
-    fn first_touch(&self, found: &LocalManifold, scratch: &mut NarrowScratch) -> (f32, Vec3, bool) {
+    fn first_touch(&self, found: &LocalManifold) -> (f32, Vec3, bool) {
         let [a, b] = self.hulls;
-        let Course { b_in_a, travel, .. } = self.course;
-        let (touch, turning) = (TOUCH * self.size(), self.course.turning());
+        let touch = self.touch();
         // Of an empty patch the axis is not known: that is looked for first.
-        let (mut axis, mut distance, mut moment) = (found.normal, 0.0, 0.0);
+        let (mut axis, mut moment, mut gap) = (found.normal, 0.0, 0.0);
+        let mut close = 0;
         if found.count > 0 {
-            distance = distance_along(a, b, &b_in_a, axis);
-            if distance <= touch {
+            gap = distance_along(a, b, &self.course.b_in_a, axis);
+            if gap <= touch {
                 return (0.0, axis, true);
             }
         }
         for _ in 0..MAX_MOMENTS {
             let along = rotate(self.course.turn_of_a(moment), axis);
-            let rate = (-travel.dot(along)).max(0.0) + turning;
-            if distance > 0.0 {
-                if distance >= rate * (self.course.end - moment) {
+            if gap > 0.0 {
+                let Some(last) = self.end_of_separation(along, moment, gap) else {
                     return (moment, axis, false);
-                }
-                moment += distance / rate;
+                };
+                moment = last;
             }
-            match examine_hulls(a, b, self.course.at(moment), touch, SatCache::NONE, scratch) {
-                SatResult::Touching(patch) if patch.count > 0 => {
-                    return (moment, patch.normal, true);
+            match self.nearest(moment) {
+                Separation::Near(near) if near.distance as f32 > touch && close < MAX_CLOSE => {
+                    close += u32::from(near.distance as f32 <= CLOSE * touch);
+                    (axis, gap) = (near.normal.as_vec3().normalize(), near.distance as f32);
                 }
-                SatResult::Touching(_) => {
+                _ => {
                     let back = self.course.turn_of_a(moment).inverse();
                     return (moment, rotate(back, along), true);
                 }
-                SatResult::Separated {
-                    axis: n,
-                    distance: s,
-                } => (axis, distance) = (n, s),
             }
         }
         (moment, axis, true)
