@@ -21,7 +21,10 @@ const BODIES: usize = 200;
 /// A heap whose bodies are made by `change`, 10 s after it was let go.
 fn settled(change: impl Fn(&mut BodyDesc), config: SolverConfig) -> Simulation {
     let mut simulation = Simulation {
-        config,
+        config: SolverConfig {
+            sleep: SleepConfig::off(),
+            ..config
+        },
         ..Default::default()
     };
     for mut desc in scenes::heap(BODIES) {

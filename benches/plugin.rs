@@ -40,7 +40,11 @@ fn median(times: &mut [f64]) -> f64 {
 
 fn compare(count: usize, rounds: usize) {
     let mut plain = Simulation::default();
+    plain.config.sleep = SleepConfig::off();
     let (mut updated, mut scheduled, mut bare) = (app::app(), app::app(), bare_app());
+    for app in [&mut updated, &mut scheduled] {
+        app.world_mut().resource_mut::<SolverConfig>().sleep = SleepConfig::off();
+    }
     for desc in structures::columns(count) {
         plain.bodies.insert(desc.clone()).expect("usable");
         updated.world_mut().spawn_body(desc.clone());

@@ -11,7 +11,10 @@ use bevy_cleave::testing::wide::Pass;
 /// A simulation of `bodies` after some steps.
 pub(crate) fn settled(bodies: Vec<BodyDesc>, config: SolverConfig, steps: u32) -> Simulation {
     let mut simulation = Simulation {
-        config,
+        config: SolverConfig {
+            sleep: SleepConfig::off(),
+            ..config
+        },
         ..Default::default()
     };
     for desc in bodies {

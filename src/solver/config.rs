@@ -34,7 +34,7 @@ pub struct SolverConfig {
     pub measure_error: bool,
     /// List the islands in the report; with `measure_error`, each with its own residual. Off by default.
     pub measure_islands: bool,
-    /// When islands at rest are left out of the step. Off by default.
+    /// When islands at rest are left out of the step. On by default; [`SleepConfig::off`] turns it off.
     pub sleep: SleepConfig,
 }
 
@@ -319,10 +319,10 @@ impl Default for Exact {
 }
 
 impl SleepConfig {
-    /// The default limits, with sleeping on.
-    pub fn on() -> Self {
+    /// Nothing falls asleep: for measurements of what bodies at rest cost, and of how still they lie.
+    pub fn off() -> Self {
         Self {
-            enabled: true,
+            enabled: false,
             ..Self::default()
         }
     }
@@ -336,7 +336,7 @@ impl SleepConfig {
 impl Default for SleepConfig {
     fn default() -> Self {
         Self {
-            enabled: false,
+            enabled: true,
             speed: 0.01,
             drift: 5e-4,
             time: 0.5,

@@ -86,6 +86,7 @@ pub(crate) fn heap(count: usize) -> Vec<BodyDesc> {
 /// The simulation of a [`heap`].
 pub(crate) fn pile(count: usize) -> Simulation {
     let mut simulation = Simulation::default();
+    simulation.config.sleep = SleepConfig::off();
     for desc in heap(count) {
         simulation.bodies.insert(desc).expect("usable");
     }

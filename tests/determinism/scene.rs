@@ -110,7 +110,7 @@ impl Scene {
                 }
                 .into();
             }
-            Self::Sleep => config.sleep = SleepConfig::on(),
+            Self::Sleep => return config,
             Self::Paper => {
                 config = SolverConfig::paper();
                 config.measure_error = true;
@@ -133,6 +133,7 @@ impl Scene {
             }
             _ => {}
         }
+        config.sleep = SleepConfig::off();
         config
     }
 

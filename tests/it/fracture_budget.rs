@@ -185,7 +185,7 @@ fn pieces_go_when_they_have_slept_for_long_enough() {
         ..Default::default()
     };
     let mut simulation = row(1, budget);
-    simulation.config.sleep = SleepConfig::on();
+    simulation.config.sleep = SleepConfig::default();
     let (mut expired, mut asleep_for) = (0, 0);
     for _ in 0..1200 {
         simulation.step(H);

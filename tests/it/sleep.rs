@@ -13,7 +13,7 @@ const H: f32 = 1.0 / 60.0;
 
 fn sleepy(bodies: impl IntoIterator<Item = BodyDesc>) -> Simulation {
     let mut simulation = Simulation::default();
-    simulation.config.sleep = SleepConfig::on();
+    simulation.config.sleep = SleepConfig::default();
     for desc in bodies {
         simulation.bodies.insert(desc).expect("usable");
     }

@@ -206,7 +206,7 @@ fn a_cut_body_leaves_its_joints_to_the_pieces_that_own_the_anchors() {
 #[test]
 fn what_hangs_at_rest_sleeps_and_wakes_with_what_it_hangs_on() {
     let mut app = app();
-    app.world_mut().resource_mut::<SolverConfig>().sleep = SleepConfig::on();
+    app.world_mut().resource_mut::<SolverConfig>().sleep = SleepConfig::default();
     let hook = BodyDesc {
         kind: RigidBody::Kinematic,
         ..fixed(Vec3::ZERO)

@@ -22,8 +22,8 @@ impl<'s> Run<'s> {
             gravity: Gravity(scene.gravity),
             ..Simulation::default()
         };
-        if sleeps {
-            simulation.config.sleep = SleepConfig::on();
+        if !sleeps {
+            simulation.config.sleep = SleepConfig::off();
         }
         if scene.soft > 0 {
             simulation.config.method = SoftStep {

@@ -145,7 +145,7 @@ impl Chaos {
         let mut dice = Dice::new(seed);
         let world = app.world_mut();
         let mut config = world.resource_mut::<SolverConfig>();
-        config.sleep = [SleepConfig::on(), SleepConfig::default()][dice.below(2)];
+        config.sleep = [SleepConfig::default(), SleepConfig::off()][dice.below(2)];
         config.measure_error = dice.below(2) == 0;
         world.insert_resource(budget(&mut dice));
         let floor = ConvexMesh::cuboid(20.0, 1.0, 20.0).expect("valid size");

@@ -93,7 +93,7 @@ fn story(mut app: App, mut step: impl FnMut(&mut App)) -> Vec<Vec<u32>> {
         }
     };
     app.add_observer(lighten);
-    app.world_mut().resource_mut::<SolverConfig>().sleep = SleepConfig::on();
+    app.world_mut().resource_mut::<SolverConfig>().sleep = SleepConfig::default();
     let spawn = |desc| app.world_mut().spawn_body(desc);
     let entities: Vec<Entity> = tower(4).into_iter().map(spawn).collect();
     for count in 0..200 {

@@ -18,7 +18,7 @@ fn sleepy(scene: Vec<BodyDesc>) -> (App, Vec<Entity>) {
 
 /// Turns sleep on and spawns a scene; its entities in order.
 fn put_to_rest(app: &mut App, scene: Vec<BodyDesc>) -> Vec<Entity> {
-    app.world_mut().resource_mut::<SolverConfig>().sleep = SleepConfig::on();
+    app.world_mut().resource_mut::<SolverConfig>().sleep = SleepConfig::default();
     let spawn = |desc| app.world_mut().spawn_body(desc);
     scene.into_iter().map(spawn).collect()
 }
@@ -91,7 +91,7 @@ fn plugin_and_plain_step_sleep_and_wake_alike() {
     let mut app = app();
     let entities = put_to_rest(&mut app, tower(5));
     let mut simulation = Simulation::default();
-    simulation.config.sleep = SleepConfig::on();
+    simulation.config.sleep = SleepConfig::default();
     for desc in tower(5) {
         simulation.bodies.insert(desc).expect("usable");
     }

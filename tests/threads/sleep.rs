@@ -15,7 +15,7 @@ pub(crate) type Outcome = (Vec<[u32; 13]>, Vec<(usize, usize)>);
 /// State after a scene has slept, was hit, and sleeps again, and the steps in which the number asleep changed.
 pub(crate) fn history(spare_slots: usize) -> Outcome {
     let mut simulation = Simulation::default();
-    simulation.config.sleep = SleepConfig::on();
+    simulation.config.sleep = SleepConfig::default();
     let dummies: Vec<_> = (0..spare_slots)
         .map(|_| {
             simulation

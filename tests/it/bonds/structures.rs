@@ -156,7 +156,7 @@ fn every_lane_width_gives_the_same_bits() {
 #[test]
 fn a_bonded_wall_sleeps_and_wakes_when_a_bond_is_taken_away() {
     let (mut simulation, slots) = bonded_lintel(4, 4, MORTAR);
-    simulation.config.sleep = SleepConfig::on();
+    simulation.config.sleep = SleepConfig::default();
     (0..180).for_each(|_| simulation.step(H));
     assert_eq!(simulation.report.awake, 0, "sleeps");
     assert_eq!(simulation.bonds.len(), joints_of_lintel(4, 4));

@@ -15,13 +15,16 @@ pub(crate) fn simulation(bodies: impl IntoIterator<Item = BodyDesc>) -> Simulati
     simulation_with(SolverConfig::default(), bodies)
 }
 
-/// A simulation of `bodies`; slots are the places in the list.
+/// A simulation of `bodies` in which nothing falls asleep, for that proves nothing; slots are the places in the list.
 pub(crate) fn simulation_with(
     config: SolverConfig,
     bodies: impl IntoIterator<Item = BodyDesc>,
 ) -> Simulation {
     let mut simulation = Simulation {
-        config,
+        config: SolverConfig {
+            sleep: SleepConfig::off(),
+            ..config
+        },
         ..Default::default()
     };
     for desc in bodies {

@@ -1,8 +1,8 @@
 //! bevy_cleave without an app: [`Simulation::step`].
 //!
-//! There is no switch for continuous collision, which is always on, and none for sleeping, which the engine lacks.
+//! There is no switch for continuous collision, which is always on.
 
-use super::cleave_settings::{DEFAULT, config, settings};
+use super::cleave_settings::{DEFAULT, config, settings, with_sleep};
 use crate::engine::{Engine, Entry, Settings, State};
 use crate::scene::{Body, Scene, Shape};
 use bevy_cleave::prelude::*;
@@ -35,7 +35,7 @@ fn build(scene: &Scene, settings: &Settings) -> Box<dyn Engine> {
     ComputeTaskPool::get_or_init(|| TaskPoolBuilder::new().num_threads(threads).build());
     let mut simulation = Simulation {
         gravity: Gravity(scene.gravity),
-        config: config(settings.value),
+        config: with_sleep(config(settings.value), settings.sleeping),
         ..Simulation::default()
     };
     let bodies = descriptions(scene).map(|body| simulation.bodies.insert(body));

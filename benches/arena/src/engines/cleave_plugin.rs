@@ -1,7 +1,7 @@
 //! bevy_cleave as its users have it: `CleavePlugin` in a headless app, one `app.update()` a step, transforms written back.
 
 use super::cleave::{descriptions, pool_threads};
-use super::cleave_settings::{DEFAULT, config, settings};
+use super::cleave_settings::{DEFAULT, config, settings, with_sleep};
 use super::headless;
 use crate::engine::{Engine, Entry, Settings, State};
 use crate::scene::Scene;
@@ -29,7 +29,7 @@ fn build(scene: &Scene, settings: &Settings) -> Box<dyn Engine> {
     let mut app = headless::app(scene.dt, pool_threads(settings.threads));
     app.add_plugins(CleavePlugin::new(PostUpdate));
     app.insert_resource(Gravity(scene.gravity));
-    app.insert_resource(config(settings.value));
+    app.insert_resource(with_sleep(config(settings.value), settings.sleeping));
     headless::start(&mut app);
     let spawn = |body| app.world_mut().spawn_body(body);
     let bodies = descriptions(scene).map(spawn).collect();

@@ -91,6 +91,17 @@ pub(super) fn settings() -> Vec<Setting> {
     (0..).zip(all()).map(setting).collect()
 }
 
+/// The same, with sleep or without.
+pub(super) fn with_sleep(config: SolverConfig, sleeps: bool) -> SolverConfig {
+    SolverConfig {
+        sleep: SleepConfig {
+            enabled: sleeps,
+            ..config.sleep
+        },
+        ..config
+    }
+}
+
 /// The configuration that a setting stands for.
 pub(super) fn config(value: u32) -> SolverConfig {
     all()[value as usize].config
