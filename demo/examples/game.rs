@@ -22,10 +22,6 @@ fn main() {
             Update,
             (slice, throw, explode, slow_down, look_inside, score),
         )
-        .insert_resource(SolverConfig {
-            sleep: SleepConfig::on(),
-            ..default()
-        })
         .run();
 }
 

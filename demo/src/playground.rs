@@ -18,7 +18,6 @@ impl Plugin for PlaygroundPlugin {
         ))
         .insert_resource(Time::<Fixed>::from_hz(60.0))
         .insert_resource(SolverConfig {
-            sleep: SleepConfig::on(),
             measure_error: true,
             ..SolverConfig::default()
         })

@@ -78,6 +78,11 @@ fn heard(app: &App) -> &Heard {
     app.world().resource::<Heard>()
 }
 
+/// What sleeps is not looked at, and bears nothing that is told.
+fn stay_awake(app: &mut App) {
+    app.world_mut().resource_mut::<SolverConfig>().sleep = SleepConfig::off();
+}
+
 #[test]
 fn cubes_that_fall_begin_to_touch_once_with_the_speed_of_their_fall() {
     let mut app = listening();
@@ -175,6 +180,7 @@ fn sleep_ends_no_contact_and_waking_begins_none() {
 #[test]
 fn who_asks_late_hears_of_what_touches_and_who_stops_asking_of_nothing() {
     let mut app = listening();
+    stay_awake(&mut app);
     floor(&mut app);
     let place = Transform::from_xyz(0.0, 0.5, 0.0);
     let parts = (RigidBody::Dynamic, cube(1.0), place);
@@ -221,6 +227,7 @@ fn a_cut_ends_the_contacts_of_the_parent_and_begins_those_of_its_pieces() {
 #[test]
 fn a_load_crosses_its_threshold_once_and_bears_the_weight() {
     let mut app = listening();
+    stay_awake(&mut app);
     floor(&mut app);
     let place = Transform::from_xyz(0.0, 0.6, 0.0);
     let limit = ContactForceEvents { threshold: 9000.0 };

@@ -290,6 +290,7 @@ fn a_clone_of_a_sleeping_entity_is_a_body_of_its_own() {
 #[test]
 fn without_sleep_nothing_is_marked() {
     let mut app = app();
+    app.world_mut().resource_mut::<SolverConfig>().sleep = SleepConfig::off();
     for desc in [floor(0.6), block(&cuboid(Vec3::ONE), 0.5 * Vec3::Y, 0.6)] {
         app.world_mut().spawn_body(desc);
     }

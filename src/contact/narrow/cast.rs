@@ -30,8 +30,8 @@ const MAX_MOMENTS: usize = 64;
 
 /// Hulls that are nearer than this many touching distances at so many moments touch: edges that slide along each other separate by ever
 /// another axis.
-const CLOSE: f32 = 4.0;
-const MAX_CLOSE: u32 = 3;
+const CLOSE: f32 = 2.0;
+const MAX_CLOSE: u32 = 8;
 
 /// Most chords by which one axis is followed.
 const MAX_CHORDS: usize = 64;

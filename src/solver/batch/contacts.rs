@@ -21,7 +21,7 @@ pub struct BatchContacts {
     pub points: Vec<Point>,
     /// Manifolds whose rows follow the motion.
     pub moving: Vec<MovingManifold>,
-    /// Blocks in which a manifold moves, ascending.
+    /// Blocks in which a manifold moves, or a body has a new inertia, ascending.
     pub(crate) reanchored: Vec<ReanchoredBlock>,
     /// Where the points of these were at the start of the step.
     pub(crate) anchor_starts: Vec<AnchorStart>,
@@ -31,6 +31,8 @@ pub struct BatchContacts {
     pub(crate) rotations: Vec<BodyRotation>,
     /// By body: whether its turn within the step matters to the rows.
     pub(crate) is_reanchored: Vec<bool>,
+    /// By body: whether its inertia changes within the step, and the masses of its rows with it.
+    pub(crate) has_new_inertia: Vec<bool>,
     /// By block, while these are marked: its number among the reanchored ones.
     pub(crate) reanchored_number: Vec<Option<u32>>,
 }

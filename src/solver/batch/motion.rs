@@ -142,6 +142,8 @@ impl Batch {
         };
         // What tore bonds pull back turns too far: the pieces of a beam gained 6 % of the energy of the blow.
         let follows_push = !self.bonds.any();
+        // Where no rows follow the inertia stays what their masses are of.
+        let has_new_inertia = &self.contacts.has_new_inertia;
         let mut rest = (
             &mut self.bodies.velocities[..],
             &mut self.bodies.masses[..],
@@ -171,7 +173,8 @@ impl Batch {
                     }
                 }
                 turn_together(turning, first, bodies, h, width);
-                for turning in turning.iter_mut().filter(|turning| !turning.is_jointed) {
+                let turned = turning.iter_mut().filter(|turning| !turning.is_jointed);
+                for turning in turned.filter(|t| has_new_inertia[t.body as usize]) {
                     let r = Mat3::from_quat(turning.spin.rotation);
                     let inertia = r * turning.inverse_inertia * r.transpose();
                     masses[turning.body as usize - first].set_inverse_inertia(&inertia);
