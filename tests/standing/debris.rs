@@ -8,7 +8,7 @@ use glam::Vec3;
 fn rain(rules: DebrisRules, seconds: f32, mut look: impl FnMut(&Simulation)) -> Simulation {
     let mut simulation = scene([floor()]);
     simulation.budget.debris = rules;
-    simulation.config.sleep = SleepConfig::on();
+    simulation.config.sleep = SleepConfig::default();
     for step in 0..(seconds / H) as usize {
         if step % 30 == 0 {
             let x = 0.7 * ((step / 30) % 5) as f32;
