@@ -338,6 +338,7 @@ fn resting_bodies_stay_and_their_contacts_carry_their_weight() {
     for (config, drift) in configs {
         let mut simulation = with_floor();
         simulation.config = config;
+        simulation.config.sleep = SleepConfig::off();
         let column: Vec<u32> = (0..5_u8)
             .map(|i| {
                 add(

@@ -4,7 +4,7 @@
 //! of it; `half_space.rs` is the case of a floor. `scratch.rs` has the buffers, and what is handed in (`SatCache`: what was found the
 //! last time, which changes the effort and never the answer) and out (`SatResult`).
 //!
-//! `cast.rs` follows a pair that moves far within the step to what it touches first.
+//! `cast.rs` follows a pair that moves far within the step (`course.rs`) to what it touches first.
 //!
 //! `round/` is for what is curved, and `level.rs` for levels of triangles.
 //!
@@ -13,6 +13,7 @@
 
 pub(crate) mod cast;
 mod clipping;
+pub(crate) mod course;
 mod edge_search;
 pub(crate) mod half_space;
 pub(crate) mod level;

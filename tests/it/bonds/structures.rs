@@ -120,6 +120,7 @@ fn the_exact_method_finds_the_static_load_of_a_cantilever() {
     let (mut simulation, _) = chain(3, Vec3::X, bond);
     simulation.config = SolverConfig {
         measure_error: true,
+        sleep: SleepConfig::off(),
         ..SolverConfig::exact()
     };
     (0..120).for_each(|_| simulation.step(H));

@@ -4,7 +4,8 @@
 //! which they are nearest, by how fast they come towards each other along it. What only turns about its middle, as a ball does, does
 //! not come nearer for that.
 
-use crate::contact::narrow::cast::{CastResult, Course};
+use crate::contact::narrow::cast::CastResult;
+use crate::contact::narrow::course::Course;
 use crate::contact::narrow::round::axis::SolidPair;
 use crate::contact::narrow::round::patch::{PatchRule, RoundScratch, patch_along};
 use crate::contact::narrow::round::solid::{Form, Solid};
