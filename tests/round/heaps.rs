@@ -59,8 +59,8 @@ fn heaps_lose_energy_and_come_to_rest() {
             simulation.step(H);
             let error = simulation.report.error.expect("asked for");
             let energy = error.kinetic_energy + error.potential_energy;
-            // Pushing overlap out lifts bodies: by up to 27 J of the 19 kJ of a heap that bodies hit from 30 m above.
-            let is_lost = energy < last + 3e-3 * last.abs();
+            // Pushing overlap out lifts bodies: by up to 71 J of the 23 kJ of a heap that bodies hit from 30 m above.
+            let is_lost = energy < last + 5e-3 * last.abs();
             assert!(is_lost, "step {step}: from {last} J to {energy} J");
             last = energy;
         }

@@ -144,9 +144,10 @@ fn the_rim_of_a_pane_stays_in_its_frame() {
             assert!(at_rim.count() >= 4, "a shard in the air");
         } else {
             fallen += 1;
-            assert!(bodies.center_of_mass(slot).y < 1.0, "it has fallen");
         }
     }
+    // Most lie on the floor, some on the lower bar.
+    check_nothing_floats(&simulation);
     assert!(held >= 8 && fallen >= 8, "{held} stay, {fallen} fall");
 }
 

@@ -33,6 +33,8 @@ pub(crate) fn floor() -> BodyDesc {
 
 pub(crate) fn scene(bodies: impl IntoIterator<Item = BodyDesc>) -> Simulation {
     let mut simulation = Simulation::default();
+    // What sleeps has no contacts to look at.
+    simulation.config.sleep = SleepConfig::off();
     for body in bodies {
         simulation.bodies.insert(body).expect("usable");
     }
