@@ -60,16 +60,22 @@ fn main() -> Result<(), Error> {
         let at = world
             .get::<Transform>(character)
             .map_or(Vec3::ZERO, |t| t.translation);
+        let feet = at.y - 0.8;
         let way = (*goal - at).with_y(0.0);
+        // On the lift it waits until that is up.
+        let is_riding = *name == "off the lift" && at.z < 7.5 && feet < goal.y - 0.25;
         if let Some(mut walker) = world.get_mut::<Walker>(character) {
-            walker.velocity = SPEED * way.clamp_length_max(1.0);
+            walker.velocity = if is_riding {
+                Vec3::ZERO
+            } else {
+                SPEED * way.clamp_length_max(1.0)
+            };
         }
         lift(world, step);
         app.update();
         if step % 30 == 0 {
             show(app.world(), character, palette(reached), &mut scene);
         }
-        let feet = at.y - 0.8;
         if way.length() < 0.3 && (feet - goal.y).abs() < 0.5 {
             println!("{:5.1} s: {name}, at {at:.2}", step as f32 / 60.0);
             reached += 1;
@@ -110,16 +116,20 @@ fn build(world: &mut World) -> Result<(), Error> {
     // A floor above, from the lift to the end.
     place(fixed, Vec3::new(4.5, 0.3, 3.0), Vec3::new(2.25, 2.35, 9.5))?;
     place(fixed, Vec3::new(4.0, 0.3, 3.0), Vec3::new(11.5, 2.35, 10.0))?;
-    for i in 0..4 {
-        let size = Vec3::splat(0.5 + 0.1 * i as f32);
-        let at = Vec3::new(9.0 + i as f32, 0.5 * size.y, 6.0);
-        place(RigidBody::Dynamic, size, at)?;
-    }
     let lift = place(
         RigidBody::Kinematic,
         Vec3::new(2.0, 0.2, 3.0),
         Vec3::new(1.0, 0.1, 6.45),
     )?;
+    // Empty crates, which friction holds with less than what the character can push: it shoves them aside.
+    for i in 0..4 {
+        let size = Vec3::splat(0.5 + 0.1 * i as f32);
+        let aside = [0.4, -0.4][i % 2];
+        let at = Vec3::new(9.0 + i as f32, 0.5 * size.y, 6.0 + aside);
+        let mesh = ConvexMesh::cuboid(size.x, size.y, size.z)?;
+        let at = Transform::from_translation(at);
+        world.spawn((RigidBody::Dynamic, mesh, at, Density(50.0)));
+    }
     world.entity_mut(lift).insert(Lift);
     let disc = ConvexMesh::cylinder(2.4, 0.3)?;
     let turning = AngularVelocity(0.5 * Vec3::Y);
