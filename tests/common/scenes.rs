@@ -83,10 +83,16 @@ pub(crate) fn heap(count: usize) -> Vec<BodyDesc> {
     std::iter::once(floor).chain(falling).collect()
 }
 
-/// The simulation of a [`heap`].
-pub(crate) fn pile(count: usize) -> Simulation {
+/// A simulation in which nothing falls asleep: what is asleep proves nothing about contacts.
+pub(crate) fn awake() -> Simulation {
     let mut simulation = Simulation::default();
     simulation.config.sleep = SleepConfig::off();
+    simulation
+}
+
+/// The simulation of a [`heap`].
+pub(crate) fn pile(count: usize) -> Simulation {
+    let mut simulation = awake();
     for desc in heap(count) {
         simulation.bodies.insert(desc).expect("usable");
     }

@@ -2,6 +2,7 @@
 //! which it is told nothing of them too.
 
 use crate::common::dice::Dice;
+use crate::common::scenes::awake;
 use bevy_cleave::math::Aabb;
 use bevy_cleave::prelude::*;
 use bevy_cleave::testing::collide::{Lookahead, NarrowPhase, update_pairs};
@@ -53,7 +54,7 @@ fn reach(bodies: &Bodies, slot: u32) -> Aabb {
 #[test]
 fn kept_boxes_hold_what_bodies_may_reach() {
     let mut dice = Dice::new(1);
-    let mut simulation = Simulation::default();
+    let mut simulation = awake();
     let slots = bodies(&mut dice, &mut simulation);
     let (mut broadphase, mut narrow) = (Broadphase::new(), NarrowPhase::default());
     let (mut same, mut moving) = (0, 0);

@@ -1,5 +1,6 @@
 //! Bodies break when they should, into pieces that add up.
 
+use crate::common::scenes::awake;
 use bevy_cleave::prelude::*;
 use glam::{Quat, Vec3, Vec4};
 
@@ -10,7 +11,7 @@ fn cuboid(x: f32, y: f32, z: f32) -> ConvexMesh {
 }
 
 fn with_floor() -> Simulation {
-    let mut simulation = Simulation::default();
+    let mut simulation = awake();
     let floor = BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y });
     simulation.bodies.insert(floor).expect("usable");
     simulation
@@ -126,7 +127,7 @@ fn pieces_are_valid_hulls_and_stop_breaking_after_their_generations() {
 
 #[test]
 fn pieces_below_the_least_volume_are_accounted_for() {
-    let mut simulation = Simulation::default();
+    let mut simulation = awake();
     let mut desc = BodyDesc::dynamic(cuboid(1.0, 1.0, 1.0), Vec3::ZERO);
     desc.linear_velocity = Vec3::new(1.0, 2.0, 3.0);
     desc.fracturable = Some(Fracturable {
@@ -165,7 +166,7 @@ fn pieces_below_the_least_volume_are_accounted_for() {
 fn cut_that_would_leave_one_piece_is_refused_and_nothing_is_lost() {
     let mut simulation = Simulation {
         gravity: Gravity(Vec3::ZERO),
-        ..Default::default()
+        ..awake()
     };
     let mut desc = BodyDesc::dynamic(cuboid(1.0, 1.0, 1.0), Vec3::ZERO);
     desc.fracturable = Some(Fracturable {
@@ -192,7 +193,7 @@ fn cut_that_would_leave_one_piece_is_refused_and_nothing_is_lost() {
 fn pieces_of_a_spinning_body_move_as_its_parts_did() {
     let mut simulation = Simulation {
         gravity: Gravity(Vec3::ZERO),
-        ..Default::default()
+        ..awake()
     };
     let mut desc = BodyDesc::dynamic(cuboid(2.0, 1.0, 1.0), Vec3::new(5.0, -3.0, 2.0));
     desc.linear_velocity = Vec3::new(3.0, 1.0, -2.0);
@@ -269,7 +270,7 @@ fn box_that_lands_flat_breaks_by_every_pattern() {
 
 #[test]
 fn cut_goes_where_the_body_was_seen_however_fast_it_is() {
-    let mut simulation = Simulation::default();
+    let mut simulation = awake();
     let mut desc = BodyDesc::dynamic(cuboid(1.0, 1.0, 1.0), Vec3::ZERO);
     desc.linear_velocity = Vec3::new(20.0, 0.0, 0.0);
     desc.angular_velocity = Vec3::new(0.0, 0.0, 6.0);

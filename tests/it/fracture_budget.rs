@@ -1,5 +1,6 @@
 //! What a scene can afford to break: pieces of a step and in all, the queue for the rest, and when pieces go.
 
+use crate::common::scenes::awake;
 use bevy_cleave::prelude::*;
 use bevy_cleave::solver::SleepConfig;
 use glam::Vec3;
@@ -18,10 +19,7 @@ fn row(count: u8, budget: FractureBudget) -> Simulation {
 
 /// The same with another pattern.
 fn row_of(count: u8, pattern: FracturePattern, budget: FractureBudget) -> Simulation {
-    let mut simulation = Simulation {
-        budget,
-        ..Default::default()
-    };
+    let mut simulation = Simulation { budget, ..awake() };
     let floor = BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y });
     simulation.bodies.insert(floor).expect("usable");
     for i in 0..count {

@@ -1,6 +1,7 @@
 //! Bodies break in the step whose impulse breaks them: what hits them goes on with the rest of its momentum, a load that
 //! they stand does not wear them out, and what rests on them stays at rest.
 
+use crate::common::scenes::awake;
 use bevy_cleave::prelude::*;
 use bevy_cleave::step;
 use glam::{DVec3, Vec3};
@@ -30,7 +31,7 @@ fn pane(fracturable: Option<Fracturable>) -> BodyDesc {
 fn weightless(bodies: impl IntoIterator<Item = BodyDesc>) -> Simulation {
     let mut simulation = Simulation {
         gravity: Gravity(Vec3::ZERO),
-        ..Default::default()
+        ..awake()
     };
     for desc in bodies {
         simulation.bodies.insert(desc).expect("usable");
@@ -227,7 +228,7 @@ fn pieces_that_break_in_the_same_step_are_accounted_for() {
 /// A block at rest on a floor is cut in place; fastest piece in the step of the cut and the five after it, m/s, and the
 /// share of its contact points with the floor that found a multiplier.
 fn cut_in_place(inherits: bool) -> (f32, f32) {
-    let mut simulation = Simulation::default();
+    let mut simulation = awake();
     let floor = BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y });
     simulation.bodies.insert(floor).expect("usable");
     let slot = simulation
@@ -297,7 +298,7 @@ fn pieces_inherit_the_multipliers_of_their_corners() {
 /// Each of the two pieces owns two of the four corners that the block stood on, which bore a quarter each.
 #[test]
 fn pieces_start_with_their_share_of_what_the_face_bore() {
-    let mut simulation = Simulation::default();
+    let mut simulation = awake();
     let floor = BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y });
     let floor = simulation.bodies.insert(floor).expect("usable");
     let block = BodyDesc::dynamic(cuboid(Vec3::new(4.0, 2.0, 4.0)), Vec3::Y);

@@ -1,6 +1,7 @@
 //! The sums of every fracture, of bodies thinner than their corners can be placed too.
 
 use crate::common::dice::Dice;
+use crate::common::scenes::awake;
 use bevy_cleave::geometry::ConvexHull;
 use bevy_cleave::prelude::*;
 use glam::Vec3;
@@ -20,7 +21,7 @@ fn turned_cuboid(size: Vec3, dice: &mut Dice) -> ConvexMesh {
 fn ledgers(size: Vec3, position: Vec3, generations: usize, dice: &mut Dice) -> Vec<Ledger> {
     let mut simulation = Simulation {
         gravity: Gravity(Vec3::ZERO),
-        ..Simulation::default()
+        ..awake()
     };
     let mut body = BodyDesc::dynamic(turned_cuboid(size, dice), position);
     body.linear_velocity = dice.vector(-1.0, 1.0);
@@ -87,7 +88,7 @@ fn angular_momentum_and_energy_are_kept_down_to_a_hundredth() {
 
 #[test]
 fn usual_pieces_have_the_density_of_their_body_bit_for_bit() {
-    let mut simulation = Simulation::default();
+    let mut simulation = awake();
     let mesh = ConvexMesh::cuboid(1.0, 0.6, 0.4).expect("valid sizes");
     let mut body = BodyDesc::dynamic(mesh, Vec3::ZERO);
     body.density = 2345.6;

@@ -8,6 +8,7 @@
 #![expect(clippy::print_stdout, reason = "the measured figures are the result")]
 
 use crate::common::dice::Dice;
+use crate::common::scenes::awake;
 use crate::common::structures::{block, cuboid, fixed};
 use bevy_cleave::prelude::*;
 use glam::{Quat, Vec3};
@@ -90,7 +91,7 @@ impl Pass {
         let off = support(&still, rest, away) + reach + clear;
         let mut simulation = Simulation {
             gravity: Gravity(Vec3::ZERO),
-            ..Default::default()
+            ..awake()
         };
         let mut insert = |desc| simulation.bodies.insert(desc).expect("usable body");
         let mut desc = fixed(&still, Vec3::ZERO, 0.5);
@@ -119,7 +120,7 @@ impl Pass {
     fn deflection(mut self) -> f32 {
         let mut alone = Simulation {
             gravity: Gravity(Vec3::ZERO),
-            ..Default::default()
+            ..awake()
         };
         let bodies = &self.simulation.bodies;
         let mut desc = block(bodies.convex(self.body).expect("convex"), Vec3::ZERO, 0.5);
@@ -173,7 +174,7 @@ fn what_is_aimed_at_a_thin_plate_does_not_get_through() {
         let wide = (10.0 * (size + thick)).min(1e4 * thick);
         let mut simulation = Simulation {
             gravity: Gravity(Vec3::ZERO),
-            ..Default::default()
+            ..awake()
         };
         let mut insert = |desc| simulation.bodies.insert(desc).expect("usable body");
         insert(fixed(

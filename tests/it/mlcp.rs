@@ -4,6 +4,7 @@
     reason = "tables for those who ask with --nocapture"
 )]
 
+use crate::common::scenes::awake;
 use crate::mlcp_files::sweeps::{Method, Profile};
 use crate::mlcp_files::{File, Problem, load_all};
 use bevy_cleave::contact::ContactPoint;
@@ -221,7 +222,7 @@ type Scene = (Vec<PointRows>, Vec<SolverBody>, Vec<Mat3>);
 
 /// Two columns of three cubes that touch a floor.
 fn two_columns() -> Scene {
-    let mut simulation = Simulation::default();
+    let mut simulation = awake();
     let floor = BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y });
     simulation.bodies.insert(floor).expect("usable");
     let cube = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("valid size");
@@ -236,7 +237,7 @@ fn two_columns() -> Scene {
 
 /// A column of cubes that touch a floor, the highest `factor` times as heavy as the others.
 fn column(count: u8, factor: f32) -> Scene {
-    let mut simulation = Simulation::default();
+    let mut simulation = awake();
     let floor = BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y });
     simulation.bodies.insert(floor).expect("usable");
     let cube = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("valid size");

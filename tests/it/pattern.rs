@@ -3,12 +3,13 @@
 
 use crate::common::dice::Dice;
 use crate::common::properties::cases;
+use crate::common::scenes::awake;
 use crate::models::{MODELS, closed_models, model_mesh};
 use crate::slice_common::{defect, impact_on, model_hull};
 use bevy_cleave::geometry::{ConvexHull, PlaneError, TriMesh, primitives};
 use bevy_cleave::mass::VolumeIntegrals;
 use bevy_cleave::math::{Plane, Pose};
-use bevy_cleave::prelude::{BodyDesc, ConvexMesh, HalfSpaceShape, Simulation};
+use bevy_cleave::prelude::{BodyDesc, ConvexMesh, HalfSpaceShape};
 use bevy_cleave::slice::{
     CellPlanes, Cutting, Fracturable, FracturePattern, HullSlicer, Impact, Piece, PieceCutter,
     SliceError, SliceOptions, cells_for_energy,
@@ -693,7 +694,7 @@ fn bodies_break_into_cells_in_a_simulation() {
         focus: 0.5,
     };
     for (pattern, count) in [(brick, 6), (voronoi, 30)] {
-        let mut simulation = Simulation::default();
+        let mut simulation = awake();
         let floor = BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y });
         simulation.bodies.insert(floor).unwrap();
         let shape = ConvexMesh::cuboid(1.0, 0.5, 0.4).unwrap();

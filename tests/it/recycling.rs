@@ -2,6 +2,7 @@
 #![allow(clippy::print_stdout, reason = "figures are told with --nocapture")]
 
 use crate::common::dice::Dice;
+use crate::common::scenes::awake;
 use bevy_cleave::contact::{ContactPoint, Manifold, ManifoldRef, NarrowScratch, collide_hulls};
 use bevy_cleave::prelude::*;
 use glam::{Quat, Vec3};
@@ -31,7 +32,7 @@ fn shape(random: &mut Dice) -> ConvexMesh {
 fn pair(a: &ConvexMesh, b: &ConvexMesh, pose_b: Pose) -> Simulation {
     let mut simulation = Simulation {
         gravity: Gravity(Vec3::ZERO),
-        ..Simulation::default()
+        ..awake()
     };
     let mut desc = BodyDesc::dynamic(a.clone(), Vec3::ZERO);
     desc.kind = RigidBody::Static;

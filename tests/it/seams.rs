@@ -11,6 +11,7 @@
 #![expect(clippy::print_stdout, reason = "the measured figures are the result")]
 
 use crate::common::dice::Dice;
+use crate::common::scenes::awake;
 use crate::common::structures::{block, cuboid, fixed, floor};
 use bevy_cleave::geometry::Face;
 use bevy_cleave::prelude::*;
@@ -203,7 +204,7 @@ impl Slide {
         let gravity = G * Vec3::new(self.lean.sin(), -self.lean.cos(), 0.0);
         let mut simulation = Simulation {
             gravity: Gravity(self.turn * gravity),
-            ..Default::default()
+            ..awake()
         };
         let heading = Quat::from_rotation_y(self.heading);
         let mut add = |mut desc: BodyDesc, own: Quat| {
@@ -301,7 +302,7 @@ fn sliding_over_a_slab_just_cut_is_sliding_over_one() {
     let (mut failed, members) = (0, 40);
     for seed in 0..members {
         let mut dice = Dice::new(1000 + seed);
-        let mut simulation = Simulation::default();
+        let mut simulation = awake();
         let insert = |s: &mut Simulation, desc| s.bodies.insert(desc).expect("usable body");
         insert(&mut simulation, floor(0.8));
         let slab = cuboid(Vec3::new(10.0, 0.5, 3.0));
@@ -359,7 +360,7 @@ fn an_edge_of_a_millimeter_stops_a_slow_cube_where_it_is() {
     for (seed, speed) in [0.05_f32, 0.1, 0.2, 0.5].into_iter().enumerate() {
         let mut dice = Dice::new(seed as u64);
         let size = dice.in_range(0.2, 1.0);
-        let mut simulation = Simulation::default();
+        let mut simulation = awake();
         let mut insert = |desc| simulation.bodies.insert(desc).expect("usable body");
         let slab = cuboid(Vec3::new(2.0, 0.5, 2.0));
         insert(fixed(&slab, Vec3::new(0.0, -0.25, 0.0), 0.0));

@@ -1,6 +1,7 @@
 //! Pieces whose visual meshes fall apart: which parts become pieces of their own, and with which hulls.
 
 use crate::common::mesh_parts::{cuboid, joined};
+use crate::common::scenes::awake;
 use bevy_cleave::geometry::{TriMesh, primitives};
 use bevy_cleave::math::Plane;
 use bevy_cleave::prelude::*;
@@ -133,7 +134,7 @@ const UPPER_HULL: f64 = 0.4 * (1.44 + 0.26 + 0.04 / 3.0) + 1.0;
 
 /// Cuts a table that turns and flies through its legs, as a body.
 fn cut_body(separate_parts: bool) -> Simulation {
-    let mut simulation = Simulation::default();
+    let mut simulation = awake();
     let shape = ConvexMesh::from_mesh(table()).unwrap();
     let mut table = BodyDesc::dynamic(shape, Vec3::ZERO);
     table.linear_velocity = Vec3::new(1.0, 2.0, -3.0);
@@ -216,7 +217,7 @@ fn break_cup(weighs_visual: bool) -> (Simulation, f64) {
     if weighs_visual {
         shape = shape.with_mass_of_visual();
     }
-    let mut simulation = Simulation::default();
+    let mut simulation = awake();
     let mut body = BodyDesc::dynamic(shape, Vec3::ZERO);
     body.angular_velocity = Vec3::new(0.3, -0.2, 0.5);
     body.linear_velocity = Vec3::new(1.0, 0.0, 0.5);

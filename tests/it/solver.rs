@@ -1,6 +1,7 @@
 //! The solver against dense algebra, and the step against answers known in advance.
 
 use crate::common::dice::Dice;
+use crate::common::scenes::awake;
 use bevy_cleave::contact::ContactPoint;
 use bevy_cleave::prelude::*;
 use bevy_cleave::solver::Residual;
@@ -17,7 +18,7 @@ fn cube(size: f32) -> ConvexMesh {
 }
 
 fn with_floor() -> Simulation {
-    let mut simulation = Simulation::default();
+    let mut simulation = awake();
     let floor = BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y });
     simulation.bodies.insert(floor).expect("usable");
     simulation
@@ -228,7 +229,7 @@ fn friction_stays_in_its_bounds() {
 
 #[test]
 fn free_fall_is_the_parabola() {
-    let mut simulation = Simulation::default();
+    let mut simulation = awake();
     let body = add(&mut simulation, dynamic(&cube(1.0), 0.0, 0.0, 0.0));
     for _ in 0..120 {
         simulation.step(H);
@@ -285,7 +286,7 @@ fn sliding_stops_where_coulomb_says_in_every_direction() {
 
 #[test]
 fn friction_that_is_taken_away_lets_go_at_once() {
-    let mut simulation = Simulation::default();
+    let mut simulation = awake();
     let tilt = Quat::from_rotation_z(0.3);
     let mut slope = BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y });
     slope.pose.rotation = tilt;
@@ -337,8 +338,10 @@ fn resting_bodies_stay_and_their_contacts_carry_their_weight() {
     ];
     for (config, drift) in configs {
         let mut simulation = with_floor();
-        simulation.config = config;
-        simulation.config.sleep = SleepConfig::off();
+        simulation.config = SolverConfig {
+            sleep: SleepConfig::off(),
+            ..config
+        };
         let column: Vec<u32> = (0..5_u8)
             .map(|i| {
                 add(
@@ -475,7 +478,7 @@ fn totals(simulation: &Simulation) -> (DVec3, DVec3, f64) {
 fn contacts_conserve_momentum_and_lose_energy_in_a_zero_g_cloud() {
     let mut simulation = Simulation {
         gravity: Gravity(Vec3::ZERO),
-        ..Default::default()
+        ..awake()
     };
     let mut dice = Dice::new(7);
     let shape = cube(0.5);
@@ -525,7 +528,7 @@ fn contacts_conserve_momentum_and_lose_energy_in_a_zero_g_cloud() {
 fn tumbling_body_keeps_flipping_and_does_not_gain_energy() {
     let mut simulation = Simulation {
         gravity: Gravity(Vec3::ZERO),
-        ..Default::default()
+        ..awake()
     };
     let plate = ConvexMesh::cuboid(1.0, 0.5, 0.2).expect("valid size");
     let mut desc = BodyDesc::dynamic(plate, Vec3::ZERO);
@@ -559,7 +562,7 @@ fn tumbling_body_keeps_flipping_and_does_not_gain_energy() {
 fn overlap_that_is_not_solved_to_the_end_gives_no_energy() {
     let mut simulation = Simulation {
         gravity: Gravity(Vec3::ZERO),
-        ..Default::default()
+        ..awake()
     };
     simulation.config.method = SoftStep {
         tolerance: None,
@@ -592,7 +595,7 @@ fn overlap_that_is_not_solved_to_the_end_gives_no_energy() {
 fn overlapping_bodies_part_without_an_explosion() {
     let mut simulation = Simulation {
         gravity: Gravity(Vec3::ZERO),
-        ..Default::default()
+        ..awake()
     };
     let bodies = [0.0, 0.5].map(|x| add(&mut simulation, dynamic(&cube(1.0), x, 0.0, 0.0)));
     for _ in 0..120 {
@@ -612,7 +615,7 @@ fn overlapping_bodies_part_without_an_explosion() {
 #[test]
 fn stable_motion_far_from_the_origin_is_the_same_as_near_it() {
     let request_sleep = |offset: Vec3| {
-        let mut simulation = Simulation::default();
+        let mut simulation = awake();
         let mut floor = dynamic(
             &ConvexMesh::cuboid(10.0, 1.0, 10.0).expect("valid size"),
             0.0,

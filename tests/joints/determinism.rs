@@ -1,12 +1,13 @@
 //! The same bits, however often and wherever.
 
+use crate::common::scenes::awake;
 use crate::scene::{H, Random, chain, heavy};
 use bevy_cleave::prelude::*;
 use glam::Vec3;
 
 /// Chains that fall on a floor and on each other, with hinges and motors among them.
 fn heap() -> Simulation {
-    let mut simulation = Simulation::default();
+    let mut simulation = awake();
     let floor = HalfSpaceShape { normal: Vec3::Y };
     simulation
         .bodies

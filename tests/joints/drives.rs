@@ -1,5 +1,6 @@
 //! Limits, motors, springs and friction do what their equations say.
 
+use crate::common::scenes::awake;
 use crate::scene::{H, gap, heavy};
 use bevy_cleave::prelude::*;
 use glam::Vec3;
@@ -8,7 +9,7 @@ const G: f32 = 9.81;
 
 /// A box of 2 kg on a slider along x, without gravity, 3 m from the origin.
 fn slider(joint: Joint, velocity: f32) -> (Simulation, u32, JointId) {
-    let mut simulation = Simulation::default();
+    let mut simulation = awake();
     simulation.gravity.0 = Vec3::ZERO;
     let mut body = heavy(Vec3::ONE, Vec3::new(3.0, 0.0, 0.0), 2.0);
     body.linear_velocity.x = velocity;
@@ -127,7 +128,7 @@ fn springs_are_stable_whatever_their_stiffness() {
             damping: 0.0,
         };
         // Many on one body, and bodies on bodies.
-        let mut simulation = Simulation::default();
+        let mut simulation = awake();
         simulation.gravity.0 = Vec3::ZERO;
         let mut last = None;
         for i in 0..4 {
@@ -154,7 +155,7 @@ fn springs_are_stable_whatever_their_stiffness() {
 
 /// A bar of 1 m and 2 kg on a hinge about z at the origin, level.
 fn crank(joint: Joint) -> (Simulation, u32, JointId) {
-    let mut simulation = Simulation::default();
+    let mut simulation = awake();
     let body = heavy(Vec3::new(1.0, 0.1, 0.1), Vec3::new(0.5, 0.0, 0.0), 2.0);
     let slot = simulation.bodies.insert(body).expect("usable");
     let poses = [Pose::IDENTITY, simulation.bodies.pose(slot)];
@@ -208,7 +209,7 @@ fn a_hinge_that_falls_on_its_limit_gains_no_energy() {
 #[test]
 fn a_joint_breaks_at_its_strength_and_lets_go_without_a_kick() {
     for (strength, holds) in [(30.0, true), (15.0, false)] {
-        let mut simulation = Simulation::default();
+        let mut simulation = awake();
         let body = heavy(Vec3::ONE, Vec3::NEG_Y, 2.0);
         let slot = simulation.bodies.insert(body).expect("usable");
         let joint = Joint::ball()

@@ -1,5 +1,6 @@
 //! Where others stretch, drift or blow up.
 
+use crate::common::scenes::awake;
 use crate::scene::{H, Random, chain, fixed, gap, heavy};
 use bevy_cleave::prelude::*;
 use glam::{Quat, Vec3};
@@ -37,7 +38,7 @@ fn joints_far_from_the_origin_are_off_by_no_more_than_their_coordinates_are_roun
 #[test]
 fn a_light_door_part_holds_a_heavy_one_by_a_hinge() {
     for ratio in [1e-3, 1e3] {
-        let mut simulation = Simulation::default();
+        let mut simulation = awake();
         let light = heavy(Vec3::new(1.0, 1.0, 0.1), Vec3::new(0.5, 0.0, 0.0), 1.0);
         let other = heavy(Vec3::new(1.0, 1.0, 0.1), Vec3::new(1.5, 0.0, 0.0), ratio);
         let [a, b] = [light, other].map(|body| simulation.bodies.insert(body).expect("usable"));
@@ -67,7 +68,7 @@ fn a_light_door_part_holds_a_heavy_one_by_a_hinge() {
 fn closed_loops_and_rows_that_say_the_same_twice_do_no_harm() {
     // A parallelogram on two world pivots, with hinges all around, one of which would be enough to hold the plane; the last bar
     // has two hinges where one would do.
-    let mut simulation = Simulation::default();
+    let mut simulation = awake();
     let bar = |at: Vec3, size: Vec3| heavy(size, at, 2.0);
     let upright = Vec3::new(0.1, 1.0, 0.1);
     let bodies = [
@@ -136,7 +137,7 @@ fn local(simulation: &Simulation, slot: Option<u32>, at: Vec3) -> Vec3 {
 /// A bridge of planks of 0.5 m by two ball joints at each seam, from the origin down and up again by `slope`, both ends fixed, the second
 /// one `off` m nearer than it is.
 fn bridge(planks: usize, slope: f32, off: f32) -> (Simulation, Vec<JointId>) {
-    let mut simulation = Simulation::default();
+    let mut simulation = awake();
     let (mut last, mut end, mut ids) = (None, Vec3::ZERO, Vec::new());
     let mut join = |simulation: &mut Simulation, a: Option<u32>, b: Option<u32>, at: Vec3| {
         for side in [-1.0, 1.0] {
@@ -199,7 +200,7 @@ fn a_bridge_whose_ends_are_too_near_comes_together() {
 #[test]
 fn a_box_on_a_chain_rests_on_the_floor_and_on_the_chain() {
     // Contacts and joints of one island: the load lies on the floor, and a kinematic body drags it by a chain.
-    let mut simulation = Simulation::default();
+    let mut simulation = awake();
     let floor = HalfSpaceShape { normal: Vec3::Y };
     simulation
         .bodies

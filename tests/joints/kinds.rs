@@ -1,5 +1,6 @@
 //! What a kind of joint lets move moves as if it were free, and what it does not let move stays.
 
+use crate::common::scenes::awake;
 use crate::scene::{H, Random, gap, heavy};
 use bevy_cleave::prelude::*;
 use glam::{DQuat, DVec3, Quat, Vec3};
@@ -29,7 +30,7 @@ fn relative(simulation: &Simulation, id: JointId) -> Relative {
 
 /// Two bodies of random shapes, masses, places and velocities, joined at a random point between them.
 fn pair(random: &mut Random, joint: Joint, to_world: bool) -> (Simulation, JointId) {
-    let mut simulation = Simulation::default();
+    let mut simulation = awake();
     simulation.gravity.0 = random.vector(-5.0, 5.0);
     let bodies = [Vec3::ZERO, Vec3::new(1.6, 0.0, 0.0)].map(|at| {
         let size = random.vector(0.3, 1.0);
@@ -180,7 +181,7 @@ fn what_is_put_together_wrongly_comes_together_without_blowing_up() {
         Quat::from_xyzw(0.5, 0.5, 0.5, 0.5),
     ] {
         for joint in [Joint::fixed(), Joint::hinge()] {
-            let mut simulation = Simulation::default();
+            let mut simulation = awake();
             simulation.gravity.0 = Vec3::ZERO;
             let mut body = heavy(Vec3::ONE, Vec3::new(1.0, 0.3, 0.0), 2.0);
             body.pose.rotation = turn;

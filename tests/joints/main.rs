@@ -2,6 +2,8 @@
 #![expect(clippy::print_stdout, reason = "docs cite the figures")]
 
 mod chains;
+#[path = "../common/mod.rs"]
+mod common;
 mod determinism;
 mod drives;
 mod entities;

@@ -1,5 +1,6 @@
 //! Pendulums keep their period and their energy.
 
+use crate::common::scenes::awake;
 use crate::scene::{H, heavy};
 use bevy_cleave::prelude::*;
 use glam::Vec3;
@@ -12,7 +13,7 @@ fn energy(simulation: &Simulation, slot: u32) -> f64 {
 
 #[test]
 fn a_bar_released_level_keeps_period_and_energy_for_a_minute() {
-    let mut simulation = Simulation::default();
+    let mut simulation = awake();
     let slot = simulation
         .bodies
         .insert(heavy(Vec3::new(2.0, 0.2, 0.2), Vec3::X, 80.0))
@@ -55,7 +56,7 @@ fn a_bar_released_level_keeps_period_and_energy_for_a_minute() {
 
 #[test]
 fn a_gyroscope_on_a_ball_joint_precesses_level_at_the_rate_of_its_spin() {
-    let mut simulation = Simulation::default();
+    let mut simulation = awake();
     // A disc of square section, half a meter from the joint: I_3 = m / 6; precession at m g d / (I_3 s).
     let (spin, rate) = (60.0_f32, 0.5 * 9.81 * 6.0 / 60.0_f32);
     let mut disc = heavy(Vec3::new(0.1, 1.0, 1.0), Vec3::new(0.5, 0.0, 0.0), 2.0);
@@ -119,7 +120,7 @@ fn advance(state: [f64; 4], h: f64) -> [f64; 4] {
 )]
 fn a_double_pendulum_follows_its_equations_for_five_seconds() {
     for (start, bound) in [([0.2, 0.3], 1e-3), ([1.2, 0.4], 1e-2)] {
-        let mut simulation = Simulation::default();
+        let mut simulation = awake();
         let (mut last, mut at) = (None, Vec3::ZERO);
         let mut slots = Vec::new();
         for angle in start {

@@ -1,5 +1,6 @@
 //! What the tests build.
 
+use crate::common::scenes::awake;
 use bevy_cleave::prelude::*;
 use glam::{DVec3, Quat, Vec3};
 use rand_core::Rng;
@@ -55,7 +56,7 @@ pub(crate) struct Chain {
 }
 
 pub(crate) fn chain(links: usize, ratio: f32, along: Vec3, origin: Vec3) -> Chain {
-    let mut simulation = Simulation::default();
+    let mut simulation = awake();
     let turn = Quat::from_rotation_arc(Vec3::X, along);
     let (mut slots, mut joints) = (Vec::new(), Vec::new());
     for i in 0..=links {

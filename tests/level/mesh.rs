@@ -7,6 +7,7 @@
 #![expect(clippy::print_stdout, reason = "the measured figures are the result")]
 
 use crate::common::dice::Dice;
+use crate::common::scenes::awake;
 use crate::common::structures::{block, cuboid};
 use bevy_cleave::geometry::EdgeKind;
 use bevy_cleave::prelude::*;
@@ -137,7 +138,7 @@ fn sliding_over_triangles_is_sliding_over_a_plane() {
         let yaw = Quat::from_rotation_y(3.0 * dice.unit());
         let steps = ((14.0 / speed / H) as usize).min(120);
         let run = |level: BodyDesc| {
-            let mut simulation = Simulation::default();
+            let mut simulation = awake();
             simulation.bodies.insert(level).expect("usable");
             let mut body = block(&shape, Vec3::new(-7.0, height, 0.1), mu);
             body.pose.rotation = yaw;
@@ -183,7 +184,7 @@ fn a_ridge_and_a_dome_are_passed_without_a_hop() {
         if seed % 2 == 0 {
             positions.iter_mut().for_each(|p| p.y = -0.05 * p.x.abs());
         }
-        let mut simulation = Simulation::default();
+        let mut simulation = awake();
         let level = StaticMesh::new(&positions, &triangles).expect("usable");
         simulation.bodies.insert(fixed(level, 0.0)).expect("usable");
         let mut body = block(&cuboid(Vec3::splat(0.5)), Vec3::new(-6.0, 0.0, 0.0), 0.0);
@@ -224,7 +225,7 @@ fn shots_at_rough_ground_do_not_get_through() {
         let ground = grid(&mut dice, 60, 60.0, |at| {
             bumps * ((at.x * 0.9).sin() + (at.z * 0.7).cos())
         });
-        let mut simulation = Simulation::default();
+        let mut simulation = awake();
         simulation
             .bodies
             .insert(fixed(level_of(&ground), 0.5))
@@ -273,7 +274,7 @@ fn bodies_come_to_rest_in_a_room_and_on_a_terrain() {
         triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
     }
     let level = StaticMesh::new(&positions, &triangles).expect("usable");
-    let mut simulation = Simulation::default();
+    let mut simulation = awake();
     simulation.bodies.insert(fixed(level, 0.5)).expect("usable");
     let mut slots = Vec::new();
     for i in 0..12 {
@@ -324,10 +325,7 @@ fn unusable_levels_are_named_and_edges_are_found() {
     assert_eq!(kinds, [EdgeKind::Flat, EdgeKind::Concave, EdgeKind::Convex]);
     let mut body = BodyDesc::level(good);
     body.kind = RigidBody::Dynamic;
-    assert_eq!(
-        Simulation::default().bodies.insert(body),
-        Err(BodyError::DynamicLevel)
-    );
+    assert_eq!(awake().bodies.insert(body), Err(BodyError::DynamicLevel));
 }
 
 #[test]
@@ -338,7 +336,7 @@ fn no_ray_gets_through_between_triangles_and_hits_name_them() {
     });
     let level = level_of(&ground);
     let (positions, triangles) = &ground;
-    let mut simulation = Simulation::default();
+    let mut simulation = awake();
     simulation.bodies.insert(fixed(level, 0.5)).expect("usable");
     let queries = simulation.queries();
     let all = QueryFilter::all();

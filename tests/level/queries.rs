@@ -3,6 +3,7 @@
 //! What grazes may be hit or missed by rounding: an answer must lie between those for bodies a little larger and a little smaller.
 
 use crate::common::dice::Dice;
+use crate::common::scenes::awake;
 use allocation_counter::measure;
 use bevy_cleave::prelude::*;
 use glam::{DQuat, DVec3, Quat, Vec3};
@@ -126,7 +127,7 @@ fn random_pose(dice: &mut Dice, reach: f32) -> Pose {
 
 /// Bodies that have moved, some fast, some that were moved or came after the step, and some that are gone.
 fn scene(dice: &mut Dice, count: usize) -> Simulation {
-    let mut simulation = Simulation::default();
+    let mut simulation = awake();
     let insert = |simulation: &mut Simulation, dice: &mut Dice| {
         let kind = [RigidBody::Dynamic, RigidBody::Static][dice.below(2)];
         let mut desc = BodyDesc::new(kind, Shape::Convex(random_shape(dice)));
@@ -322,7 +323,7 @@ fn moved_hulls_touch_and_overlap_as_their_difference_does() {
             continue;
         };
         let solid = Solid::of(&sum, &Pose::IDENTITY);
-        let mut simulation = Simulation::default();
+        let mut simulation = awake();
         let desc = BodyDesc::new(RigidBody::Static, Shape::Convex(target.clone()));
         simulation.bodies.insert(desc).expect("usable");
         let queries = simulation.queries();
@@ -366,7 +367,7 @@ fn moved_spheres_stop_at_their_radius() {
     for _ in 0..CASES / 100 {
         let target = random_shape(&mut dice);
         let solid = Solid::of(target.hull(), &Pose::IDENTITY);
-        let mut simulation = Simulation::default();
+        let mut simulation = awake();
         let desc = BodyDesc::new(RigidBody::Static, Shape::Convex(target));
         simulation.bodies.insert(desc).expect("usable");
         let queries = simulation.queries();
@@ -401,7 +402,7 @@ fn moved_spheres_stop_at_their_radius() {
 
 #[test]
 fn filters_leave_out_and_half_spaces_count() {
-    let mut simulation = Simulation::default();
+    let mut simulation = awake();
     let floor = BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y });
     let floor = simulation.bodies.insert(floor).expect("usable");
     let cube = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("valid");
@@ -485,7 +486,7 @@ fn unusable_questions_are_named() {
     let sphere = QueryShape::sphere(1.0).expect("usable");
     let skewed = Pose::new(Vec3::ZERO, Quat::from_xyzw(0.0, 0.0, 0.0, 2.0));
     assert!(ShapeCast::new(sphere, skewed, Vec3::X, 1.0).is_err());
-    let mut simulation = Simulation::default();
+    let mut simulation = awake();
     let queries = simulation.queries();
     let all = QueryFilter::all();
     assert!(queries.closest_point(Vec3::NAN, 1.0, &all).is_err());

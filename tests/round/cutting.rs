@@ -2,6 +2,7 @@
 
 use crate::any_shape;
 use crate::common::dice::Dice;
+use crate::common::scenes::awake;
 use bevy_cleave::prelude::*;
 use glam::Vec3;
 
@@ -11,7 +12,7 @@ fn pieces_are_closed_and_have_all_of_the_mass_and_momentum() {
     for round in 0..60 {
         let mut simulation = Simulation {
             gravity: Gravity(Vec3::ZERO),
-            ..Simulation::default()
+            ..awake()
         };
         let mesh = any_shape(&mut dice);
         let mut body = BodyDesc::dynamic(mesh, dice.vector(-5.0, 5.0));

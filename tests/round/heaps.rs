@@ -2,6 +2,7 @@
 
 use crate::any_shape;
 use crate::common::dice::Dice;
+use crate::common::scenes::awake;
 use bevy_cleave::prelude::*;
 use bevy_tasks::{ComputeTaskPool, TaskPoolBuilder};
 use glam::{Quat, Vec3};
@@ -10,7 +11,7 @@ const H: f32 = 1.0 / 60.0;
 
 /// A box without a lid, of half-spaces, and round bodies and boxes above it.
 fn heap(bodies: usize, seed: u64) -> Simulation {
-    let mut simulation = Simulation::default();
+    let mut simulation = awake();
     let walls = [Vec3::Y, Vec3::X, Vec3::NEG_X, Vec3::Z, Vec3::NEG_Z];
     for normal in walls {
         let mut wall = BodyDesc::floor(HalfSpaceShape::new(normal).expect("a unit vector"));
@@ -104,7 +105,7 @@ fn threads_change_no_bit() {
 
 #[test]
 fn the_cache_knows_a_ball_that_rolls() {
-    let mut simulation = Simulation::default();
+    let mut simulation = awake();
     let floor = BodyDesc::floor(HalfSpaceShape::new(Vec3::Y).expect("a unit vector"));
     simulation.bodies.insert(floor).expect("usable");
     let mesh = ConvexMesh::sphere(0.5).expect("a sphere");

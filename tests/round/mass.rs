@@ -1,6 +1,7 @@
 //! Mass, center and inertia of round shapes against integrals over their insides.
 
 use crate::common::dice::Dice;
+use crate::common::scenes::awake;
 use bevy_cleave::mass::VolumeIntegrals;
 use bevy_cleave::prelude::*;
 use glam::{DMat3, DVec3, Vec3};
@@ -96,7 +97,7 @@ fn rounded_hulls_have_the_mass_of_all_that_is_within_their_radius() {
         let mesh = core.rounded(radius).expect("a rounded hull");
         let found = VolumeIntegrals::of_shape(&mesh);
         // Asked by the nearest point of the core, which is of another part of the crate.
-        let mut simulation = Simulation::default();
+        let mut simulation = awake();
         let desc = BodyDesc {
             kind: RigidBody::Static,
             ..BodyDesc::dynamic(core, Vec3::ZERO)

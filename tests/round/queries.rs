@@ -2,6 +2,7 @@
 
 use crate::any_shape;
 use crate::common::dice::Dice;
+use crate::common::scenes::awake;
 use bevy_cleave::prelude::*;
 use glam::Vec3;
 
@@ -9,7 +10,7 @@ use glam::Vec3;
 fn alone(mesh: ConvexMesh, dice: &mut Dice) -> (Simulation, u32) {
     let mut simulation = Simulation {
         gravity: Gravity(Vec3::ZERO),
-        ..Simulation::default()
+        ..awake()
     };
     let mut desc = BodyDesc::dynamic(mesh, dice.vector(-1.0, 1.0));
     desc.pose.rotation = dice.rotation();

@@ -1,5 +1,6 @@
 //! What is put down rests and sleeps; what is dropped rebounds as high as its restitution says.
 
+use crate::common::scenes::awake;
 use bevy_cleave::prelude::*;
 use glam::{Quat, Vec3};
 
@@ -61,7 +62,7 @@ fn standing() -> Vec<(&'static str, ConvexMesh, Quat, f32)> {
 fn what_is_put_down_stays_there_and_sleeps() {
     for ground in [floor, block, level] {
         for (name, mesh, rotation, height) in standing() {
-            let mut simulation = Simulation::default();
+            let mut simulation = awake();
             simulation.config.sleep.enabled = true;
             simulation.bodies.insert(ground()).expect("a ground");
             let pose = Pose::new(height * Vec3::Y, rotation);
@@ -87,7 +88,7 @@ fn what_is_put_down_stays_there_and_sleeps() {
 #[test]
 fn a_ball_rebounds_as_high_as_its_restitution_says() {
     for (ground, restitution) in [(floor as fn() -> BodyDesc, 0.5), (block, 0.8), (level, 0.7)] {
-        let mut simulation = Simulation::default();
+        let mut simulation = awake();
         let mut below = ground();
         below.restitution = Restitution::new(restitution);
         simulation.bodies.insert(below).expect("a ground");
@@ -114,7 +115,7 @@ fn a_ball_rebounds_as_high_as_its_restitution_says() {
 fn what_rolls_over_an_edge_falls_around_it_and_not_through() {
     // A ball that leaves a ledge of triangles, slowly and fast.
     for speed in [0.3, 2.0, 20.0] {
-        let mut simulation = Simulation::default();
+        let mut simulation = awake();
         simulation.bodies.insert(block()).expect("a ledge");
         let mut low = floor();
         low.pose.position = -6.0 * Vec3::Y;
@@ -146,7 +147,7 @@ fn shots_through(shape: &ConvexMesh, spin: Vec3) -> usize {
     let bumpy = StaticMesh::from_heights(&heights, 10, 0.6).expect("bumpy");
     let mut through = 0;
     for k in 0..60 {
-        let mut simulation = Simulation::default();
+        let mut simulation = awake();
         let level = BodyDesc::level(bumpy.clone());
         simulation.bodies.insert(level).expect("a level");
         let start = Vec3::new(1.0 + 0.06 * k as f32, 3.0, 2.3);

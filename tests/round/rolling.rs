@@ -1,5 +1,6 @@
 //! What rolls keeps rolling, and what stands stays.
 
+use crate::common::scenes::awake;
 use bevy_cleave::prelude::*;
 use glam::{Quat, Vec3};
 
@@ -36,7 +37,7 @@ fn ground(kind: Ground) -> BodyDesc {
 
 /// Lays a shape whose axis is along z on the ground, and rolls it along x.
 fn roll(kind: Ground, shape: ConvexMesh, radius: f32, speed: f32, secs: f32) -> (f32, f32, Vec3) {
-    let mut simulation = Simulation::default();
+    let mut simulation = awake();
     simulation.config.sleep.enabled = false;
     simulation.bodies.insert(ground(kind)).expect("a ground");
     let mut desc = BodyDesc::dynamic(shape, Vec3::new(0.0, radius, 0.0));

@@ -1,5 +1,6 @@
 //! A capsule that walks: over a mesh, up steps and slopes, along walls, on lifts and turntables, and into what can be pushed.
 
+use crate::common::scenes::awake;
 use bevy_app::{App, TaskPoolPlugin};
 use bevy_cleave::bodies::StepForces;
 use bevy_cleave::prelude::*;
@@ -23,7 +24,7 @@ struct Course {
 
 impl Course {
     fn new(grounds: Vec<BodyDesc>, start: Vec3) -> Self {
-        let mut simulation = Simulation::default();
+        let mut simulation = awake();
         for ground in grounds {
             simulation.bodies.insert(ground).expect("usable");
         }

@@ -1,5 +1,6 @@
 //! Bodies that stand, and what is asked of all of them after they broke.
 
+use crate::common::scenes::awake;
 use bevy_cleave::prelude::*;
 use glam::Vec3;
 
@@ -32,9 +33,7 @@ pub(crate) fn floor() -> BodyDesc {
 }
 
 pub(crate) fn scene(bodies: impl IntoIterator<Item = BodyDesc>) -> Simulation {
-    let mut simulation = Simulation::default();
-    // What sleeps has no contacts to look at.
-    simulation.config.sleep = SleepConfig::off();
+    let mut simulation = awake();
     for body in bodies {
         simulation.bodies.insert(body).expect("usable");
     }
@@ -76,30 +75,25 @@ pub(crate) fn of_kind(bodies: &Bodies, kind: RigidBody) -> Vec<u32> {
         .collect()
 }
 
+/// Corners of a convex body, world, m.
+pub(crate) fn corners(bodies: &Bodies, slot: u32) -> impl Iterator<Item = Vec3> {
+    let pose = bodies.pose(slot);
+    let hull = bodies.convex(slot).expect("convex").hull();
+    hull.vertices()
+        .iter()
+        .map(move |&v| pose.transform_point(v))
+}
+
 /// Lowest point of a body, m.
 pub(crate) fn lowest(bodies: &Bodies, slot: u32) -> f32 {
-    let pose = bodies.pose(slot);
-    let corners = bodies
-        .convex(slot)
-        .expect("convex")
-        .hull()
-        .vertices()
-        .iter();
-    corners
-        .map(|&v| pose.transform_point(v).y)
+    corners(bodies, slot)
+        .map(|v| v.y)
         .fold(f32::INFINITY, f32::min)
 }
 
 /// Corners of a body that come within `reach` (m) of the region behind a plane of the world.
 pub(crate) fn corners_behind(bodies: &Bodies, slot: u32, plane: &Plane, reach: f32) -> usize {
-    let pose = bodies.pose(slot);
-    let corners = bodies
-        .convex(slot)
-        .expect("convex")
-        .hull()
-        .vertices()
-        .iter();
-    let near = corners.filter(|&&v| plane.distance(pose.transform_point(v)) <= reach);
+    let near = corners(bodies, slot).filter(|&v| plane.distance(v) <= reach);
     near.count()
 }
 

@@ -1,5 +1,6 @@
 //! Heaps and large islands.
 
+use crate::common::scenes::awake;
 use crate::{alone, on_threads};
 use bevy_cleave::prelude::*;
 use bevy_cleave::step::StepError;
@@ -14,7 +15,7 @@ pub(crate) type Outcome = (Vec<[u32; 6]>, Option<StepError>);
 /// threads solve together. It is calm, or every fifth cube flies off, spinning, and some break. Positions and velocities after
 /// 20 steps, and what is told of the error of the last one.
 fn run_large(is_calm: bool) -> Outcome {
-    let mut simulation = Simulation::default();
+    let mut simulation = awake();
     simulation.config.measure_error = true;
     let floor = BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y });
     simulation.bodies.insert(floor).expect("usable");

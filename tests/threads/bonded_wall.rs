@@ -1,5 +1,6 @@
 //! A wall whose bricks are bonded and break.
 
+use crate::common::scenes::awake;
 use crate::{alone, on_threads};
 use bevy_cleave::prelude::*;
 use glam::{DVec3, Vec3};
@@ -21,7 +22,7 @@ pub(crate) struct Outcome {
 fn wall() -> Simulation {
     let mut simulation = Simulation {
         gravity: Gravity(Vec3::ZERO),
-        ..Default::default()
+        ..awake()
     };
     let brick = ConvexMesh::cuboid(BRICK.x, BRICK.y, BRICK.z).expect("valid size");
     let bricks: Vec<u32> = (0..120_u16)

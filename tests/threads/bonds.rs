@@ -1,5 +1,6 @@
 //! Bonds of a block that stands with half of its width on a beam.
 
+use crate::common::scenes::awake;
 use crate::{alone, on_threads};
 use bevy_cleave::prelude::*;
 use glam::Vec3;
@@ -19,7 +20,7 @@ pub(crate) struct Outcome {
 /// A block of 16 x 4 x 16 bonded cubes that stands with half of its width on a fixed beam: one calm island that threads
 /// solve together, while bonds of the overhang break.
 pub(crate) fn run() -> Outcome {
-    let mut simulation = Simulation::default();
+    let mut simulation = awake();
     let cube = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("valid size");
     let beam = ConvexMesh::cuboid(8.0, 1.0, 16.0).expect("valid size");
     let mut beam = BodyDesc::dynamic(beam, Vec3::new(3.5, -0.5, 7.5));

@@ -1,5 +1,6 @@
 //! Joints in a heap that threads solve together, and chains beside it that they solve one each.
 
+use crate::common::scenes::awake;
 use crate::common::states::bits_by_id;
 use crate::{alone, on_threads};
 use bevy_cleave::prelude::*;
@@ -13,7 +14,7 @@ pub(crate) type Outcome = Vec<(u32, [u32; 13])>;
 
 /// A block of 14 x 5 x 14 cubes, every other one fixed to its neighbor, on which a row falls; and 80 chains of 6 links.
 pub(crate) fn run() -> Outcome {
-    let mut simulation = Simulation::default();
+    let mut simulation = awake();
     let floor = HalfSpaceShape { normal: Vec3::Y };
     simulation
         .bodies

@@ -1,5 +1,6 @@
 //! What the tests build.
 
+use crate::common::scenes::awake;
 use bevy_cleave::prelude::*;
 use glam::Vec3;
 
@@ -22,8 +23,7 @@ pub(crate) fn fixed(shape: ConvexMesh, at: Vec3) -> BodyDesc {
 
 /// A simulation of bodies, and their slots.
 pub(crate) fn simulation(bodies: impl IntoIterator<Item = BodyDesc>) -> (Simulation, Vec<u32>) {
-    let mut simulation = Simulation::default();
-    simulation.config.sleep = SleepConfig::off();
+    let mut simulation = awake();
     let slots = bodies
         .into_iter()
         .map(|desc| simulation.bodies.insert(desc).expect("usable"))
