@@ -25,8 +25,8 @@ const RECYCLE_UNSTEADY: f32 = 1e-4;
 const SLIDE: f32 = 0.1;
 
 /// Approach within a step, as a share of the least extent of the smaller body, from which it is found out what the pair will touch:
-/// what rests shakes by less. Contact generation of a pyramid at rest takes 695 instructions a pair, 1050 with a tenth of this share, and
-/// took 547 without any look at the motion (`cargo run --release --example performance`).
+/// what rests shakes by less. Contact generation of a pyramid at rest takes 759 instructions a pair, half as many again with a tenth of this
+/// share, and took 547 without any look at the motion (`cargo run --release --example performance`).
 const APPROACH: f32 = 3e-4;
 
 /// Most of [`haste`], as a share of the step.
