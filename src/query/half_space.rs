@@ -12,13 +12,7 @@ pub(crate) fn cast_ray(normal: Vec3, ray: &LocalRay) -> Option<LocalHit> {
     }
     let distance = (-height / f64::from(rate)) as f32;
     let is_hit = (height > 0.0) == (rate < 0.0) && distance >= 0.0 && distance <= ray.end;
-    is_hit.then(|| LocalHit {
-        point: ray.origin + distance * ray.direction,
-        normal,
-        distance,
-        triangle: None,
-        face: None,
-    })
+    is_hit.then(|| LocalHit::at(ray.origin + distance * ray.direction, normal, distance))
 }
 
 /// Height of the lowest point of a core above the plane, and the point, m.
@@ -43,22 +37,11 @@ pub(crate) fn cast_shape(normal: Vec3, cast: &LocalCast) -> Option<LocalHit> {
     };
     let there = at + distance * cast.direction.as_dvec3();
     let on_plane = there - normal.as_dvec3().dot(there) * normal.as_dvec3();
-    (distance <= f64::from(cast.end)).then(|| LocalHit {
-        point: on_plane.as_vec3(),
-        normal,
-        distance: distance as f32,
-        triangle: None,
-        face: None,
-    })
+    (distance <= f64::from(cast.end))
+        .then(|| LocalHit::at(on_plane.as_vec3(), normal, distance as f32))
 }
 
 pub(crate) fn closest(normal: Vec3, point: Vec3) -> LocalHit {
     let height = normal.as_dvec3().dot(point.as_dvec3()) as f32;
-    LocalHit {
-        point: point - height * normal,
-        normal,
-        distance: height,
-        triangle: None,
-        face: None,
-    }
+    LocalHit::at(point - height * normal, normal, height)
 }

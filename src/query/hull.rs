@@ -120,13 +120,7 @@ pub(crate) fn cast_against_core(core: &Core, cast: &LocalCast) -> Option<LocalHi
         Some(nearest) => (nearest.on_a.as_vec3(), nearest.normal.as_vec3()),
         None => (cast.core.middle().as_vec3(), -cast.direction),
     };
-    Some(LocalHit {
-        point,
-        normal,
-        distance: touch.distance as f32,
-        triangle: None,
-        face: None,
-    })
+    Some(LocalHit::at(point, normal, touch.distance as f32))
 }
 
 /// Whether a core comes within `radius` (m) of the hull.

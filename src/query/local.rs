@@ -16,13 +16,7 @@ pub(crate) struct LocalRay {
 impl LocalRay {
     /// What a ray hits that begins inside.
     pub(crate) fn inside(&self) -> LocalHit {
-        LocalHit {
-            point: self.origin,
-            normal: -self.direction,
-            distance: 0.0,
-            triangle: None,
-            face: None,
-        }
+        LocalHit::at(self.origin, -self.direction, 0.0)
     }
 }
 
@@ -44,4 +38,17 @@ pub(crate) struct LocalHit {
     pub(crate) distance: f32,
     pub(crate) triangle: Option<u32>,
     pub(crate) face: Option<u32>,
+}
+
+impl LocalHit {
+    /// A place on a surface that is neither of a triangle nor of a face.
+    pub(crate) fn at(point: Vec3, normal: Vec3, distance: f32) -> Self {
+        Self {
+            point,
+            normal,
+            distance,
+            triangle: None,
+            face: None,
+        }
+    }
 }

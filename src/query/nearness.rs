@@ -7,7 +7,6 @@ use crate::geometry::support::{Core, PlacedCore};
 use crate::geometry::{ConvexMesh, StaticMesh};
 use crate::query::local::LocalHit;
 use crate::query::{half_space, hull, round};
-use glam::Vec3;
 
 /// Where a body is nearest to a core with a radius (m), if it is within `limit` (m); its frame. The distance is negative where they
 /// overlap.
@@ -22,22 +21,12 @@ pub(crate) fn nearest_to(
         Shape::HalfSpace(below) => {
             let (height, at) = half_space::lowest(below.normal, core);
             let on_plane = at.as_vec3() - height as f32 * below.normal;
-            Some(hit(on_plane, below.normal, height as f32))
+            Some(LocalHit::at(on_plane, below.normal, height as f32))
         }
         Shape::Level(mesh) => of_level(mesh, core, radius + limit),
     }?;
     let distance = found.distance - radius;
     (distance <= limit).then_some(LocalHit { distance, ..found })
-}
-
-fn hit(point: Vec3, normal: Vec3, distance: f32) -> LocalHit {
-    LocalHit {
-        point,
-        normal,
-        distance,
-        triangle: None,
-        face: None,
-    }
 }
 
 fn of_mesh(mesh: &ConvexMesh, core: &PlacedCore, limit: f32) -> Option<LocalHit> {
@@ -77,8 +66,8 @@ fn of_level(mesh: &StaticMesh, core: &PlacedCore, limit: f32) -> Option<LocalHit
         let near = match of_core(&Core::of_triangle(triangle.corners), core, limit) {
             Found::Far => return,
             Found::Near(near) => near,
-            Found::Overlap if is_behind => hit(middle, -triangle.plane.normal, 0.0),
-            Found::Overlap => hit(middle, triangle.plane.normal, 0.0),
+            Found::Overlap if is_behind => LocalHit::at(middle, -triangle.plane.normal, 0.0),
+            Found::Overlap => LocalHit::at(middle, triangle.plane.normal, 0.0),
         };
         let near = LocalHit {
             triangle: Some(triangle.index),
@@ -106,6 +95,10 @@ fn of_core(body: &Core, core: &PlacedCore, limit: f32) -> Found {
             normal,
             distance,
             on_a,
-        }) => Found::Near(hit(on_a.as_vec3(), normal.as_vec3(), distance as f32)),
+        }) => Found::Near(LocalHit::at(
+            on_a.as_vec3(),
+            normal.as_vec3(),
+            distance as f32,
+        )),
     }
 }

@@ -19,16 +19,6 @@ fn placed(core: Core<'static>, at: Vec3) -> PlacedCore<'static> {
     PlacedCore::new(core, &Pose::new(at, Quat::IDENTITY))
 }
 
-fn hit(point: Vec3, normal: Vec3, distance: f32) -> LocalHit {
-    LocalHit {
-        point,
-        normal,
-        distance,
-        triangle: None,
-        face: None,
-    }
-}
-
 pub(crate) fn cast_ray(shape: &RoundShape, ray: &LocalRay) -> Option<LocalHit> {
     if is_inside(shape, ray.origin) {
         return if ray.is_solid {
@@ -66,7 +56,7 @@ fn enter_sphere(radius: f32, ray: &LocalRay) -> Option<LocalHit> {
     }
     let point = origin + at * direction;
     let normal = point.normalize_or(-direction);
-    Some(hit(point.as_vec3(), normal.as_vec3(), at as f32))
+    Some(LocalHit::at(point.as_vec3(), normal.as_vec3(), at as f32))
 }
 
 /// Where a ray from inside leaves the shape: what comes from the other end of its line meets it there.
@@ -132,5 +122,5 @@ pub(crate) fn closest(shape: &RoundShape, point: Vec3, limit: f32) -> Option<Loc
     let radius = f64::from(shape.radius);
     let distance = (away - radius) as f32;
     let surface = (on_core + radius * normal).as_vec3();
-    (distance <= limit).then(|| hit(surface, normal.as_vec3(), distance))
+    (distance <= limit).then(|| LocalHit::at(surface, normal.as_vec3(), distance))
 }

@@ -1,6 +1,6 @@
 //! `Mesh3d` in step with the shapes of bodies and pieces.
 
-use crate::{all_with, app};
+use crate::{all_with, mesh_app};
 use bevy_app::App;
 use bevy_asset::Assets;
 use bevy_cleave::geometry::primitives;
@@ -40,15 +40,6 @@ fn drawn(app: &App, entity: Entity) -> TriMesh {
     TriMesh::try_from(meshes.get(&handle.0).expect("the mesh is there")).expect("readable")
 }
 
-fn drawing_app() -> App {
-    let mut app = app();
-    app.add_plugins(CleaveMeshPlugin);
-    app.finish();
-    app.cleanup();
-    app.update();
-    app
-}
-
 /// Of the tetrahedra between the origin and the triangles: those of the parts of a closed surface add up.
 fn swept_volume(mesh: &TriMesh) -> f64 {
     let corners = mesh.triangles().iter();
@@ -66,7 +57,7 @@ fn slots_of(app: &App, entity: Entity) -> Vec<Entity> {
 
 #[test]
 fn pieces_of_pieces_are_drawn_whole_and_inside_out() {
-    let mut app = drawing_app();
+    let mut app = mesh_app();
     let draw = DrawShape::new().with_slot(CUT, Paint("inside"));
     let body = spawn_body(&mut app, draw);
     app.update();
@@ -116,7 +107,7 @@ fn pieces_of_pieces_are_drawn_whole_and_inside_out() {
 
 #[test]
 fn without_looks_of_slots_all_is_on_the_entity() {
-    let mut app = drawing_app();
+    let mut app = mesh_app();
     let body = spawn_body(&mut app, DrawShape::new());
     app.update();
     let plane = Plane::through(Vec3::ZERO, Vec3::X);
@@ -131,7 +122,7 @@ fn without_looks_of_slots_all_is_on_the_entity() {
 
 #[test]
 fn tangents_are_made_anew_where_there_were_some() {
-    let mut app = drawing_app();
+    let mut app = mesh_app();
     let body = spawn_body(&mut app, DrawShape::new());
     let textured = primitives::cuboid(1.0, 1.0, 1.0).expect("a box").to_mesh();
     let uvs = textured.positions().iter().map(|p| p.truncate()).collect();

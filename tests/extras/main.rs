@@ -34,6 +34,16 @@ fn app() -> App {
     app
 }
 
+/// The same with shapes from meshes and meshes of shapes, ready to run.
+fn mesh_app() -> App {
+    let mut app = app();
+    app.add_plugins(CleaveMeshPlugin);
+    app.finish();
+    app.cleanup();
+    app.update();
+    app
+}
+
 /// Frames of another rate than steps.
 fn with_frames_of(app: &mut App, seconds: f64) {
     let frame = Duration::from_secs_f64(seconds);

@@ -1,6 +1,6 @@
 //! Shapes that wait for meshes, one by one and for a whole scene.
 
-use crate::{all_with, app};
+use crate::{all_with, mesh_app};
 use bevy_app::App;
 use bevy_asset::{Assets, Handle, RenderAssetUsages};
 use bevy_cleave::geometry::primitives;
@@ -9,15 +9,6 @@ use bevy_ecs::prelude::*;
 use bevy_math::Vec3;
 use bevy_mesh::{Mesh, Mesh3d, PrimitiveTopology};
 use bevy_transform::components::Transform;
-
-fn mesh_app() -> App {
-    let mut app = app();
-    app.add_plugins(CleaveMeshPlugin);
-    app.finish();
-    app.cleanup();
-    app.update();
-    app
-}
 
 fn ball() -> Mesh {
     Mesh::from(&primitives::icosphere(0.5, 2).expect("a ball").to_mesh())

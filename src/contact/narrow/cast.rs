@@ -14,7 +14,7 @@
 
 use crate::contact::local_manifold::LocalManifold;
 use crate::contact::narrow::clipping::Clipping;
-use crate::contact::narrow::course::Course;
+use crate::contact::narrow::course::{ALONG, Course, TOUCH};
 use crate::contact::narrow::sat::{distance_along, examine_hulls};
 use crate::contact::narrow::scratch::{
     FaceAxis, HullPair, MERGE, NarrowScratch, SatCache, SatResult,
@@ -44,17 +44,11 @@ const SPENT: f32 = 0.1;
 /// How much shorter the next chord is at least.
 const SHORTER: f32 = 0.9;
 
-/// Distance that counts as none, as a share of the smaller hull's diagonal: moments that come ever closer end there.
-const TOUCH: f32 = 3e-5;
-
 /// Cosine of the angle between normals that count as one.
 const SAME: f32 = 0.9999;
 
 /// How much less the motion must run against another axis for it to be taken instead.
 const LESS: f32 = 0.5;
-
-/// Share of its length by which a motion may run against a face that it goes along.
-const ALONG: f32 = 0.01;
 
 /// Share of its length by which a motion may take the hulls into each other along a face along which they were clear of each
 /// other: what slides fast is not held down all the way.

@@ -4,7 +4,13 @@ use crate::contact::local_manifold::LocalManifold;
 use crate::math::{Pose, rotate, rotate_by};
 use glam::{Quat, Vec3};
 
-/// How two hulls move against each other within a step, in A's frame at its start.
+/// Distance that counts as none, as a share of the smaller shape's diagonal: moments that come ever closer end there.
+pub(super) const TOUCH: f32 = 3e-5;
+
+/// Share of its length by which a motion may run against what it goes along.
+pub(super) const ALONG: f32 = 0.01;
+
+/// How two shapes move against each other within a step, in A's frame at its start.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Course {
     /// At the start.

@@ -245,22 +245,35 @@ impl LevelPair<'_> {
         first
     }
 
-    /// Adds the points over a triangle, if there are any.
-    fn add_triangle(&self, ground: &Ground, turn: &Mat3, scratch: &mut LevelScratch) {
-        let normal = ground.normal;
-        let lowest = lowest_height(&scratch.points, normal) - normal.dot(ground.corners[0]);
-        let rate = -normal.dot(self.travel);
+    /// How far the shape goes in the step until it is down at a triangle that it is `lowest` (m) above, m: all the way if it gets no
+    /// farther, nowhere if it does not come nearer; none if the triangle is out of reach.
+    pub(in crate::contact::narrow) fn shift_down(
+        &self,
+        ground: &Ground,
+        lowest: f32,
+    ) -> Option<Vec3> {
+        let rate = -ground.normal.dot(self.travel);
         if lowest > self.reach + rate.max(0.0) {
-            return;
+            return None;
         }
         let reached = if lowest > 0.0 && rate > 0.0 {
             (lowest / rate).min(1.0)
         } else {
             0.0
         };
+        Some(reached * self.travel)
+    }
+
+    /// Adds the points over a triangle, if there are any.
+    fn add_triangle(&self, ground: &Ground, turn: &Mat3, scratch: &mut LevelScratch) {
+        let normal = ground.normal;
+        let lowest = lowest_height(&scratch.points, normal) - normal.dot(ground.corners[0]);
+        let Some(first_shift) = self.shift_down(ground, lowest) else {
+            return;
+        };
         for stop in 0..=scratch.stops.len() {
             let shift = match stop {
-                0 => reached * self.travel,
+                0 => first_shift,
                 _ => scratch.stops[stop - 1],
             };
             self.find_over(ground, shift, turn, scratch);

@@ -265,7 +265,7 @@ fn best_face(hull: &ConvexHull, points: &[Points4], towards: Vec3, first: Option
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::examine_hulls;
     use crate::contact::body_manifold::BodyManifold;
     use crate::contact::narrow::scratch::{NarrowScratch, SatCache, SatResult};
@@ -276,11 +276,11 @@ mod tests {
     use rand_pcg::Pcg32;
 
     /// From [-1, 1].
-    fn signed(random: &mut Pcg32) -> f32 {
+    pub(in crate::contact::narrow) fn signed(random: &mut Pcg32) -> f32 {
         (random.next_u32() >> 8) as f32 / 8_388_608.0 - 1.0
     }
 
-    fn vector(random: &mut Pcg32) -> Vec3 {
+    pub(in crate::contact::narrow) fn vector(random: &mut Pcg32) -> Vec3 {
         [(); 3].map(|()| signed(random)).into()
     }
 

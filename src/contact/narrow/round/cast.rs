@@ -5,7 +5,7 @@
 //! not come nearer for that.
 
 use crate::contact::narrow::cast::CastResult;
-use crate::contact::narrow::course::Course;
+use crate::contact::narrow::course::{ALONG, Course, TOUCH};
 use crate::contact::narrow::round::axis::SolidPair;
 use crate::contact::narrow::round::patch::{PatchRule, RoundScratch, patch_along};
 use crate::contact::narrow::round::solid::{Form, Solid};
@@ -15,12 +15,6 @@ use glam::Vec3;
 
 /// Most moments at which a pair is looked at. What is not decided then counts as touching.
 const MAX_MOMENTS: usize = 100;
-
-/// Gap that counts as none, as a share of the smaller shape's diagonal.
-const TOUCH: f32 = 3e-5;
-
-/// Share of its length by which a motion may run against what it goes along.
-const ALONG: f32 = 0.01;
 
 /// A pair that moves.
 #[derive(Debug)]

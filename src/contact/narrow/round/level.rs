@@ -75,18 +75,12 @@ impl LevelPair<'_> {
         let own = placed.turn.transpose() * down;
         let radius = placed.solid.radius;
         let lowest = ground.height(placed.turn * placed.solid.support(own.as_dvec3()).as_vec3());
-        let rate = ground.normal.dot(-self.travel);
-        if lowest > self.reach + rate.max(0.0) {
+        let Some(first_shift) = self.shift_down(ground, lowest) else {
             return;
-        }
-        let reached = if lowest > 0.0 && rate > 0.0 {
-            (lowest / rate).min(1.0)
-        } else {
-            0.0
         };
         for stop in 0..=scratch.stops.len() {
             let shift = match stop {
-                0 => reached * self.travel,
+                0 => first_shift,
                 _ => scratch.stops[stop - 1],
             };
             placed.solid.feature(own, &mut round.places);

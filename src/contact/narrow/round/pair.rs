@@ -103,21 +103,13 @@ mod tests {
     use crate::contact::narrow::round::axis::SolidPair;
     use crate::contact::narrow::round::patch::RoundScratch;
     use crate::contact::narrow::round::solid::Solid;
+    use crate::contact::narrow::sat::tests::{signed, vector};
     use crate::contact::narrow::scratch::SatResult;
     use crate::geometry::ConvexMesh;
     use crate::math::Pose;
-    use glam::{Quat, Vec3};
+    use glam::Quat;
     use rand_core::Rng;
     use rand_pcg::Pcg32;
-
-    /// From [-1, 1].
-    fn signed(random: &mut Pcg32) -> f32 {
-        (random.next_u32() >> 8) as f32 / 8_388_608.0 - 1.0
-    }
-
-    fn vector(random: &mut Pcg32) -> Vec3 {
-        [(); 3].map(|()| signed(random)).into()
-    }
 
     fn any_shape(random: &mut Pcg32) -> ConvexMesh {
         let [a, b] = [(); 2].map(|()| 0.3 + 0.2 * signed(random));
