@@ -15,6 +15,8 @@
 //! How an impact divides a body is a pattern (`pattern.rs`), which gives planes, cells or sites (`cutting.rs`, `even_sites.rs`); another pattern goes
 //! there. What makes a body breakable is `fracturable.rs`.
 //!
+//! What is not convex becomes convex parts in `decomposition/`.
+//!
 //! Must not know bodies or contacts. Read `clip.rs` first.
 //!
 //! # References
@@ -32,6 +34,7 @@ pub(crate) mod convex;
 pub(crate) mod crack_area;
 mod cut;
 pub(crate) mod cutting;
+mod decomposition;
 pub(crate) mod edge_table;
 mod even_sites;
 pub(crate) mod flat_faces;
@@ -49,6 +52,7 @@ pub use convex::{HullHalves, HullSlicer, slice_hull};
 pub use crack_area::cells_for_energy;
 pub use cut::Cut;
 pub use cutting::{CellPlanes, Cutting, Planes};
+pub use decomposition::{ConvexPart, DecompositionError, DecompositionOptions, decompose};
 pub use fracturable::{Fracturable, FracturableError};
 pub use mesh_slicer::MeshSlicer;
 pub use pattern::{FracturePattern, Impact};

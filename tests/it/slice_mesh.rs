@@ -6,7 +6,7 @@
 )]
 
 use crate::common::dice::Dice;
-use crate::common::mesh_parts::{cuboid, joined};
+use crate::common::mesh_parts::{cuboid, joined, torus, voxels};
 use crate::models::{closed_models, model_mesh};
 use crate::slice_common::{Worst, check_mesh_cut, defect};
 use allocation_counter::measure;
@@ -19,61 +19,6 @@ use glam::{Vec2, Vec3, Vec4};
 
 /// Relative error of an area or a volume that is known.
 const EXACT: f64 = 1e-6;
-
-/// A torus about the y axis: `around` by `across` quadrilaterals, each two triangles.
-fn torus(major: f32, minor: f32, around: u32, across: u32) -> TriMesh {
-    let turn = |i: u32, n: u32| std::f32::consts::TAU * i as f32 / n as f32;
-    let mut positions = Vec::new();
-    for i in 0..around {
-        let (sin, cos) = turn(i, around).sin_cos();
-        for k in 0..across {
-            let (height, out) = turn(k, across).sin_cos();
-            let radius = major + minor * out;
-            positions.push(Vec3::new(radius * cos, minor * height, radius * sin));
-        }
-    }
-    let vertex = |i: u32, k: u32| i % around * across + k % across;
-    let quads = (0..around).flat_map(|i| (0..across).map(move |k| (i, k)));
-    let triangles = quads.flat_map(|(i, k)| {
-        let [a, b] = [vertex(i, k), vertex(i, k + 1)];
-        let [c, d] = [vertex(i + 1, k + 1), vertex(i + 1, k)];
-        [[a, b, c], [a, c, d]]
-    });
-    let triangles = triangles.collect();
-    TriMesh::new(positions, triangles).unwrap()
-}
-
-/// The cells of a grid that are solid, as one surface without inner walls; cells are unit cubes.
-fn voxels(solid: &[[i32; 3]]) -> TriMesh {
-    let mut positions = Vec::new();
-    let mut triangles = Vec::new();
-    for cell in solid {
-        for axis in 0..3 {
-            for step in [-1, 1] {
-                let mut beside = *cell;
-                beside[axis] += step;
-                if solid.contains(&beside) {
-                    continue;
-                }
-                let first = positions.len() as u32;
-                let mut normal = Vec3::ZERO;
-                normal[axis] = step as f32;
-                let center = Vec3::from_array(cell.map(|x| x as f32)) + 0.5 + 0.5 * normal;
-                let [mut u, mut v] = [Vec3::ZERO; 2];
-                u[(axis + 1) % 3] = 0.5;
-                v[(axis + 2) % 3] = 0.5 * step as f32;
-                positions.extend([
-                    center - u - v,
-                    center + u - v,
-                    center + u + v,
-                    center - u + v,
-                ]);
-                triangles.extend([[0, 1, 2], [0, 2, 3]].map(|t| t.map(|k| first + k)));
-            }
-        }
-    }
-    TriMesh::new(positions, triangles).unwrap()
-}
 
 /// Cuts, checks everything that every cut must satisfy, and the area and number of loops of the cap.
 fn cut(mesh: &TriMesh, plane: Plane, area: f64, loops: usize) -> Halves {
