@@ -90,7 +90,8 @@ pub mod prelude {
         ExpiredPiece, FadingPiece, Fracture, FractureBudget, Fractures, Ledger, RemovedDebris,
     };
     pub use crate::geometry::{
-        ConvexHull, ConvexMesh, HalfSpaceShape, HullError, MeshError, StaticMesh, TriMesh,
+        Compound, CompoundError, CompoundPart, ConvexHull, ConvexMesh, HalfSpaceShape, HullError,
+        MeshError, StaticMesh, TriMesh,
     };
     pub use crate::joints::{
         AxisRange, BrokenJoint, DriveTarget, Joint, JointAxis, JointDrive, JointError, JointId,

@@ -16,7 +16,8 @@
 pub(crate) mod approximate;
 
 use crate::geometry::moments::{Moments, SolidMoments};
-use crate::geometry::{ConvexHull, ConvexMesh, TriMesh};
+use crate::geometry::{Compound, ConvexHull, ConvexMesh, TriMesh};
+use crate::math::Pose;
 use bevy_ecs::component::Component;
 use glam::{DMat3, DQuat, DVec3, Mat3, Quat, Vec3};
 
@@ -47,6 +48,30 @@ impl VolumeIntegrals {
         match shape.weighed_visual() {
             Some(mesh) => Self::of_mesh(mesh),
             None => Self::of_moments(shape.moments()),
+        }
+    }
+
+    /// Integrals over the parts of a compound, added up: where parts overlap, the overlap counts for each.
+    pub fn of_compound(compound: &Compound) -> Self {
+        let parts = compound.parts().iter();
+        let parts = parts.map(|part| Self::of_shape(&part.shape).seen_from(&part.pose));
+        // A compound has at least one part.
+        let sum = parts.reduce(|sum, part| sum.joined_with(&part));
+        sum.unwrap_or(Self {
+            volume: 0.0,
+            centroid: DVec3::ZERO,
+            inertia: DMat3::ZERO,
+        })
+    }
+
+    /// The same body seen from the frame in which its own is at a pose.
+    fn seen_from(&self, pose: &Pose) -> Self {
+        // As exact as a quaternion of f32 is a rotation.
+        let turn = DMat3::from_quat(pose.rotation.as_dquat().normalize());
+        Self {
+            volume: self.volume,
+            centroid: turn * self.centroid + pose.position.as_dvec3(),
+            inertia: turn * self.inertia * turn.transpose(),
         }
     }
 
@@ -318,6 +343,14 @@ impl MassProperties {
     /// As [`from_integrals`](Self::from_integrals).
     pub fn of_shape(shape: &ConvexMesh, density: f32) -> Result<Self, MassError> {
         Self::from_integrals(&VolumeIntegrals::of_shape(shape), density)
+    }
+
+    /// Mass properties of a compound of uniform `density` (kg/m3): the sums of those of its parts.
+    ///
+    /// # Errors
+    /// As [`from_integrals`](Self::from_integrals).
+    pub fn of_compound(compound: &Compound, density: f32) -> Result<Self, MassError> {
+        Self::from_integrals(&VolumeIntegrals::of_compound(compound), density)
     }
 
     /// Inverse of the mass, 1/kg.

@@ -24,6 +24,11 @@ impl Pose {
         Self { position, rotation }
     }
 
+    /// A place without a turn.
+    pub fn from_position(position: Vec3) -> Self {
+        Self::new(position, Quat::IDENTITY)
+    }
+
     /// A point of the inner frame, seen from the outer one.
     pub fn transform_point(&self, point: Vec3) -> Vec3 {
         rotate(self.rotation, point) + self.position
@@ -46,6 +51,18 @@ impl Pose {
     /// Whether every number is finite.
     pub fn is_finite(&self) -> bool {
         self.position.is_finite() && self.rotation.is_finite()
+    }
+}
+
+/// A pose in a frame that is itself at a pose: `outer_from_inner * inner_from_innermost`.
+impl std::ops::Mul for Pose {
+    type Output = Self;
+
+    fn mul(self, inner: Self) -> Self {
+        Self::new(
+            self.transform_point(inner.position),
+            (self.rotation * inner.rotation).normalize(),
+        )
     }
 }
 

@@ -3,9 +3,9 @@
 use crate::contact::layers::CollisionLayers;
 use crate::contact::material::{Friction, MaterialError, Restitution};
 use crate::geometry::predicates::check_plane;
-use crate::geometry::{ConvexMesh, HalfSpaceShape, MeshError, PlaneError, StaticMesh};
+use crate::geometry::{Compound, ConvexMesh, HalfSpaceShape, MeshError, PlaneError, StaticMesh};
 use crate::mass::{MassError, MassProperties};
-use crate::math::{Plane, Pose};
+use crate::math::{Aabb, Plane, Pose};
 use crate::slice::fracturable::{Fracturable, FracturableError};
 use bevy_ecs::component::Component;
 use glam::{Quat, Vec3};
@@ -33,6 +33,8 @@ pub enum Shape {
     HalfSpace(HalfSpaceShape),
     /// A mesh of triangles; only for bodies that are not dynamic.
     Level(StaticMesh),
+    /// Several convex parts.
+    Compound(Compound),
 }
 
 impl Shape {
@@ -48,6 +50,32 @@ impl Shape {
     pub(crate) fn convex(&self) -> Option<&ConvexMesh> {
         match self {
             Self::Convex(mesh) => Some(mesh),
+            _ => None,
+        }
+    }
+
+    /// Whether its surface, or that of a part, is curved.
+    pub(crate) fn is_round(&self) -> bool {
+        match self {
+            Self::Convex(mesh) => mesh.is_round(),
+            Self::Compound(compound) => compound.has_round(),
+            Self::HalfSpace(_) | Self::Level(_) => false,
+        }
+    }
+
+    /// The shape of several parts, if it is one.
+    pub(crate) fn compound(&self) -> Option<&Compound> {
+        match self {
+            Self::Compound(compound) => Some(compound),
+            _ => None,
+        }
+    }
+
+    /// The box around what has a volume, own frame.
+    pub(crate) fn solid_aabb(&self) -> Option<Aabb> {
+        match self {
+            Self::Convex(mesh) => Some(mesh.aabb()),
+            Self::Compound(compound) => Some(compound.aabb()),
             Self::HalfSpace(_) | Self::Level(_) => None,
         }
     }
@@ -106,6 +134,14 @@ impl BodyDesc {
         Self {
             pose: Pose::new(position, Quat::IDENTITY),
             ..Self::new(RigidBody::Dynamic, Shape::Convex(shape))
+        }
+    }
+
+    /// A dynamic body of several parts at `position`.
+    pub fn compound(shape: Compound, position: Vec3) -> Self {
+        Self {
+            pose: Pose::from_position(position),
+            ..Self::new(RigidBody::Dynamic, Shape::Compound(shape))
         }
     }
 
@@ -204,8 +240,8 @@ pub enum BodyError {
     /// A component that every body has was removed.
     #[error("a component that RigidBody requires (Transform, velocities, materials) was removed")]
     Incomplete,
-    /// Neither `ConvexMesh`, `HalfSpaceShape` nor `StaticMesh` is there.
-    #[error("a RigidBody needs a ConvexMesh, a HalfSpaceShape or a StaticMesh")]
+    /// Neither `ConvexMesh`, `Compound`, `HalfSpaceShape` nor `StaticMesh` is there.
+    #[error("a RigidBody needs a ConvexMesh, a Compound, a HalfSpaceShape or a StaticMesh")]
     NoShape,
 }
 
@@ -261,7 +297,10 @@ impl BodyInfo {
                 let plane = Plane::through(Vec3::ZERO, half_space.normal);
                 Ok(check_plane(&plane)?)
             }
-            (Shape::Convex(_), Some(given)) => Ok(given.validate()?),
+            (Shape::Convex(_) | Shape::Compound(_), Some(given)) => Ok(given.validate()?),
+            (Shape::Compound(compound), None) => {
+                Ok(MassProperties::of_compound(compound, self.density).map(drop)?)
+            }
             (Shape::Convex(mesh), None) => {
                 Ok(MassProperties::of_shape(mesh, self.density).map(drop)?)
             }
@@ -274,6 +313,7 @@ impl BodyInfo {
             (Shape::Convex(a), Shape::Convex(b)) => a.is_same(b),
             (Shape::HalfSpace(a), Shape::HalfSpace(b)) => a == b,
             (Shape::Level(a), Shape::Level(b)) => a.is_same(b),
+            (Shape::Compound(a), Shape::Compound(b)) => a.is_same(b),
             _ => false,
         };
         same_shape && self.density == other.density && self.mass_override == other.mass_override

@@ -2,7 +2,6 @@
 
 use crate::bodies::body::{RigidBody, Shape};
 use crate::bodies::store::Bodies;
-use crate::geometry::ConvexMesh;
 use crate::mass::{MassError, MassProperties};
 use crate::math::rotate;
 use glam::{Mat3, Quat, Vec3};
@@ -68,7 +67,10 @@ impl Bodies {
         let kind = info.kind;
         self.mass[i] = match (&info.shape, info.mass_override) {
             (Shape::HalfSpace(_) | Shape::Level(_), _) => MassProperties::default(),
-            (Shape::Convex(_), Some(given)) => given,
+            (Shape::Convex(_) | Shape::Compound(_), Some(given)) => given,
+            (Shape::Compound(compound), None) => {
+                MassProperties::of_compound(compound, info.density)?
+            }
             (Shape::Convex(mesh), None) => MassProperties::of_shape(mesh, info.density)?,
         };
         let movable = kind == RigidBody::Dynamic;
@@ -97,15 +99,16 @@ impl Bodies {
     /// Whether the body's surface is curved.
     #[inline]
     pub(crate) fn is_round(&self, slot: u32) -> bool {
-        self.any_round && self.convex(slot).is_some_and(ConvexMesh::is_round)
+        self.any_round && self.info(slot).shape.is_round()
     }
 
     fn radius_about(&self, slot: u32, center: Vec3) -> f32 {
-        if let Some(mesh) = self.info(slot).shape.level() {
-            return mesh.radius() + center.length();
+        match &self.info(slot).shape {
+            Shape::Level(mesh) => mesh.radius() + center.length(),
+            Shape::Convex(mesh) => mesh.farthest_from(center),
+            Shape::Compound(compound) => compound.farthest_from(center),
+            Shape::HalfSpace(_) => 0.0,
         }
-        let mesh = self.convex(slot);
-        mesh.map_or(0.0, |mesh| mesh.farthest_from(center))
     }
 
     /// Recomputes what follows from the pose: inverse inertia.

@@ -15,7 +15,7 @@ use crate::bodies::fatigue::Wearing;
 use crate::bodies::free_rotation::FreeRotation;
 use crate::bodies::sleep_state::Sleep;
 use crate::contact::body_id::BodyId;
-use crate::geometry::{ConvexMesh, KdBox};
+use crate::geometry::{Compound, ConvexMesh, KdBox};
 use crate::mass::MassProperties;
 use crate::math::{Pose, rotate};
 use bevy_ecs::resource::Resource;
@@ -41,7 +41,7 @@ pub struct Bodies {
     /// Inverse inertia tensor about the center of mass, world axes, 1/(kg m2).
     pub(crate) inverse_inertia: Vec<Mat3>,
     pub(crate) kd_box: Vec<Option<KdBox>>,
-    /// Least extent of the hull's box, m: what slop and contact margin are relative to.
+    /// Least extent of the hull's box, of several the least, m: what slop and contact margin are relative to.
     pub(crate) min_extent: Vec<f32>,
     /// Largest distance of the hull from the center of mass, m.
     pub(super) radius: Vec<f32>,
@@ -70,6 +70,8 @@ pub struct Bodies {
     pub(crate) any_level: bool,
     /// Whether there was ever a round one.
     pub(crate) any_round: bool,
+    /// Whether there was ever one of several parts.
+    pub(crate) any_compound: bool,
     /// Who rests, and what was changed since.
     pub(crate) sleep: Sleep,
     /// Pairs of bodies that are bonded, ascending: their contact stays where the bond was made, wherever they are going.
@@ -216,7 +218,12 @@ impl Bodies {
         self.info(slot).kind
     }
 
-    /// The convex shape of the body; `None` for a half-space or a free slot.
+    /// The shape of the body, if it has several parts.
+    pub fn compound(&self, slot: u32) -> Option<&Compound> {
+        self.info.get(slot as usize)?.as_ref()?.shape.compound()
+    }
+
+    /// The convex shape of the body; `None` for other shapes or a free slot.
     pub fn convex(&self, slot: u32) -> Option<&ConvexMesh> {
         self.info.get(slot as usize)?.as_ref()?.shape.convex()
     }
@@ -336,11 +343,17 @@ impl Bodies {
     /// Call after changing shape, density or mass override: boxes now, mass in the next mass phase.
     pub(crate) fn mark_shape_changed(&mut self, slot: u32) {
         let i = slot as usize;
-        let aabb = self.convex(slot).map(ConvexMesh::aabb);
+        let shape = &self.info(slot).shape;
+        let aabb = shape.solid_aabb();
+        let compound = shape.compound();
+        let extent = aabb.map_or(f32::INFINITY, |b| b.extents().min_element());
+        let extent = compound.map_or(extent, Compound::min_extent);
+        let (is_level, is_compound) = (shape.level().is_some(), compound.is_some());
+        self.any_round |= shape.is_round();
+        self.any_level |= is_level;
+        self.any_compound |= is_compound;
         self.kd_box[i] = aabb.map(KdBox::around);
-        self.min_extent[i] = aabb.map_or(f32::INFINITY, |b| b.extents().min_element());
-        self.any_level |= self.info(slot).shape.level().is_some();
-        self.any_round |= self.convex(slot).is_some_and(ConvexMesh::is_round);
+        self.min_extent[i] = extent;
         self.stale_mass.push(slot);
         self.renew_version(slot);
     }

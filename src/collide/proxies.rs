@@ -4,8 +4,8 @@ use crate::bodies::body::{RigidBody, Shape};
 use crate::bodies::store::Bodies;
 use crate::contact::body_id::BodyId;
 use crate::contact::pairs::broad_phase::{Broadphase, Proxy, ProxyKind, ProxyShape};
+use crate::geometry::StaticMesh;
 use crate::geometry::support::Core;
-use crate::geometry::{ConvexMesh, StaticMesh};
 use crate::math::{Aabb, Plane, rotate};
 use crate::threads::team::Team;
 use crate::tuning::{MIN_PROXIES, PROXIES_WORTH_HELP};
@@ -69,12 +69,18 @@ impl Lookahead {
     }
 
     /// The body's box with all places it may reach within the step, and in [`STEPS_TOLD`] of them if it goes on as it does.
-    fn swept_box(&self, bodies: &Bodies, slot: u32, mesh: &ConvexMesh) -> Aabb {
+    /// `bounds`: the box around its shape in a frame.
+    fn swept_box(
+        &self,
+        bodies: &Bodies,
+        slot: u32,
+        bounds: impl FnOnce(&Mat3, Vec3) -> Aabb,
+    ) -> Aabb {
         let i = slot as usize;
         let turn = Mat3::from_quat(bodies.rotation[i]);
         // From the center of mass, so that little is lost far from the origin.
         let shift = bodies.center[i] - turn * bodies.mass[i].center;
-        let tight = mesh.bounds(&turn, shift).fattened(self.reach(bodies, slot));
+        let tight = bounds(&turn, shift).fattened(self.reach(bodies, slot));
         let travel = STEPS_TOLD * self.travel(bodies, slot);
         Aabb {
             min: tight.min + travel.min(Vec3::ZERO),
@@ -260,7 +266,14 @@ fn proxy(bodies: &Bodies, slot: u32, ahead: Lookahead) -> Proxy {
         ProxyKind::Fixed
     };
     let shape = match &info.shape {
-        Shape::Convex(mesh) => ProxyShape::Box(ahead.swept_box(bodies, slot, mesh)),
+        Shape::Convex(mesh) => {
+            ProxyShape::Box(ahead.swept_box(bodies, slot, |turn, shift| mesh.bounds(turn, shift)))
+        }
+        Shape::Compound(compound) => {
+            ProxyShape::Box(
+                ahead.swept_box(bodies, slot, |turn, shift| compound.bounds(turn, shift)),
+            )
+        }
         Shape::Level(mesh) => ProxyShape::Box(ahead.swept_level(bodies, slot, mesh)),
         Shape::HalfSpace(_) => ProxyShape::HalfSpace(half_space_plane(bodies, slot)),
     };

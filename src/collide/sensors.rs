@@ -1,15 +1,18 @@
 //! Who is inside a sensor, or was on the way within the last step. Nothing that moves depends on it.
 
-use crate::bodies::body::RigidBody;
+use crate::bodies::body::{RigidBody, Shape};
 use crate::bodies::store::Bodies;
+use crate::collide::narrow_phase::compound::PartScratch;
+use crate::collide::narrow_phase::compound_sense::examine_compound_pair;
 use crate::collide::narrow_phase::part::examine_pair;
 use crate::collide::narrow_phase::relative_pose;
 use crate::collide::narrow_phase::round::examine_round_pair;
 use crate::contact::local_manifold::LocalManifold;
+use crate::contact::narrow::level::LevelScratch;
 use crate::contact::narrow::round::patch::RoundScratch;
 use crate::contact::narrow::scratch::{NarrowScratch, SatCache, SatResult};
 use crate::contact::pairs::broad_phase::{Broadphase, Pair};
-use crate::math::{Aabb, rotate};
+use crate::math::{Aabb, Pose, rotate};
 use glam::{Mat3, Vec3};
 
 /// Steps of conservative advancement, each as far as two shapes surely do not touch. Halving the distance each time would come
@@ -29,13 +32,19 @@ pub(crate) struct Overlap {
     pub(crate) point: Vec3,
 }
 
+#[derive(Debug, Default)]
+struct SenseScratch {
+    hulls: NarrowScratch,
+    round: RoundScratch,
+    level: LevelScratch,
+}
+
 /// The overlaps of the last step, and buffers.
 #[derive(Debug, Default)]
 pub(crate) struct Sensing {
     /// Sorted by the ids of the pair.
     pub(crate) overlaps: Vec<Overlap>,
-    scratch: NarrowScratch,
-    round_scratch: RoundScratch,
+    scratch: SenseScratch,
     found: Vec<u32>,
     boxes: Vec<(u32, Option<Aabb>)>,
 }
@@ -72,7 +81,7 @@ impl Sensing {
             for &other in &self.found {
                 let pair = pair_of(bodies, sensor, other);
                 let overlap = may_sense(bodies, pair)
-                    .then(|| overlap_of(bodies, pair, (&mut self.scratch, &mut self.round_scratch)))
+                    .then(|| overlap_of(bodies, pair, &mut self.scratch))
                     .flatten();
                 self.overlaps.extend(overlap);
             }
@@ -115,9 +124,13 @@ fn shift(bodies: &Bodies, slot: u32) -> Vec3 {
 /// The box of all places where the body was within the last step; nothing for one that no box holds.
 fn swept_box(bodies: &Bodies, slot: u32) -> Option<Aabb> {
     let i = slot as usize;
-    let mesh = bodies.convex(slot)?;
     let turn = Mat3::from_quat(bodies.rotation[i]);
-    let now = mesh.bounds(&turn, bodies.center[i] - turn * bodies.mass[i].center);
+    let place = bodies.center[i] - turn * bodies.mass[i].center;
+    let now = match &bodies.info(slot).shape {
+        Shape::Convex(mesh) => mesh.bounds(&turn, place),
+        Shape::Compound(compound) => compound.bounds(&turn, place),
+        Shape::HalfSpace(_) | Shape::Level(_) => return None,
+    };
     let back = -shift(bodies, slot);
     Some(Aabb {
         min: now.min + back.min(Vec3::ZERO),
@@ -126,11 +139,7 @@ fn swept_box(bodies: &Bodies, slot: u32) -> Option<Aabb> {
 }
 
 /// Where the pair overlaps, if it does or did on its way.
-fn overlap_of(
-    bodies: &Bodies,
-    pair: Pair,
-    (scratch, round_scratch): (&mut NarrowScratch, &mut RoundScratch),
-) -> Option<Overlap> {
+fn overlap_of(bodies: &Bodies, pair: Pair, scratch: &mut SenseScratch) -> Option<Overlap> {
     let now = relative_pose(bodies, pair.a, pair.b);
     let to_a = bodies.rotation[pair.a as usize].inverse();
     let way = rotate(to_a, shift(bodies, pair.b) - shift(bodies, pair.a));
@@ -139,8 +148,7 @@ fn overlap_of(
     for _ in 0..MAX_ADVANCES {
         let mut b_in_a = now;
         b_in_a.position -= (1.0 - done) * way;
-        let found = examine_round_pair(bodies, pair, b_in_a, 0.0, round_scratch)
-            .unwrap_or_else(|| examine_pair(bodies, pair, b_in_a, 0.0, SatCache::NONE, scratch));
+        let found = examine(bodies, pair, b_in_a, way, scratch);
         let (axis, distance) = match found {
             SatResult::Touching(patch) => return Some(overlap_at(bodies, pair, &patch)),
             SatResult::Separated { axis, distance } => (axis, distance),
@@ -157,6 +165,33 @@ fn overlap_of(
         }
     }
     None
+}
+
+/// Contact of one pair in A's frame, in which B comes along `way` (m), or how far they are apart.
+fn examine(
+    bodies: &Bodies,
+    pair: Pair,
+    b_in_a: Pose,
+    way: Vec3,
+    scratch: &mut SenseScratch,
+) -> SatResult {
+    let SenseScratch {
+        hulls,
+        round,
+        level,
+    } = scratch;
+    if bodies.any_compound {
+        let mut parts = PartScratch {
+            hulls: &mut *hulls,
+            round: &mut *round,
+            level,
+        };
+        if let Some(found) = examine_compound_pair(bodies, pair, b_in_a, way, &mut parts) {
+            return found;
+        }
+    }
+    examine_round_pair(bodies, pair, b_in_a, 0.0, round)
+        .unwrap_or_else(|| examine_pair(bodies, pair, b_in_a, 0.0, SatCache::NONE, hulls))
 }
 
 fn overlap_at(bodies: &Bodies, pair: Pair, patch: &LocalManifold) -> Overlap {

@@ -20,7 +20,7 @@ impl Explosion {
     /// What it does to the body in `slot`.
     pub(super) fn forces_on(&self, bodies: &Bodies, slot: u32) -> Option<StepForces> {
         let pose = bodies.pose(slot);
-        let aabb = bodies.convex(slot)?.aabb();
+        let aabb = bodies.info(slot).shape.solid_aabb()?;
         let local = pose.inverse_transform_point(self.center);
         let nearest = pose.transform_point(local.clamp(aabb.min, aabb.max));
         let center = bodies.center_of_mass(slot);

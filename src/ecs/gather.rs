@@ -20,7 +20,7 @@ use crate::ecs::options::{BodyOptions, ChangedOptions, read_options};
 use crate::ecs::parents::Parents;
 use crate::ecs::state::{BodyQueue, PluginState};
 use crate::fracture::Bonds;
-use crate::geometry::{ConvexMesh, HalfSpaceShape, StaticMesh};
+use crate::geometry::{Compound, ConvexMesh, HalfSpaceShape, StaticMesh};
 use crate::mass::MassProperties;
 use crate::math::Pose;
 use bevy_ecs::entity_disabling::Disabled;
@@ -48,7 +48,12 @@ pub(crate) struct Readings<'w, 's> {
 
 /// Entities with a shape, disabled or not.
 type AnyShape = (
-    Or<(With<ConvexMesh>, With<HalfSpaceShape>, With<StaticMesh>)>,
+    Or<(
+        With<ConvexMesh>,
+        With<Compound>,
+        With<HalfSpaceShape>,
+        With<StaticMesh>,
+    )>,
     Allow<Disabled>,
 );
 

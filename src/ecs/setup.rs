@@ -6,7 +6,7 @@ use crate::contact::material::{Density, Friction, Restitution};
 use crate::ecs::components::*;
 use crate::ecs::forces::AppliedForces;
 use crate::ecs::state::PluginState;
-use crate::geometry::{ConvexMesh, HalfSpaceShape, StaticMesh};
+use crate::geometry::{Compound, ConvexMesh, HalfSpaceShape, StaticMesh};
 use crate::mass::MassProperties;
 use bevy_app::App;
 use bevy_ecs::component::Component;
@@ -62,7 +62,12 @@ fn complete_body(add: On<Add<RigidBody>>, mut commands: Commands) {
 fn adopt_bodies(world: &mut World) {
     let mut bodies = world.query_filtered::<Entity, (With<RigidBody>, Allow<Disabled>)>();
     let mut shapes = world.query_filtered::<Entity, (
-        Or<(With<ConvexMesh>, With<HalfSpaceShape>, With<StaticMesh>)>,
+        Or<(
+            With<ConvexMesh>,
+            With<Compound>,
+            With<HalfSpaceShape>,
+            With<StaticMesh>,
+        )>,
         Without<RigidBody>,
         Allow<Disabled>,
     )>();

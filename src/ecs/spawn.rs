@@ -48,6 +48,7 @@ fn insert_body(world: &mut World, entity: Entity, desc: BodyDesc) {
         Shape::Convex(mesh) => entity.insert(mesh),
         Shape::HalfSpace(half_space) => entity.insert(half_space),
         Shape::Level(mesh) => entity.insert(mesh),
+        Shape::Compound(compound) => entity.insert(compound),
     };
     if let Some(mass) = desc.mass {
         entity.insert(MassOverride(mass));

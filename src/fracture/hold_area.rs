@@ -4,7 +4,7 @@ use crate::bodies::body::Shape;
 use crate::bodies::store::Bodies;
 use crate::fracture::shared_area::{self, area_of, behind, faces_opposed, overlap};
 use crate::geometry::bvh::within;
-use crate::geometry::{ConvexHull, StaticMesh};
+use crate::geometry::{Compound, ConvexHull, StaticMesh};
 use crate::math::{Aabb, Plane, Pose, rotate};
 use glam::Vec3;
 
@@ -20,6 +20,8 @@ pub(super) enum Standing<'s> {
     Hull(&'s ConvexHull, Pose),
     /// A level, and its pose.
     Level(&'s StaticMesh, Pose),
+    /// Several parts, and their pose.
+    Compound(&'s Compound, Pose),
 }
 
 impl<'s> Standing<'s> {
@@ -31,13 +33,19 @@ impl<'s> Standing<'s> {
             piece_from_world.transform_point(other.position),
             piece_from_world.rotation * other.rotation,
         );
-        match &bodies.info(slot).shape {
+        Self::seen(&bodies.info(slot).shape, seen)
+    }
+
+    /// A shape whose frame is seen so.
+    fn seen(shape: &'s Shape, seen: Pose) -> Self {
+        match shape {
             Shape::Convex(mesh) => Self::Hull(mesh.hull(), seen),
             Shape::HalfSpace(half_space) => Self::HalfSpace(Plane::through(
                 seen.position,
                 rotate(seen.rotation, half_space.normal),
             )),
             Shape::Level(level) => Self::Level(level, seen),
+            Shape::Compound(compound) => Self::Compound(compound, seen),
         }
     }
 }
@@ -57,6 +65,19 @@ pub(super) fn holds(hull: &ConvexHull, standing: &Standing, reach: f32) -> bool 
                 || within_each_other(hull, other, pose) > enough
         }
         Standing::Level(level, pose) => on_level(hull, level, pose, reach, enough),
+        Standing::Compound(compound, pose) => {
+            let part_holds = |&index: &u32| {
+                let part = &compound.parts()[index as usize];
+                let part = Standing::Hull(part.shape.hull(), *pose * part.pose);
+                holds(hull, &part, reach)
+            };
+            let seen = pose.inverse();
+            let corners = hull.vertices().iter();
+            let around = Aabb::of_points(corners.map(|&v| seen.transform_point(v)));
+            let mut near = Vec::new();
+            compound.within(&around.fattened(reach), |part| near.push(part));
+            near.iter().any(part_holds)
+        }
     }
 }
 

@@ -146,6 +146,7 @@ fn world_box(bodies: &Bodies, slot: u32) -> Option<Aabb> {
     let local = match &bodies.info(slot).shape {
         Shape::Convex(mesh) => mesh.hull().aabb(),
         Shape::Level(level) => level.aabb(),
+        Shape::Compound(compound) => compound.aabb(),
         Shape::HalfSpace(_) => return None,
     };
     let pose = bodies.pose(slot);

@@ -6,7 +6,7 @@ use crate::bodies::store::Bodies;
 use crate::collide::narrow_phase::relative_pose;
 use crate::fracture::shared_area;
 use crate::math::{Plane, Pose, rotate};
-use glam::Vec3;
+use glam::{Mat3, Vec3};
 
 /// Largest gap between faces that count as touching, as a share of the smaller body's least extent.
 const TOUCHING_SHARE: f32 = 0.01;
@@ -19,10 +19,15 @@ const MIN_AREA: f32 = 1e-3;
 pub(super) fn close_pairs(bodies: &Bodies, slots: &[u32]) -> Vec<[u32; 2]> {
     let reach = |slot: u32| {
         let pose = bodies.pose(slot);
+        let margin = TOUCHING_SHARE * bodies.min_extent[slot as usize];
+        if let Some(compound) = bodies.compound(slot) {
+            let turn = Mat3::from_quat(pose.rotation);
+            let around = compound.bounds(&turn, pose.position).fattened(margin);
+            return [around.min, around.max];
+        }
         let Some(mesh) = bodies.convex(slot) else {
             return [Vec3::NEG_INFINITY, Vec3::INFINITY];
         };
-        let margin = TOUCHING_SHARE * bodies.min_extent[slot as usize];
         let corners = mesh.hull().vertices().iter();
         let corners = corners.map(|v| pose.transform_point(*v));
         corners.fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[min, max], v| {
@@ -57,7 +62,23 @@ pub(super) fn area_in_pose(bodies: &Bodies, a: u32, b: u32, b_in_a: &Pose) -> Op
     }
     let extent = smaller_extent(bodies, [a, b]);
     let gap = TOUCHING_SHARE * extent;
-    let area = match (&bodies.info(a).shape, &bodies.info(b).shape) {
+    let shapes = [a, b].map(|slot| &bodies.info(slot).shape);
+    let area = area_of_shapes(shapes, b_in_a, gap);
+    (area > MIN_AREA * extent * extent).then_some(area)
+}
+
+/// Area over which two shapes lie on each other with a gap or overlap of at most `gap` (m), m2.
+fn area_of_shapes([a, b]: [&Shape; 2], b_in_a: &Pose, gap: f32) -> f32 {
+    match (a, b) {
+        (Shape::Compound(compound), _) => {
+            let parts = compound.parts().iter();
+            let areas = parts.map(|part| {
+                let shape = Shape::Convex(part.shape.clone());
+                area_of_shapes([&shape, b], &(part.pose.inverse() * *b_in_a), gap)
+            });
+            areas.sum()
+        }
+        (_, Shape::Compound(_)) => area_of_shapes([b, a], &b_in_a.inverse(), gap),
         (Shape::Convex(first), Shape::Convex(second)) => {
             shared_area::of_hulls(first.hull(), second.hull(), b_in_a, gap)
         }
@@ -66,14 +87,11 @@ pub(super) fn area_in_pose(bodies: &Bodies, a: u32, b: u32, b_in_a: &Pose) -> Op
             let plane = Plane::through(b_in_a.position, normal);
             shared_area::on_half_space(mesh.hull(), &plane, gap)
         }
-        (Shape::HalfSpace(_), Shape::Convex(_)) => {
-            return area_in_pose(bodies, b, a, &b_in_a.inverse());
-        }
+        (Shape::HalfSpace(_), Shape::Convex(_)) => area_of_shapes([b, a], &b_in_a.inverse(), gap),
         (Shape::HalfSpace(_), Shape::HalfSpace(_))
         | (Shape::Level(_), _)
         | (_, Shape::Level(_)) => 0.0,
-    };
-    (area > MIN_AREA * extent * extent).then_some(area)
+    }
 }
 
 pub(super) fn can_move(bodies: &Bodies, a: u32, b: u32) -> bool {

@@ -123,6 +123,18 @@ impl<'s> PlacedCore<'s> {
         }
     }
 
+    /// The same core, seen from a frame that is at a pose.
+    pub(crate) fn seen_from(&self, pose: &Pose) -> Self {
+        let back = Mat3::from_quat(pose.rotation).transpose();
+        let exact_back = back.as_dmat3();
+        Self {
+            core: self.core,
+            turn: back * self.turn,
+            exact_turn: exact_back * self.exact_turn,
+            shift: exact_back * (self.shift - pose.position.as_dvec3()),
+        }
+    }
+
     /// The corner farthest along `axis`.
     pub(crate) fn support(&self, axis: DVec3) -> DVec3 {
         let own = match self.core {

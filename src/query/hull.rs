@@ -76,6 +76,7 @@ pub(crate) fn cast_ray(hull: &ConvexHull, ray: &LocalRay) -> Option<LocalHit> {
         point: ray.origin + distance * ray.direction,
         normal: plane.normal,
         distance,
+        part: 0,
         triangle: None,
         face: Some(face as u32),
     })
@@ -153,6 +154,7 @@ pub(crate) fn closest(hull: &ConvexHull, point: Vec3, limit: f32) -> Option<Loca
             point: point - height * plane.normal,
             normal: plane.normal,
             distance: height,
+            part: 0,
             triangle: None,
             face: Some(face as u32),
         })
@@ -171,6 +173,7 @@ pub(crate) fn closest(hull: &ConvexHull, point: Vec3, limit: f32) -> Option<Loca
                 point: on_hull,
                 normal,
                 distance: nearest.distance as f32,
+                part: 0,
                 triangle: None,
                 face: face_at(hull, on_hull, normal),
             })

@@ -36,6 +36,7 @@ pub(crate) struct LocalHit {
     pub(crate) point: Vec3,
     pub(crate) normal: Vec3,
     pub(crate) distance: f32,
+    pub(crate) part: u32,
     pub(crate) triangle: Option<u32>,
     pub(crate) face: Option<u32>,
 }
@@ -47,6 +48,7 @@ impl LocalHit {
             point,
             normal,
             distance,
+            part: 0,
             triangle: None,
             face: None,
         }

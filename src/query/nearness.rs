@@ -4,9 +4,9 @@ use crate::bodies::body::Shape;
 use crate::geometry::bvh::within;
 use crate::geometry::distance::{Nearest, Separation, distance};
 use crate::geometry::support::{Core, PlacedCore};
-use crate::geometry::{ConvexMesh, StaticMesh};
+use crate::geometry::{Compound, ConvexMesh, StaticMesh};
 use crate::query::local::LocalHit;
-use crate::query::{half_space, hull, round};
+use crate::query::{compound, convex, half_space};
 
 /// Where a body is nearest to a core with a radius (m), if it is within `limit` (m); its frame. The distance is negative where they
 /// overlap.
@@ -18,6 +18,7 @@ pub(crate) fn nearest_to(
 ) -> Option<LocalHit> {
     let found = match shape {
         Shape::Convex(mesh) => of_mesh(mesh, core, radius + limit),
+        Shape::Compound(mesh) => of_compound(mesh, core, radius + limit),
         Shape::HalfSpace(below) => {
             let (height, at) = half_space::lowest(below.normal, core);
             let on_plane = at.as_vec3() - height as f32 * below.normal;
@@ -44,14 +45,22 @@ fn of_mesh(mesh: &ConvexMesh, core: &PlacedCore, limit: f32) -> Option<LocalHit>
         // How deep that is, is told of the middle, if it is inside.
         Found::Overlap => {
             let middle = core.middle().as_vec3();
-            let near = match mesh.round() {
-                Some(round) => round::closest(round, middle, f32::MAX),
-                None => hull::closest(mesh.hull(), middle, f32::MAX),
-            }?;
+            let near = convex::closest(mesh, middle, f32::MAX)?;
             let distance = near.distance.min(0.0);
             Some(LocalHit { distance, ..near })
         }
     }
+}
+
+fn of_compound(mesh: &Compound, core: &PlacedCore, limit: f32) -> Option<LocalHit> {
+    let mut best = None;
+    compound::near(mesh, core, limit, |index| {
+        let part = &mesh.parts()[index as usize];
+        if let Some(hit) = of_mesh(&part.shape, &core.seen_from(&part.pose), limit) {
+            compound::keep_first(&mut best, compound::on_part(part, index, hit));
+        }
+    });
+    best
 }
 
 fn of_level(mesh: &StaticMesh, core: &PlacedCore, limit: f32) -> Option<LocalHit> {

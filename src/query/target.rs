@@ -10,7 +10,7 @@ use crate::query::local::{LocalCast, LocalHit, LocalRay};
 use crate::query::nearness::nearest_to;
 use crate::query::request::{Ray, ShapeCast};
 use crate::query::shape::QueryShape;
-use crate::query::{half_space, hull, level, round};
+use crate::query::{compound, convex, half_space, level};
 use glam::{Mat3, Vec3};
 
 /// Gap at which a moved shape touches, as a share of the shape's diagonal, m.
@@ -40,6 +40,7 @@ impl<'b> Target<'b> {
         let turn = Mat3::from_quat(self.pose.rotation);
         match self.shape {
             Shape::Convex(mesh) => Some(mesh.bounds(&turn, self.pose.position)),
+            Shape::Compound(mesh) => Some(mesh.bounds(&turn, self.pose.position)),
             Shape::Level(mesh) => Some(Core::Box(mesh.aabb()).bounds(&turn, self.pose.position)),
             Shape::HalfSpace(_) => None,
         }
@@ -52,7 +53,7 @@ impl<'b> Target<'b> {
             point: self.pose.transform_point(hit.point),
             normal: rotate(self.pose.rotation, hit.normal),
             distance: hit.distance,
-            part: 0,
+            part: hit.part,
             triangle: hit.triangle,
             face: hit.face,
         }
@@ -77,10 +78,8 @@ impl<'b> Target<'b> {
             is_solid: ray.is_solid,
         };
         let hit = match self.shape {
-            Shape::Convex(mesh) => match mesh.round() {
-                Some(shape) => round::cast_ray(shape, &local),
-                None => hull::cast_ray(mesh.hull(), &local),
-            },
+            Shape::Convex(mesh) => convex::cast_ray(mesh, &local),
+            Shape::Compound(mesh) => compound::cast_ray(mesh, &local),
             Shape::HalfSpace(below) => half_space::cast_ray(below.normal, &local),
             Shape::Level(mesh) => level::cast_ray(mesh, &local),
         }?;
@@ -101,10 +100,8 @@ impl<'b> Target<'b> {
             touch: TOUCH * size,
         };
         let hit = match self.shape {
-            Shape::Convex(mesh) => match mesh.round() {
-                Some(shape) => round::cast_shape(shape, &local),
-                None => hull::cast_shape(mesh.hull(), &local),
-            },
+            Shape::Convex(mesh) => convex::cast_shape(mesh, &local),
+            Shape::Compound(mesh) => compound::cast_shape(mesh, &local),
             Shape::HalfSpace(below) => half_space::cast_shape(below.normal, &local),
             Shape::Level(mesh) => level::cast_shape(mesh, &local),
         };
@@ -117,10 +114,8 @@ impl<'b> Target<'b> {
         let shape_radius = shape.radius;
         let radius = f64::from(shape_radius);
         match self.shape {
-            Shape::Convex(mesh) => match mesh.round() {
-                Some(shape) => round::overlaps(shape, &other, shape_radius),
-                None => hull::overlaps(mesh.hull(), &other, shape_radius),
-            },
+            Shape::Convex(mesh) => convex::overlaps(mesh, &other, shape_radius),
+            Shape::Compound(mesh) => compound::overlaps(mesh, &other, shape_radius),
             Shape::HalfSpace(below) => half_space::lowest(below.normal, &other).0 <= radius,
             Shape::Level(mesh) => level::overlaps(mesh, &other, shape_radius),
         }
@@ -142,10 +137,8 @@ impl<'b> Target<'b> {
     pub(crate) fn closest(&self, point: Vec3, limit: f32) -> Option<QueryHit> {
         let local = rotate(self.pose.rotation.inverse(), point - self.pose.position);
         let hit = match self.shape {
-            Shape::Convex(mesh) => match mesh.round() {
-                Some(shape) => round::closest(shape, local, limit)?,
-                None => hull::closest(mesh.hull(), local, limit)?,
-            },
+            Shape::Convex(mesh) => convex::closest(mesh, local, limit)?,
+            Shape::Compound(mesh) => compound::closest(mesh, local, limit)?,
             Shape::HalfSpace(below) => half_space::closest(below.normal, local),
             Shape::Level(mesh) => level::closest(mesh, local, limit)?,
         };

@@ -300,6 +300,7 @@ fn insert(entity: &mut EntityWorldMut<'_>, desc: &BodyDesc) {
         Shape::Convex(mesh) => entity.insert(mesh.clone()),
         Shape::HalfSpace(half_space) => entity.insert(*half_space),
         Shape::Level(mesh) => entity.insert(mesh.clone()),
+        Shape::Compound(compound) => entity.insert(compound.clone()),
     };
     if let Some(fracturable) = desc.fracturable.clone() {
         entity.insert(fracturable);

@@ -2,6 +2,7 @@
 
 use crate::bodies::body::Shape;
 use crate::bodies::store::Bodies;
+use crate::collide::narrow_phase::compound::CompoundScratch;
 use crate::collide::narrow_phase::relative_pose;
 use crate::collide::proxies::CONTACT_MARGIN;
 use crate::contact::body_manifold::BodyManifold;
@@ -29,7 +30,7 @@ use std::ops::Range;
 
 /// Overlap along an axis, as a share of the smaller body's least extent, up to which the bodies count as getting past each other
 /// there: some times the sag of a soft contact.
-const OVERLAP: f32 = 3e-4;
+pub(super) const OVERLAP: f32 = 3e-4;
 
 /// What all parts read.
 pub(crate) struct Scene<'s> {
@@ -91,7 +92,8 @@ pub(crate) struct PairRun {
     /// Whether there may be other pairs than are known.
     pub(crate) is_outdated: bool,
     pub(crate) known: PairStore,
-    scratch: NarrowScratch,
+    pub(super) scratch: NarrowScratch,
+    pub(super) compound_scratch: CompoundScratch,
     pub(super) round_scratch: RoundScratch,
     pub(super) level_scratch: LevelScratch,
     /// Its pairs that touch: index within the part, and where.
@@ -166,7 +168,8 @@ impl PairRun {
     /// Looks closer at a pair, and tests it if that does not help.
     fn renew(&mut self, scene: &Scene, pair: Pair, index: usize) {
         let bodies = scene.bodies;
-        if bodies.any_level && self.renew_on_level(scene, pair, index)
+        if bodies.any_compound && self.renew_compound(scene, pair, index)
+            || bodies.any_level && self.renew_on_level(scene, pair, index)
             || bodies.any_round && self.renew_round(scene, pair, index)
         {
             return;

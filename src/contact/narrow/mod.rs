@@ -6,13 +6,14 @@
 //!
 //! `cast.rs` follows a pair that moves far within the step (`course.rs`) to what it touches first.
 //!
-//! `round/` is for what is curved, and `level.rs` for levels of triangles.
+//! `round/` is for what is curved, `level.rs` for levels of triangles, and `compound.rs` for parts of one body.
 //!
 //! A test of another shape goes here: it gives a `LocalManifold`, or an axis and a distance. Must not know the world: no bodies, no
 //! pairs, no steps. Read `examine_hulls` in `sat.rs` first.
 
 pub(crate) mod cast;
 mod clipping;
+pub(crate) mod compound;
 pub(crate) mod course;
 mod edge_search;
 pub(crate) mod half_space;

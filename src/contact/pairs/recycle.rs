@@ -342,6 +342,13 @@ impl PairView<'_> {
         self.touches.end(&mut self.term.touch);
     }
 
+    /// Notes that a test now found the bodies at least `distance` (m) apart, and not along one axis.
+    pub(crate) fn set_far(&mut self, distance: f32) {
+        self.note(0, f32::INFINITY, distance);
+        self.state.axis = None;
+        self.touches.end(&mut self.term.touch);
+    }
+
     /// Notes what this step will make of the pair, which says nothing of the next one: where it will touch, if it will.
     pub(crate) fn set_passing(&mut self, touch: Option<Touch>) {
         let points = touch.as_ref().map_or(0, |touch| touch.patch.count);

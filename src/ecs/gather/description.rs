@@ -6,8 +6,8 @@ use crate::contact::material::{Density, Friction, Restitution};
 use crate::ecs::collisions::Sensor;
 use crate::ecs::components::*;
 use crate::ecs::forces::Mass;
-use crate::geometry::{ConvexMesh, HalfSpaceShape, StaticMesh};
-use crate::mass::MassProperties;
+use crate::geometry::{Compound, ConvexMesh, HalfSpaceShape, StaticMesh};
+use crate::mass::{MassProperties, VolumeIntegrals};
 use crate::math::Pose;
 use crate::slice::fracturable::Fracturable;
 use bevy_ecs::change_detection::ContiguousRef;
@@ -22,6 +22,7 @@ pub(crate) struct BodyParts {
     pub(super) child_of: Option<&'static ChildOf>,
     kind: &'static RigidBody,
     convex: Option<&'static ConvexMesh>,
+    compound: Option<&'static Compound>,
     half_space: Option<&'static HalfSpaceShape>,
     level: Option<&'static StaticMesh>,
     pub(super) transform: &'static Transform,
@@ -43,17 +44,15 @@ pub(super) fn describe(
     pose: Pose,
     scale: Vec3,
 ) -> Result<BodyDesc, BodyError> {
-    let shape = match (parts.convex, parts.half_space, parts.level) {
-        (Some(mesh), ..) => Shape::Convex(scaled(mesh, scale)?),
-        (None, Some(half_space), _) => Shape::HalfSpace(HalfSpaceShape {
-            normal: scaled_normal(half_space.normal, scale)?,
-        }),
-        (None, None, Some(mesh)) => Shape::Level(scaled_level(mesh, scale)?),
-        (None, None, None) => return Err(BodyError::NoShape),
+    let shape = shape_of(parts, scale)?;
+    let volume = match &shape {
+        Shape::Convex(mesh) => Some(VolumeIntegrals::of_shape(mesh)),
+        Shape::Compound(compound) => Some(VolumeIntegrals::of_compound(compound)),
+        Shape::HalfSpace(_) | Shape::Level(_) => None,
     };
-    let density = match (&shape, parts.total_mass) {
-        (Shape::Convex(mesh), Some(&Mass(mass))) if parts.mass.is_none() => {
-            let density = mass / MassProperties::of_shape(mesh, 1.0)?.mass;
+    let density = match (volume, parts.total_mass) {
+        (Some(integrals), Some(&Mass(mass))) if parts.mass.is_none() => {
+            let density = mass / MassProperties::from_integrals(&integrals, 1.0)?.mass;
             let is_usable = mass > 0.0 && density.is_finite();
             is_usable
                 .then_some(density)
@@ -75,6 +74,30 @@ pub(super) fn describe(
         is_sensor: parts.sensor,
         fracturable: parts.fracturable.cloned(),
     })
+}
+
+/// The shape of a body, scaled.
+fn shape_of(parts: &BodyPartsItem, scale: Vec3) -> Result<Shape, BodyError> {
+    if let Some(mesh) = parts.convex {
+        return Ok(Shape::Convex(scaled(mesh, scale)?));
+    }
+    if let Some(compound) = parts.compound {
+        return Ok(Shape::Compound(scaled_compound(compound, scale)?));
+    }
+    match (parts.half_space, parts.level) {
+        (Some(half_space), _) => Ok(Shape::HalfSpace(HalfSpaceShape {
+            normal: scaled_normal(half_space.normal, scale)?,
+        })),
+        (None, Some(mesh)) => Ok(Shape::Level(scaled_level(mesh, scale)?)),
+        (None, None) => Err(BodyError::NoShape),
+    }
+}
+
+fn scaled_compound(compound: &Compound, scale: Vec3) -> Result<Compound, BodyError> {
+    if scale == Vec3::ONE {
+        return Ok(compound.clone());
+    }
+    compound.scaled(scale).map_err(|_| BodyError::Scaled(scale))
 }
 
 fn scaled(mesh: &ConvexMesh, scale: Vec3) -> Result<ConvexMesh, BodyError> {
@@ -126,6 +149,7 @@ pub(super) fn idle_part(desc: &BodyDesc) -> Result<(), BodyError> {
 /// What of a body's description changed.
 pub(super) type Changes = Or<(
     Changed<ConvexMesh>,
+    Changed<Compound>,
     Changed<HalfSpaceShape>,
     Changed<StaticMesh>,
     Changed<Density>,
@@ -142,6 +166,7 @@ pub(super) type Changes = Or<(
 pub(super) type ChangeTicks = (
     (
         Option<Ref<'static, ConvexMesh>>,
+        Option<Ref<'static, Compound>>,
         Option<Ref<'static, HalfSpaceShape>>,
         Option<Ref<'static, StaticMesh>>,
         Option<Ref<'static, Density>>,
@@ -172,7 +197,7 @@ pub(super) fn has_any_changed(ticks: &Query<ChangeTicks, With<BodyHandle>>) -> b
     let Ok(mut tables) = ticks.contiguous_iter() else {
         return true;
     };
-    tables.any(|((a, b, c, d, e, f), (g, h, i, j, k))| {
+    tables.any(|((a, b, c, d, e, f, l), (g, h, i, j, k))| {
         any(a)
             || any(b)
             || any(c)
@@ -184,5 +209,6 @@ pub(super) fn has_any_changed(ticks: &Query<ChangeTicks, With<BodyHandle>>) -> b
             || any(i)
             || any(j)
             || any(k)
+            || any(l)
     })
 }

@@ -9,7 +9,7 @@ use crate::ecs::collisions::Sensor;
 use crate::ecs::components::*;
 use crate::ecs::forces::Mass;
 use crate::ecs::state::PluginState;
-use crate::geometry::{ConvexMesh, HalfSpaceShape, StaticMesh};
+use crate::geometry::{Compound, ConvexMesh, HalfSpaceShape, StaticMesh};
 use crate::slice::fracturable::Fracturable;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
@@ -80,7 +80,7 @@ pub(crate) fn on_enabled(
 
 /// Observer: an entity got a shape; perhaps it never becomes a body.
 pub(crate) fn on_shape_added(
-    add: On<Add<(ConvexMesh, HalfSpaceShape, StaticMesh)>>,
+    add: On<Add<(ConvexMesh, Compound, HalfSpaceShape, StaticMesh)>>,
     bodies: Query<(), (With<RigidBody>, Allow<Disabled>)>,
     mut state: ResMut<PluginState>,
 ) {
@@ -91,7 +91,8 @@ pub(crate) fn on_shape_added(
 
 /// Components that a body's description is made from and that may go while the body stays.
 type Removable = (
-    (ConvexMesh, HalfSpaceShape, StaticMesh, Fracturable, Sensor),
+    (ConvexMesh, Compound, HalfSpaceShape, StaticMesh),
+    (Fracturable, Sensor),
     (MassOverride, Mass),
     (Transform, LinearVelocity, AngularVelocity),
     (Density, Friction, Restitution, CollisionLayers),

@@ -1,0 +1,360 @@
+//! `Compound`: a shape of several convex parts, shared and immutable.
+
+use crate::geometry::bvh::{tree_box, within};
+use crate::geometry::compound_cover::Cover;
+use crate::geometry::{ConvexMesh, HullError, MeshError, TriMesh};
+use crate::math::{Aabb, Pose};
+use bevy_ecs::component::Component;
+use glam::{Mat3, Quat, Vec3};
+use obvhs::bvh2::Bvh2;
+use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
+use std::sync::Arc;
+
+/// Most parts of a compound.
+pub const MAX_PARTS: usize = 1 << 16;
+
+/// Parts up to which their boxes are looked at one after the other: a tree is no faster for so few.
+const FLAT_SEARCH: usize = 8;
+
+/// How far the length of the quaternion of a part's rotation may be off 1: rounding of products of rotations. It is scaled to 1.
+const UNIT: f32 = 1e-3;
+
+/// The shape of a body that is not convex: several convex parts, each with a pose. A table, an arch, a cup.
+///
+/// Parts may touch each other, which is usual, or overlap, or be apart; they are one body all the same. Where a part's face is
+/// covered by another part, nothing catches on it: what slides over flush parts slides as over one. Mass, center and
+/// inertia are the sums of those of the parts, so that where parts overlap the material counts for each of them.
+///
+/// Shared and immutable, so cloning costs one reference count, and so are the shapes of the parts. Coordinates are meters in the
+/// entity's frame.
+///
+/// ```
+/// use bevy_cleave::prelude::*;
+/// use glam::Vec3;
+///
+/// let top = ConvexMesh::cuboid(1.0, 0.05, 0.6)?;
+/// let leg = ConvexMesh::cuboid(0.05, 0.7, 0.05)?;
+/// let at = |x, y, z| Pose::from_position(Vec3::new(x, y, z));
+/// let mut parts = vec![(at(0.0, 0.725, 0.0), top)];
+/// for (x, z) in [(-0.45, -0.25), (0.45, -0.25), (-0.45, 0.25), (0.45, 0.25)] {
+///     parts.push((at(x, 0.35, z), leg.clone()));
+/// }
+/// let table = Compound::new(parts)?;
+/// assert_eq!(table.len(), 5);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, Component)]
+#[component(summary_tick)]
+pub struct Compound(Arc<CompoundShape>);
+
+/// A convex part of a [`Compound`].
+#[derive(Clone, Debug)]
+pub struct CompoundPart {
+    /// Where the frame of its shape is in that of the compound.
+    pub pose: Pose,
+    /// Its shape.
+    pub shape: ConvexMesh,
+}
+
+/// Why parts make no compound.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CompoundError {
+    /// There are no parts.
+    #[error("a compound needs at least one part")]
+    Empty,
+    /// There are more than [`MAX_PARTS`].
+    #[error("{count} parts are more than {MAX_PARTS}")]
+    TooMany {
+        /// How many there are.
+        count: usize,
+    },
+    /// A pose is NaN or infinite.
+    #[error("the pose of part {part} is not finite")]
+    NotFinite {
+        /// Index of the part.
+        part: usize,
+    },
+    /// The rotation of a pose is not a unit quaternion.
+    #[error("the rotation of part {part} is not a unit quaternion (length {length})")]
+    NotUnitRotation {
+        /// Index of the part.
+        part: usize,
+        /// Length of the quaternion.
+        length: f32,
+    },
+    /// A part does not stand what is to be done to it, as being scaled.
+    #[error("part {part}: {error}")]
+    Part {
+        /// Index of the part.
+        part: usize,
+        /// What is wrong.
+        error: HullError,
+    },
+    /// The mesh that is drawn does not stand it.
+    #[error(transparent)]
+    Visual(#[from] MeshError),
+}
+
+#[derive(Clone)]
+struct CompoundShape {
+    parts: Vec<CompoundPart>,
+    /// Around the parts, in the compound's frame.
+    boxes: Vec<Aabb>,
+    /// Over the boxes, if there are many.
+    tree: Option<Bvh2>,
+    aabb: Aabb,
+    min_extent: f32,
+    has_round: bool,
+    cover: Cover,
+    visual: Option<TriMesh>,
+}
+
+impl std::fmt::Debug for CompoundShape {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("CompoundShape")
+            .field("parts", &self.parts)
+            .field("visual", &self.visual)
+            .finish_non_exhaustive()
+    }
+}
+
+impl CompoundPart {
+    /// The part, in the frame in which `pose` is given.
+    pub fn new(pose: Pose, shape: ConvexMesh) -> Self {
+        Self { pose, shape }
+    }
+
+    /// The box around it in another frame: that in which the compound's frame is turned and shifted so.
+    fn bounds(&self, turn: &Mat3, shift: Vec3) -> Aabb {
+        let own = *turn * Mat3::from_quat(self.pose.rotation);
+        self.shape.bounds(&own, *turn * self.pose.position + shift)
+    }
+}
+
+impl From<(Pose, ConvexMesh)> for CompoundPart {
+    fn from((pose, shape): (Pose, ConvexMesh)) -> Self {
+        Self::new(pose, shape)
+    }
+}
+
+impl From<ConvexMesh> for CompoundPart {
+    /// A part whose frame is that of the compound.
+    fn from(shape: ConvexMesh) -> Self {
+        Self::new(Pose::IDENTITY, shape)
+    }
+}
+
+impl Compound {
+    /// A compound of these parts: shapes with poses, or shapes that are in the compound's frame already, as those that a mesh was
+    /// decomposed into.
+    ///
+    /// # Errors
+    /// [`CompoundError`] if there are none or too many, or if a pose is not usable.
+    pub fn new<P: Into<CompoundPart>>(
+        parts: impl IntoIterator<Item = P>,
+    ) -> Result<Self, CompoundError> {
+        let mut parts: Vec<CompoundPart> = parts.into_iter().map(Into::into).collect();
+        match parts.len() {
+            0 => return Err(CompoundError::Empty),
+            count if count > MAX_PARTS => return Err(CompoundError::TooMany { count }),
+            _ => {}
+        }
+        for (part, CompoundPart { pose, .. }) in parts.iter_mut().enumerate() {
+            if !pose.is_finite() {
+                return Err(CompoundError::NotFinite { part });
+            }
+            let length = pose.rotation.length();
+            let is_unit = (length - 1.0).abs() <= UNIT;
+            if !is_unit {
+                return Err(CompoundError::NotUnitRotation { part, length });
+            }
+            if !pose.rotation.is_normalized() {
+                pose.rotation = pose.rotation.normalize();
+            }
+        }
+        Ok(Self::assemble(parts, None))
+    }
+
+    fn assemble(parts: Vec<CompoundPart>, visual: Option<TriMesh>) -> Self {
+        let bounds = |part: &CompoundPart| part.bounds(&Mat3::IDENTITY, Vec3::ZERO);
+        let boxes: Vec<Aabb> = parts.iter().map(bounds).collect();
+        let tree = (parts.len() > FLAT_SEARCH).then(|| {
+            let boxes: Vec<_> = boxes.iter().map(tree_box).collect();
+            let indices = (0..boxes.len() as u32).collect();
+            let mut builder = PlocBuilder::with_capacity(boxes.len());
+            builder.build(
+                PlocSearchDistance::Low,
+                &boxes,
+                indices,
+                SortPrecision::U64,
+                0,
+            )
+        });
+        let extents = parts
+            .iter()
+            .map(|part| part.shape.aabb().extents().min_element());
+        let mut shape = CompoundShape {
+            aabb: joined(&boxes),
+            min_extent: extents.fold(f32::INFINITY, f32::min),
+            has_round: parts.iter().any(|part| part.shape.is_round()),
+            cover: Cover::default(),
+            parts,
+            boxes,
+            tree,
+            visual,
+        };
+        shape.cover = Cover::of(&shape.parts, |b, visit| shape.within(b, visit));
+        Self(Arc::new(shape))
+    }
+
+    /// The same compound with a mesh that is drawn in place of the parts; in the compound's frame.
+    pub fn with_visual(self, mesh: TriMesh) -> Self {
+        let shape = Arc::unwrap_or_clone(self.0);
+        Self(Arc::new(CompoundShape {
+            visual: Some(mesh),
+            ..shape
+        }))
+    }
+
+    /// The same compound scaled about its origin by `factor` along x, y and z. Parts that are turned and scaled unequally are hulls
+    /// then, round ones their polyhedra.
+    ///
+    /// # Errors
+    /// [`CompoundError`] if a factor is not finite and positive, or a part is none any more.
+    pub fn scaled(&self, factor: Vec3) -> Result<Self, CompoundError> {
+        let is_even = factor.x == factor.y && factor.y == factor.z;
+        let scaled = |part: &CompoundPart| {
+            if is_even || part.pose.rotation == Quat::IDENTITY {
+                let shape = part.shape.scaled(factor)?;
+                let pose = Pose::new(factor * part.pose.position, part.pose.rotation);
+                return Ok(CompoundPart::new(pose, shape));
+            }
+            part.in_place()?.scaled(factor).map(CompoundPart::from)
+        };
+        let parts = (self.0.parts.iter().enumerate())
+            .map(|(part, it)| scaled(it).map_err(|error| CompoundError::Part { part, error }))
+            .collect::<Result<Vec<_>, _>>()?;
+        let visual = self.0.visual.clone();
+        let visual = visual.map(|mesh| mesh.scaled(factor)).transpose()?;
+        Ok(Self::assemble(parts, visual))
+    }
+
+    /// The parts, in the order in which they were given: what hits and contacts number.
+    pub fn parts(&self) -> &[CompoundPart] {
+        &self.0.parts
+    }
+
+    /// Number of parts.
+    pub fn len(&self) -> usize {
+        self.0.parts.len()
+    }
+
+    /// Whether there are none, which cannot be.
+    pub fn is_empty(&self) -> bool {
+        self.0.parts.is_empty()
+    }
+
+    /// Bounding box in the entity's frame.
+    pub fn aabb(&self) -> Aabb {
+        self.0.aabb
+    }
+
+    /// The mesh that is drawn, if one was given.
+    pub fn visual(&self) -> Option<&TriMesh> {
+        self.0.visual.as_ref()
+    }
+
+    /// Whether two handles are the same shape in memory.
+    pub fn is_same(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+
+    /// Parts that touch the part with this index, or overlap it.
+    pub fn neighbors(&self, part: usize) -> &[u32] {
+        self.0.cover.neighbors(part)
+    }
+
+    /// Boxes around the parts, in the compound's frame.
+    pub(crate) fn boxes(&self) -> &[Aabb] {
+        &self.0.boxes
+    }
+
+    /// Over the boxes, if there are many parts.
+    pub(crate) fn tree(&self) -> Option<&Bvh2> {
+        self.0.tree.as_ref()
+    }
+
+    /// Which faces are covered by other parts.
+    pub(crate) fn cover(&self) -> &Cover {
+        &self.0.cover
+    }
+
+    /// Least extent of a part, m.
+    pub(crate) fn min_extent(&self) -> f32 {
+        self.0.min_extent
+    }
+
+    /// Whether a part has a curved surface.
+    pub(crate) fn has_round(&self) -> bool {
+        self.0.has_round
+    }
+
+    /// Visits the parts whose boxes meet a box, in no order.
+    pub(crate) fn within(&self, b: &Aabb, visit: impl FnMut(u32)) {
+        self.0.within(b, visit);
+    }
+
+    /// The box around the compound in another frame.
+    pub(crate) fn bounds(&self, turn: &Mat3, shift: Vec3) -> Aabb {
+        let parts = self.0.parts.iter();
+        let boxes = parts.map(|part| part.bounds(turn, shift));
+        boxes.fold(Aabb::EMPTY, |a, b| joined(&[a, b]))
+    }
+
+    /// Largest distance of the surface from a point, m.
+    pub(crate) fn farthest_from(&self, point: Vec3) -> f32 {
+        let away = |part: &CompoundPart| {
+            let point = part.pose.inverse_transform_point(point);
+            part.shape.farthest_from(point)
+        };
+        self.0.parts.iter().map(away).fold(0.0, f32::max)
+    }
+}
+
+impl CompoundPart {
+    /// The part as a shape in the compound's frame, as a hull if it is turned or round.
+    pub(crate) fn in_place(&self) -> Result<ConvexMesh, HullError> {
+        if self.pose == Pose::IDENTITY {
+            return Ok(self.shape.clone());
+        }
+        let corners = self.shape.hull().vertices().iter();
+        let corners: Vec<Vec3> = corners.map(|v| self.pose.transform_point(*v)).collect();
+        let visual = self.shape.visual().cloned();
+        let visual = visual.map(|mesh| mesh.transformed(&self.pose));
+        let hull = crate::geometry::ConvexHull::from_points(&corners)?;
+        Ok(ConvexMesh::from_parts(hull, visual))
+    }
+}
+
+impl CompoundShape {
+    fn within(&self, b: &Aabb, mut visit: impl FnMut(u32)) {
+        if let Some(tree) = &self.tree {
+            within(tree, b, visit);
+            return;
+        }
+        for (part, other) in (0..).zip(&self.boxes) {
+            if other.overlaps(b) {
+                visit(part);
+            }
+        }
+    }
+}
+
+/// The box around boxes.
+fn joined(boxes: &[Aabb]) -> Aabb {
+    boxes.iter().fold(Aabb::EMPTY, |all, b| Aabb {
+        min: all.min.min(b.min),
+        max: all.max.max(b.max),
+    })
+}

@@ -1,0 +1,11 @@
+//! Bodies of several convex parts: a program of their own, which takes half a minute by itself.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod in_app;
+mod mass;
+mod queries;
+mod shapes;
+mod sliding;
+mod standing;
