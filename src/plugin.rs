@@ -11,7 +11,9 @@ use crate::ecs::components::*;
 use crate::ecs::forces::{self, ForceQuery};
 use crate::ecs::pieces::PieceRules;
 use crate::ecs::state::PluginState;
-use crate::ecs::{bond, cut, gather, joint, options, pieces, query, scatter, setup};
+use crate::ecs::{
+    bond, compound_children, cut, gather, joint, options, pieces, query, scatter, setup,
+};
 use crate::fracture::{Bonds, FractureBudget, Fractures};
 use crate::joints::{Joint, JointLoad, Joints};
 use crate::mass::MassProperties;
@@ -170,6 +172,7 @@ fn add_phases(schedule: &mut Schedule) {
     );
     schedule.add_systems((
         (
+            compound_children::make_compounds.run_if(compound_children::any_compound_of_children),
             gather::register_bodies.run_if(gather::any_body_comes_or_goes),
             mass_properties,
             joint::read_joints.run_if(joint::any_joint),

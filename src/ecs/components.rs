@@ -3,7 +3,7 @@
 use crate::bodies::body::BodyError;
 use crate::contact::body_id::BodyId;
 use crate::fracture::{Bond, BondError, CutError, Ledger};
-use crate::geometry::HullError;
+use crate::geometry::{CompoundError, HullError};
 use crate::joints::JointError;
 use crate::mass::MassProperties;
 use crate::math::Plane;
@@ -146,6 +146,9 @@ pub enum BodyProblem {
     /// No shape comes of its `ShapeConstructor`.
     #[error("no shape comes of its ShapeConstructor: {0}")]
     Shape(#[from] HullError),
+    /// Its children make no compound.
+    #[error("no shape comes of its children: {0}")]
+    Compound(#[from] CompoundError),
     /// A cut of it was refused.
     #[error("the cut was not made: {0}")]
     Cut(#[from] CutError),

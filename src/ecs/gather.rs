@@ -12,6 +12,7 @@ use crate::contact::body_id::BodyId;
 use crate::contact::impulses::ContactCache;
 use crate::ecs::bond::make_bonds;
 use crate::ecs::components::*;
+use crate::ecs::compound_children::CompoundOfChildren;
 use crate::ecs::forces::AppliedForces;
 use crate::ecs::gather::description::*;
 use crate::ecs::gather::motion::{MotionReader, ReadMotion};
@@ -63,6 +64,21 @@ pub(crate) struct RareReadings<'w, 's> {
     toggled: Query<'w, 's, (&'static BodyHandle, Has<Disabled>)>,
     kinds: Query<'w, 's, (&'static BodyHandle, &'static RigidBody), Allow<Disabled>>,
     shapes: Query<'w, 's, Has<RigidBody>, AnyShape>,
+    above: Query<'w, 's, (Option<&'static ChildOf>, Has<CompoundOfChildren>), Allow<Disabled>>,
+}
+
+impl RareReadings<'_, '_> {
+    /// Whether a shape does nothing: it has no body, and is part of none.
+    fn is_idle(&self, entity: Entity) -> bool {
+        let mut next = Some(entity);
+        while let Some((child_of, is_compound)) = next.and_then(|at| self.above.get(at).ok()) {
+            if is_compound {
+                return false;
+            }
+            next = child_of.map(ChildOf::parent);
+        }
+        self.shapes.get(entity).is_ok_and(|is_body| !is_body)
+    }
 }
 
 impl Readings<'_, '_> {
@@ -140,7 +156,7 @@ fn read_kinds(
     rare: &RareReadings,
 ) {
     for entity in queue.lone_shapes.drain(..) {
-        if rare.shapes.get(entity).is_ok_and(|is_body| !is_body) {
+        if rare.is_idle(entity) {
             issues.raise(warnings, entity, Source::Body, BodyError::NoRigidBody);
         }
     }

@@ -43,7 +43,10 @@ impl Parents<'_, '_> {
 }
 
 /// The place of a body whose parent is at `parent`, if it has one.
-fn place(transform: &Transform, parent: Option<Affine3A>) -> Result<(Pose, Vec3), BodyError> {
+pub(super) fn place(
+    transform: &Transform,
+    parent: Option<Affine3A>,
+) -> Result<(Pose, Vec3), BodyError> {
     let Some(parent) = parent else {
         let pose = Pose::new(transform.translation, transform.rotation);
         return Ok((pose, rounded(transform.scale)));

@@ -11,6 +11,7 @@ use crate::contact::layers::CollisionLayers;
 use crate::contact::material::{Density, Friction, Restitution};
 use crate::ecs::collisions::{CollisionEvents, ContactForceEvents, Sensor};
 use crate::ecs::components::{AngularVelocity, LinearVelocity, MassOverride, Sleeping};
+use crate::ecs::compound_children::CompoundOfChildren;
 use crate::ecs::forces::*;
 use crate::ecs::piece_children::ChildrenOfPieces;
 use crate::ecs::shape_constructor::ShapeConstructor;
@@ -56,6 +57,7 @@ pub(crate) fn register_types(app: &mut App) {
     component_with_default::<ConstantForce>(app);
     component_with_default::<ConstantTorque>(app);
     component_with_default::<ChildrenOfPieces>(app);
+    component_with_default::<CompoundOfChildren>(app);
     component_with_default::<Anchors>(app);
     component_with_default::<Fatigue>(app);
     resource::<Gravity>(app);

@@ -3,6 +3,7 @@
 use crate::bodies::body::RigidBody;
 use crate::bodies::store::Bodies;
 use crate::fracture::Bonds;
+use crate::geometry::{Compound, ConvexHull};
 use crate::joints::Joints;
 use crate::math::Pose;
 use crate::step::Contacts;
@@ -93,14 +94,23 @@ fn draw_hulls(bodies: Res<Bodies>, mut gizmos: Gizmos<CleaveGizmos>) {
             (RigidBody::Dynamic, true) => asleep,
             _ => fixed,
         };
-        let (Some(color), Some(shape)) = (color, bodies.convex(slot)) else {
+        let Some(color) = color else {
             continue;
         };
-        let (pose, hull) = (bodies.pose(slot), shape.hull());
-        for edge in hull.edges() {
-            let ends = edge.vertices.map(|v| hull.vertices()[v as usize]);
-            let [a, b] = ends.map(|end| pose.transform_point(end));
-            gizmos.line(a, b, color);
+        let pose = bodies.pose(slot);
+        let mut draw = |hull: &ConvexHull, pose: Pose| {
+            for edge in hull.edges() {
+                let ends = edge.vertices.map(|v| hull.vertices()[v as usize]);
+                let [a, b] = ends.map(|end| pose.transform_point(end));
+                gizmos.line(a, b, color);
+            }
+        };
+        if let Some(shape) = bodies.convex(slot) {
+            draw(shape.hull(), pose);
+        }
+        let parts = bodies.compound(slot).map_or(&[][..], Compound::parts);
+        for part in parts {
+            draw(part.shape.hull(), pose * part.pose);
         }
     }
 }

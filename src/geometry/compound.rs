@@ -2,12 +2,14 @@
 
 use crate::geometry::bvh::{tree_box, within};
 use crate::geometry::compound_cover::Cover;
+use crate::geometry::mesh_join::joined;
 use crate::geometry::{ConvexMesh, HullError, MeshError, TriMesh};
 use crate::math::{Aabb, Pose};
 use bevy_ecs::component::Component;
 use glam::{Mat3, Quat, Vec3};
 use obvhs::bvh2::Bvh2;
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// Most parts of a compound.
@@ -195,7 +197,7 @@ impl Compound {
             .iter()
             .map(|part| part.shape.aabb().extents().min_element());
         let mut shape = CompoundShape {
-            aabb: joined(&boxes),
+            aabb: box_around(&boxes),
             min_extent: extents.fold(f32::INFINITY, f32::min),
             has_round: parts.iter().any(|part| part.shape.is_round()),
             cover: Cover::default(),
@@ -265,6 +267,18 @@ impl Compound {
         self.0.visual.as_ref()
     }
 
+    /// The mesh to draw: the one that was given, or else those of the parts.
+    pub fn render_mesh(&self) -> Cow<'_, TriMesh> {
+        if let Some(mesh) = self.visual() {
+            return Cow::Borrowed(mesh);
+        }
+        let meshes = self.0.parts.iter().map(|part| {
+            let mesh = part.shape.render_mesh().into_owned();
+            mesh.transformed(&part.pose)
+        });
+        Cow::Owned(joined(&meshes.collect::<Vec<_>>()))
+    }
+
     /// Whether two handles are the same shape in memory.
     pub fn is_same(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.0, &other.0)
@@ -309,7 +323,7 @@ impl Compound {
     pub(crate) fn bounds(&self, turn: &Mat3, shift: Vec3) -> Aabb {
         let parts = self.0.parts.iter();
         let boxes = parts.map(|part| part.bounds(turn, shift));
-        boxes.fold(Aabb::EMPTY, |a, b| joined(&[a, b]))
+        boxes.fold(Aabb::EMPTY, |a, b| box_around(&[a, b]))
     }
 
     /// Largest distance of the surface from a point, m.
@@ -352,7 +366,7 @@ impl CompoundShape {
 }
 
 /// The box around boxes.
-fn joined(boxes: &[Aabb]) -> Aabb {
+fn box_around(boxes: &[Aabb]) -> Aabb {
     boxes.iter().fold(Aabb::EMPTY, |all, b| Aabb {
         min: all.min.min(b.min),
         max: all.max.max(b.max),

@@ -3,7 +3,7 @@
 //! | file | holds |
 //! |---|---|
 //! | `predicates.rs` | every geometric tolerance, derived from rounding; exact side tests |
-//! | `mesh.rs`, `mesh_error.rs`, `closed.rs`, `face_numbers.rs`, `weld.rs` | triangle meshes, whether they are closed and which faces are flat |
+//! | `mesh.rs`, `mesh_join.rs`, `mesh_error.rs`, `closed.rs`, `face_numbers.rs`, `weld.rs` | triangle meshes, whether they are closed and which faces are flat |
 //! | `hull.rs`, `coplanar.rs` | the convex hull of a point cloud; triangles in one plane become a polygon |
 //! | `convex.rs`, `face.rs`, `around.rs`, `hull_error.rs` | a hull with polygon faces and edges, and why something is none |
 //! | `hull_lanes.rs`, `edge_tables.rs`, `triangle_corners.rs` | the same for several numbers at a time |
@@ -39,6 +39,7 @@ pub(crate) mod hull_lanes;
 pub(crate) mod kd_code;
 pub(crate) mod mesh;
 mod mesh_error;
+mod mesh_join;
 pub(crate) mod moments;
 pub(crate) mod predicates;
 pub mod primitives;

@@ -10,6 +10,7 @@ mod bodies;
 mod bonded_wall;
 mod bonds;
 mod cache;
+mod compounds;
 mod joints;
 mod sleep;
 
@@ -23,6 +24,7 @@ struct Alone {
     bonded_wall: bonded_wall::Outcome,
     bonds: bonds::Outcome,
     cache: Vec<cache::Outcome>,
+    compounds: compounds::Outcome,
     joints: joints::Outcome,
     /// Without slots that were used before, and with them.
     sleep: [sleep::Outcome; 2],
@@ -40,6 +42,7 @@ impl Alone {
                 bonded_wall: bonded_wall::run(),
                 bonds: bonds::run(),
                 cache: cache::play(),
+                compounds: compounds::run(),
                 joints: joints::run(),
                 sleep: [0, 40].map(sleep::history),
                 bodies: bodies.join().expect("the run went as it should"),

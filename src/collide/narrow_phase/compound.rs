@@ -153,14 +153,16 @@ impl<'s> BodyPair<'s> {
                 SatResult::Separated { distance, .. } => gap.least = gap.least.min(distance),
                 SatResult::Touching(patch) => {
                     gap.touches = true;
-                    let Some((patch, pose)) = self.follow(view, &parts, patch, pose, others) else {
+                    let followed = self.follow(view, &parts, patch, pose, others);
+                    let Some((patch, there)) = followed else {
                         continue;
                     };
-                    let patch = parts.settle(&patch, &pose, self.reach, others.hulls);
+                    let patch = parts.settle(&patch, &there, self.reach, others.hulls);
                     if patch.count > 0 {
                         scratch.contacts.found.push(Found {
                             patch: parts.lift(&patch),
-                            turn: parts.turn_of_bodies(&pose),
+                            turn: parts.turn_of_bodies(&there),
+                            is_ahead: there != pose,
                         });
                     }
                 }
@@ -306,7 +308,11 @@ impl<'s> BodyPair<'s> {
             patch
         };
         let turn = self.b_in_a.rotation;
-        scratch.contacts.found.push(Found { patch, turn });
+        scratch.contacts.found.push(Found {
+            patch,
+            turn,
+            is_ahead: false,
+        });
     }
 
     fn on_level(

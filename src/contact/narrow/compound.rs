@@ -22,6 +22,13 @@ use smallvec::SmallVec;
 /// How deep parts may overlap along an open face that stands in for one that is none, as a share of the smaller part's least extent.
 const DEEP: f32 = 0.25;
 
+/// Cosine of the angle up to which a contact may as well lie on a face of the other shape: 3e-3 rad, which is more than the faces
+/// that are preferred to each other may differ by.
+const EQUAL: f32 = 1.0 - 5e-6;
+
+/// How many times as large a body must be for contacts to lie on its faces if they may.
+const LARGER: f32 = 1.02;
+
 /// Cosine of the angle between normals that make one manifold.
 const SAME: f32 = 0.9999;
 
@@ -70,6 +77,12 @@ impl<'s> Side<'s> {
     fn has_neighbors(&self) -> bool {
         self.of
             .is_some_and(|(compound, part)| !compound.neighbors(part).is_empty())
+    }
+
+    /// Size of the body, m.
+    fn body_size(&self) -> f32 {
+        let of = self.of.map(|(compound, _)| compound.aabb());
+        of.unwrap_or_else(|| self.shape.aabb()).diagonal()
     }
 
     fn extent(&self) -> f32 {
@@ -126,12 +139,77 @@ impl PartPair<'_> {
         if !self.sides.iter().any(Side::has_neighbors) {
             return *patch;
         }
+        let patch = &self.on_larger_body(patch, pose, reach, scratch);
         let (kept, refused) = self.admitted(patch, pose);
         if kept.count > 0 || patch.count == 0 || self.is_round() {
             return kept;
         }
         let instead = self.along_open_face(refused, pose, reach, scratch);
         self.admitted(&instead, pose).0
+    }
+
+    /// The same contact on a face of the larger body, if it lies on one of the smaller body that is parallel: parts are smaller than
+    /// the whole, and what stands on a floor of them tilts a little, which would be the floor's tilt.
+    fn on_larger_body(
+        &self,
+        patch: &LocalManifold,
+        pose: &Pose,
+        reach: f32,
+        scratch: &mut NarrowScratch,
+    ) -> LocalManifold {
+        let [a, b] = self.sides.map(|side| side.body_size());
+        let is_second = b > LARGER * a;
+        let is_edge = patch.points().iter().any(|point| point.share_b == 0.5);
+        if !(is_second || a > LARGER * b)
+            || self.sides[usize::from(is_second)].of.is_none()
+            || patch.count == 0
+            || is_edge
+            || self.is_round()
+        {
+            return *patch;
+        }
+        let outward = if is_second {
+            -rotate(pose.rotation.inverse(), patch.normal)
+        } else {
+            patch.normal
+        };
+        let hull = self.sides[usize::from(is_second)].shape.hull();
+        let mut faces = hull.faces().iter();
+        let Some(face) = faces.position(|face| face.plane.normal.dot(outward) > EQUAL) else {
+            return *patch;
+        };
+        if hull.faces()[face].plane.normal == outward {
+            return *patch;
+        }
+        let [a, b] = self.sides.map(|side| side.shape.hull());
+        scratch.load(a, b, pose);
+        let others = [&scratch.b_in_a, &scratch.a_in_b][usize::from(is_second)];
+        let axis = FaceAxis::new(hull, face, others);
+        let instead = self.clip(&axis, is_second, pose, reach, scratch);
+        if instead.count > 0 { instead } else { *patch }
+    }
+
+    /// The contact along a face.
+    fn clip(
+        &self,
+        axis: &FaceAxis,
+        b_refers: bool,
+        pose: &Pose,
+        reach: f32,
+        scratch: &mut NarrowScratch,
+    ) -> LocalManifold {
+        let [a, b] = self.sides.map(|side| side.shape.hull());
+        let size = a.aabb().diagonal().min(b.aabb().diagonal());
+        let clipping = Clipping {
+            pair: HullPair {
+                a,
+                b,
+                b_in_a: pose,
+                margin: reach,
+            },
+            merge: MERGE * size,
+        };
+        clipping.face_patch(axis, b_refers, scratch)
     }
 
     /// The points that are on the surfaces of both bodies, and on which of them some are not.
@@ -192,17 +270,7 @@ impl PartPair<'_> {
         else {
             return LocalManifold::default();
         };
-        let size = a.aabb().diagonal().min(b.aabb().diagonal());
-        let clipping = Clipping {
-            pair: HullPair {
-                a,
-                b,
-                b_in_a: pose,
-                margin: reach,
-            },
-            merge: MERGE * size,
-        };
-        clipping.face_patch(&axis, b_refers, scratch)
+        self.clip(&axis, b_refers, pose, reach, scratch)
     }
 
     /// A contact of the shapes as one of the bodies, in the frame of the first.
@@ -246,6 +314,8 @@ pub(crate) fn on_surface(side: &Side, patch: &LocalManifold) -> LocalManifold {
 pub(crate) struct Found {
     pub(crate) patch: LocalManifold,
     pub(crate) turn: Quat,
+    /// Whether that is where the bodies get to within the step.
+    pub(crate) is_ahead: bool,
 }
 
 impl Found {
@@ -258,8 +328,9 @@ impl Found {
         }
     }
 
-    fn is_round(&self) -> bool {
-        self.patch.points().iter().any(|p| p.radii != [0.0; 2])
+    /// Whether it may be one with others: what is curved has its own radii, and what is found ahead its own moment.
+    fn can_join(&self) -> bool {
+        !self.is_ahead && self.patch.points().iter().all(|p| p.radii == [0.0; 2])
     }
 }
 
@@ -284,16 +355,12 @@ impl FoundParts {
                 let known = &self.found[known];
                 let (other, other_offset, other_of_b) = known.plane();
                 of_b == other_of_b
-                    && !known.is_round()
+                    && known.can_join()
                     && other.dot(normal) > SAME
                     && (other_offset - offset).abs() <= apart
             };
-            let firsts = (0..at).filter(|&known| self.planes[known] == known);
-            let same = if next.is_round() {
-                None
-            } else {
-                firsts.clone().find(is_same)
-            };
+            let mut firsts = (0..at).filter(|&known| self.planes[known] == known);
+            let same = firsts.find(|known| next.can_join() && is_same(known));
             self.planes.push(same.unwrap_or(at));
         }
         let mut kept = 0;
@@ -329,7 +396,6 @@ impl FoundParts {
         candidates.extend(points.iter().map(|point| {
             let (on_a, on_b) = (point.on_a, b_in_a.transform_point(point.on_b));
             Candidate {
-                // Where it acts now: some were found where the bodies get to within the step.
                 at: on_a.lerp(on_b, point.share_b),
                 separation: normal.dot(on_b - on_a),
                 kind: CornerKind::Incident,

@@ -1,6 +1,6 @@
 //! `Mesh3d` in step with the shape: whenever a body gets a shape, be it new, cut or broken, it gets the meshes of it.
 
-use crate::geometry::{ConvexMesh, StaticMesh};
+use crate::geometry::{Compound, ConvexMesh, StaticMesh};
 use bevy_asset::Assets;
 use bevy_ecs::prelude::*;
 use bevy_mesh::{Mesh, Mesh3d};
@@ -8,7 +8,7 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 /// Keeps the entity's `Mesh3d` in step with its [`ConvexMesh`], and that of its pieces: the mesh that rides in the hull, or else
-/// the hull's own. Of a [`StaticMesh`] its triangles are drawn.
+/// the hull's own. Of a [`Compound`] its visual mesh or its parts are drawn, of a [`StaticMesh`] its triangles.
 ///
 /// Materials are yours: that of the entity, which its pieces get too, and those of material slots, whose triangles are drawn by children
 /// with [`SlotMesh`]. Cut faces have the slot that [`Fracturable::cut_material`] says.
@@ -74,14 +74,19 @@ impl DrawShape {
 
 type Drawn = (
     Entity,
-    AnyOf<(&'static ConvexMesh, &'static StaticMesh)>,
+    AnyOf<(&'static ConvexMesh, &'static Compound, &'static StaticMesh)>,
     &'static DrawShape,
     Option<&'static Mesh3d>,
     Option<&'static Children>,
 );
 
 /// Whose meshes are out of date.
-type IsNew = Or<(Changed<ConvexMesh>, Changed<StaticMesh>, Changed<DrawShape>)>;
+type IsNew = Or<(
+    Changed<ConvexMesh>,
+    Changed<Compound>,
+    Changed<StaticMesh>,
+    Changed<DrawShape>,
+)>;
 
 /// System: meshes of shapes that are new.
 pub(super) fn draw_shapes(
@@ -108,9 +113,10 @@ pub(super) fn draw_shapes(
             mesh
         };
         let drawn = match shape {
-            (Some(shape), _) => shape.render_mesh(),
-            (None, Some(level)) => Cow::Owned(level.to_mesh()),
-            (None, None) => continue,
+            (Some(shape), ..) => shape.render_mesh(),
+            (None, Some(compound), _) => compound.render_mesh(),
+            (None, None, Some(level)) => Cow::Owned(level.to_mesh()),
+            (None, None, None) => continue,
         };
         let own = drawn.triangles_of(|slot| !draw.looks.iter().any(|look| look.slot == slot));
         if own.is_empty() {

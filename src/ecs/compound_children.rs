@@ -1,0 +1,179 @@
+//! Bodies whose parts are their children.
+
+use crate::bodies::body::{BodyError, RigidBody};
+use crate::ecs::components::{BodyProblem, BodyWarning};
+use crate::ecs::issues::Source;
+use crate::ecs::parents::place;
+use crate::ecs::state::PluginState;
+use crate::geometry::{Compound, CompoundPart, ConvexMesh};
+use crate::math::Pose;
+use bevy_ecs::entity_disabling::Disabled;
+use bevy_ecs::prelude::*;
+use bevy_ecs::query::Allow;
+use bevy_math::{Affine3A, Vec3};
+use bevy_transform::components::Transform;
+
+/// The [`Compound`] of a body is made of its children: each that has a [`ConvexMesh`] and no [`RigidBody`] is a part, and so are
+/// their children. Made anew whenever their shapes or `Transform`s change, or children come or go.
+///
+/// ```
+/// use bevy_cleave::prelude::*;
+/// # use bevy_ecs::prelude::*;
+/// # use bevy_transform::components::Transform;
+/// # let mut world = World::new();
+/// world.spawn((
+///     RigidBody::Dynamic,
+///     CompoundOfChildren,
+///     children![
+///         bevy_cleave::cuboid!(1.0, 0.1, 1.0),
+///         (bevy_cleave::cuboid!(0.1, 1.0, 0.1), Transform::from_xyz(0.0, -0.55, 0.0)),
+///     ],
+/// ));
+/// ```
+///
+/// If no part is usable the entity gets [`BodyIssues`](crate::ecs::BodyIssues).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Component)]
+#[require(MadeOf)]
+#[component(clone_behavior = Ignore)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub struct CompoundOfChildren;
+
+/// What the compound was made of.
+#[derive(Clone, Debug, Default, Component)]
+#[component(clone_behavior = Ignore)]
+pub(crate) struct MadeOf(Option<Vec<Child>>);
+
+/// A part as its entity has it.
+#[derive(Clone, Debug)]
+struct Child {
+    pose: Pose,
+    scale: Vec3,
+    shape: ConvexMesh,
+}
+
+impl Child {
+    fn is_same(&self, other: &Self) -> bool {
+        self.pose == other.pose && self.scale == other.scale && self.shape.is_same(&other.shape)
+    }
+
+    fn part(&self) -> Result<CompoundPart, BodyError> {
+        let shape = if self.scale == Vec3::ONE {
+            self.shape.clone()
+        } else {
+            let scaled = self.shape.scaled(self.scale);
+            scaled.map_err(|_| BodyError::Scaled(self.scale))?
+        };
+        Ok(CompoundPart::new(self.pose, shape))
+    }
+}
+
+type Root = (
+    Entity,
+    &'static Children,
+    &'static mut MadeOf,
+    Option<&'static mut Compound>,
+);
+
+type Member = (
+    Option<&'static Transform>,
+    Option<&'static ConvexMesh>,
+    Option<&'static Children>,
+);
+
+/// Run condition of [`make_compounds`].
+pub(crate) fn any_compound_of_children(
+    roots: Query<(), (With<CompoundOfChildren>, Allow<Disabled>)>,
+) -> bool {
+    !roots.is_empty()
+}
+
+/// System: makes compounds of children that are new or have changed.
+pub(crate) fn make_compounds(
+    mut commands: Commands,
+    mut state: ResMut<PluginState>,
+    mut warnings: ResMut<Messages<BodyWarning>>,
+    mut roots: Query<Root, With<CompoundOfChildren>>,
+    members: Query<Member, Without<RigidBody>>,
+) {
+    for (entity, children, mut made_of, compound) in &mut roots {
+        let mut found = Found::default();
+        let ways = children.iter().map(|child| (child, Affine3A::IDENTITY));
+        found.collect(ways.collect(), &members);
+        let known = made_of.0.as_ref();
+        let is_known = known.is_some_and(|known| {
+            let mut both = known.iter().zip(&found.children);
+            known.len() == found.children.len() && both.all(|(a, b)| a.is_same(b))
+        });
+        if is_known {
+            continue;
+        }
+        for &part in &found.entities {
+            state.issues.mend(part, Source::Body);
+        }
+        let made = found.compound();
+        let made = state
+            .issues
+            .note(&mut warnings, entity, Source::Constructor, made);
+        match (made, compound) {
+            (Some(made), Some(mut compound)) => *compound = made,
+            (Some(made), None) => {
+                commands.entity(entity).insert(made);
+            }
+            (None, Some(_)) => {
+                commands.entity(entity).remove::<Compound>();
+            }
+            (None, None) => {}
+        }
+        made_of.0 = Some(found.children);
+    }
+}
+
+/// The parts that were found, and whose they are.
+#[derive(Default)]
+struct Found {
+    children: Vec<Child>,
+    entities: Vec<Entity>,
+    error: Option<BodyError>,
+}
+
+impl Found {
+    /// Goes through entities, each with the frame of its parent, and what is below them, in order.
+    fn collect(
+        &mut self,
+        mut ways: Vec<(Entity, Affine3A)>,
+        members: &Query<Member, Without<RigidBody>>,
+    ) {
+        ways.reverse();
+        while let Some((entity, above)) = ways.pop() {
+            let Ok((transform, shape, children)) = members.get(entity) else {
+                continue;
+            };
+            let own = transform.copied().unwrap_or_default();
+            if let Some(shape) = shape {
+                self.entities.push(entity);
+                match place(&own, Some(above)) {
+                    Ok((pose, scale)) => self.children.push(Child {
+                        pose,
+                        scale,
+                        shape: shape.clone(),
+                    }),
+                    Err(error) => self.error = Some(error),
+                }
+            }
+            let below = above * own.compute_affine();
+            let children = children.into_iter().flatten();
+            let first = ways.len();
+            ways.extend(children.map(|&child| (child, below)));
+            ways[first..].reverse();
+        }
+    }
+
+    fn compound(&self) -> Result<Compound, BodyProblem> {
+        if let Some(error) = self.error {
+            return Err(error.into());
+        }
+        let parts = self.children.iter().map(Child::part);
+        let parts = parts.collect::<Result<Vec<_>, _>>()?;
+        Ok(Compound::new(parts)?)
+    }
+}
