@@ -122,6 +122,28 @@ fn features(c: &mut Criterion) {
         };
         settled(change, default)
     });
+    // A heap of hulls in a scene that has a table too, and one that is half of bricks of two parts.
+    let brick = |side: f32| {
+        let at = Pose::from_position(0.15 * side * Vec3::X);
+        (at, bevy_cleave::cuboid!(0.3, 0.5, 0.5))
+    };
+    let halves = Compound::new([-1.0, 1.0].map(brick)).expect("usable");
+    bench(c, "one_compound", {
+        let mut simulation = settled(|_| {}, default);
+        let desc = BodyDesc::compound(halves.clone(), Vec3::new(50.0, 0.25, 50.0));
+        simulation.bodies.insert(desc).expect("usable");
+        simulation
+    });
+    bench(c, "half_compound", {
+        let number = std::cell::Cell::new(0_u32);
+        let change = |desc: &mut BodyDesc| {
+            number.set(number.get() + 1);
+            if number.get().is_multiple_of(2) {
+                desc.shape = Shape::Compound(halves.clone());
+            }
+        };
+        settled(change, default)
+    });
     bench(c, "contact_events", {
         let mut simulation = settled(|_| {}, default);
         watch_all(&mut simulation);

@@ -11,9 +11,7 @@ use crate::ecs::components::*;
 use crate::ecs::forces::{self, ForceQuery};
 use crate::ecs::pieces::PieceRules;
 use crate::ecs::state::PluginState;
-use crate::ecs::{
-    bond, compound_children, cut, gather, joint, options, pieces, query, scatter, setup,
-};
+use crate::ecs::{bond, cut, gather, joint, options, parts, pieces, query, scatter, setup};
 use crate::fracture::{Bonds, FractureBudget, Fractures};
 use crate::joints::{Joint, JointLoad, Joints};
 use crate::mass::MassProperties;
@@ -172,7 +170,7 @@ fn add_phases(schedule: &mut Schedule) {
     );
     schedule.add_systems((
         (
-            compound_children::make_compounds.run_if(compound_children::any_compound_of_children),
+            parts::make_compounds.run_if(parts::any),
             gather::register_bodies.run_if(gather::any_body_comes_or_goes),
             mass_properties,
             joint::read_joints.run_if(joint::any_joint),

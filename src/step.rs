@@ -178,6 +178,7 @@ pub fn generate_contacts(
             ids: &bodies.ids,
             rotations: &bodies.rotation,
             boxes: &bodies.kd_box,
+            have_parts: bodies.any_level || bodies.any_compound,
         };
         cache.warm_start_by(team, manifolds, touching, settings.step_dt)
     });

@@ -4,7 +4,8 @@
 //! lives with its part (`contact/known.rs`), so the split stays what it is until parts have become too unequal.
 //! It depends on the scene only, and the parts are joined in order: any number of threads gives the same bits.
 
-pub(super) mod compound;
+mod compound;
+pub(super) mod compound_near;
 pub(super) mod compound_sense;
 mod level;
 pub(super) mod part;

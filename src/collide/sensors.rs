@@ -2,7 +2,7 @@
 
 use crate::bodies::body::{RigidBody, Shape};
 use crate::bodies::store::Bodies;
-use crate::collide::narrow_phase::compound::PartScratch;
+use crate::collide::narrow_phase::compound_near::PartScratch;
 use crate::collide::narrow_phase::compound_sense::examine_compound_pair;
 use crate::collide::narrow_phase::part::examine_pair;
 use crate::collide::narrow_phase::relative_pose;

@@ -12,16 +12,15 @@ use crate::contact::body_id::BodyId;
 use crate::contact::impulses::ContactCache;
 use crate::ecs::bond::make_bonds;
 use crate::ecs::components::*;
-use crate::ecs::compound_children::CompoundOfChildren;
 use crate::ecs::forces::AppliedForces;
 use crate::ecs::gather::description::*;
 use crate::ecs::gather::motion::{MotionReader, ReadMotion};
 use crate::ecs::issues::{Issues, Source};
 use crate::ecs::options::{BodyOptions, ChangedOptions, read_options};
 use crate::ecs::parents::Parents;
+use crate::ecs::parts::CompoundOfChildren;
 use crate::ecs::state::{BodyQueue, PluginState};
 use crate::fracture::Bonds;
-use crate::geometry::{Compound, ConvexMesh, HalfSpaceShape, StaticMesh};
 use crate::mass::MassProperties;
 use crate::math::Pose;
 use bevy_ecs::entity_disabling::Disabled;
@@ -46,17 +45,6 @@ pub(crate) struct Readings<'w, 's> {
     parents: Parents<'w, 's>,
     rare: RareReadings<'w, 's>,
 }
-
-/// Entities with a shape, disabled or not.
-type AnyShape = (
-    Or<(
-        With<ConvexMesh>,
-        With<Compound>,
-        With<HalfSpaceShape>,
-        With<StaticMesh>,
-    )>,
-    Allow<Disabled>,
-);
 
 /// What is looked at only of entities that were queued.
 #[derive(SystemParam)]

@@ -18,7 +18,7 @@
 //! | `kinematic.rs`, `parents.rs` | bodies that are moved by their `Transform`, and that are children |
 //! | `setup.rs` | components that bodies require, whenever the plugin is added |
 //! | `shape_constructor.rs` | shapes as data that a scene file can hold |
-//! | `compound_children.rs` | bodies whose parts are their children |
+//! | `parts.rs` | bodies whose parts are their children |
 //! | `spawn.rs` | an entity from a description of a body |
 //! | `state.rs` | the one resource that the plugin keeps for itself |
 //!
@@ -29,7 +29,6 @@ pub(crate) mod bond;
 pub(crate) mod collision_news;
 pub(crate) mod collisions;
 pub(crate) mod components;
-pub(crate) mod compound_children;
 pub(crate) mod cut;
 pub(crate) mod explosion;
 pub(crate) mod forces;
@@ -40,6 +39,7 @@ pub(crate) mod joint;
 pub(crate) mod kinematic;
 pub(crate) mod options;
 pub(crate) mod parents;
+pub(crate) mod parts;
 pub(crate) mod piece_children;
 pub(crate) mod pieces;
 pub(crate) mod query;
@@ -62,7 +62,6 @@ pub use components::{
     AngularVelocity, BodyHandle, BodyProblem, BodyWarning, BondBroken, DebrisRemoved, Fading,
     FractureCause, Fractured, LinearVelocity, MassOverride, Sleeping,
 };
-pub use compound_children::CompoundOfChildren;
 pub use cut::SliceCommands;
 pub use explosion::Explosion;
 pub use forces::{
@@ -73,6 +72,7 @@ pub use issues::BodyIssues;
 pub use joint::{
     JointA, JointB, JointBroken, JointCommands, JointHandle, JointProblem, JointsOfA, JointsOfB,
 };
+pub use parts::CompoundOfChildren;
 pub use piece_children::ChildrenOfPieces;
 pub use pieces::{PieceOf, PieceRules, Pieces, Remains};
 pub use query::SpatialQuery;

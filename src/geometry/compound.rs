@@ -2,8 +2,9 @@
 
 use crate::geometry::bvh::{tree_box, within};
 use crate::geometry::compound_cover::Cover;
+use crate::geometry::compound_part::CompoundPart;
 use crate::geometry::mesh_join::joined;
-use crate::geometry::{ConvexMesh, HullError, MeshError, TriMesh};
+use crate::geometry::{HullError, MeshError, TriMesh};
 use crate::math::{Aabb, Pose};
 use bevy_ecs::component::Component;
 use glam::{Mat3, Quat, Vec3};
@@ -48,15 +49,6 @@ const UNIT: f32 = 1e-3;
 #[derive(Clone, Debug, Component)]
 #[component(summary_tick)]
 pub struct Compound(Arc<CompoundShape>);
-
-/// A convex part of a [`Compound`].
-#[derive(Clone, Debug)]
-pub struct CompoundPart {
-    /// Where the frame of its shape is in that of the compound.
-    pub pose: Pose,
-    /// Its shape.
-    pub shape: ConvexMesh,
-}
 
 /// Why parts make no compound.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -118,32 +110,6 @@ impl std::fmt::Debug for CompoundShape {
             .field("parts", &self.parts)
             .field("visual", &self.visual)
             .finish_non_exhaustive()
-    }
-}
-
-impl CompoundPart {
-    /// The part, in the frame in which `pose` is given.
-    pub fn new(pose: Pose, shape: ConvexMesh) -> Self {
-        Self { pose, shape }
-    }
-
-    /// The box around it in another frame: that in which the compound's frame is turned and shifted so.
-    fn bounds(&self, turn: &Mat3, shift: Vec3) -> Aabb {
-        let own = *turn * Mat3::from_quat(self.pose.rotation);
-        self.shape.bounds(&own, *turn * self.pose.position + shift)
-    }
-}
-
-impl From<(Pose, ConvexMesh)> for CompoundPart {
-    fn from((pose, shape): (Pose, ConvexMesh)) -> Self {
-        Self::new(pose, shape)
-    }
-}
-
-impl From<ConvexMesh> for CompoundPart {
-    /// A part whose frame is that of the compound.
-    fn from(shape: ConvexMesh) -> Self {
-        Self::new(Pose::IDENTITY, shape)
     }
 }
 
@@ -333,21 +299,6 @@ impl Compound {
             part.shape.farthest_from(point)
         };
         self.0.parts.iter().map(away).fold(0.0, f32::max)
-    }
-}
-
-impl CompoundPart {
-    /// The part as a shape in the compound's frame, as a hull if it is turned or round.
-    pub(crate) fn in_place(&self) -> Result<ConvexMesh, HullError> {
-        if self.pose == Pose::IDENTITY {
-            return Ok(self.shape.clone());
-        }
-        let corners = self.shape.hull().vertices().iter();
-        let corners: Vec<Vec3> = corners.map(|v| self.pose.transform_point(*v)).collect();
-        let visual = self.shape.visual().cloned();
-        let visual = visual.map(|mesh| mesh.transformed(&self.pose));
-        let hull = crate::geometry::ConvexHull::from_points(&corners)?;
-        Ok(ConvexMesh::from_parts(hull, visual))
     }
 }
 

@@ -9,7 +9,7 @@
 //! - Along any other direction, as an edge or a corner has them, no neighbor that is at the place may reach farther: where parts
 //!   go on beyond an edge, flat or upwards, the edge has no direction but those of faces.
 
-use crate::geometry::compound::CompoundPart;
+use crate::geometry::compound_part::CompoundPart;
 use crate::geometry::distance::{Separation, distance};
 use crate::geometry::support::{Core, PlacedCore};
 use crate::geometry::{ConvexHull, ConvexMesh};

@@ -10,7 +10,7 @@
 //! | `moments.rs` | volume integrals from faces |
 //! | `convex_mesh.rs`, `primitives.rs` | the shapes that a body can have |
 //! | `round.rs`, `round_core.rs`, `round_moments.rs`, `round_polyhedron.rs`, `frustum.rs` | spheres, capsules, cylinders, cones, rounded hulls |
-//! | `compound.rs`, `compound_cover.rs` | a shape of several convex parts, and what of them is covered by others |
+//! | `compound.rs`, `compound_part.rs`, `compound_cover.rs` | a shape of several convex parts, and what of them is covered by others |
 //! | `constant_shapes.rs` | shapes of constant sizes, as macros |
 //! | `static_mesh.rs`, `bvh.rs` | a level of triangles, and walks through trees |
 //! | `support.rs`, `distance.rs`, `simplex.rs` | distances and casts of convex shapes |
@@ -24,6 +24,7 @@ pub(crate) mod bvh;
 mod closed;
 pub(crate) mod compound;
 pub(crate) mod compound_cover;
+pub(crate) mod compound_part;
 mod constant_shapes;
 pub(crate) mod convex;
 pub(crate) mod convex_mesh;
@@ -54,7 +55,8 @@ mod triangle_corners;
 mod weld;
 
 pub(crate) use closed::{EdgeCensus, KnownClosed};
-pub use compound::{Compound, CompoundError, CompoundPart, MAX_PARTS};
+pub use compound::{Compound, CompoundError, MAX_PARTS};
+pub use compound_part::CompoundPart;
 #[doc(hidden)]
 pub use constant_shapes::are_sizes_usable;
 pub use convex::ConvexHull;

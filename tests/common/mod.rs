@@ -5,6 +5,5 @@ pub(crate) mod dice;
 pub(crate) mod mesh_parts;
 pub(crate) mod properties;
 pub(crate) mod scenes;
-pub(crate) mod slides;
 pub(crate) mod states;
 pub(crate) mod structures;

@@ -1,6 +1,7 @@
 //! Slides over floors of flush pieces, drawn at random: what slides, how fast, over what, at what angle to the seams and to gravity,
 //! with and without friction.
 #![allow(dead_code, reason = "each user needs some of it")]
+#![allow(clippy::disallowed_methods, reason = "angles and speeds of scenes")]
 
 use crate::common::dice::Dice;
 use crate::common::scenes::awake;

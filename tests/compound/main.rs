@@ -2,6 +2,8 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+#[path = "../common/slides.rs"]
+mod slides;
 
 mod in_app;
 mod mass;

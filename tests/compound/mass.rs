@@ -86,7 +86,8 @@ fn a_tee_has_the_center_and_the_moments_of_its_two_bars() {
 #[test]
 fn round_parts_weigh_what_they_are_and_overlaps_count_for_each() {
     let pi = std::f64::consts::PI;
-    let expected = 2.0 * 4.0 / 3.0 * pi * 0.15_f64.powi(3) + pi * 0.05_f64.powi(2) * 0.6;
+    let (ball, bar) = (0.15_f64, 0.05_f64);
+    let expected = 2.0 * 4.0 / 3.0 * pi * ball * ball * ball + pi * bar * bar * 0.6;
     let sum = VolumeIntegrals::of_compound(&dumbbell());
     assert!((sum.volume / expected - 1.0).abs() < 1e-6);
     assert!(sum.centroid.length() < 1e-7);

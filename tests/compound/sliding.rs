@@ -4,17 +4,14 @@
 
 use crate::common::dice::Dice;
 use crate::common::scenes::awake;
-use crate::common::slides::{Floor, G, H, SAG, Slide};
 use crate::common::structures::{cuboid, fixed, floor};
 use crate::shapes::{brick, compound};
+use crate::slides::{Floor, G, H, SAG, Slide};
 use bevy_cleave::prelude::*;
 use glam::Vec3;
 
 /// Share of the speed that a seam may change.
 const SPEED: f32 = 1e-3;
-
-/// Slides that still differ.
-const KNOWN: usize = 0;
 
 #[test]
 fn sliding_over_a_compound_of_flush_parts_is_sliding_over_one() {
@@ -39,7 +36,7 @@ fn sliding_over_a_compound_of_flush_parts_is_sliding_over_one() {
         }
     }
     println!("{failed} of {ran} slides differ");
-    assert!(failed <= KNOWN, "{failed} of {ran} slides differ");
+    assert_eq!(failed, 0, "of {ran} slides differ");
 }
 
 /// A slab of tiles that slides over the ground, or over tiles.

@@ -210,3 +210,40 @@ fn a_fast_ball_goes_through_no_wall_of_parts() {
         }
     }
 }
+
+/// Boxes that lie across a bench and a step: several contacts for one pair of bodies, of which some come and go.
+#[test]
+fn each_of_several_contacts_of_a_pair_keeps_its_impulses() {
+    let bench = Compound::new([
+        (
+            Pose::from_position(0.2 * Vec3::Y),
+            cuboid(Vec3::new(1.0, 0.4, 0.4)),
+        ),
+        (
+            Pose::from_position(Vec3::new(0.0, 0.4, 0.4)),
+            cuboid(Vec3::new(1.0, 0.8, 0.4)),
+        ),
+    ]);
+    let mut simulation = with_floor();
+    simulation.config.sleep = SleepConfig::off();
+    let desc = BodyDesc {
+        kind: RigidBody::Static,
+        ..BodyDesc::compound(bench.expect("usable"), Vec3::ZERO)
+    };
+    add(&mut simulation, desc);
+    // It stands on the bench and leans against the step.
+    let turn = Quat::from_xyzw(0.12, 0.0, 0.0, 1.0).normalize();
+    let board = BodyDesc {
+        pose: Pose::new(Vec3::new(0.0, 0.8, 0.0), turn),
+        friction: Friction::new(0.8),
+        ..BodyDesc::dynamic(cuboid(Vec3::new(0.3, 0.8, 0.05)), Vec3::ZERO)
+    };
+    let board = add(&mut simulation, board);
+    run(&mut simulation, 3.0);
+    let (v, _) = simulation.bodies.velocity(board);
+    assert!(v.length() < 1e-3, "{v}");
+    let manifolds = simulation.contacts.manifolds().len();
+    assert!(manifolds > 1, "{manifolds} manifolds");
+    let cache = &simulation.report.cache;
+    assert_eq!(cache.exact_hits, cache.points, "{cache:?}");
+}

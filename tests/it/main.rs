@@ -3,6 +3,8 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+#[path = "../common/slides.rs"]
+mod slides;
 
 mod hull_chain;
 mod mlcp_files;

@@ -12,8 +12,8 @@
 
 use crate::common::dice::Dice;
 use crate::common::scenes::awake;
-use crate::common::slides::{Floor, G, H, SAG, Slide, Slider};
 use crate::common::structures::{block, cuboid, fixed, floor};
+use crate::slides::{Floor, G, H, SAG, Slide, Slider};
 use bevy_cleave::prelude::*;
 use glam::Vec3;
 

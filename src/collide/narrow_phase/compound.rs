@@ -1,27 +1,28 @@
 //! Pairs of which one body has several parts: a contact for each pair of parts that touch, and one for those that lie in one plane.
 
 use crate::bodies::body::Shape;
+use crate::collide::narrow_phase::compound_near::{
+    PartScratch, examine_on_plane, find_near, gap_of_boxes, part_pair,
+};
 use crate::collide::narrow_phase::part::{OVERLAP, PairRun, Scene, touch_of};
 use crate::collide::narrow_phase::relative_pose;
 use crate::collide::proxies::CONTACT_MARGIN;
 use crate::contact::local_manifold::LocalManifold;
 use crate::contact::narrow::cast::{Cast, CastResult};
-use crate::contact::narrow::compound::{Found, FoundParts, PartPair, Side, lifted, on_surface};
+use crate::contact::narrow::compound::{PartPair, Side, lifted, on_surface};
 use crate::contact::narrow::course::Course;
-use crate::contact::narrow::half_space::examine_half_space;
-use crate::contact::narrow::level::{LevelPair, LevelScratch};
+use crate::contact::narrow::flush::{CompoundScratch, Found};
+use crate::contact::narrow::level::LevelPair;
 use crate::contact::narrow::round::cast::RoundCast;
-use crate::contact::narrow::round::pair::examine_round_half_space;
-use crate::contact::narrow::round::patch::RoundScratch;
-use crate::contact::narrow::scratch::{NarrowScratch, SatResult};
+use crate::contact::narrow::scratch::SatResult;
 use crate::contact::pairs::broad_phase::Pair;
 use crate::contact::pairs::recycle::{
     PairView, Recycle, haste, min_approach, reach_of_test, smaller_extent,
 };
 use crate::geometry::support::Core;
 use crate::geometry::{HalfSpaceShape, StaticMesh};
-use crate::math::{Aabb, Plane, Pose, rotate};
-use glam::{Mat3, Vec3};
+use crate::math::{Pose, rotate};
+use glam::Mat3;
 
 /// How much farther than contacts reach parts are looked for, as a share of the smaller body's least extent: if there are none, there is
 /// time until the next look.
@@ -29,21 +30,6 @@ const SPARE: f32 = 0.5;
 
 /// How far the planes of contacts that make one may be apart, as a share of the smaller body's least extent.
 const FLUSH: f32 = 5e-4;
-
-/// Buffers, and what was found.
-#[derive(Debug, Default)]
-pub(crate) struct CompoundScratch {
-    /// Numbers of parts that are near each other; 0 for a body that has no parts.
-    near: Vec<[u32; 2]>,
-    contacts: FoundParts,
-}
-
-/// The other buffers.
-pub(in crate::collide) struct PartScratch<'r> {
-    pub(in crate::collide) hulls: &'r mut NarrowScratch,
-    pub(in crate::collide) round: &'r mut RoundScratch,
-    pub(in crate::collide) level: &'r mut LevelScratch,
-}
 
 /// A pair of bodies whose parts are tested.
 struct BodyPair<'s> {
@@ -88,7 +74,7 @@ impl PairRun {
             reach: reach_of_test(view.paces, margin),
         };
         let scratch = &mut self.compound_scratch;
-        scratch.contacts.found.clear();
+        scratch.found.clear();
         let mut others = PartScratch {
             hulls: &mut self.scratch,
             round: &mut self.round_scratch,
@@ -97,12 +83,11 @@ impl PairRun {
         let gap = test.examine(&view, scratch, &mut others);
         let extent = smaller_extent(view.paces);
         if !gap.touches && gap.least > test.reach {
-            view.set_far(gap.least);
+            view.set_apart(None, gap.least);
             return true;
         }
-        let contacts = &mut scratch.contacts;
-        contacts.merge_flush(&test.b_in_a, FLUSH * extent);
-        let touches = contacts.found.iter();
+        scratch.merge_flush(&test.b_in_a, FLUSH * extent);
+        let touches = scratch.found.iter();
         let touches = touches.map(|it| touch_of(bodies, pair, &it.patch, it.turn));
         view.set_near_all(touches, test.reach, is_slow);
         true
@@ -110,7 +95,7 @@ impl PairRun {
 }
 
 impl<'s> BodyPair<'s> {
-    /// Fills `scratch.contacts` with the contacts of all parts.
+    /// Fills `scratch.found` with the contacts of all parts.
     fn examine(
         &self,
         view: &PairView,
@@ -159,7 +144,7 @@ impl<'s> BodyPair<'s> {
                     };
                     let patch = parts.settle(&patch, &there, self.reach, others.hulls);
                     if patch.count > 0 {
-                        scratch.contacts.found.push(Found {
+                        scratch.found.push(Found {
                             patch: parts.lift(&patch),
                             turn: parts.turn_of_bodies(&there),
                             is_ahead: there != pose,
@@ -308,7 +293,7 @@ impl<'s> BodyPair<'s> {
             patch
         };
         let turn = self.b_in_a.rotation;
-        scratch.contacts.found.push(Found {
+        scratch.found.push(Found {
             patch,
             turn,
             is_ahead: false,
@@ -368,88 +353,4 @@ impl<'s> BodyPair<'s> {
         }
         gap
     }
-}
-
-/// Contact of a part with everything below a plane, whose body has this pose in the part's frame.
-pub(super) fn examine_on_plane(
-    side: &Side,
-    normal: Vec3,
-    below_in_part: Pose,
-    reach: f32,
-    others: &mut PartScratch,
-) -> SatResult {
-    let normal = rotate(below_in_part.rotation, normal);
-    let plane = Plane::through(below_in_part.position, normal);
-    let shape = side.shape;
-    if shape.is_round() {
-        examine_round_half_space(shape, plane, below_in_part, reach, others.round)
-    } else {
-        examine_half_space(shape.hull(), plane, below_in_part, reach, others.hulls)
-    }
-}
-
-/// The parts with these numbers.
-pub(super) fn part_pair<'s>(shapes: [&'s Shape; 2], near: [u32; 2]) -> Option<PartPair<'s>> {
-    let side = |side: usize| match shapes[side] {
-        Shape::Convex(mesh) => Some(Side::whole(mesh)),
-        Shape::Compound(compound) => Some(Side::part(compound, near[side])),
-        Shape::HalfSpace(_) | Shape::Level(_) => None,
-    };
-    Some(PartPair {
-        sides: [side(0)?, side(1)?],
-    })
-}
-
-/// Fills `near` with the parts of two bodies whose boxes are within `reach` (m) of each other, in order.
-fn find_near([a, b]: [&Shape; 2], b_in_a: &Pose, reach: f32, near: &mut Vec<[u32; 2]>) {
-    near.clear();
-    let bounds_of = |shape: &Shape, pose: &Pose| {
-        let turn = Mat3::from_quat(pose.rotation);
-        match shape {
-            Shape::Convex(mesh) => mesh.bounds(&turn, pose.position),
-            _ => Aabb::EMPTY,
-        }
-    };
-    match (a.compound(), b.compound()) {
-        (Some(a), None) => {
-            let around = bounds_of(b, b_in_a).fattened(reach);
-            a.within(&around, |part| near.push([part, 0]));
-        }
-        (None, Some(b)) => {
-            let around = bounds_of(a, &b_in_a.inverse()).fattened(reach);
-            b.within(&around, |part| near.push([0, part]));
-        }
-        (Some(a), Some(b)) => {
-            let is_first_larger = a.len() >= b.len();
-            let (large, small) = if is_first_larger { (a, b) } else { (b, a) };
-            let seen = if is_first_larger {
-                *b_in_a
-            } else {
-                b_in_a.inverse()
-            };
-            for (index, part) in (0..).zip(small.parts()) {
-                let pose = seen * part.pose;
-                let turn = Mat3::from_quat(pose.rotation);
-                let around = part.shape.bounds(&turn, pose.position).fattened(reach);
-                large.within(&around, |other| {
-                    let pair = [other, index];
-                    near.push(if is_first_larger {
-                        pair
-                    } else {
-                        [index, other]
-                    });
-                });
-            }
-        }
-        (None, None) => {}
-    }
-    near.sort_unstable();
-}
-
-/// How far the boxes of two shapes are apart in the frame of the first, m; negative where they overlap.
-fn gap_of_boxes(parts: &PartPair, pose: &Pose) -> f32 {
-    let [a, b] = parts.sides.map(|side| side.shape);
-    let turn = Mat3::from_quat(pose.rotation);
-    let (a, b) = (a.aabb(), b.bounds(&turn, pose.position));
-    (b.min - a.max).max(a.min - b.max).max_element()
 }

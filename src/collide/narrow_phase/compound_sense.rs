@@ -2,7 +2,7 @@
 
 use crate::bodies::body::Shape;
 use crate::bodies::store::Bodies;
-use crate::collide::narrow_phase::compound::{PartScratch, examine_on_plane, part_pair};
+use crate::collide::narrow_phase::compound_near::{PartScratch, examine_on_plane, part_pair};
 use crate::contact::narrow::compound::{Side, lifted};
 use crate::contact::narrow::scratch::SatResult;
 use crate::contact::pairs::broad_phase::Pair;

@@ -2,7 +2,6 @@
 
 use crate::bodies::body::Shape;
 use crate::bodies::store::Bodies;
-use crate::collide::narrow_phase::compound::CompoundScratch;
 use crate::collide::narrow_phase::relative_pose;
 use crate::collide::proxies::CONTACT_MARGIN;
 use crate::contact::body_manifold::BodyManifold;
@@ -10,6 +9,7 @@ use crate::contact::local_manifold::LocalManifold;
 use crate::contact::manifolds::{ManifoldHead, ManifoldWriter};
 use crate::contact::narrow::cast::{Cast, CastResult};
 use crate::contact::narrow::course::Course;
+use crate::contact::narrow::flush::CompoundScratch;
 use crate::contact::narrow::half_space::examine_half_space;
 use crate::contact::narrow::level::LevelScratch;
 use crate::contact::narrow::round::patch::RoundScratch;

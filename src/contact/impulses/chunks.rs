@@ -38,6 +38,17 @@ impl Chunk<'_> {
         let first = pair.first as usize - self.first;
         first..first + pair.count as usize
     }
+
+    /// The same of all manifolds of two bodies.
+    pub(crate) fn range_of_all(&self, bodies: (BodyId, BodyId)) -> Range<usize> {
+        let first = self.pairs.partition_point(|pair| pair.bodies < bodies);
+        let of_both = self.pairs[first..].partition_point(|pair| pair.bodies == bodies);
+        match self.pairs[first..first + of_both] {
+            [] => 0..0,
+            [only] => self.range(&only),
+            [first, .., last] => self.range(&first).start..self.range(&last).end,
+        }
+    }
 }
 
 impl ChunkPlan {
@@ -45,17 +56,23 @@ impl ChunkPlan {
     pub(crate) fn split(&mut self, table: &EntryTable, manifolds: &[ManifoldHead], ids: &[BodyId]) {
         let count = manifolds.len().div_ceil(MANIFOLDS_PER_PART).max(1);
         self.stretches.resize_with(count, ChunkRange::default);
-        let (mut pair, mut entry) = (0, 0);
+        let (mut pair, mut entry, mut end) = (0, 0, 0);
         for (part, stretch) in self.stretches.iter_mut().enumerate() {
-            let first = part * MANIFOLDS_PER_PART;
-            let end = first + MANIFOLDS_PER_PART;
+            let first = end;
+            end = ((part + 1) * MANIFOLDS_PER_PART).max(first);
+            // All manifolds of a pair belong to one part.
+            while let Some([last, next]) = manifolds.get(end.max(1) - 1..end + 1)
+                && (last.a, last.b) == (next.a, next.b)
+            {
+                end += 1;
+            }
             let end_pair = manifolds.get(end).map_or(table.pairs.len(), |next| {
                 table.first_from(pair, bodies_of(next, ids), stretch.pairs.end)
             });
             let next = table.pairs.get(end_pair);
             let end_entry = next.map_or(table.entries.len(), |pair| pair.first as usize);
             *stretch = ChunkRange {
-                manifolds: first..end.min(manifolds.len()),
+                manifolds: first.min(manifolds.len())..end.min(manifolds.len()),
                 pairs: pair..end_pair,
                 entries: entry..end_entry,
             };

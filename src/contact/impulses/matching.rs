@@ -23,6 +23,8 @@ pub(crate) struct TouchingBodies<'s> {
     pub(crate) rotations: &'s [Quat],
     /// What contact codes refer to; none for a half-space.
     pub(crate) boxes: &'s [Option<KdBox>],
+    /// Whether a pair may have several manifolds.
+    pub(crate) have_parts: bool,
 }
 
 /// What all parts of a warm start read.
@@ -61,7 +63,12 @@ impl WarmStart<'_> {
             let (pair, manifold) = pair.into_options();
             if let Some((_, head, points)) = manifold {
                 let range = pair.map_or(0..0, |pair| share.range(pair));
+                let misses = matched.stats.misses;
                 self.fill(head, points, &mut share.entries[range], &mut matched);
+                if self.bodies.have_parts && matched.stats.misses > misses {
+                    let pool = share.range_of_all(bodies_of(head, self.bodies.ids));
+                    self.fill_from_others(head, points, &mut share.entries[pool], &mut matched);
+                }
             }
         }
         matched
@@ -96,6 +103,31 @@ impl WarmStart<'_> {
                 .map(|index| entries[index])
                 .filter(|entry| entry.age == 0 && entry.is_finite());
             apply(point, entry.as_ref(), normal, rotation, self.scale);
+        }
+    }
+}
+
+/// Where a manifold came or went, those behind it have the entries of others of the same pair.
+impl WarmStart<'_> {
+    /// Fills the impulses of points that found nothing from the entries of all manifolds of the pair.
+    fn fill_from_others(
+        &self,
+        head: &ManifoldHead,
+        points: &mut [ContactPoint],
+        pool: &mut [CacheEntry],
+        matched: &mut Matched,
+    ) {
+        let rotation = self.bodies.rotations[head.a as usize];
+        for point in points.iter_mut().filter(|p| p.normal_impulse == 0.0) {
+            let is_own =
+                |e: &&mut CacheEntry| !e.taken && e.age == 0 && e.is_finite() && is_exact(point, e);
+            if let Some(entry) = pool.iter_mut().find(is_own) {
+                entry.taken = true;
+                apply(point, Some(entry), head.normal, rotation, self.scale);
+                matched.any_taken = true;
+                matched.stats.misses = matched.stats.misses.saturating_sub(1);
+                matched.stats.exact_hits += 1;
+            }
         }
     }
 }

@@ -264,6 +264,7 @@ impl ContactCache {
                 ids,
                 rotations,
                 boxes,
+                have_parts: true,
             };
             self.warm_start_by(team, manifolds, bodies, step_dt)
         })

@@ -6,7 +6,8 @@
 //!
 //! `cast.rs` follows a pair that moves far within the step (`course.rs`) to what it touches first.
 //!
-//! `round/` is for what is curved, `level.rs` for levels of triangles, and `compound.rs` for parts of one body.
+//! `round/` is for what is curved, `level.rs` for levels of triangles, `compound.rs` for parts of one body and
+//! `flush.rs` for what they touch.
 //!
 //! A test of another shape goes here: it gives a `LocalManifold`, or an axis and a distance. Must not know the world: no bodies, no
 //! pairs, no steps. Read `examine_hulls` in `sat.rs` first.
@@ -16,6 +17,7 @@ mod clipping;
 pub(crate) mod compound;
 pub(crate) mod course;
 mod edge_search;
+pub(crate) mod flush;
 pub(crate) mod half_space;
 pub(crate) mod level;
 pub(crate) mod round;

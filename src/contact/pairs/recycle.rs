@@ -335,17 +335,10 @@ impl PairView<'_> {
         }
     }
 
-    /// Notes that a test now found the bodies `distance` (m) apart along `axis`.
-    pub(crate) fn set_apart(&mut self, axis: Vec3, distance: f32) {
+    /// Notes that a test now found the bodies `distance` (m) apart, along `axis` if it was along one.
+    pub(crate) fn set_apart(&mut self, axis: impl Into<Option<Vec3>>, distance: f32) {
         self.note(0, f32::INFINITY, distance);
-        self.state.axis = Some(axis);
-        self.touches.end(&mut self.term.touch);
-    }
-
-    /// Notes that a test now found the bodies at least `distance` (m) apart, and not along one axis.
-    pub(crate) fn set_far(&mut self, distance: f32) {
-        self.note(0, f32::INFINITY, distance);
-        self.state.axis = None;
+        self.state.axis = axis.into();
         self.touches.end(&mut self.term.touch);
     }
 

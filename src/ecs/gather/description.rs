@@ -11,8 +11,9 @@ use crate::mass::{MassProperties, VolumeIntegrals};
 use crate::math::Pose;
 use crate::slice::fracturable::Fracturable;
 use bevy_ecs::change_detection::ContiguousRef;
+use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
-use bevy_ecs::query::QueryData;
+use bevy_ecs::query::{Allow, QueryData};
 use bevy_math::Vec3;
 use bevy_transform::components::Transform;
 
@@ -212,3 +213,14 @@ pub(super) fn has_any_changed(ticks: &Query<ChangeTicks, With<BodyHandle>>) -> b
             || any(l)
     })
 }
+
+/// Entities with a shape, disabled or not.
+pub(super) type AnyShape = (
+    Or<(
+        With<ConvexMesh>,
+        With<Compound>,
+        With<HalfSpaceShape>,
+        With<StaticMesh>,
+    )>,
+    Allow<Disabled>,
+);

@@ -69,7 +69,7 @@ impl Child {
 
 type Root = (
     Entity,
-    &'static Children,
+    Option<&'static Children>,
     &'static mut MadeOf,
     Option<&'static mut Compound>,
 );
@@ -81,9 +81,7 @@ type Member = (
 );
 
 /// Run condition of [`make_compounds`].
-pub(crate) fn any_compound_of_children(
-    roots: Query<(), (With<CompoundOfChildren>, Allow<Disabled>)>,
-) -> bool {
+pub(crate) fn any(roots: Query<(), (With<CompoundOfChildren>, Allow<Disabled>)>) -> bool {
     !roots.is_empty()
 }
 
@@ -97,7 +95,8 @@ pub(crate) fn make_compounds(
 ) {
     for (entity, children, mut made_of, compound) in &mut roots {
         let mut found = Found::default();
-        let ways = children.iter().map(|child| (child, Affine3A::IDENTITY));
+        let children = children.into_iter().flatten();
+        let ways = children.map(|&child| (child, Affine3A::IDENTITY));
         found.collect(ways.collect(), &members);
         let known = made_of.0.as_ref();
         let is_known = known.is_some_and(|known| {
