@@ -1,9 +1,12 @@
 //! Tables stand, cups hold, arches let through, heaps come to rest; on any number of threads the same.
 
 use crate::common::dice::Dice;
+use crate::common::mesh_parts::voxels;
 use crate::common::structures::{block, cuboid, floor};
 use crate::shapes::{arch, chair, cup, dumbbell, table};
+use bevy_cleave::mass::VolumeIntegrals;
 use bevy_cleave::prelude::*;
+use bevy_cleave::slice::DecompositionOptions;
 use glam::{Quat, Vec3};
 
 const H: f32 = 1.0 / 60.0;
@@ -246,4 +249,30 @@ fn each_of_several_contacts_of_a_pair_keeps_its_impulses() {
     assert!(manifolds > 1, "{manifolds} manifolds");
     let cache = &simulation.report.cache;
     assert_eq!(cache.exact_hits, cache.points, "{cache:?}");
+}
+
+/// A mesh that is not convex becomes a compound: something fits into the cup, and nothing into its hull.
+#[test]
+fn a_cup_from_a_mesh_holds_a_ball() {
+    let walls = (0..5).flat_map(|x| (0..5).flat_map(move |z| (0..5).map(move |y| [x, y, z])));
+    let is_wall = |&[x, y, z]: &[i32; 3]| y == 0 || x == 0 || x == 4 || z == 0 || z == 4;
+    let walls: Vec<[i32; 3]> = walls.filter(is_wall).collect();
+    let mesh = voxels(&walls);
+    let volume = mesh.volume();
+    let compound = Compound::from_mesh(mesh, DecompositionOptions::default()).expect("a solid");
+    assert!(compound.len() < 12 && compound.visual().is_some());
+    let sum = VolumeIntegrals::of_compound(&compound).volume;
+    assert!((sum / volume - 1.0).abs() < 0.02, "{sum} {volume}");
+    let middle = compound.aabb().center();
+    let mut simulation = with_floor();
+    let vessel = add(&mut simulation, BodyDesc::compound(compound, Vec3::Y));
+    let ball = ConvexMesh::sphere(1.2).expect("valid");
+    let ball = BodyDesc::dynamic(ball, middle + 5.0 * Vec3::Y);
+    let ball = add(&mut simulation, ball);
+    run(&mut simulation, 4.0);
+    let pose = simulation.bodies.pose(vessel);
+    let inside = pose.inverse_transform_point(simulation.bodies.center_of_mass(ball)) - middle;
+    // It lies on the bottom, 1 m thick, of a cup 5 m high.
+    assert!((inside.y - (1.0 + 1.2 - 2.5)).abs() < 0.05, "{inside}");
+    assert!(inside.x.abs() < 0.35 && inside.z.abs() < 0.35, "{inside}");
 }

@@ -10,6 +10,7 @@
 //! - X. Wei, M. Liu, Z. Ling, H. Su, "Approximate Convex Decomposition for 3D Meshes with Collision-Aware Concavity and Tree
 //!   Search", ACM TOG 41(4), 2022: cuts of the mesh itself, merging afterwards. Their concavity is sampled; here it is bounded.
 
+mod compound;
 mod concavity;
 mod merging;
 mod planes;
