@@ -144,6 +144,18 @@ fn features(c: &mut Criterion) {
         };
         settled(change, default)
     });
+    // The same heap in a scene that has a pendulum too.
+    bench(c, "one_joint", {
+        let mut simulation = settled(|_| {}, default);
+        let bob = BodyDesc::dynamic(
+            bevy_cleave::cuboid!(0.3, 0.3, 0.3),
+            Vec3::new(50.0, 9.0, 50.0),
+        );
+        let bob = simulation.bodies.insert(bob).expect("usable");
+        let joint = Joint::ball().with_anchors(Vec3::new(50.0, 10.0, 50.0), Vec3::Y);
+        simulation.join(None, bob, joint).expect("usable");
+        simulation
+    });
     bench(c, "contact_events", {
         let mut simulation = settled(|_| {}, default);
         watch_all(&mut simulation);
@@ -196,6 +208,46 @@ fn many(c: &mut Criterion) {
         let name = ["many", "many_with_events"][usize::from(is_watched)];
         bench(c, name, simulation);
     }
+}
+
+/// Rows of ten crates on a plane, and the same with each joined to the next; and ten chains of twenty links that hang.
+fn joints(c: &mut Criterion) {
+    let block = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("valid size");
+    for (name, is_joined) in [("crates", false), ("crates_joined", true)] {
+        let mut simulation = Simulation::default();
+        simulation.config.sleep = SleepConfig::off();
+        let floor = BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y });
+        simulation.bodies.insert(floor).expect("usable");
+        let mut last = None;
+        for i in 0..BODIES {
+            let at = Vec3::new(1.5 * (i % 10) as f32, 0.5, 3.0 * (i / 10) as f32);
+            let desc = BodyDesc::dynamic(block.clone(), at);
+            let slot = simulation.bodies.insert(desc).expect("usable");
+            if is_joined && i % 10 > 0 {
+                let half = Vec3::new(0.75, 0.0, 0.0);
+                let joint = Joint::ball().with_anchors(half, -half);
+                simulation.join(last, slot, joint).expect("usable");
+            }
+            last = Some(slot);
+        }
+        (0..120).for_each(|_| simulation.step(H));
+        bench(c, name, simulation);
+    }
+    let mut simulation = Simulation::default();
+    simulation.config.sleep = SleepConfig::off();
+    for i in 0..BODIES {
+        let at = Vec3::new(0.0, -1.5 * (i % 20) as f32, 5.0 * (i / 20) as f32);
+        let desc = BodyDesc::dynamic(block.clone(), at);
+        let slot = simulation.bodies.insert(desc).expect("usable");
+        let half = Vec3::new(0.0, 0.75, 0.0);
+        let (above, on_a) = match i % 20 {
+            0 => (None, at + half),
+            _ => (Some(slot - 1), -half),
+        };
+        let joint = Joint::ball().with_anchors(on_a, half);
+        simulation.join(above, slot, joint).expect("usable");
+    }
+    bench(c, "chains", simulation);
 }
 
 /// Free bodies that spin: those with one moment about all axes pay nothing for their rotation.
@@ -308,6 +360,6 @@ fn queries(c: &mut Criterion) {
 criterion_group! {
     name = benches;
     config = Criterion::default().sample_size(30);
-    targets = features, spin, many, level, standing, debris, queries
+    targets = features, joints, spin, many, level, standing, debris, queries
 }
 criterion_main!(benches);

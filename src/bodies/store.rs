@@ -106,7 +106,9 @@ impl Bodies {
     #[inline]
     pub(crate) fn are_apart(&self, a: u32, b: u32) -> bool {
         let name = || (self.id(a), self.id(b));
-        !self.apart.is_empty() && self.apart.binary_search(&name()).is_ok()
+        !self.apart.is_empty()
+            && self.apart.binary_search(&name()).is_ok()
+            && !self.are_bonded(a, b)
     }
 
     /// Number of slots, used or free.

@@ -144,15 +144,20 @@ pub(crate) fn read_joints(
 ) {
     let (bodies, joints, readings) = (&mut *bodies, &mut *joints, &mut readings);
     let queue = &mut state.joints;
-    let has_changed = !readings.changed.is_empty();
-    let is_calm = queue.arrived.is_empty() && queue.refused.is_empty();
-    if is_calm && !has_changed && !queue.have_bodies_changed {
+    let arrived = std::mem::take(&mut queue.arrived);
+    let mut asked: Vec<Entity> = readings
+        .changed
+        .iter()
+        .chain(arrived.iter().copied())
+        .collect();
+    let has_changed = !asked.is_empty() || !queue.refused.is_empty();
+    if !has_changed && !queue.have_bodies_changed {
         return;
     }
     queue.have_bodies_changed = false;
-    let remade = update_known(queue, bodies, joints, readings);
+    asked.sort_unstable();
+    let remade = update_known(queue, &asked, bodies, joints, readings);
     let refused = std::mem::take(&mut queue.refused);
-    let arrived = std::mem::take(&mut queue.arrived);
     let known: Vec<Entity> = refused.iter().map(|(entity, _)| *entity).collect();
     for entity in remade.into_iter().chain(known).chain(arrived) {
         let is_there = readings
@@ -189,25 +194,26 @@ pub(crate) fn read_joints(
     }
 }
 
-/// Follows what became of the joints that hold; those that are to be made anew.
+/// Follows what became of the joints that hold; those that are to be made anew. `asked`: entities that describe their joints anew, sorted.
+/// Of the others it is enough to know that their bodies are there.
 fn update_known(
     queue: &mut JointQueue,
+    asked: &[Entity],
     bodies: &mut Bodies,
     joints: &mut Joints,
     readings: &mut JointReadings,
 ) -> Vec<Entity> {
     let mut remade = Vec::new();
     let mut gone: Vec<JointId> = Vec::new();
+    let mut at = 0;
     queue.entities.retain(|&(id, entity)| {
+        let is_held = joints.is_held(bodies, id, &mut at);
+        if is_held && asked.binary_search(&entity).is_err() {
+            return true;
+        }
         let parts = readings.parts.get(entity).ok();
-        let is_kept = parts.is_some_and(|parts| {
-            let slots = |(a, b): (Option<(u32, BodyId)>, (u32, BodyId))| {
-                [a.map(|(slot, _)| slot), Some(b.0)]
-            };
-            let ends = ends_of(parts, bodies, &readings.handles).map(slots);
-            let is_there = joints.is_there(bodies, id) && joints.bodies(id) == ends.ok();
-            is_there && joints.set(bodies, id, *parts.0).is_ok()
-        });
+        let is_kept = is_held
+            && parts.is_some_and(|parts| is_as_asked(parts, id, bodies, joints, &readings.handles));
         if !is_kept {
             gone.push(id);
             if let Ok(mut handle) = readings.marks.get_mut(entity) {
@@ -223,6 +229,19 @@ fn update_known(
         joints.remove_all(bodies, |id| gone.binary_search(&id).is_ok());
     }
     remade
+}
+
+/// Whether a joint holds the bodies that its entity names, and can become what that says.
+fn is_as_asked(
+    parts: (&Joint, Option<&JointA>, Option<&JointB>),
+    id: JointId,
+    bodies: &mut Bodies,
+    joints: &mut Joints,
+    handles: &Query<&BodyHandle>,
+) -> bool {
+    let slots = |(a, b): Ends| [a.map(|(slot, _)| slot), Some(b.0)];
+    let ends = ends_of(parts, bodies, handles).map(slots);
+    joints.bodies(id) == ends.ok() && joints.set(bodies, id, *parts.0).is_ok()
 }
 
 /// The bodies that an entity asks to be joined.

@@ -223,6 +223,17 @@ impl Joint {
         self.axes().try_for_each(|axis| axis.check())
     }
 
+    /// The same joint, in which a distance that is to be none, and has no direction, is three lengths that are.
+    pub(crate) fn with_directions(mut self) -> Self {
+        if matches!(self.distance.range, AxisRange::Limited { max, .. } if max <= 0.0) {
+            self.distance.range = AxisRange::Free;
+            for axis in &mut self.linear {
+                axis.range = AxisRange::Locked;
+            }
+        }
+        self
+    }
+
     /// All axes: three linear, three angular, distance.
     pub(crate) fn axes(&self) -> impl Iterator<Item = &JointAxis> {
         let six = self.linear.iter().chain(&self.angular);

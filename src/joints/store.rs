@@ -192,10 +192,13 @@ impl Joints {
         self.list.iter().map(|record| record.id)
     }
 
-    /// Whether there is a joint of this name, between bodies that are still there.
-    pub(crate) fn is_there(&self, bodies: &Bodies, id: JointId) -> bool {
-        let found = self.find(id).map(|at| &self.list[at]);
-        found.is_some_and(|record| record.is_there(bodies))
+    /// Whether there is a joint of this name, between bodies that are still there and of which one can move. `at`: where it is looked for
+    /// first, for a walk through names that ascend.
+    pub(crate) fn is_held(&self, bodies: &Bodies, id: JointId, at: &mut usize) -> bool {
+        let rest = self.list.get(*at..).unwrap_or(&[]).iter();
+        *at += rest.take_while(|record| record.id < id).count();
+        let found = self.list.get(*at).filter(|record| record.id == id);
+        found.is_some_and(|record| record.is_there(bodies) && record.can_move(bodies))
     }
 
     /// Joints that pieces have got since this was last asked.

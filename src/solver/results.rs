@@ -35,7 +35,7 @@ impl SolvedIsland<'_> {
         self.batch.collect_rows(places.clone(), first_body, rows);
     }
 
-    /// How far its rows, which `rows` is a buffer for, are from being solved.
+    /// How far its rows, which `rows` is a buffer for, and those of its joints are from being solved.
     pub(crate) fn residual_sum(&self, rows: &mut Vec<PointRows>) -> ResidualSum {
         self.rows(rows);
         let settings = &self.batch.settings;
@@ -43,7 +43,9 @@ impl SolvedIsland<'_> {
             friction: settings.friction,
             is_relaxed: settings.is_relaxed(),
         };
-        ResidualSum::of(rows, self.bodies, solved)
+        let mut sum = ResidualSum::of(rows, self.bodies, solved);
+        sum.add_rows(self.batch.solved_joint_rows(self.member));
+        sum
     }
 }
 

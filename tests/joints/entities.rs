@@ -10,38 +10,38 @@ use bevy_transform::components::Transform;
 use glam::Vec3;
 use std::time::Duration;
 
-fn app() -> App {
+pub(crate) fn app() -> App {
     let mut app = App::new();
     app.init_resource::<Time>();
     app.add_plugins(CleavePlugin::new(bevy_app::Update));
     app
 }
 
-fn step(app: &mut App) {
+pub(crate) fn step(app: &mut App) {
     app.world_mut()
         .resource_mut::<Time>()
         .advance_by(Duration::from_secs_f64(1.0 / 60.0));
     app.update();
 }
 
-fn steps(app: &mut App, count: usize) {
+pub(crate) fn steps(app: &mut App, count: usize) {
     for _ in 0..count {
         step(app);
     }
 }
 
-fn bob(app: &mut App, at: Vec3) -> Entity {
+pub(crate) fn bob(app: &mut App, at: Vec3) -> Entity {
     let body = BodyDesc::dynamic(cuboid(0.5, 0.5, 0.5), at);
     app.world_mut().spawn_body(body)
 }
 
-fn join(app: &mut App, a: Option<Entity>, b: Entity, joint: Joint) -> Entity {
+pub(crate) fn join(app: &mut App, a: Option<Entity>, b: Entity, joint: Joint) -> Entity {
     let id = app.world_mut().commands().join(a, b, joint);
     app.world_mut().flush();
     id
 }
 
-fn place(app: &App, entity: Entity) -> Vec3 {
+pub(crate) fn place(app: &App, entity: Entity) -> Vec3 {
     app.world()
         .get::<Transform>(entity)
         .expect("placed")
@@ -49,7 +49,7 @@ fn place(app: &App, entity: Entity) -> Vec3 {
 }
 
 /// A bob that hangs 1 m below the origin.
-fn hanging(app: &mut App) -> (Entity, Entity) {
+pub(crate) fn hanging(app: &mut App) -> (Entity, Entity) {
     let bob = bob(app, Vec3::NEG_Y);
     let joint = Joint::ball().with_anchors(Vec3::ZERO, Vec3::Y);
     (bob, join(app, None, bob, joint))

@@ -5,9 +5,12 @@ mod chains;
 #[path = "../common/mod.rs"]
 mod common;
 mod determinism;
+mod distances;
 mod drives;
 mod entities;
 mod hard;
 mod kinds;
+mod lives;
 mod pendulums;
 mod scene;
+mod touching;

@@ -13,6 +13,11 @@
 //! are taken times the `s` that makes it the larger of these: momentum is kept, and friction stays within its bound. Below,
 //! bodies are all but at rest; what is left then of loads that still spread through a large pile is more than they fall with
 //! in a sub-step, and a pyramid of 50 rows that was denied it sank by a tenth of a cube instead of a hundredth.
+//!
+//! Where joints give the bodies `g_j` in the same sub-step, motors and springs among them may give energy, and contacts are asked for
+//! their own part alone: the work of their impulses at the mean of the velocities before and after, `g.M (v_0 + (g + g_j) / 2)`. With a share of
+//! the impulses goes a share of what joints answered them with, so that in `E(s)` the last term has `g.M (g + g_j)`. Joints are solved
+//! once more behind it.
 
 use crate::bodies::solver_body::{BodyMass, SolverBody};
 use crate::solver::batch::Batch;
@@ -145,6 +150,31 @@ impl Sums {
     }
 }
 
+impl Sums {
+    /// As [`share`](Self::share), where joints gave something too: `work` is `g.M v_0` and `square` `g.M (g + g_j)` then.
+    fn share_beside_joints(&self, speed: f32, lift: f64) -> f64 {
+        let allowed = self.allowed(speed, lift);
+        if self.after <= allowed {
+            return 1.0;
+        }
+        let spare = allowed - self.before();
+        let root = (self.work * self.work + self.square * spare)
+            .max(0.0)
+            .sqrt();
+        // Joints may take all that contacts give, so nothing is divided by the square.
+        let share = if self.work > 0.0 {
+            spare / (root + self.work)
+        } else {
+            (root - self.work) / self.square
+        };
+        if share.is_finite() {
+            share.clamp(0.0, 1.0)
+        } else {
+            1.0
+        }
+    }
+}
+
 impl Batch {
     /// Whether contacts are to add no energy: other methods leave in the velocities what pushes overlap out.
     pub(crate) fn is_passive(&self) -> bool {
@@ -167,14 +197,38 @@ impl Batch {
             .get(island)
             .copied()
             .unwrap_or(f32::INFINITY);
-        let is_fine = linear.are_fine(inertia, speed);
-        if is_fine || !self.is_passive() || self.is_driven(member) || !member.joints.is_empty() {
+        let is_jointed = !member.joints.is_empty();
+        let is_fine = !is_jointed && linear.are_fine(inertia, speed);
+        if is_fine || !self.is_passive() || self.is_driven(member) {
             return;
         }
         let lift = self.impacts.lifts.get(island).copied().unwrap_or(0.0);
-        let share = self.sums(member, team).share(speed, lift);
+        let mut sums = self.sums(member, team);
+        let share = if is_jointed {
+            self.add_joints(&mut sums, member);
+            sums.share_beside_joints(speed, lift)
+        } else {
+            sums.share(speed, lift)
+        };
         if share < 1.0 {
             self.scale_impulses(member, share as f32);
+            self.joints.is_disturbed |= is_jointed;
+        }
+    }
+
+    /// Takes into account what joints gave to the bodies while contacts did.
+    fn add_joints(&self, sums: &mut Sums, member: &Member) {
+        for (number, [linear, angular]) in self.given_by_joints(member) {
+            let i = number.index();
+            let gain = &self.bodies.contact_velocity_changes[i];
+            let mut cross =
+                f64::from(mass_of(&self.bodies.velocities[i]) * gain.linear.dot(linear));
+            let inverse = self.bodies.masses[i].inverse_inertia();
+            if inverse.determinant() > 0.0 {
+                cross += f64::from((inverse.inverse() * gain.angular).dot(angular));
+            }
+            sums.work -= cross;
+            sums.square += cross;
         }
     }
 

@@ -25,9 +25,9 @@ const ROUNDING: f32 = 1.2e-7;
 
 /// A jointed body within its batch.
 #[derive(Clone, Copy, Debug)]
-struct JointedNumber {
+pub(super) struct JointedNumber {
     /// Its number.
-    body: BodyNumber,
+    pub(super) body: BodyNumber,
     /// Its place among those that turn.
     turning: u32,
     /// Center of mass at the start of the step, m.
@@ -37,14 +37,16 @@ struct JointedNumber {
 /// Joints within a batch: empty where there are none.
 #[derive(Debug, Default)]
 pub struct BatchJoints {
-    system: JointSystem,
+    pub(super) system: JointSystem,
     drift: Drift,
     /// By jointed body.
-    numbers: Vec<JointedNumber>,
+    pub(super) numbers: Vec<JointedNumber>,
     /// By number of a body: its end of joints.
     ends: Vec<Option<JointEndpoint>>,
     /// By jointed body: what joints and free rotation have added to its velocities in the sub-step.
-    given: Vec<SolverBody>,
+    pub(super) given: Vec<SolverBody>,
+    /// Whether impulses of contacts have been changed since joints were solved.
+    pub(super) is_disturbed: bool,
     /// Impulses of rows, and what was given, before the last sweep.
     last_impulses: Vec<f64>,
     last_given: Vec<SolverBody>,
@@ -325,23 +327,6 @@ impl Batch {
         self.joints.system.begin_along(&half);
     }
 
-    /// Ends a sub-step: what joints have given is none of what contacts have.
-    pub(crate) fn end_joints(&mut self) {
-        if !self.joints.any() {
-            return;
-        }
-        self.joints.system.end_substep();
-        let begin = &mut self.bodies.contact_velocity_changes;
-        if begin.is_empty() {
-            return;
-        }
-        for (number, given) in self.joints.numbers.iter().zip(&self.joints.given) {
-            let begin = &mut begin[number.body.index()];
-            begin.linear += given.linear;
-            begin.angular += given.angular;
-        }
-    }
-
     fn fetch_velocities(&mut self) {
         let BatchJoints {
             system, numbers, ..
@@ -367,31 +352,8 @@ impl Batch {
             (body.linear, body.angular) = (linear, angular);
         }
     }
-
-    /// Takes back what the joints bore; `joints`: those of the step.
-    pub(crate) fn store_joints(&self, joints: &mut [JointRecord]) {
-        let system = &self.joints.system;
-        let (step_dt, h) = (self.settings.step_dt(), self.settings.substep_dt);
-        for ((index, _), joint) in self.layout.joints.iter().zip(&system.joints) {
-            let record = &mut joints[*index as usize];
-            let [force, torque] = joint.impulse.map(|impulse| impulse.as_vec3() / step_dt);
-            record.load.force = force;
-            record.load.torque = torque;
-            record.load.error = joint.error.map(|error| error as f32);
-            record.load.angle = joint.angle as f32;
-            let translation = joint.now.as_ref().map(|now| now.translation().as_vec3());
-            record.load.translation = translation.unwrap_or_default();
-            record.forces.fill(0.0);
-            record.stored_energy = 0.0;
-            for row in &system.rows[joint.rows.clone()] {
-                let force = (row.impulse + row.spent) as f32 / h;
-                record.forces[usize::from(row.slot)] = force;
-                record.stored_energy += row.stored_energy() as f32;
-            }
-        }
-    }
 }
 
-fn velocity_of(body: &SolverBody) -> Vector6 {
+pub(super) fn velocity_of(body: &SolverBody) -> Vector6 {
     join(body.linear.as_dvec3(), body.angular.as_dvec3())
 }

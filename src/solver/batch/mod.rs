@@ -13,6 +13,7 @@ mod energy_guard;
 #[cfg(feature = "exact")]
 mod exact_substep;
 mod impacts;
+mod joint_results;
 mod joints;
 pub(crate) mod layout;
 mod load;

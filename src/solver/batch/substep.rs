@@ -41,7 +41,7 @@ impl Batch {
     /// q += h v           with what it takes for the joints to hold then
     /// reanchor           the rows of what hits act where the bodies are now
     /// relax              takes the velocity that pushed overlap out from the bodies again; impacts rebound
-    /// guard energy       contacts leave no more energy than there was
+    /// guard energy       contacts leave no more energy than there was; joints hold again where that took something
     /// warm start         goes back to what contacts bore before an impact
     /// free rotation
     /// ```
@@ -56,9 +56,10 @@ impl Batch {
         self.turn_jointed_bodies();
         self.reanchor_hits(&targets, team);
         self.relax(&targets, team);
-        self.end_joints();
+        self.set_joints_apart();
         self.restrain_driven();
         self.note_contact_velocity_changes(team);
+        self.end_joints();
         self.restore_hits(&targets);
         self.turn_bodies(&targets, team);
     }

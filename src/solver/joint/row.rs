@@ -113,6 +113,17 @@ impl JointRow {
         self.fixed_velocity + of(0) + of(1)
     }
 
+    /// How much its velocity is above the one that goes with its impulse, m/s or rad/s; none where no velocity does, as of a spring
+    /// whose force is given.
+    pub(crate) fn velocity_error(&self, velocities: [Option<&Vector6>; 2]) -> Option<f64> {
+        let error = self.velocity(velocities) - self.target;
+        if self.is_rigid() {
+            return (self.stiffness > 0.0).then_some(error);
+        }
+        let given = (self.impulse - self.base) / self.stiffness;
+        given.is_finite().then_some(error + given)
+    }
+
     /// Impulse that it is to have more, at a velocity of the row and before that changes. At a bound it is all that is left.
     #[inline(always)]
     pub(crate) fn missing_impulse(&self, velocity: f64) -> f64 {

@@ -83,7 +83,10 @@ pub(crate) fn add_rows(rows: &mut Vec<JointRow>, joint: &Joint, measure: &Measur
                 rows.push(row(HOLD, RowKind::Equality, position));
             }
             AxisRange::Limited { min, max } => {
-                rows.push(limit(HOLD, 1.0, measure.value - f64::from(min)));
+                // No distance is less than none: anchors of a rope pass each other.
+                if number != DISTANCE || min > 0.0 {
+                    rows.push(limit(HOLD, 1.0, measure.value - f64::from(min)));
+                }
                 rows.push(limit(UPPER, -1.0, measure.value - f64::from(max)));
             }
         }
@@ -197,6 +200,9 @@ impl JointRow {
         if is_fresh {
             self.spent = self.impulse;
             self.impulse = 0.0;
+        }
+        // Beside contacts no force acts in the second half, and those of the first stay within their bounds.
+        if is_fresh || self.is_position() {
             self.act_for(half.kick);
         }
         match self.kind {

@@ -137,7 +137,7 @@ impl JointSystem {
         }));
         let frames = [joint.frame_a, joint.frame_b].map(|frame| frame.rotation.as_dquat());
         self.joints.push(BatchJoint {
-            joint,
+            joint: joint.with_directions(),
             ends,
             anchors,
             frames: frames.map(DQuat::normalize),
@@ -206,6 +206,7 @@ impl JointSystem {
                     row.state = before.state;
                     row.impulse = before.impulse;
                     row.spent = before.spent;
+                    row.bounds = before.bounds;
                     row.velocity_before = before.velocity_before;
                 }
             }

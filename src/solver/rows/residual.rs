@@ -42,7 +42,34 @@ pub struct ResidualSum {
     approach: f64,
 }
 
+/// A row of another kind than those of contacts, solved.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SolvedRow {
+    /// N s, or N m s.
+    pub impulse: f64,
+    /// How much its velocity is above what it should be with the impulse, m/s or rad/s.
+    pub velocity_error: f64,
+    /// Velocity that an impulse of one gives, 1/kg.
+    pub diagonal: f64,
+    /// Of the impulse.
+    pub bounds: [f64; 2],
+}
+
 impl ResidualSum {
+    /// Adds rows of the same island that are no contacts.
+    pub(crate) fn add_rows(&mut self, rows: impl Iterator<Item = SolvedRow> + Clone) {
+        // As for contacts: no row needs more than all carry together.
+        let cap: f64 = rows.clone().map(|row| row.impulse.abs()).sum();
+        for row in rows {
+            let (impulse, w, [least, most]) = (row.impulse, row.velocity_error, row.bounds);
+            let r = mlcp::natural_map(impulse, w, row.diagonal, least, most);
+            self.natural_map += r * r;
+            self.scale += impulse * impulse * row.diagonal;
+            let [below, above] = [impulse - least.max(-cap), most.min(cap) - impulse];
+            self.gap += w.max(0.0) * below.max(0.0) + (-w).max(0.0) * above.max(0.0);
+        }
+    }
+
     /// Sums over the rows of an island, at the velocities in `bodies`.
     pub fn of(rows: &[PointRows], bodies: &[SolverBody], problem: Solved) -> Self {
         let mut sum = Self::default();
