@@ -4,6 +4,7 @@ use crate::cli::{self, Arguments};
 use crate::engine::{Entry, Setting, registry};
 use crate::job::{Job, Outcome, quantile};
 use crate::report::{self, dominance, machine};
+use crate::scene::Scene;
 use crate::table::{Row, Table, Writer};
 use crate::{Error, scene, suites};
 use std::path::PathBuf;
@@ -105,7 +106,7 @@ pub(crate) fn run(words: Arguments) -> Result<(), Error> {
     let mut table = Table::default();
     for spec in &options.scenes {
         let scene = scene::build(spec).ok_or(format!("no scene `{spec}`, see `arena list`"))?;
-        let mut points = points(spec, scene.num_dynamic(), &options, &all);
+        let mut points = points(spec, &scene, &options, &all);
         for repeat in 0..=options.repeats {
             for point in &mut points {
                 point.run(&options, repeat == 0);
@@ -123,9 +124,11 @@ pub(crate) fn run(words: Arguments) -> Result<(), Error> {
     Ok(())
 }
 
-fn points<'a>(spec: &str, bodies: usize, options: &Options, all: &'a [Entry]) -> Vec<Point<'a>> {
+fn points<'a>(spec: &str, scene: &Scene, options: &Options, all: &'a [Entry]) -> Vec<Point<'a>> {
+    let bodies = scene.num_dynamic();
     let entries = all
         .iter()
+        .filter(|entry| scene.joints.is_empty() || entry.has_joints)
         .filter(|entry| options.engines.iter().any(|n| n == entry.name));
     let mut points = Vec::new();
     for entry in entries {

@@ -66,9 +66,19 @@ pub(crate) struct Entry {
     /// Name of the setting that the engine ships with.
     pub(crate) default: String,
     pub(crate) build: fn(&Scene, &Settings) -> Box<dyn Engine>,
+    /// Whether the adapter makes joints; scenes that have some are run with no other.
+    pub(crate) has_joints: bool,
 }
 
 impl Entry {
+    /// The same for an adapter that makes joints.
+    pub(crate) fn with_joints(self) -> Self {
+        Self {
+            has_joints: true,
+            ..self
+        }
+    }
+
     /// An engine whose settings are numbers.
     #[cfg(any(
         feature = "rapier",
@@ -94,6 +104,7 @@ impl Entry {
             settings: values.iter().map(setting).collect(),
             default: default.to_string(),
             build,
+            has_joints: false,
         }
     }
 }

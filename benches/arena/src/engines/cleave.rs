@@ -21,7 +21,9 @@ pub(crate) fn entry() -> Entry {
         settings: settings(),
         default: DEFAULT.into(),
         build,
+        has_joints: false,
     }
+    .with_joints()
 }
 
 /// Threads that the compute pool gets so that `threads` work in all: the one that calls `TaskPool::scope` takes part, as
@@ -39,7 +41,13 @@ fn build(scene: &Scene, settings: &Settings) -> Box<dyn Engine> {
         ..Simulation::default()
     };
     let bodies = descriptions(scene).map(|body| simulation.bodies.insert(body));
-    let slots = bodies.collect::<Result<_, _>>().expect("usable bodies");
+    let slots: Vec<u32> = bodies.collect::<Result<_, _>>().expect("usable bodies");
+    for joint in &scene.joints {
+        let [a, b] = joint.bodies.map(|body| slots[body]);
+        let [on_a, on_b] = joint.anchors;
+        let made = simulation.join(Some(a), b, Joint::ball().with_anchors(on_a, on_b));
+        made.expect("a usable joint");
+    }
     Box::new(Cleave {
         simulation,
         slots,

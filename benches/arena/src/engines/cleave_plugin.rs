@@ -22,6 +22,7 @@ pub(crate) fn entry() -> Entry {
         settings: settings(),
         default: DEFAULT.into(),
         build,
+        has_joints: false,
     }
 }
 

@@ -9,20 +9,39 @@ struct Rapier {
     handles: Vec<RigidBodyHandle>,
 }
 
-pub(crate) fn entries() -> [Entry; 2] {
+pub(crate) fn entries() -> [Entry; 3] {
     let entry =
         |name, build| Entry::numbered(name, "solver_iterations", 4, &[1, 2, 4, 8, 16], build);
     [
         entry("rapier", |scene, settings| {
-            build(scene, settings, FrictionModel::Simplified)
-        }),
+            build(scene, settings, FrictionModel::Simplified, Joints::Impulses)
+        })
+        .with_joints(),
+        // Joints by reduced coordinates. Without joints it is the entry above.
+        entry("rapier-multibody", |scene, settings| {
+            let joints = Joints::Coordinates;
+            build(scene, settings, FrictionModel::Simplified, joints)
+        })
+        .with_joints(),
         entry("rapier-coulomb", |scene, settings| {
-            build(scene, settings, FrictionModel::Coulomb)
+            build(scene, settings, FrictionModel::Coulomb, Joints::Impulses)
         }),
     ]
 }
 
-fn build(scene: &Scene, settings: &Settings, friction_model: FrictionModel) -> Box<dyn Engine> {
+/// Rapier has two solvers for joints.
+#[derive(Clone, Copy)]
+enum Joints {
+    Impulses,
+    Coordinates,
+}
+
+fn build(
+    scene: &Scene,
+    settings: &Settings,
+    friction_model: FrictionModel,
+    joints: Joints,
+) -> Box<dyn Engine> {
     let mut world = PhysicsWorld::new();
     world.gravity = scene.gravity;
     world.integration_parameters.dt = scene.dt;
@@ -59,6 +78,22 @@ fn build(scene: &Scene, settings: &Settings, friction_model: FrictionModel) -> B
             .restitution(scene.restitution);
         world.insert_collider(collider, Some(handle));
         handles.push(handle);
+    }
+    for joint in &scene.joints {
+        let [a, b] = joint.bodies.map(|body| handles[body]);
+        let ball = SphericalJointBuilder::new()
+            .local_anchor1(joint.anchors[0])
+            .local_anchor2(joint.anchors[1])
+            .contacts_enabled(false);
+        match joints {
+            Joints::Impulses => {
+                world.insert_impulse_joint(a, b, ball);
+            }
+            Joints::Coordinates => {
+                let made = world.insert_multibody_joint(a, b, ball);
+                made.expect("no loops");
+            }
+        }
     }
     Box::new(Rapier { world, handles })
 }

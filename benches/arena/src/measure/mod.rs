@@ -2,7 +2,7 @@
 //! every engine. Nothing here asks an engine for its own opinion.
 
 use crate::engine::State;
-use crate::scene::{Scene, Truth};
+use crate::scene::{Ball, Scene, Truth};
 use glam::{DMat3, DQuat, DVec3};
 use parry3d_f64::bounding_volume::BoundingVolume;
 use parry3d_f64::math::Pose;
@@ -67,6 +67,8 @@ pub(crate) struct Meter<'s> {
     /// Scene-specific scratch: first sample of a slide, or contact seen and apex of a bounce.
     mark: Option<Pose64>,
     apex: f64,
+    /// Largest distance of the anchors of a joint, m.
+    gap: f64,
 }
 
 impl<'s> Meter<'s> {
@@ -111,6 +113,7 @@ impl<'s> Meter<'s> {
             pen_sum: (0.0, 0),
             mark: None,
             apex: 0.0,
+            gap: 0.0,
         };
         meter.energy0 = meter.energy();
         meter.energy_min = meter.energy0;
@@ -134,6 +137,12 @@ impl<'s> Meter<'s> {
         if self.step.is_multiple_of(self.scene.deep_every) || self.step == self.scene.steps {
             self.penetration();
         }
+        self.gap = self
+            .scene
+            .joints
+            .iter()
+            .map(|joint| self.gap_of(joint))
+            .fold(self.gap, f64::max);
         match self.scene.truth {
             Truth::Slide if self.step == 60 => self.mark = Some(self.last[1]),
             Truth::Bounce { .. } if before[1].lin.y < 0.0 && self.last[1].lin.y > 0.0 => {
@@ -225,8 +234,18 @@ impl<'s> Meter<'s> {
                 let stands = |i: &usize| (last[*i].rot * DVec3::Y).y > 0.8;
                 self.dynamic().filter(stands).count() as f64 / scene.num_dynamic() as f64
             }
+            Truth::Joints => self.gap,
             Truth::Wall => (last[1].pos.x > 0.0) as u8 as f64,
         }
+    }
+
+    /// How far the anchors of a joint are apart, m.
+    fn gap_of(&self, joint: &Ball) -> f64 {
+        let anchor = |side: usize| {
+            let body = &self.last[joint.bodies[side]];
+            body.pos + body.rot * joint.anchors[side].as_dvec3()
+        };
+        anchor(0).distance(anchor(1))
     }
 
     /// Relative error of the acceleration of body 1 after the mark.

@@ -1,7 +1,7 @@
 //! The scenes.
 
 use super::random::Rng;
-use super::{Scene, Truth, sign};
+use super::{Ball, Scene, Truth, sign};
 use glam::{Quat, Vec3, vec3};
 use std::f32::consts::PI;
 
@@ -29,6 +29,9 @@ pub(crate) const LIBRARY: &[Recipe] = &[
     ("bounce", "-", 1, |_| bounce()),
     ("fall", "-", 1, |_| fall()),
     ("bullet", "-", 1, |_| wall("bullet", false)),
+    ("chain10", "load over link", 100, |n| chain(10, n)),
+    ("chain30", "load over link", 100, |n| chain(30, n)),
+    ("chain100", "load over link", 100, |n| chain(100, n)),
     ("bullet_ccd", "-", 1, |_| wall("bullet_ccd", true)),
 ];
 
@@ -185,6 +188,26 @@ fn slope(name: &str, offset: f32, truth: Truth) -> Scene {
         );
     let shape = s.boxed(vec3(0.5, 0.2, 0.5));
     s.add(shape, vec3(0.0, 0.2, 0.0));
+    s
+}
+
+/// Links of 1 m and 1 kg, level at first, by ball joints from a post; at the end a cube that weighs as much as `load` links.
+fn chain(links: usize, load: usize) -> Scene {
+    let mut s = Scene::new("chain", Truth::Joints);
+    s.fixed_box(Vec3::ZERO, Vec3::splat(0.05));
+    let (link, cube) = (s.boxed(vec3(0.5, 0.05, 0.05)), s.boxed(Vec3::splat(0.5)));
+    for i in 0..=links {
+        let is_load = i == links;
+        let shape = if is_load { cube } else { link };
+        let body = s.add(shape, vec3(i as f32 + 0.5, 0.0, 0.0));
+        body.density = if is_load { load as f32 } else { 100.0 };
+        let half = vec3(0.5, 0.0, 0.0);
+        s.joints.push(Ball {
+            bodies: [i, i + 1],
+            anchors: [if i == 0 { Vec3::ZERO } else { half }, -half],
+        });
+    }
+    (s.steps, s.warmup) = (240, 20);
     s
 }
 

@@ -30,6 +30,15 @@ pub(crate) struct Body {
     pub(crate) bullet: bool,
 }
 
+/// A ball joint.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ball {
+    /// Indices into [`Scene::bodies`].
+    pub(crate) bodies: [usize; 2],
+    /// In the frames of the bodies.
+    pub(crate) anchors: [Vec3; 2],
+}
+
 /// What the end state is judged against.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Truth {
@@ -52,12 +61,16 @@ pub(crate) enum Truth {
     Topple,
     /// Body 1 flies along +x at a wall through x = 0. `err` = 1 if it passed.
     Wall,
+    /// Joints hold. `err` = largest distance of the two anchors of a joint at the end of a step \[m\].
+    Joints,
 }
 
 pub(crate) struct Scene {
     pub(crate) name: String,
     pub(crate) shapes: Vec<Shape>,
     pub(crate) bodies: Vec<Body>,
+    /// Joined bodies do not collide with each other.
+    pub(crate) joints: Vec<Ball>,
     pub(crate) gravity: Vec3,
     /// One material per scene, so that the engines' different mixing rules agree.
     pub(crate) friction: f32,
@@ -77,6 +90,7 @@ impl Scene {
             name: name.into(),
             shapes: vec![],
             bodies: vec![],
+            joints: vec![],
             gravity: vec3(0.0, -9.81, 0.0),
             friction: 0.6,
             restitution: 0.0,
