@@ -90,7 +90,7 @@ impl Bodies {
     pub(crate) fn limit(&self, slot: u32) -> Option<BreakingLimit> {
         let fracturable = self.fracturable(slot)?;
         let borne = self.borne_impulse[slot as usize];
-        let is_at_risk = borne < f32::INFINITY && self.convex(slot).is_some();
+        let is_at_risk = borne < f32::INFINITY && self.info(slot).shape.solid_aabb().is_some();
         is_at_risk.then_some(BreakingLimit {
             body: 0,
             impulse: self.strength(slot).max(borne),

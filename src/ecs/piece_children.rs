@@ -4,6 +4,7 @@ use crate::bodies::store::Bodies;
 use crate::ecs::components::BodyHandle;
 use crate::ecs::parents::{local_of, parent_of};
 use crate::ecs::state::PluginState;
+use crate::geometry::ConvexHull;
 use crate::math::Pose;
 use bevy_ecs::prelude::*;
 use bevy_math::Vec3;
@@ -80,11 +81,18 @@ fn nearest<'p>(
     let bodies = world.resource::<Bodies>();
     let distance = |slot: u32| {
         let local = bodies.pose(slot).inverse_transform_point(point);
-        let faces = bodies
-            .convex(slot)
-            .map_or(&[][..], |mesh| mesh.hull().faces());
-        let distances = faces.iter().map(|face| face.plane.distance(local));
-        distances.fold(f32::NEG_INFINITY, f32::max)
+        let above = |hull: &ConvexHull, at: Vec3| {
+            let heights = hull.faces().iter().map(|face| face.plane.distance(at));
+            heights.fold(f32::NEG_INFINITY, f32::max)
+        };
+        if let Some(compound) = bodies.compound(slot) {
+            let parts = compound.parts().iter();
+            let heights = parts
+                .map(|part| above(part.shape.hull(), part.pose.inverse_transform_point(local)));
+            return heights.fold(f32::INFINITY, f32::min);
+        }
+        let mesh = bodies.convex(slot);
+        mesh.map_or(f32::NEG_INFINITY, |mesh| above(mesh.hull(), local))
     };
     let pieces = pieces.map(|&(slot, piece)| (distance(slot), piece));
     let nearest = pieces.min_by(|(a, _), (b, _)| a.total_cmp(b));

@@ -19,7 +19,7 @@ use crate::ecs::piece_children::hand_on_children;
 use crate::ecs::state::PluginState;
 use crate::ecs::uncloned::name_uncloned;
 use crate::fracture::{Fracture, Fractures};
-use crate::geometry::ConvexMesh;
+use crate::geometry::{Compound, ConvexMesh};
 use crate::mass::MassProperties;
 use crate::math::Pose;
 use crate::slice::fracturable::Fracturable;
@@ -70,7 +70,8 @@ impl PieceRules {
 /// The body's components of the piece that is being cloned.
 struct Staged {
     kind: RigidBody,
-    mesh: ConvexMesh,
+    mesh: Option<ConvexMesh>,
+    compound: Option<Compound>,
     transform: Transform,
     global: GlobalTransform,
     linear: LinearVelocity,
@@ -108,6 +109,19 @@ macro_rules! staged {
     };
 }
 
+/// The same of a part that a piece may have none of.
+macro_rules! staged_if_any {
+    ($part:ident) => {
+        |_, target| {
+            STAGED.with_borrow(|staged| {
+                let own = staged.as_ref().and_then(|staged| staged.$part.clone());
+                own.into_iter()
+                    .for_each(|own| target.write_target_component(own));
+            })
+        }
+    };
+}
+
 impl Staged {
     fn of(world: &World, parent: Entity, slot: u32) -> Option<Self> {
         let bodies = world.resource::<Bodies>();
@@ -120,7 +134,8 @@ impl Staged {
         let above = parent_of(world, parent);
         Some(Self {
             kind: bodies.kind(slot),
-            mesh: bodies.convex(slot)?.clone(),
+            mesh: bodies.convex(slot).cloned(),
+            compound: bodies.compound(slot).cloned(),
             // The shape is as large as it is in the world: beneath a scaled parent it must be scaled back.
             transform: above.map_or(in_world, |above| {
                 let (scale, ..) = above.to_scale_rotation_translation();
@@ -142,8 +157,11 @@ impl Staged {
         let Ok(mut piece) = world.get_entity_mut(piece) else {
             return;
         };
-        if !piece.contains::<ConvexMesh>() {
-            piece.insert(self.mesh);
+        if let Some(mesh) = self.mesh.filter(|_| !piece.contains::<ConvexMesh>()) {
+            piece.insert(mesh);
+        }
+        if let Some(compound) = self.compound.filter(|_| !piece.contains::<Compound>()) {
+            piece.insert(compound);
         }
         if let Some(fracturable) = self
             .fracturable
@@ -368,7 +386,8 @@ fn keep_apart(builder: &mut EntityClonerBuilder<OptOut>, keeps_breaking: bool) {
         (JointsOfA, JointsOfB),
     )>();
     stage::<RigidBody>(builder, staged!(kind));
-    stage::<ConvexMesh>(builder, staged!(mesh));
+    stage::<ConvexMesh>(builder, staged_if_any!(mesh));
+    stage::<Compound>(builder, staged_if_any!(compound));
     stage::<Transform>(builder, staged!(transform));
     stage::<GlobalTransform>(builder, staged!(global));
     stage::<LinearVelocity>(builder, staged!(linear));
@@ -377,16 +396,7 @@ fn keep_apart(builder: &mut EntityClonerBuilder<OptOut>, keeps_breaking: bool) {
     stage::<MassProperties>(builder, staged!(mass));
     stage::<BodyHandle>(builder, staged!(handle));
     if keeps_breaking {
-        stage::<Fracturable>(builder, |_, target| {
-            STAGED.with_borrow(|staged| {
-                let fracturable = staged
-                    .as_ref()
-                    .and_then(|staged| staged.fracturable.clone());
-                fracturable
-                    .into_iter()
-                    .for_each(|own| target.write_target_component(own));
-            });
-        });
+        stage::<Fracturable>(builder, staged_if_any!(fracturable));
     } else {
         builder.deny::<Fracturable>();
     }

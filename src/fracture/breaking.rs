@@ -262,6 +262,7 @@ fn divide(
         blow: Some(impact::cutting(bodies, slot, impact, most)?),
         cuts: SmallVec::new(),
         most,
+        struck: (bodies.compound(slot)).map(|it| impact::struck_part(it, impact.point)),
     };
     PieceSet::new(bodies, &plan, cutter).ok()
 }
@@ -337,6 +338,7 @@ fn collect_requests(
                 blow: None,
                 cuts: SmallVec::new(),
                 most: usize::MAX,
+                struck: None,
             };
             plans.push((plan, SmallVec::new()));
             plans.len() - 1
@@ -352,7 +354,7 @@ fn check_request(request: &CutRequest, bodies: &Bodies) -> Result<(), CutError> 
     if !bodies.is_current(request.slot, request.body) {
         return Err(CutError::NoBody);
     }
-    if bodies.convex(request.slot).is_none() {
+    if bodies.convex(request.slot).is_none() && bodies.compound(request.slot).is_none() {
         return Err(CutError::NotConvex);
     }
     if !bodies.is_active(request.slot) {

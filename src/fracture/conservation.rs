@@ -2,15 +2,20 @@
 //!
 //! Only bodies that are hardly thicker than the rounding of their corners have need of it.
 
-use crate::bodies::body::BodyDesc;
+use crate::bodies::body::{BodyDesc, Shape};
 use crate::bodies::store::Bodies;
 use crate::fracture::ledger::{Invariants, Ledger, Reference};
 use crate::geometry::predicates::{length_scale, plane_tolerance};
 use crate::geometry::{ConvexHull, ConvexMesh, TriMesh};
+use crate::mass::VolumeIntegrals;
 
 /// Share of a body's mass that its pieces may lose or gain before their density makes up for it. Usual pieces stay far below it and
 /// have the density of the body, bit for bit.
 const MASS_TOLERANCE: f64 = 5e-7;
+
+/// Share of the mass of a body of several parts that may be rounding of the corners of cut parts, or of round ones the polyhedra that
+/// stand for them.
+const ROUNDING_OF_PARTS: f64 = 1e-4;
 
 /// Share of the momentum that pieces may lose or gain before a velocity makes up for it.
 const MOMENTUM_TOLERANCE: f64 = 5e-6;
@@ -27,6 +32,7 @@ pub(super) fn keep_mass(
     halves: &mut [BodyDesc],
 ) {
     let Some(body) = bodies.convex(slot) else {
+        keep_mass_of_parts(bodies, slot, pieces);
         return;
     };
     let whole = if halves.is_empty() {
@@ -52,6 +58,23 @@ pub(super) fn keep_mass(
         let density = (f64::from(mass) / volume) as f32;
         let descs = pieces.iter_mut().chain(halves);
         descs.for_each(|desc| desc.density = density);
+    }
+}
+
+/// The same of a body of several parts.
+fn keep_mass_of_parts(bodies: &Bodies, slot: u32, pieces: &mut [BodyDesc]) {
+    let volume = |desc: &BodyDesc| match &desc.shape {
+        Shape::Convex(mesh) => VolumeIntegrals::of_shape(mesh).volume,
+        Shape::Compound(compound) => VolumeIntegrals::of_compound(compound).volume,
+        Shape::HalfSpace(_) | Shape::Level(_) => 0.0,
+    };
+    let volume: f64 = pieces.iter().map(volume).sum();
+    let (mass, density) = (bodies.mass(slot).mass, bodies.density(slot));
+    let missing = (f64::from(mass) / f64::from(density) - volume).abs() / volume;
+    let is_rounding = missing <= ROUNDING_OF_PARTS || bodies.is_round(slot);
+    if missing > MASS_TOLERANCE && is_rounding {
+        let density = (f64::from(mass) / volume) as f32;
+        pieces.iter_mut().for_each(|desc| desc.density = density);
     }
 }
 

@@ -13,10 +13,11 @@ use crate::bodies::body::{BodyDesc, RigidBody, Shape};
 use crate::bodies::store::Bodies;
 use crate::contact::body_id::BodyId;
 use crate::fracture::hold_area::{Standing, holds};
-use crate::geometry::ConvexHull;
 use crate::geometry::primitives::cuboid;
+use crate::geometry::{Compound, ConvexHull};
 use crate::math::{Aabb, Plane, Pose, rotate};
 use glam::{Quat, Vec3};
+use smallvec::SmallVec;
 
 /// Default of [`Anchors::reach`], as a share of the geometric mean of the least and the largest extent.
 const REACH_SHARE: f32 = 0.01;
@@ -43,14 +44,14 @@ impl Foothold {
     /// How the body in `slot` stands; `None` if it is dynamic.
     pub(super) fn of(bodies: &Bodies, slot: u32) -> Option<Self> {
         let kind = bodies.kind(slot);
-        let mesh = bodies.convex(slot).filter(|_| kind != RigidBody::Dynamic)?;
+        let aabb = hulls_box(&bodies.info(slot).shape).filter(|_| kind != RigidBody::Dynamic)?;
         let unsaid = if kind == RigidBody::Static {
             Anchors::touching()
         } else {
             Anchors::none()
         };
         let anchors = bodies.anchors(slot).cloned().unwrap_or(unsaid);
-        let reach = reach_of(&anchors, mesh.hull());
+        let reach = reach_of(&anchors, &aabb);
         let origin = bodies.hold(slot).and_then(|hold| hold.origin);
         let mut ground = Ground::new(bodies, true);
         let neighbors = ground.near(slot, reach);
@@ -72,10 +73,11 @@ impl Foothold {
     pub(super) fn keep(&self, bodies: &Bodies, pieces: &mut [BodyDesc]) -> Vec<Option<Hold>> {
         let body = bodies.pose(self.slot);
         let look = |piece: &mut BodyDesc| {
-            let hull = piece.shape.convex()?.hull();
             let origin = body.inverse_transform_point(piece.pose.position);
             let anchors = self.anchors.seen_from(origin);
-            let is_held = self.is_held(bodies, hull, &piece.pose, &anchors);
+            let mut hulls = hulls_of(&piece.shape).into_iter();
+            let is_held = hulls.any(|hull| self.is_held(bodies, hull, &piece.pose, &anchors));
+            drop(hulls);
             is_held.then(|| {
                 piece.kind = self.kind;
                 Hold {
@@ -87,10 +89,12 @@ impl Foothold {
         pieces.iter_mut().map(look).collect()
     }
 
-    fn is_held(&self, bodies: &Bodies, hull: &ConvexHull, pose: &Pose, anchors: &Anchors) -> bool {
+    /// Whether a hull of a piece at `pose` holds on; the anchors are in the frame of the piece.
+    fn is_held(&self, bodies: &Bodies, hull: HullOf, pose: &Pose, anchors: &Anchors) -> bool {
         if holds_in_regions(anchors, hull, self.reach) {
             return true;
         }
+        let (hull, pose) = (hull.0, &hull.seen_from(*pose));
         let mut neighbors = self.neighbors.iter().filter(|&&other| {
             let hold = bodies.hold(other);
             anchors.is_touching && hold.and_then(|hold| hold.origin) != Some(self.origin)
@@ -118,22 +122,53 @@ impl Foothold {
     }
 }
 
-/// The gap over which a body with this hull holds on, m.
-fn reach_of(anchors: &Anchors, hull: &ConvexHull) -> f32 {
-    let extents = hull.aabb().extents();
+/// A hull of a body, and of a part its pose in the body's frame.
+#[derive(Clone, Copy, Debug)]
+struct HullOf<'s>(&'s ConvexHull, Option<Pose>);
+
+impl HullOf<'_> {
+    /// Where it is if the body is at `pose`.
+    fn seen_from(&self, pose: Pose) -> Pose {
+        self.1.map_or(pose, |part| pose * part)
+    }
+}
+
+/// The hulls that a shape is made of.
+fn hulls_of(shape: &Shape) -> SmallVec<[HullOf<'_>; 1]> {
+    let parts = shape.compound().map_or(&[][..], Compound::parts).iter();
+    let parts = parts.map(|part| HullOf(part.shape.hull(), Some(part.pose)));
+    let whole = shape.convex().map(|mesh| HullOf(mesh.hull(), None));
+    whole.into_iter().chain(parts).collect()
+}
+
+/// The box around them.
+fn hulls_box(shape: &Shape) -> Option<Aabb> {
+    match shape {
+        Shape::Convex(mesh) => Some(mesh.hull().aabb()),
+        Shape::Compound(compound) => Some(compound.aabb()),
+        Shape::HalfSpace(_) | Shape::Level(_) => None,
+    }
+}
+
+/// The gap over which a body whose hull has this box holds on, m.
+fn reach_of(anchors: &Anchors, aabb: &Aabb) -> f32 {
+    let extents = aabb.extents();
     let mean = (extents.min_element() * extents.max_element()).sqrt();
     anchors.reach.unwrap_or(REACH_SHARE * mean)
 }
 
 /// Whether a piece, in whose frame the anchors are, reaches into one of their regions.
-fn holds_in_regions(anchors: &Anchors, hull: &ConvexHull, reach: f32) -> bool {
+fn holds_in_regions(anchors: &Anchors, HullOf(hull, part): HullOf, reach: f32) -> bool {
     anchors.regions.iter().any(|region| match *region {
         AnchorRegion::Behind { normal, offset } => {
             let normal = normal.normalize_or(Vec3::Y);
-            holds(hull, &Standing::HalfSpace(Plane { normal, offset }), reach)
+            let plane = Plane { normal, offset };
+            let plane = part.map_or(plane, |part| plane.in_frame_of(&part));
+            holds(hull, &Standing::HalfSpace(plane), reach)
         }
         AnchorRegion::Within { min, max } => {
             let at = Pose::new(0.5 * (min + max), Quat::IDENTITY);
+            let at = part.map_or(at, |part| part.inverse() * at);
             let size = max - min;
             let region = cuboid(size.x, size.y, size.z);
             region.is_ok_and(|region| holds(hull, &Standing::Hull(&region, at), reach))
@@ -228,8 +263,8 @@ impl<'b> Ground<'b> {
     fn reach_of(&self, slot: u32) -> f32 {
         let touching = Anchors::touching();
         let anchors = self.bodies.anchors(slot).unwrap_or(&touching);
-        let mesh = self.bodies.convex(slot);
-        mesh.map_or(0.0, |mesh| reach_of(anchors, mesh.hull()))
+        let aabb = hulls_box(&self.bodies.info(slot).shape);
+        aabb.map_or(0.0, |aabb| reach_of(anchors, &aabb))
     }
 
     /// Static bodies whose boxes come within `reach` (m) of that of a body.
@@ -267,14 +302,16 @@ impl<'b> Ground<'b> {
     /// Those of `others` that a body touches over a gap of at most `reach` (m), and that were never part of the same one.
     fn around(&self, slot: u32, others: &[u32], reach: f32) -> Vec<u32> {
         let bodies = self.bodies;
-        let Some(mesh) = bodies.convex(slot) else {
-            return Vec::new();
-        };
+        let hulls = hulls_of(&bodies.info(slot).shape);
         let pose = bodies.pose(slot);
         let origin = |slot: u32| bodies.hold(slot).and_then(|hold| hold.origin);
         let others = others.iter().copied().filter(|&other| {
             let is_sibling = origin(slot).is_some() && origin(slot) == origin(other);
-            !is_sibling && holds(mesh.hull(), &Standing::of(bodies, other, &pose), reach)
+            let holds = |hull: &HullOf| {
+                let seen = hull.seen_from(pose);
+                holds(hull.0, &Standing::of(bodies, other, &seen), reach)
+            };
+            !is_sibling && hulls.iter().any(holds)
         });
         others.collect()
     }

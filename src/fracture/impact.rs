@@ -6,6 +6,7 @@ use crate::bodies::store::Bodies;
 use crate::contact::manifolds::Manifolds;
 use crate::fracture::BreakingImpact;
 use crate::fracture::pieces::PieceSet;
+use crate::geometry::{Compound, CompoundPart};
 use crate::math::rotate;
 use crate::slice::{Cutting, Fracturable, Impact};
 use glam::Vec3;
@@ -30,13 +31,11 @@ impl Blow {
     /// The first share `s` of a plastic blow with energy `E` takes `E (1 - (1 - s)^2)`: the approach is fastest at the
     /// start.
     pub(super) fn withstood(&self, bodies: &Bodies, division: &PieceSet) -> f32 {
-        let (Some(fracturable), Some(mesh)) =
-            (bodies.fracturable(self.slot), bodies.convex(self.slot))
-        else {
+        let Some(fracturable) = bodies.fracturable(self.slot) else {
             return 0.0;
         };
         let ImpactLoad { impulse, energy } = self.load;
-        let cracks = fracturable.toughness * division.crack_area(mesh.hull()) as f32;
+        let cracks = fracturable.toughness * division.crack_area() as f32;
         let taken = fracturable.min_energy.max(cracks) / energy;
         let by_energy = if taken > 0.0 {
             1.0 - (1.0 - taken).max(0.0).sqrt()
@@ -66,7 +65,19 @@ impl Blow {
 ///
 /// Who has fewer pieces to give asks again: a pattern of cells that is cut short does not fill the body.
 pub(super) fn cutting(bodies: &Bodies, slot: u32, impact: &Impact, most: usize) -> Option<Cutting> {
-    let (fracturable, mesh) = (bodies.fracturable(slot)?, bodies.convex(slot)?);
+    let fracturable = bodies.fracturable(slot)?;
+    let (hull, impact) = match bodies.compound(slot) {
+        Some(compound) => {
+            let part = &compound.parts()[struck_part(compound, impact.point)];
+            let own = Impact {
+                point: part.pose.inverse_transform_point(impact.point),
+                normal: rotate(part.pose.rotation.inverse(), impact.normal),
+                ..*impact
+            };
+            (part.shape.hull(), own)
+        }
+        None => (bodies.convex(slot)?.hull(), *impact),
+    };
     let most = u32::try_from(most).unwrap_or(u32::MAX);
     let strength = bodies.strength(slot);
     if strength < fracturable.strength {
@@ -74,9 +85,22 @@ pub(super) fn cutting(bodies: &Bodies, slot: u32, impact: &Impact, most: usize) 
             strength,
             ..fracturable.clone()
         };
-        return worn.cutting(impact, mesh.hull(), most);
+        return worn.cutting(&impact, hull, most);
     }
-    fracturable.cutting(impact, mesh.hull(), most)
+    fracturable.cutting(&impact, hull, most)
+}
+
+/// The part that a point is in, or nearest to; the first on a tie.
+pub(super) fn struck_part(compound: &Compound, point: Vec3) -> usize {
+    let height = |part: &CompoundPart| {
+        let own = part.pose.inverse_transform_point(point);
+        let faces = part.shape.hull().faces().iter();
+        let heights = faces.map(|face| face.plane.distance(own));
+        heights.fold(f32::NEG_INFINITY, f32::max)
+    };
+    let heights = compound.parts().iter().map(height).enumerate();
+    let nearest = heights.min_by(|(_, a), (_, b)| a.total_cmp(b));
+    nearest.map_or(0, |(part, _)| part)
 }
 
 /// Lets shares of the impulses of manifolds (indices, perhaps some several times) act on what breaks and on what touches it.

@@ -3,7 +3,7 @@
 use crate::bodies::store::Bodies;
 use crate::contact::body_id::BodyId;
 use crate::contact::impulses::{Child, ContactCache, Split};
-use crate::geometry::KdBox;
+use crate::geometry::{Compound, KdBox};
 use crate::math::rotate;
 use glam::{Quat, Vec3};
 use smallvec::SmallVec;
@@ -42,19 +42,31 @@ impl ParentState {
     }
 
     fn split<'a>(&self, pieces: &[u32], bodies: &'a Bodies) -> Option<Split<'a>> {
-        let child = |&slot: &u32| {
-            Some(Child {
-                id: bodies.id(slot),
-                origin: self.origin_of(bodies, slot),
-                hull: bodies.convex(slot)?.hull(),
-                code_box: bodies.kd_box[slot as usize]?,
-            })
+        let children = |&slot: &u32| {
+            let shape = &bodies.info(slot).shape;
+            let parts = shape.compound().map_or(&[][..], Compound::parts).iter();
+            let parts = parts.map(|part| (part.shape.hull(), Some(part.pose)));
+            let whole = shape.convex().map(|mesh| (mesh.hull(), None));
+            let (id, origin) = (bodies.id(slot), self.origin_of(bodies, slot));
+            let code_box = bodies.kd_box[slot as usize];
+            whole
+                .into_iter()
+                .chain(parts)
+                .filter_map(move |(hull, part)| {
+                    Some(Child {
+                        id,
+                        origin,
+                        part,
+                        hull,
+                        code_box: code_box?,
+                    })
+                })
         };
         Some(Split {
             parent: self.id,
             rotation: self.rotation,
             code_box: self.code_box?,
-            children: pieces.iter().filter_map(child).collect(),
+            children: pieces.iter().flat_map(children).collect(),
         })
     }
 }

@@ -3,6 +3,7 @@
 use crate::bodies::store::Bodies;
 use crate::fracture::Fractures;
 use crate::fracture::inheritance::ParentState;
+use crate::geometry::ConvexHull;
 use crate::joints::Joints;
 use glam::Vec3;
 
@@ -47,9 +48,18 @@ fn owner(
     anchor: Vec3,
 ) -> Option<(u32, Vec3)> {
     let distance = |origin: Vec3, piece: u32| {
-        let faces = bodies.convex(piece)?.hull().faces().iter();
-        let above = faces.map(|face| face.plane.distance(anchor - origin));
-        Some(above.fold(f32::NEG_INFINITY, f32::max))
+        let above = |hull: &ConvexHull, at: Vec3| {
+            let heights = hull.faces().iter().map(|face| face.plane.distance(at));
+            heights.fold(f32::NEG_INFINITY, f32::max)
+        };
+        let at = anchor - origin;
+        if let Some(compound) = bodies.compound(piece) {
+            let parts = compound.parts().iter();
+            let heights =
+                parts.map(|part| above(part.shape.hull(), part.pose.inverse_transform_point(at)));
+            return heights.reduce(f32::min);
+        }
+        Some(above(bodies.convex(piece)?.hull(), at))
     };
     let mut nearest: Option<(f32, u32, Vec3)> = None;
     for &piece in pieces.iter().filter(|&&piece| bodies.contains(piece)) {

@@ -1,6 +1,6 @@
 //! What a fracture did to mass, momentum, angular momentum and energy.
 
-use crate::bodies::body::BodyDesc;
+use crate::bodies::body::{BodyDesc, Shape};
 use crate::bodies::store::Bodies;
 use crate::mass::VolumeIntegrals;
 use glam::{DMat3, DVec3, Quat, Vec3};
@@ -36,10 +36,11 @@ impl Invariants {
 
     /// Sums of a piece that does not become a body, whose frame is about its centroid; nothing of what is no piece.
     pub(super) fn of_piece(desc: &BodyDesc, reference: &Reference) -> Self {
-        let Some(mesh) = desc.shape.convex() else {
-            return Self::default();
+        let integrals = match &desc.shape {
+            Shape::Convex(mesh) => VolumeIntegrals::of_shape(mesh),
+            Shape::Compound(compound) => VolumeIntegrals::of_compound(compound),
+            Shape::HalfSpace(_) | Shape::Level(_) => return Self::default(),
         };
-        let integrals = VolumeIntegrals::of_shape(mesh);
         let density = f64::from(desc.density);
         let inertia = turned(integrals.inertia * density, desc.pose.rotation);
         let velocity = (desc.linear_velocity, desc.angular_velocity);

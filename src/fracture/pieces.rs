@@ -8,7 +8,7 @@ use crate::fracture::conservation::{keep_mass, keep_momentum};
 use crate::fracture::holding::Foothold;
 use crate::fracture::ledger::{Invariants, Ledger, Reference};
 use crate::fracture::{CutError, Fracture};
-use crate::geometry::{ConvexHull, ConvexMesh, TriMesh};
+use crate::geometry::{Compound, ConvexHull, ConvexMesh, HullError, TriMesh};
 use crate::mass::VolumeIntegrals;
 use crate::math::{Plane, Pose, rotate};
 use crate::slice::fracturable::Fracturable;
@@ -26,16 +26,20 @@ pub(super) struct BreakPlan {
     pub(super) cuts: SmallVec<[Plane; 8]>,
     /// Most pieces that the blow may make.
     pub(super) most: usize,
+    /// Of a body of several parts, the one that the blow divides.
+    pub(super) struck: Option<usize>,
 }
 
 /// The pieces of one body, in its frame.
 #[derive(Clone, Debug)]
 pub(super) struct PieceSet {
     pieces: Vec<Piece>,
+    /// The same of a body of several parts.
+    compounds: Vec<Compound>,
     /// What the cuts left, if air that they held is none of the pieces, and had counted as material.
     halves: Vec<ConvexHull>,
-    /// Surface of what the cuts left, m2.
-    surface: f64,
+    /// Area of the cracks, m2: half of what the surface has grown by.
+    crack_area: f64,
     /// The planes of the cuts, and those of a blow that divides by planes, body's frame.
     planes: SmallVec<[Plane; 8]>,
 }
@@ -46,10 +50,14 @@ impl PieceSet {
         plan: &BreakPlan,
         cutter: &mut PieceCutter,
     ) -> Result<Self, CutError> {
+        if let Some(compound) = bodies.compound(plan.slot) {
+            return Self::of_compound(bodies, plan, compound, cutter);
+        }
         let mesh = bodies.convex(plan.slot).ok_or(CutError::NotConvex)?;
         let fracturable = bodies.fracturable(plan.slot);
         let mut pieces = pieces_of(mesh, fracturable, plan, cutter)?;
-        let surface = pieces.iter().map(|piece| piece.hull.area()).sum();
+        let surface: f64 = pieces.iter().map(|piece| piece.hull.area()).sum();
+        let crack_area = 0.5 * (surface - mesh.hull().area());
         let mut halves = Vec::new();
         let is_seen = |mesh: Option<&TriMesh>| mesh.is_some_and(|m| !m.triangles().is_empty());
         if is_seen(mesh.visual()) {
@@ -77,20 +85,57 @@ impl PieceSet {
         }
         Ok(Self {
             pieces,
+            compounds: Vec::new(),
             halves,
-            surface,
+            crack_area,
             planes,
+        })
+    }
+
+    /// The pieces of a body of several parts: a blow divides the part that it struck, and cuts go through all.
+    fn of_compound(
+        bodies: &Bodies,
+        plan: &BreakPlan,
+        compound: &Compound,
+        cutter: &mut PieceCutter,
+    ) -> Result<Self, CutError> {
+        let options = slice_options(bodies.fracturable(plan.slot));
+        let broken = match (&plan.blow, plan.struck) {
+            (Some(blow), Some(struck)) => {
+                let how = (blow, plan.most);
+                cutter.break_part(compound, struck, how, options)?
+            }
+            _ => vec![compound.clone()],
+        };
+        let mut compounds = Vec::with_capacity(broken.len());
+        for piece in broken {
+            compounds.extend(cutter.cut_compound(&piece, &plan.cuts, options)?);
+        }
+        if compounds.len() < 2 {
+            return Err(CutError::Missed);
+        }
+        let area = |compound: &Compound| -> f64 {
+            let parts = compound.parts().iter();
+            parts.map(|part| part.shape.hull().area()).sum()
+        };
+        let surface: f64 = compounds.iter().map(area).sum();
+        Ok(Self {
+            pieces: Vec::new(),
+            crack_area: 0.5 * (surface - area(compound)).max(0.0),
+            compounds,
+            halves: Vec::new(),
+            planes: plan.cuts.clone(),
         })
     }
 
     /// Number of pieces.
     pub(super) fn len(&self) -> usize {
-        self.pieces.len()
+        self.pieces.len() + self.compounds.len()
     }
 
-    /// Area of the cracks in a body with the hull `whole`, m2: half of what the surface has grown by.
-    pub(super) fn crack_area(&self, whole: &ConvexHull) -> f64 {
-        0.5 * (self.surface - whole.area())
+    /// Area of the cracks, m2: half of what the surface has grown by.
+    pub(super) fn crack_area(&self) -> f64 {
+        self.crack_area
     }
 }
 
@@ -101,16 +146,21 @@ fn pieces_of(
     plan: &BreakPlan,
     cutter: &mut PieceCutter,
 ) -> Result<Vec<Piece>, SliceError> {
-    let options = SliceOptions {
-        cap_color: fracturable.and_then(|f| f.cut_color),
-        cap_material: fracturable.and_then(|f| f.cut_material),
-        ..SliceOptions::default()
-    };
+    let options = slice_options(fracturable);
     let whole = Cutting::Planes(SmallVec::new());
     let blow = plan.blow.as_ref().unwrap_or(&whole);
     let mut pieces = cutter.cut(mesh.hull(), mesh.visual(), blow, plan.most, options)?;
     cutter.cut_pieces(&mut pieces, &plan.cuts, usize::MAX, options)?;
     Ok(pieces)
+}
+
+/// What the faces of cuts look like.
+fn slice_options(fracturable: Option<&Fracturable>) -> SliceOptions {
+    SliceOptions {
+        cap_color: fracturable.and_then(|f| f.cut_color),
+        cap_material: fracturable.and_then(|f| f.cut_material),
+        ..SliceOptions::default()
+    }
 }
 
 /// Replaces the body in `slot` by its pieces, which move as its parts did, or leaves it as it is.
@@ -125,6 +175,9 @@ pub(super) fn replace(
     let mut pieces: Vec<BodyDesc> = (division.pieces.into_iter())
         .map(|piece| piece_desc(bodies, slot, piece.hull, piece.visual))
         .collect();
+    for piece in &division.compounds {
+        pieces.push(compound_desc(bodies, slot, piece).map_err(SliceError::from)?);
+    }
     let mut halves: Vec<BodyDesc> = (division.halves.into_iter())
         .map(|half| piece_desc(bodies, slot, half, None))
         .collect();
@@ -186,8 +239,7 @@ fn insert(
         });
         let dropped = Invariants::of_piece(&desc, reference);
         // A piece whose mass or inertia no f32 can hold is as good as too small.
-        let is_large_enough =
-            (desc.shape.convex()).is_some_and(|mesh| mesh.hull().volume() > min_volume);
+        let is_large_enough = volume_of(&desc.shape).is_some_and(|volume| volume > min_volume);
         match is_large_enough.then(|| bodies.insert_with_mass(desc)) {
             Some(Ok(slot)) => {
                 ledger.after.add_body(bodies, slot, reference);
@@ -226,24 +278,58 @@ fn lost_between_parts(
 
 /// The body that a piece becomes: in a frame about its own centroid, moving as that part of the parent did: dynamic, and it does not break.
 fn piece_desc(bodies: &Bodies, parent: u32, hull: ConvexHull, visual: Option<TriMesh>) -> BodyDesc {
-    let info = bodies.info(parent);
-    let rotation = bodies.pose(parent).rotation;
     let weighs_visual = bodies.convex(parent).is_some_and(ConvexMesh::weighs_visual);
     let weighed = ConvexMesh::weighed_part(&hull, visual.as_ref(), weighs_visual);
     let integrals =
         weighed.map_or_else(|| VolumeIntegrals::of_hull(&hull), VolumeIntegrals::of_mesh);
     let centroid = integrals.centroid.as_vec3();
-    let (v, omega) = bodies.velocity(parent);
-    let lever: Vec3 = rotate(rotation, centroid - bodies.mass(parent).center);
     let shift = Pose::new(-centroid, Quat::IDENTITY);
     let visual = visual.map(|mesh| mesh.transformed(&shift));
     let mut shape = ConvexMesh::from_parts(hull.translated(-centroid), visual);
     if weighs_visual {
         shape = shape.with_mass_of_visual();
     }
+    part_of(bodies, parent, Shape::Convex(shape), centroid)
+}
+
+/// The same of a piece of a body of several parts.
+fn compound_desc(bodies: &Bodies, parent: u32, piece: &Compound) -> Result<BodyDesc, HullError> {
+    if let Some(mesh) = piece.single_hull()? {
+        let centroid = VolumeIntegrals::of_shape(&mesh).centroid.as_vec3();
+        let shift = Pose::from_position(-centroid);
+        let visual = mesh.visual().map(|mesh| mesh.clone().transformed(&shift));
+        let mut shape = ConvexMesh::from_parts(mesh.hull().clone().translated(-centroid), visual);
+        if mesh.weighs_visual() {
+            shape = shape.with_mass_of_visual();
+        }
+        return Ok(part_of(bodies, parent, Shape::Convex(shape), centroid));
+    }
+    let centroid = VolumeIntegrals::of_compound(piece).centroid.as_vec3();
+    let shape = Shape::Compound(piece.translated(-centroid));
+    Ok(part_of(bodies, parent, shape, centroid))
+}
+
+/// Volume of the hulls of a shape, m3.
+pub(super) fn volume_of(shape: &Shape) -> Option<f64> {
+    match shape {
+        Shape::Convex(mesh) => Some(mesh.hull().volume()),
+        Shape::Compound(compound) => {
+            let parts = compound.parts().iter();
+            Some(parts.map(|part| part.shape.hull().volume()).sum())
+        }
+        Shape::HalfSpace(_) | Shape::Level(_) => None,
+    }
+}
+
+/// A body of a shape whose frame is at `centroid` of the parent's (m), which moves as that part of the parent did.
+fn part_of(bodies: &Bodies, parent: u32, shape: Shape, centroid: Vec3) -> BodyDesc {
+    let info = bodies.info(parent);
+    let rotation = bodies.pose(parent).rotation;
+    let (v, omega) = bodies.velocity(parent);
+    let lever: Vec3 = rotate(rotation, centroid - bodies.mass(parent).center);
     BodyDesc {
         kind: RigidBody::Dynamic,
-        shape: Shape::Convex(shape),
+        shape,
         pose: Pose::new(bodies.center_of_mass(parent) + lever, rotation),
         linear_velocity: v + omega.cross(lever),
         angular_velocity: omega,

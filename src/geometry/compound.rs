@@ -3,7 +3,6 @@
 use crate::geometry::bvh::{tree_box, within};
 use crate::geometry::compound_cover::Cover;
 use crate::geometry::compound_part::CompoundPart;
-use crate::geometry::mesh_join::joined;
 use crate::geometry::{HullError, MeshError, TriMesh};
 use crate::math::{Aabb, Pose};
 use bevy_ecs::component::Component;
@@ -242,7 +241,7 @@ impl Compound {
             let mesh = part.shape.render_mesh().into_owned();
             mesh.transformed(&part.pose)
         });
-        Cow::Owned(joined(&meshes.collect::<Vec<_>>()))
+        Cow::Owned(TriMesh::joined(&meshes.collect::<Vec<_>>()))
     }
 
     /// Whether two handles are the same shape in memory.

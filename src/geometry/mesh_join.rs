@@ -3,9 +3,15 @@
 use crate::geometry::TriMesh;
 use glam::{Vec2, Vec3, Vec4};
 
-/// One mesh of all triangles. Vertices at one position stay as many as they were, so that what is closed stays closed; an attribute
-/// that only some have gets a plain value on the others.
-pub(crate) fn joined(meshes: &[TriMesh]) -> TriMesh {
+impl TriMesh {
+    /// One mesh of all triangles. Vertices at one position stay as many as they were, so that what is closed stays closed; an attribute
+    /// that only some have gets a plain value on the others.
+    pub(crate) fn joined(meshes: &[Self]) -> Self {
+        joined(meshes)
+    }
+}
+
+fn joined(meshes: &[TriMesh]) -> TriMesh {
     let mut whole = TriMesh::default();
     let has = |of: fn(&TriMesh) -> bool| meshes.iter().any(of);
     let has_normals = has(|mesh| !mesh.normals.is_empty());

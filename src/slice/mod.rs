@@ -15,7 +15,7 @@
 //! How an impact divides a body is a pattern (`pattern.rs`), which gives planes, cells or sites (`cutting.rs`, `even_sites.rs`); another pattern goes
 //! there. What makes a body breakable is `fracturable.rs`.
 //!
-//! What is not convex becomes convex parts in `decomposition/`.
+//! What is not convex becomes convex parts in `decomposition/`; bodies of such parts are cut in `compound.rs`.
 //!
 //! Must not know bodies or contacts. Read `clip.rs` first.
 //!
@@ -30,6 +30,7 @@ mod cell_clip;
 pub(crate) mod cells;
 mod clip;
 pub(crate) mod components;
+mod compound;
 pub(crate) mod convex;
 pub(crate) mod crack_area;
 mod cut;

@@ -144,3 +144,26 @@ fn a_disabled_compound_takes_no_part() {
     let height = app.world().resource::<Bodies>().pose(slot).position.y;
     assert!(height.abs() < 2e-3, "{height}");
 }
+
+#[test]
+fn pieces_of_a_compound_are_entities_with_shapes_of_their_own() {
+    let mut app = app();
+    let desk = (RigidBody::Dynamic, table(), Transform::IDENTITY);
+    let desk = app.world_mut().spawn(desk).id();
+    (0..3).for_each(|_| app.update());
+    let plane = Plane::through(0.3 * Vec3::Y, Vec3::Y);
+    let world = app.world_mut();
+    world.commands().slice(desk, plane);
+    world.flush();
+    (0..2).for_each(|_| app.update());
+    let world = app.world_mut();
+    assert!(world.get_entity(desk).is_err());
+    let mut pieces = world.query_filtered::<(Has<ConvexMesh>, Option<&Compound>), With<PieceOf>>();
+    let shapes: Vec<_> = pieces
+        .iter(world)
+        .map(|(is_hull, compound)| (is_hull, compound.map(Compound::len)))
+        .collect();
+    let stumps = shapes.iter().filter(|shape| **shape == (true, None));
+    assert_eq!(stumps.count(), 4, "{shapes:?}");
+    assert!(shapes.contains(&(false, Some(5))), "{shapes:?}");
+}

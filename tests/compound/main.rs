@@ -5,6 +5,7 @@ mod common;
 #[path = "../common/slides.rs"]
 mod slides;
 
+mod cutting;
 mod in_app;
 mod mass;
 mod queries;

@@ -9,7 +9,7 @@ use crate::contact::impulses::table::{EntryTable, PairRecord};
 use crate::contact::impulses::{CacheEntry, ContactCache};
 use crate::geometry::predicates::{length_scale, merge_tolerance};
 use crate::geometry::{ConvexHull, KdBox, KdCode};
-use crate::math::{Plane, rotate};
+use crate::math::{Plane, Pose, rotate};
 use crate::merge::merge;
 use glam::{Quat, Vec3};
 
@@ -29,8 +29,10 @@ pub(crate) struct Child<'a> {
     pub(crate) id: BodyId,
     /// Origin of its frame in the parent's frame, m; the axes of both are the same.
     pub(crate) origin: Vec3,
-    /// Its shape.
+    /// Its shape, or that of a part of it.
     pub(crate) hull: &'a ConvexHull,
+    /// Where the part is in its frame.
+    pub(crate) part: Option<Pose>,
     /// The box that its contact codes refer to.
     pub(crate) code_box: KdBox,
 }
@@ -119,9 +121,15 @@ struct PieceShare {
 impl Child<'_> {
     /// Planes of its faces in the parent's frame.
     fn faces(&self) -> impl Iterator<Item = Plane> {
-        self.hull.faces.iter().map(|face| Plane {
-            offset: face.plane.offset + face.plane.normal.dot(self.origin),
-            ..face.plane
+        self.hull.faces.iter().map(|face| {
+            let plane = match &self.part {
+                Some(pose) => face.plane.in_frame_of(&pose.inverse()),
+                None => face.plane,
+            };
+            Plane {
+                offset: plane.offset + plane.normal.dot(self.origin),
+                ..plane
+            }
         })
     }
 

@@ -6,7 +6,7 @@ use crate::contact::material::{Density, Friction, Restitution};
 use crate::ecs::collisions::Sensor;
 use crate::ecs::components::*;
 use crate::ecs::forces::Mass;
-use crate::geometry::{Compound, ConvexMesh, HalfSpaceShape, StaticMesh};
+use crate::geometry::{Compound, ConvexMesh, HalfSpaceShape, StaticMesh, TriMesh};
 use crate::mass::{MassProperties, VolumeIntegrals};
 use crate::math::Pose;
 use crate::slice::fracturable::Fracturable;
@@ -133,13 +133,17 @@ pub(super) fn idle_part(desc: &BodyDesc) -> Result<(), BodyError> {
     let Some(fracturable) = &desc.fracturable else {
         return Ok(());
     };
-    let Shape::Convex(mesh) = &desc.shape else {
-        return Err(BodyError::UnbreakableShape);
+    let check = |visual: Option<&TriMesh>| {
+        let closed = visual.map_or(Ok(()), TriMesh::check_closed);
+        closed.map_err(BodyError::UnbreakableVisual)
     };
-    if let Some(visual) = mesh.visual() {
-        visual
-            .check_closed()
-            .map_err(BodyError::UnbreakableVisual)?;
+    match &desc.shape {
+        Shape::Convex(mesh) => check(mesh.visual())?,
+        Shape::Compound(compound) => {
+            let mut parts = compound.parts().iter();
+            parts.try_for_each(|part| check(part.shape.visual()))?;
+        }
+        Shape::HalfSpace(_) | Shape::Level(_) => return Err(BodyError::UnbreakableShape),
     }
     fracturable
         .makes_pieces()

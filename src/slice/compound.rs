@@ -1,0 +1,231 @@
+//! Compounds cut part by part, and what of them hangs together.
+
+use crate::geometry::{Compound, CompoundPart, ConvexHull, ConvexMesh, HullError, TriMesh};
+use crate::math::{Plane, Pose};
+use crate::slice::components::split_components;
+use crate::slice::cut::Cut;
+use crate::slice::cutting::Cutting;
+use crate::slice::mesh_slicer::MeshSlicer;
+use crate::slice::{Piece, PieceCutter, SliceError, SliceOptions};
+use glam::Vec3;
+
+/// Parts and a mesh that is drawn in their place, on one side of a plane.
+#[derive(Default)]
+struct Half {
+    parts: Vec<CompoundPart>,
+    visual: Option<TriMesh>,
+}
+
+impl PieceCutter {
+    /// Cuts a compound, and the mesh that is drawn in its place, by one plane after the other. A piece is what of the parts on one
+    /// side of the planes hangs together; a round part that is cut becomes its polyhedron. One piece if the planes miss.
+    ///
+    /// # Errors
+    /// [`SliceError::Mesh`] if a mesh that is drawn is not closed, [`SliceError::Hull`] if a part does not make a hull
+    /// although it is not flat.
+    pub(crate) fn cut_compound(
+        &mut self,
+        compound: &Compound,
+        planes: &[Plane],
+        options: SliceOptions,
+    ) -> Result<Vec<Compound>, SliceError> {
+        let mut pieces = vec![compound.clone()];
+        for &plane in planes {
+            let mut next = Vec::with_capacity(pieces.len() + 1);
+            for piece in pieces {
+                match self.halves(&piece, plane, options)? {
+                    Some(halves) => {
+                        for half in halves {
+                            next.extend(connected(half.parts, half.visual));
+                        }
+                    }
+                    None => next.push(piece),
+                }
+            }
+            pieces = next;
+        }
+        Ok(pieces)
+    }
+
+    /// The parts below and above a plane; none if all are on one side.
+    fn halves(
+        &mut self,
+        compound: &Compound,
+        plane: Plane,
+        options: SliceOptions,
+    ) -> Result<Option<[Half; 2]>, SliceError> {
+        let mut halves = [Half::default(), Half::default()];
+        for part in compound.parts() {
+            let own = plane.in_frame_of(&part.pose);
+            let cut = Cutting::Planes([own].into_iter().collect());
+            let hull = part.shape.hull();
+            let pieces = self.cut(hull, part.shape.visual(), &cut, usize::MAX, options)?;
+            let is_whole = pieces.len() == 1;
+            for piece in pieces {
+                let is_above = own.distance(middle(&piece.hull)) > 0.0;
+                let shape = if is_whole {
+                    part.shape.clone()
+                } else {
+                    shape_of(piece, part.shape.weighs_visual())
+                };
+                let half = &mut halves[usize::from(is_above)];
+                half.parts.push(CompoundPart::new(part.pose, shape));
+            }
+        }
+        if halves.iter().any(|half| half.parts.is_empty()) {
+            return Ok(None);
+        }
+        if let Some(mesh) = compound.visual() {
+            match MeshSlicer::default().slice(mesh, plane, options)? {
+                Cut::Below => halves[0].visual = Some(mesh.clone()),
+                Cut::Above => halves[1].visual = Some(mesh.clone()),
+                Cut::Cut(cut) => {
+                    halves[0].visual = Some(cut.below);
+                    halves[1].visual = Some(cut.above);
+                }
+            }
+        }
+        Ok(Some(halves))
+    }
+
+    /// Divides one part of a compound as a blow does, into pieces in the compound's frame, and tells what of the other parts
+    /// hangs together. Of a compound with a mesh of its own the pieces show their parts.
+    ///
+    /// # Errors
+    /// As [`PieceCutter::cut`].
+    pub(crate) fn break_part(
+        &mut self,
+        compound: &Compound,
+        struck: usize,
+        (cutting, most): (&Cutting, usize),
+        options: SliceOptions,
+    ) -> Result<Vec<Compound>, SliceError> {
+        let part = &compound.parts()[struck];
+        let hull = part.shape.hull();
+        let pieces = self.cut(hull, part.shape.visual(), cutting, most, options)?;
+        if pieces.len() < 2 {
+            return Ok(vec![compound.clone()]);
+        }
+        let weighs_visual = part.shape.weighs_visual();
+        let mut all = Vec::with_capacity(pieces.len() + 1);
+        for piece in pieces {
+            let shape = shape_of(piece, weighs_visual);
+            all.extend(connected(vec![CompoundPart::new(part.pose, shape)], None));
+        }
+        let rest = compound.parts().iter().enumerate();
+        let rest = rest.filter(|(index, _)| *index != struck);
+        all.extend(connected(
+            rest.map(|(_, part)| part.clone()).collect(),
+            None,
+        ));
+        Ok(all)
+    }
+}
+
+fn shape_of(piece: Piece, weighs_visual: bool) -> ConvexMesh {
+    let shape = ConvexMesh::from_parts(piece.hull, piece.visual);
+    if weighs_visual {
+        shape.with_mass_of_visual()
+    } else {
+        shape
+    }
+}
+
+/// A point inside of a hull.
+fn middle(hull: &ConvexHull) -> Vec3 {
+    hull.vertices().iter().sum::<Vec3>() / hull.vertices().len() as f32
+}
+
+/// A compound for each group of parts that hang together: that touch or overlap, or are connected by others that do.
+fn connected(parts: Vec<CompoundPart>, visual: Option<TriMesh>) -> Vec<Compound> {
+    let Ok(whole) = Compound::new(parts) else {
+        return Vec::new();
+    };
+    let count = whole.len();
+    let mut groups: Vec<usize> = (0..count).map(|_| usize::MAX).collect();
+    let mut number = 0;
+    for first in 0..count {
+        if groups[first] != usize::MAX {
+            continue;
+        }
+        let mut waiting = vec![first];
+        while let Some(part) = waiting.pop() {
+            if groups[part] == usize::MAX {
+                groups[part] = number;
+                let neighbors = whole.neighbors(part).iter();
+                waiting.extend(neighbors.map(|&other| other as usize));
+            }
+        }
+        number += 1;
+    }
+    if number == 1 {
+        return vec![match visual {
+            Some(mesh) => whole.with_visual(mesh),
+            None => whole,
+        }];
+    }
+    let mut meshes = visual.map(|mesh| meshes_of(&mesh, &whole, &groups, number));
+    let pieces = (0..number).filter_map(|group| {
+        let parts = whole.parts().iter().zip(&groups);
+        let own = parts.filter(|(_, of)| **of == group);
+        let piece = Compound::new(own.map(|(part, _)| part.clone())).ok()?;
+        Some(match &mut meshes {
+            Some(meshes) => piece.with_visual(std::mem::take(&mut meshes[group])),
+            None => piece,
+        })
+    });
+    pieces.collect()
+}
+
+/// For each group what of a mesh belongs to it: of what hangs together in the mesh, that whose corners are nearest to its parts.
+fn meshes_of(mesh: &TriMesh, whole: &Compound, groups: &[usize], count: usize) -> Vec<TriMesh> {
+    let mut found: Vec<Vec<TriMesh>> = vec![Vec::new(); count];
+    for component in split_components(mesh) {
+        let at = component.positions.first().copied().unwrap_or_default();
+        let height = |part: &CompoundPart| {
+            let own = part.pose.inverse_transform_point(at);
+            let faces = part.shape.hull().faces().iter();
+            let heights = faces.map(|face| face.plane.distance(own));
+            heights.fold(f32::NEG_INFINITY, f32::max)
+        };
+        let parts = whole.parts().iter().zip(groups);
+        let nearest = parts.map(|(part, &group)| (height(part), group));
+        let nearest = nearest.min_by(|(a, _), (b, _)| a.total_cmp(b));
+        if let Some((_, group)) = nearest {
+            found[group].push(component);
+        }
+    }
+    found.iter().map(|meshes| TriMesh::joined(meshes)).collect()
+}
+
+impl Compound {
+    /// The hull of the one part and the mesh to draw, compound's frame; none if there are several, or the part is round.
+    pub(crate) fn single_hull(&self) -> Result<Option<ConvexMesh>, HullError> {
+        let [part] = self.parts() else {
+            return Ok(None);
+        };
+        if part.shape.is_round() {
+            return Ok(None);
+        }
+        let shape = part.in_place()?;
+        let Some(mesh) = self.visual() else {
+            return Ok(Some(shape));
+        };
+        let shape = ConvexMesh::from_parts(shape.hull().clone(), Some(mesh.clone()));
+        Ok(Some(shape))
+    }
+
+    /// The same compound in a frame that is shifted: what was at a place is at that place plus `offset` (m).
+    pub(crate) fn translated(&self, offset: Vec3) -> Self {
+        let parts = self.parts().iter().map(|part| {
+            let pose = Pose::new(part.pose.position + offset, part.pose.rotation);
+            CompoundPart::new(pose, part.shape.clone())
+        });
+        // It was one, and is no other.
+        let moved = Self::new(parts).unwrap_or_else(|_| self.clone());
+        match self.visual() {
+            Some(mesh) => moved.with_visual(mesh.clone().transformed(&Pose::from_position(offset))),
+            None => moved,
+        }
+    }
+}
