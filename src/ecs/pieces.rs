@@ -368,11 +368,8 @@ fn toggle_if_disabled(world: &mut World, piece: Entity) {
         return;
     };
     if entity.contains::<bevy_ecs::entity_disabling::Disabled>() {
-        world
-            .resource_mut::<PluginState>()
-            .queue
-            .toggled
-            .push(piece);
+        let state = &mut *world.resource_mut::<PluginState>();
+        state.queue.toggled.push(piece);
     }
 }
 

@@ -68,7 +68,7 @@ pub enum CutError {
     #[error("there is no such body")]
     NoBody,
     /// A half-space and a level of triangles have no inside that could be divided.
-    #[error("only convex bodies can be cut, no half-space and no level of triangles")]
+    #[error("only what has an inside can be cut, no half-space and no level of triangles")]
     NotConvex,
     /// The body is out of the simulation because its state is not finite.
     #[error("the body is left out of the simulation")]

@@ -27,6 +27,9 @@ const UNIT: f32 = 1e-3;
 /// covered by another part, nothing catches on it: what slides over flush parts slides as over one. Mass, center and
 /// inertia are the sums of those of the parts, so that where parts overlap the material counts for each of them.
 ///
+/// A plane cuts it part by part, and the mesh that is drawn with it; parts that hang together, because they touch, stay one body. What
+/// breaks it by a blow divides the part that is struck, and pieces then show their parts: the mesh is gone.
+///
 /// Shared and immutable, so cloning costs one reference count, and so are the shapes of the parts. Coordinates are meters in the
 /// entity's frame.
 ///

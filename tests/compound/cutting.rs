@@ -12,8 +12,9 @@ use glam::Vec3;
 
 const H: f32 = 1.0 / 60.0;
 
-/// The pieces of the only fracture of a step, which keeps mass and momentum.
-fn cut(simulation: &mut Simulation, slot: u32, planes: &[Plane]) -> Vec<u32> {
+/// The pieces of the only fracture of a step, which keeps mass and momentum. `off`: error of what turns, from rounding, or because a
+/// polyhedron stands for what is round.
+fn cut_within(simulation: &mut Simulation, slot: u32, planes: &[Plane], off: f64) -> Vec<u32> {
     for &plane in planes {
         simulation.slice(slot, plane).expect("a body");
     }
@@ -22,23 +23,19 @@ fn cut(simulation: &mut Simulation, slot: u32, planes: &[Plane]) -> Vec<u32> {
     assert!(refused.is_empty(), "{refused:?}");
     let fracture = simulation.fractures.done.first().expect("a fracture");
     let ledger = &fracture.ledger;
+    let errors = [ledger.angular_momentum_error(), ledger.energy_gain().abs()];
     assert!(ledger.mass_error() <= 1e-6, "{}", ledger.mass_error());
     assert!(
         ledger.momentum_error() <= 1e-5,
         "{}",
         ledger.momentum_error()
     );
-    assert!(
-        ledger.angular_momentum_error() <= 1e-4,
-        "{}",
-        ledger.angular_momentum_error()
-    );
-    assert!(
-        ledger.energy_gain().abs() <= 1e-4,
-        "{}",
-        ledger.energy_gain()
-    );
+    assert!(errors.iter().all(|&error| error <= off), "{errors:?}");
     fracture.pieces.to_vec()
+}
+
+fn cut(simulation: &mut Simulation, slot: u32, planes: &[Plane]) -> Vec<u32> {
+    cut_within(simulation, slot, planes, 1e-5)
 }
 
 fn parts_of(simulation: &Simulation, slot: u32) -> usize {
@@ -101,6 +98,7 @@ fn random_cuts_keep_mass_and_momentum() {
         let gravity = &mut simulation.gravity;
         gravity.0 = Vec3::ZERO;
         let aabb = shape.aabb();
+        let is_round = shape.parts().iter().any(|part| part.shape.is_round());
         let body = BodyDesc {
             pose: Pose::new(dice.vector(-2.0, 2.0), dice.rotation()),
             linear_velocity: dice.vector(-3.0, 3.0),
@@ -115,7 +113,8 @@ fn random_cuts_keep_mass_and_momentum() {
                 Plane::through(pose.transform_point(at), dice.direction())
             })
             .collect();
-        let pieces = cut(&mut simulation, body, &planes);
+        let off = if is_round { 0.02 } else { 1e-5 };
+        let pieces = cut_within(&mut simulation, body, &planes, off);
         several += usize::from(pieces.iter().any(|&p| parts_of(&simulation, p) > 1));
         for &piece in &pieces {
             let Some(compound) = simulation.bodies.compound(piece) else {
