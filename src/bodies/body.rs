@@ -71,6 +71,18 @@ impl Shape {
         }
     }
 
+    /// Volume of its hulls, m3.
+    pub(crate) fn hull_volume(&self) -> Option<f64> {
+        match self {
+            Self::Convex(mesh) => Some(mesh.hull().volume()),
+            Self::Compound(compound) => {
+                let parts = compound.parts().iter();
+                Some(parts.map(|part| part.shape.hull().volume()).sum())
+            }
+            Self::HalfSpace(_) | Self::Level(_) => None,
+        }
+    }
+
     /// The box around what has a volume, own frame.
     pub(crate) fn solid_aabb(&self) -> Option<Aabb> {
         match self {

@@ -4,7 +4,6 @@ use crate::bodies::body::RigidBody;
 use crate::bodies::store::Bodies;
 use crate::contact::body_id::BodyId;
 use crate::contact::impulses::ContactCache;
-use crate::fracture::pieces::volume_of;
 use smallvec::SmallVec;
 
 /// Most pieces that begin to go in one step, so that no step has much more to tidy up than those around it.
@@ -128,7 +127,7 @@ impl Debris {
     /// Takes note of new pieces.
     pub(super) fn add(&mut self, bodies: &Bodies, pieces: &SmallVec<[u32; 8]>) {
         let born = self.clock;
-        let volume = |slot: u32| volume_of(&bodies.info(slot).shape).unwrap_or(0.0);
+        let volume = |slot: u32| bodies.info(slot).shape.hull_volume().unwrap_or(0.0);
         self.alive.extend(pieces.iter().map(|&slot| Alive {
             body: bodies.id(slot),
             slot,

@@ -239,7 +239,10 @@ fn insert(
         });
         let dropped = Invariants::of_piece(&desc, reference);
         // A piece whose mass or inertia no f32 can hold is as good as too small.
-        let is_large_enough = volume_of(&desc.shape).is_some_and(|volume| volume > min_volume);
+        let is_large_enough = desc
+            .shape
+            .hull_volume()
+            .is_some_and(|volume| volume > min_volume);
         match is_large_enough.then(|| bodies.insert_with_mass(desc)) {
             Some(Ok(slot)) => {
                 ledger.after.add_body(bodies, slot, reference);
@@ -307,18 +310,6 @@ fn compound_desc(bodies: &Bodies, parent: u32, piece: &Compound) -> Result<BodyD
     let centroid = VolumeIntegrals::of_compound(piece).centroid.as_vec3();
     let shape = Shape::Compound(piece.translated(-centroid));
     Ok(part_of(bodies, parent, shape, centroid))
-}
-
-/// Volume of the hulls of a shape, m3.
-pub(super) fn volume_of(shape: &Shape) -> Option<f64> {
-    match shape {
-        Shape::Convex(mesh) => Some(mesh.hull().volume()),
-        Shape::Compound(compound) => {
-            let parts = compound.parts().iter();
-            Some(parts.map(|part| part.shape.hull().volume()).sum())
-        }
-        Shape::HalfSpace(_) | Shape::Level(_) => None,
-    }
 }
 
 /// A body of a shape whose frame is at `centroid` of the parent's (m), which moves as that part of the parent did.
