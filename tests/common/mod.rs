@@ -4,6 +4,7 @@
 pub(crate) mod dice;
 pub(crate) mod mesh_parts;
 pub(crate) mod properties;
+pub(crate) mod ragdoll;
 pub(crate) mod scenes;
 pub(crate) mod states;
 pub(crate) mod structures;

@@ -13,4 +13,5 @@ mod kinds;
 mod lives;
 mod pendulums;
 mod scene;
+mod scenes;
 mod touching;
