@@ -344,6 +344,36 @@ fn level(c: &mut Criterion) {
     }
 }
 
+/// Boxes that stand apart: as large as a step is made for, and smaller ones, which take local steps; and those without any.
+fn small(c: &mut Criterion) {
+    for (name, size, max_local_steps) in [
+        ("apart_30_cm", 0.3, 16),
+        ("apart_5_cm", 0.05, 16),
+        ("apart_5_cm_without_local_steps", 0.05, 1),
+        ("apart_1_cm", 0.01, 16),
+        ("apart_1_cm_without_local_steps", 0.01, 1),
+    ] {
+        let mut simulation = Simulation::default();
+        simulation.config.sleep = SleepConfig::off();
+        simulation.config.method = SoftStep {
+            max_local_steps,
+            ..SoftStep::default()
+        }
+        .into();
+        let up = HalfSpaceShape { normal: Vec3::Y };
+        let floor = BodyDesc::floor(up);
+        simulation.bodies.insert(floor).expect("usable");
+        let shape = ConvexMesh::cuboid(size, size, size).expect("valid size");
+        for i in 0..BODIES {
+            let at = Vec3::new(3.0 * i as f32, 0.5, 0.0) * size;
+            let desc = BodyDesc::dynamic(shape.clone(), at);
+            simulation.bodies.insert(desc).expect("usable");
+        }
+        (0..60).for_each(|_| simulation.step(H));
+        bench(c, name, simulation);
+    }
+}
+
 /// A step after which nobody asks anything, and one after which an index for questions is made.
 fn queries(c: &mut Criterion) {
     let mut simulation = settled(|_| {}, SolverConfig::default());
@@ -360,6 +390,6 @@ fn queries(c: &mut Criterion) {
 criterion_group! {
     name = benches;
     config = Criterion::default().sample_size(30);
-    targets = features, joints, spin, many, level, standing, debris, queries
+    targets = features, joints, spin, many, small, level, standing, debris, queries
 }
 criterion_main!(benches);

@@ -394,7 +394,5 @@ fn fracture(
         &state.settings,
         &mut report,
     );
-    step::break_bonds(&mut bodies, &contacts, bonds);
-    step::break_joints(&mut bodies, &contacts, joints);
     bond::report_broken(bonds, &state.entities, &mut broken);
 }

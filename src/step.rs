@@ -9,6 +9,7 @@
 //! 4 contact generation pairs, hulls     -> manifolds; multipliers from the cache
 //! 5 solve              forces, manifolds -> rows -> impulses with w = A lambda - b, lo <= lambda <= hi
 //! 6 fracture           impulses over the strength -> pieces; 3, 4 and 5 again for the islands in which something broke
+//!   local steps        3 to 7, several times, for the islands of bodies that are small for the step
 //! 7 integrate          velocities       -> poses
 //! 8 cache aging        impulses         -> cache: hits reset, others one step older, stale ones evicted
 //! 9 sleep              velocities, poses -> islands at rest, left out from the next step on
@@ -19,11 +20,14 @@
 pub(crate) mod contact_events;
 mod contact_place;
 pub(crate) mod contacts;
+mod local_buffers;
+mod local_steps;
 mod measure;
 pub(crate) mod report;
 pub(crate) mod settings;
 pub(crate) mod simulation;
 
+use crate::step::local_steps::take_local_steps;
 use crate::step::measure::report_solution;
 pub use contact_events::{ContactChange, ContactEvent, ContactEvents, ContactWatch};
 pub use contacts::Contacts;
@@ -36,7 +40,9 @@ use crate::bodies::store::Bodies;
 use crate::collide::narrow_phase::{self};
 use crate::collide::proxies::Lookahead;
 use crate::contact::impulses::{CacheStats, ContactCache, TouchingBodies};
-use crate::fracture::{Bonds, Fractures, Inherited, break_overloaded, make_cuts, note_loads};
+use crate::fracture::{
+    Bonds, Fractures, Inherited, break_overloaded, end_loads, make_cuts, note_blows,
+};
 use crate::joints::Joints;
 use crate::threads::team::Team;
 
@@ -72,8 +78,6 @@ impl Simulation {
             joints,
         };
         fracture(bodies, contacts, breakable, settings, report);
-        break_bonds(bodies, contacts, bonds);
-        break_joints(bodies, contacts, joints);
         integrate(bodies, report);
         age_cache(bodies, contacts, cache, settings);
         sleep(bodies, contacts, cache, settings, report);
@@ -93,6 +97,18 @@ pub struct Breakable<'s> {
     pub bonds: &'s mut Bonds,
     /// Its joints.
     pub joints: &'s mut Joints,
+}
+
+impl Breakable<'_> {
+    /// The same, for a part of the step.
+    fn again(&mut self) -> Breakable<'_> {
+        Breakable {
+            cache: self.cache,
+            fractures: self.fractures,
+            bonds: self.bonds,
+            joints: self.joints,
+        }
+    }
 }
 
 /// Phase 1: mass, center of mass and inertia of bodies whose shape or density changed.
@@ -159,18 +175,23 @@ pub fn generate_contacts(
         ..
     } = contacts;
     let ahead = Lookahead::new(settings.step_dt, settings.gravity.0);
-    bodies.wake_disturbed(&settings.config.sleep, settings.gravity.0);
+    if !bodies.local.is_on {
+        bodies.wake_disturbed(&settings.config.sleep, settings.gravity.0);
+    }
     let is_worth_help = narrow_phase::is_worth_help(broadphase.pairs().len());
     report.cache = Team::lead_if(is_worth_help, |team| {
         loop {
             narrow.collide(bodies, broadphase, ahead, manifolds, team);
             // What was woken has pairs of its own, and may touch others that sleep.
-            if !bodies.wake_touched(manifolds.heads()) {
+            if bodies.local.is_on || !bodies.wake_touched(manifolds.heads()) {
                 break;
             }
         }
-        bodies.end_wake();
-        bodies.resume_woken(cache);
+        // Who takes local steps touches nobody that sleeps: the next step wakes those.
+        if !bodies.local.is_on {
+            bodies.end_wake();
+            bodies.resume_woken(cache);
+        }
         if !settings.config.warm_start {
             return CacheStats::default();
         }
@@ -207,8 +228,8 @@ pub fn attach_joints(bodies: &Bodies, contacts: &mut Contacts, joints: &Joints) 
     joints.attach(bodies, &mut contacts.solver.joints);
 }
 
-/// The end of phase 6: takes over what joints bore; those that bore too much break.
-pub fn break_joints(bodies: &mut Bodies, contacts: &Contacts, joints: &mut Joints) {
+/// Within phase 6: takes over what joints bore; those that bore too much break.
+fn break_joints(bodies: &mut Bodies, contacts: &Contacts, joints: &mut Joints) {
     joints.take_back(&contacts.solver.joints);
     joints.break_overloaded(bodies);
 }
@@ -235,14 +256,36 @@ pub fn solve(
     }
 }
 
-/// The end of phase 6: bonds that were loaded beyond their strength break.
-pub fn break_bonds(bodies: &mut Bodies, contacts: &Contacts, bonds: &mut Bonds) {
+/// Within phase 6: bonds that were loaded beyond their strength break.
+fn break_bonds(bodies: &mut Bodies, contacts: &Contacts, bonds: &mut Bonds) {
     bonds.break_overloaded(bodies, &contacts.solver.bonded);
 }
 
 /// Phase 6: bodies that were hit with more than they bear become pieces, and the islands in which that happened are solved
-/// anew, until nothing breaks any more.
+/// anew, until nothing breaks any more; so do bonds and joints. Then islands of what is small for the step take local steps.
 pub fn fracture(
+    bodies: &mut Bodies,
+    contacts: &mut Contacts,
+    breakable: Breakable,
+    settings: &StepSettings,
+    report: &mut StepReport,
+) {
+    let mut breakable = breakable;
+    let was_broken = contacts.is_broken;
+    let was_put_off = !contacts.solver.put_off.is_empty();
+    break_in_rounds(bodies, contacts, breakable.again(), settings, report);
+    note_blows(breakable.fractures, bodies, &contacts.solver, 0);
+    break_bonds(bodies, contacts, breakable.bonds);
+    break_joints(bodies, contacts, breakable.joints);
+    take_local_steps(bodies, contacts, breakable.again(), settings, report);
+    if was_broken || was_put_off {
+        report_solution(bodies, contacts, settings, report);
+    }
+    end_loads(breakable.fractures, bodies, &contacts.solver);
+}
+
+/// Breaks what was hit with more than it bears and solves its islands anew, until nothing breaks any more.
+fn break_in_rounds(
     bodies: &mut Bodies,
     contacts: &mut Contacts,
     breakable: Breakable,
@@ -255,7 +298,6 @@ pub fn fracture(
         bonds,
         joints,
     } = breakable;
-    let was_broken = contacts.is_broken;
     let mut round = 0;
     while contacts.is_broken {
         round += 1;
@@ -281,14 +323,13 @@ pub fn fracture(
         broadphase(bodies, contacts, settings, report);
         generate_contacts(bodies, contacts, cache, settings, report);
         contacts.merge_solved(bodies);
-        bonds.attach(bodies, &mut contacts.manifolds, &mut contacts.solver.bonded);
-        joints.attach(bodies, &mut contacts.solver.joints);
+        // What is bonded or jointed takes no local steps.
+        if !bodies.local.is_on {
+            bonds.attach(bodies, &mut contacts.manifolds, &mut contacts.solver.bonded);
+            joints.attach(bodies, &mut contacts.solver.joints);
+        }
         contacts.solve_round(bodies, fractures, settings, round);
     }
-    if was_broken {
-        report_solution(bodies, contacts, settings, report);
-    }
-    note_loads(fractures, bodies, &contacts.solver);
 }
 
 /// Phase 7: poses from velocities. A body that would stop being finite is stopped where it is, and reported.

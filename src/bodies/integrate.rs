@@ -12,11 +12,20 @@ use crate::threads::team::Team;
 use crate::tuning::{MAX_PARTS, MIN_MOVED_BODIES, MOVED_BODIES_WORTH_HELP};
 use glam::{Mat3, Quat, Vec3};
 
+/// The last motion of a step: [`move_bodies`], and what drove them for the step ends.
+pub fn integrate_positions(bodies: &mut Bodies, problems: &mut Vec<(u32, BodyError)>) {
+    move_bodies(bodies, problems);
+    bodies.end_drives();
+}
+
 /// Moves all bodies and refreshes what follows from their poses.
 ///
 /// A body whose state would no longer be finite, or that would turn too fast for any rotation to tell, is stopped where it is
 /// instead; `problems` says so.
-pub fn integrate_positions(bodies: &mut Bodies, problems: &mut Vec<(u32, BodyError)>) {
+pub(crate) fn move_bodies(bodies: &mut Bodies, problems: &mut Vec<(u32, BodyError)>) {
+    if bodies.local.is_on {
+        return move_local_bodies(bodies, problems);
+    }
     let awake = bodies.dynamic().saturating_sub(bodies.asleep());
     Team::lead_present_if(awake >= MOVED_BODIES_WORTH_HELP, |team| {
         let mut overflown = [const { Vec::new() }; MAX_PARTS];
@@ -27,7 +36,19 @@ pub fn integrate_positions(bodies: &mut Bodies, problems: &mut Vec<(u32, BodyErr
         let overflown = overflown.iter().flatten();
         problems.extend(overflown.map(|&slot| (slot, BodyError::Overflow)));
     });
-    bodies.end_drives();
+}
+
+/// The same of those that take local steps.
+fn move_local_bodies(bodies: &mut Bodies, problems: &mut Vec<(u32, BodyError)>) {
+    let local = std::mem::take(&mut bodies.local.slots);
+    let mut overflown = Vec::new();
+    for mut all in parts(bodies, None) {
+        for &slot in &local {
+            all.integrate_body(slot as usize, &mut overflown);
+        }
+    }
+    bodies.local.slots = local;
+    problems.extend(overflown.iter().map(|&slot| (slot, BodyError::Overflow)));
 }
 
 /// Bodies in slots that follow each other.
@@ -73,27 +94,32 @@ impl MassPart<'_> {
     /// `overflown`: slots of bodies that were stopped.
     fn integrate(&mut self, overflown: &mut Vec<u32>) {
         for i in 0..self.status.len() {
-            if !self.is_moving(i) {
-                continue;
-            }
-            let motion = self.motion[i];
-            let center = self.center[i] + motion.shift;
-            let body = &mut self.velocity[i];
-            // A turn whose square overflows leaves a quaternion of zeros.
-            let is_usable = center.is_finite()
-                && motion.rotation.length_squared() > 0.5
-                && body.linear.is_finite()
-                && body.angular.is_finite();
-            if !is_usable {
-                (body.linear, body.angular) = (Vec3::ZERO, Vec3::ZERO);
-                overflown.push(self.first + i as u32);
-                continue;
-            }
-            self.center[i] = center;
-            self.rotation[i] = motion.rotation;
-            if body.inverse_mass > 0.0 {
-                self.inverse_inertia[i] = inverse_inertia(&self.mass[i], motion.rotation);
-            }
+            self.integrate_body(i, overflown);
+        }
+    }
+
+    /// The same for one of them.
+    fn integrate_body(&mut self, i: usize, overflown: &mut Vec<u32>) {
+        if !self.is_moving(i) {
+            return;
+        }
+        let motion = self.motion[i];
+        let center = self.center[i] + motion.shift;
+        let body = &mut self.velocity[i];
+        // A turn whose square overflows leaves a quaternion of zeros.
+        let is_usable = center.is_finite()
+            && motion.rotation.length_squared() > 0.5
+            && body.linear.is_finite()
+            && body.angular.is_finite();
+        if !is_usable {
+            (body.linear, body.angular) = (Vec3::ZERO, Vec3::ZERO);
+            overflown.push(self.first + i as u32);
+            return;
+        }
+        self.center[i] = center;
+        self.rotation[i] = motion.rotation;
+        if body.inverse_mass > 0.0 {
+            self.inverse_inertia[i] = inverse_inertia(&self.mass[i], motion.rotation);
         }
     }
 
@@ -105,6 +131,6 @@ impl MassPart<'_> {
             self.velocity[i].inverse_mass > 0.0
                 || info.is_some_and(|info| info.kind != RigidBody::Static)
         };
-        self.status[i] == Status::Active && may_move()
+        matches!(self.status[i], Status::Active | Status::Local) && may_move()
     }
 }

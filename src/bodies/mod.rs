@@ -28,6 +28,8 @@ mod holding;
 pub(crate) mod inertia;
 pub(crate) mod integrate;
 mod kind;
+mod local;
+pub(crate) mod local_state;
 mod sensor;
 pub(crate) mod sleep_state;
 mod slots;

@@ -16,6 +16,8 @@ pub(crate) enum Status {
     Asleep,
     /// A body with a state that is not finite: kept, but nothing else sees it.
     Frozen,
+    /// As active, and takes part in the local steps that are being taken.
+    Local,
 }
 
 /// How long a body has been at rest, and where.

@@ -4,6 +4,7 @@
 //! [`BodyId`], never by slot, so results do not depend on which slots were free.
 
 pub(crate) use crate::bodies::body::{BodyDesc, BodyError, RigidBody};
+use crate::bodies::local_state::LocalBodies;
 use crate::bodies::sleep_state::Status;
 use crate::bodies::solver_body::Motion;
 use crate::bodies::solver_body::SolverBody;
@@ -74,6 +75,8 @@ pub struct Bodies {
     pub(crate) any_compound: bool,
     /// Who rests, and what was changed since.
     pub(crate) sleep: Sleep,
+    /// Who takes local steps while all others wait.
+    pub(crate) local: LocalBodies,
     /// Pairs of bodies that are bonded, ascending: their contact stays where the bond was made, wherever they are going.
     pub(crate) bonded: Vec<(BodyId, BodyId)>,
     /// Pairs of bodies that do not touch each other because a joint says so, ascending.
@@ -133,6 +136,7 @@ impl Bodies {
         self.next_id += 1;
         self.alive += 1;
         self.status[i] = Status::Active;
+        self.join_local(slot);
         self.center[i] = pose.position;
         self.rotation[i] = pose.rotation;
         self.velocity[i] = SolverBody {
@@ -176,13 +180,14 @@ impl Bodies {
     pub fn is_active(&self, slot: u32) -> bool {
         matches!(
             self.status.get(slot as usize),
-            Some(Status::Active | Status::Asleep)
+            Some(Status::Active | Status::Asleep | Status::Local)
         )
     }
 
     /// Whether the body takes part, is awake and not static.
     pub(crate) fn is_moving(&self, slot: u32) -> bool {
-        self.status.get(slot as usize) == Some(&Status::Active) && !self.is_static(slot)
+        let status = self.status.get(slot as usize);
+        matches!(status, Some(Status::Active | Status::Local)) && !self.is_static(slot)
     }
 
     /// Whether the body is static.

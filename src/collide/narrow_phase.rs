@@ -184,6 +184,14 @@ impl NarrowPhase {
     fn load_bodies(&mut self, bodies: &Bodies, ahead: Lookahead, team: Option<&Team>) {
         self.bodies.resize(bodies.slots(), PairBody::default());
         self.paces.resize(bodies.slots(), MotionBound::default());
+        if bodies.local.is_on {
+            for &slot in &bodies.local.slots {
+                let i = slot as usize;
+                let (body, pace) = (&mut self.bodies[i], &mut self.paces[i]);
+                load_body(bodies, slot, ahead, body, pace);
+            }
+            return;
+        }
         let size = Team::part_size(team, bodies.slots(), MIN_PROXIES);
         let parts = self.bodies.chunks_mut(size);
         let parts = parts.zip(self.paces.chunks_mut(size)).enumerate();
@@ -191,16 +199,27 @@ impl NarrowPhase {
             let slots = ((index * size) as u32..).zip(seen.iter_mut().zip(paces));
             // What sleeps has not moved.
             for (slot, (body, pace)) in slots.filter(|&(slot, _)| !bodies.is_asleep(slot)) {
-                let now = pair_body(bodies, slot, ahead);
-                let motion = now.motion_since(body);
-                pace.walk(motion);
-                pace.ahead = now.travel.length() + now.turning;
-                pace.min_extent = bodies.min_extent[slot as usize];
-                pace.version = bodies.version[slot as usize];
-                *body = now;
+                load_body(bodies, slot, ahead, body, pace);
             }
         });
     }
+}
+
+/// Brings what pairs know of the body in `slot` up to date.
+fn load_body(
+    bodies: &Bodies,
+    slot: u32,
+    ahead: Lookahead,
+    body: &mut PairBody,
+    pace: &mut MotionBound,
+) {
+    let now = pair_body(bodies, slot, ahead);
+    let motion = now.motion_since(body);
+    pace.walk(motion);
+    pace.ahead = now.travel.length() + now.turning;
+    pace.min_extent = bodies.min_extent[slot as usize];
+    pace.version = bodies.version[slot as usize];
+    *body = now;
 }
 
 /// The body in `slot` as its pairs see it.

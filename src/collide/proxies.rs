@@ -220,6 +220,14 @@ impl Boxes {
 
     /// Finds the bodies that the broad phase is to be told of.
     fn find_outdated(&mut self, bodies: &Bodies, ahead: Lookahead, team: Option<&Team>) {
+        if bodies.local.is_on {
+            self.outdated.resize(self.outdated.len().max(1), Vec::new());
+            let told = &self.told;
+            let is_outdated =
+                |&slot: &u32| is_outdated(told[slot as usize].as_ref(), bodies, slot, ahead);
+            let slots = bodies.local.slots.iter().copied();
+            return self.outdated[0].extend(slots.filter(is_outdated));
+        }
         let size = Team::part_size(team, self.told.len(), MIN_PROXIES);
         let count = self.told.len().div_ceil(size);
         self.outdated
@@ -228,15 +236,7 @@ impl Boxes {
         Team::each_of_many(team, parts.enumerate(), |(index, (told, outdated))| {
             let slots = (index * size) as u32..;
             for (slot, told) in slots.zip(told) {
-                if bodies.is_asleep(slot) {
-                    continue;
-                }
-                let is_active = bodies.is_active(slot);
-                let still_valid = match told {
-                    Some(told) => is_active && told.still_valid(bodies, slot, ahead),
-                    None => !is_active,
-                };
-                if !still_valid {
+                if !bodies.is_asleep(slot) && is_outdated(told.as_ref(), bodies, slot, ahead) {
                     outdated.push(slot);
                 }
             }
@@ -255,6 +255,15 @@ impl Boxes {
                 broadphase.set(slot as usize, None, BOX_MARGIN);
             }
         }
+    }
+}
+
+/// Whether the broad phase is to be told anew of a body that it was told this of.
+fn is_outdated(told: Option<&ProxyState>, bodies: &Bodies, slot: u32, ahead: Lookahead) -> bool {
+    let is_active = bodies.is_active(slot);
+    match told {
+        Some(told) => !is_active || !told.still_valid(bodies, slot, ahead),
+        None => is_active,
     }
 }
 

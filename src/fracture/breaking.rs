@@ -211,14 +211,19 @@ pub(crate) fn break_overloaded(
     fractures.hand_on_impulses(bodies, cache);
 }
 
-/// After the last round: lets those break later that would have, had there been a budget or a round for them, and those that bore a
-/// blow which nothing came of be asked again by the next one.
-pub(crate) fn note_loads(fractures: &mut Fractures, bodies: &mut Bodies, solver: &ContactSolver) {
+/// After the last round: lets those break later that would have, had there been a budget or a round for them. Of the batches from
+/// this number on.
+pub(crate) fn note_blows(
+    fractures: &mut Fractures,
+    bodies: &mut Bodies,
+    solver: &ContactSolver,
+    first_batch: usize,
+) {
     if !bodies.wearing.is_empty() {
-        bodies.wear_out(solver.borne_loads());
+        bodies.wear_out(solver.borne_loads(first_batch));
     }
     let state = &mut fractures.state;
-    for blow in solver.overloaded() {
+    for blow in solver.overloaded(first_batch) {
         match wait(bodies, blow) {
             Some(pending) => {
                 state.waiting.push(pending);
@@ -227,6 +232,11 @@ pub(crate) fn note_loads(fractures: &mut Fractures, bodies: &mut Bodies, solver:
             None => state.spare(bodies, blow.slot, RETRIED * blow.load.impulse),
         }
     }
+}
+
+/// At the end of a step: those that bore a blow which nothing came of are asked again by the next one.
+pub(crate) fn end_loads(fractures: &mut Fractures, bodies: &mut Bodies, solver: &ContactSolver) {
+    let state = &mut fractures.state;
     if state.spared.is_empty() {
         return;
     }
@@ -238,7 +248,7 @@ pub(crate) fn note_loads(fractures: &mut Fractures, bodies: &mut Bodies, solver:
         if waiting.iter().any(|entry| entry.body == id) {
             return true;
         }
-        let loads = solver.borne_loads().filter(|&(hit, _)| hit == slot);
+        let loads = solver.borne_loads(0).filter(|&(hit, _)| hit == slot);
         let most = loads.map(|(_, load)| load.impulse).fold(0.0, f32::max);
         if most > bodies.strength(slot) && bodies.borne_impulse[slot as usize].is_finite() {
             return true;

@@ -42,7 +42,7 @@ mod shared_area;
 
 pub use bond::{Bond, BondError};
 pub use bonds::{Bonds, BrokenBond};
-pub(crate) use breaking::{Inherited, break_overloaded, make_cuts, note_loads};
+pub(crate) use breaking::{Inherited, break_overloaded, end_loads, make_cuts, note_blows};
 pub use budget::FractureBudget;
 pub use debris::{DebrisRules, ExpiredPiece, FadingPiece, RemovedDebris};
 pub use ledger::{Invariants, Ledger};

@@ -24,6 +24,8 @@ pub struct IslandRequirements {
     pub joints: JointPresence,
     /// Sub-steps that follow from all that.
     pub substeps: u32,
+    /// Steps that it takes within the step, each with contacts of its own; 1 for the step itself.
+    pub local_steps: u32,
 }
 
 impl IslandRequirements {

@@ -62,6 +62,10 @@ pub struct SoftStep {
     pub max_substeps: u32,
     /// How far a soft contact may give way under a resting load, as a share of the smaller body's least extent.
     pub sag: f32,
+    /// Most local steps that an island takes within a step: steps one after the other, each with contacts and sub-steps of its own.
+    /// As many as gravity asks for that moves bodies far for their size, and [`max_extra_updates`](Self::max_extra_updates) allow; a
+    /// power of two. 1: none but the step itself.
+    pub max_local_steps: u32,
     /// Sweeps over all rows in each sub-step, before the bodies move.
     pub sweeps: u32,
     /// Sweeps without position bias in each sub-step, after the bodies have moved.
@@ -154,6 +158,7 @@ impl SolverConfig {
         SoftStep {
             min_substeps: 4,
             max_substeps: 4,
+            max_local_steps: 1,
             tolerance: None,
             ..SoftStep::default()
         }
@@ -274,6 +279,7 @@ impl Default for SoftStep {
             min_substeps: 8,
             max_substeps: 32,
             sag: 1.25e-4,
+            max_local_steps: 16,
             sweeps: 1,
             relax_sweeps: 1,
             contact_frequency: 0.2,

@@ -40,6 +40,23 @@ pub struct ContactSolver {
     /// By island: whether its probe broke a body, so that it is not solved in this round.
     pub(crate) is_deferred: Vec<bool>,
     pub(crate) probe: BreakageProbe,
+    /// Islands that take local steps.
+    pub(crate) put_off: Vec<PutOff>,
+    /// Slots of their dynamic bodies.
+    pub(crate) put_off_slots: Vec<u32>,
+    /// Number of batches of the step itself, if there were local steps after it.
+    pub(crate) whole_batches: Option<usize>,
+    /// Slots of bodies that move by themselves, and no contact moves.
+    pub(crate) carriers: Vec<u32>,
+}
+
+/// An island that takes local steps.
+#[derive(Clone, Debug)]
+pub(crate) struct PutOff {
+    /// Its dynamic bodies, within [`ContactSolver::put_off_slots`].
+    pub(crate) bodies: Range<usize>,
+    /// See [`IslandRequirements::local_steps`].
+    pub(crate) local_steps: u32,
 }
 
 /// What a manifold asks for.
@@ -48,6 +65,8 @@ pub(crate) struct ContactEstimate {
     pub(crate) relative_motion: RelativeMotion,
     /// See [`load_of`](crate::solver::estimates); 0 if nothing depends on it.
     pub(crate) load: f32,
+    /// Least extent of those of its bodies that contacts move, m.
+    pub(crate) extent: f32,
 }
 
 /// How far a body is within a step.
@@ -58,6 +77,8 @@ pub(crate) enum Progress {
     Pending,
     /// As before the step, because something in its island breaks.
     Deferred,
+    /// As before the step, because its island takes local steps.
+    PutOff,
     /// A dynamic body that has got its velocity and motion.
     Solved,
 }
@@ -87,6 +108,9 @@ impl ContactSolver {
         if round.is_first {
             self.earlier = 0;
             self.progress.clear();
+            self.put_off.clear();
+            self.put_off_slots.clear();
+            self.whole_batches = None;
         } else {
             self.earlier += self.ranges.len();
             let waiting = self
@@ -104,6 +128,7 @@ impl ContactSolver {
             });
             self.is_deferred.clear();
             let is_deferred = round.may_break && self.probe_breakage(manifolds, bodies, settings);
+            self.put_off_islands(bodies);
             self.make_batches();
             // Now it is known whether a smaller scene has work for several threads.
             Team::lead_if(team.is_none() && self.is_worth_help(), |late| {
@@ -116,6 +141,23 @@ impl ContactSolver {
             let batches = &self.batches[self.earlier..][..self.ranges.len()];
             is_deferred || batches.iter().any(|batch| batch.impacts.is_broken)
         })
+    }
+
+    /// Begins the local steps of a group of islands: what is solved until now stays.
+    pub(crate) fn begin_group(&mut self) {
+        self.earlier += self.ranges.len();
+        self.ranges.clear();
+        self.whole_batches.get_or_insert(self.earlier);
+    }
+
+    /// Begins one of their local steps, whose batches are those from this number on: those of the one before are over.
+    pub(crate) fn begin_local_step(&mut self, bodies: &Bodies, first_batch: usize) {
+        self.earlier = first_batch;
+        self.ranges.clear();
+        self.progress.resize(bodies.slots(), Progress::Pending);
+        for &slot in &bodies.local.slots {
+            self.progress[slot as usize] = Progress::Pending;
+        }
     }
 
     /// Takes back what contacts and bonds have borne.

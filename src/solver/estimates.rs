@@ -4,15 +4,25 @@ use crate::bodies::store::Bodies;
 use crate::contact::manifolds::{ManifoldHead, ManifoldRef, Manifolds};
 use crate::contact::point::ContactPoint;
 use crate::solver::adaptivity::{IslandRequirements, JointPresence};
-use crate::solver::contact_solver::{ContactEstimate, ContactSolver, Progress};
+use crate::solver::contact_solver::{ContactEstimate, ContactSolver, Progress, PutOff};
 use crate::solver::graph::indices::ManifoldIndex;
-use crate::solver::graph::islands::JointLink;
+use crate::solver::graph::islands::{Island, JointLink};
 use crate::solver::graph::relative_motion::RelativeMotion;
 use crate::solver::rows::contact_rows::{Row, RowBody};
 use crate::solver::settings::SubstepSettings;
-use crate::solver::wide::bond::is_new_bond;
+use crate::solver::wide::bond::{is_bonded, is_new_bond};
 use crate::threads::team::Team;
 use crate::tuning::MIN_MANIFOLDS_OF_PART;
+
+/// How far gravity may move a body within a step of its island, as a share of its least extent: at 60 Hz on Earth 14 cm are enough
+/// for the step itself (`docs/decisions/local_steps.md`).
+const FALL: f32 = 0.02;
+
+/// How many times the updates of an island's sweeps beyond the least its local steps may cost.
+const EFFORT: u32 = 2;
+
+/// Gap of points that bodies keep in a local step, as a share of the least extent: somewhat more than the margin of contacts.
+const NEAR: f32 = 0.05;
 
 impl ContactSolver {
     /// Finds the islands and what they ask for.
@@ -25,7 +35,7 @@ impl ContactSolver {
     ) {
         self.link_joints(bodies);
         let progress = &self.progress;
-        let is_pending = |slot: u32| progress.get(slot as usize) != Some(&Progress::Solved);
+        let is_pending = |slot: u32| is_pending(progress, slot);
         let is_pending = |m: &ManifoldHead| is_pending(m.a) && is_pending(m.b);
         self.islands
             .find(manifolds.heads(), bodies, is_pending, team);
@@ -35,7 +45,7 @@ impl ContactSolver {
         self.islands.find_moving(relative_motion);
         self.requirements.clear();
         for i in 0..self.islands.list.len() {
-            let requirement = self.requirement(i, settings);
+            let requirement = self.requirement(i, manifolds, settings);
             self.requirements.push(requirement);
         }
     }
@@ -50,8 +60,7 @@ impl ContactSolver {
             let moves = slots.map(|slot| {
                 slot.is_some_and(|slot| bodies.velocity[slot as usize].inverse_mass > 0.0)
             });
-            let is_solved = |slot: u32| progress.get(slot as usize) == Some(&Progress::Solved);
-            if !slots.into_iter().flatten().any(is_solved) {
+            if (slots.into_iter().flatten()).all(|slot| is_pending(progress, slot)) {
                 links.push(JointLink {
                     bodies: slots,
                     moves,
@@ -79,6 +88,7 @@ impl ContactSolver {
                 let head = &manifolds.heads()[index];
                 let slots = [head.a as usize, head.b as usize];
                 estimate.relative_motion = RelativeMotion::of(bodies, slots, step);
+                estimate.extent = moved_extent(bodies, slots);
                 estimate.load = if depends_on_load {
                     load_of(manifolds.at(index), bodies, settings)
                 } else {
@@ -97,6 +107,7 @@ impl ContactSolver {
     pub(crate) fn requirement(
         &self,
         island: usize,
+        manifolds: &Manifolds,
         settings: &SubstepSettings,
     ) -> IslandRequirements {
         let island = &self.islands.list[island];
@@ -109,6 +120,7 @@ impl ContactSolver {
                 (false, false) => JointPresence::AmongContacts,
             },
             substeps: 0,
+            local_steps: 1,
         };
         if settings.depends_on_load() {
             for &index in &self.islands.manifolds[island.manifolds.clone()] {
@@ -121,8 +133,87 @@ impl ContactSolver {
             }
         }
         requirement.substeps = settings.substeps_for(&requirement);
+        requirement.local_steps = self.local_steps(island, &requirement, manifolds, settings);
         requirement
     }
+
+    /// Steps that an island takes within the step: so many that gravity moves nothing by more than [`FALL`] of its least extent in
+    /// one, as far as they do not make the island cost more than its sweeps may.
+    fn local_steps(
+        &self,
+        island: &Island,
+        requirement: &IslandRequirements,
+        manifolds: &Manifolds,
+        settings: &SubstepSettings,
+    ) -> u32 {
+        let is_held = requirement.joints != JointPresence::None;
+        if settings.max_local_steps <= 1 || is_held {
+            return 1;
+        }
+        let indices = &self.islands.manifolds[island.manifolds.clone()];
+        let extents = indices.iter().map(|m| self.estimates[m.index()].extent);
+        let fall = settings.gravity.length() * settings.step_dt() * settings.step_dt();
+        let least = extents.fold(f32::INFINITY, f32::min);
+        let wanted = (fall / (FALL * least)).sqrt().ceil();
+        if wanted <= 1.0 {
+            return 1;
+        }
+        // Those that a local step will have: it looks less far.
+        let near = |&index: &ManifoldIndex| {
+            let most = NEAR * self.estimates[index.index()].extent;
+            let points = manifolds.at(index.index()).points().iter();
+            points.filter(|point| point.separation < most).count() as u32
+        };
+        let points: u32 = indices.iter().map(near).sum();
+        let updates = points * settings.substeps * (settings.sweeps + settings.relax_sweeps);
+        let affordable = EFFORT.saturating_mul(settings.max_extra_updates) / updates.max(1);
+        let most = settings.max_local_steps.min(affordable).max(1);
+        let is_bonded = || indices.iter().any(|&index| is_bonded(&self.bonded, index));
+        // A number that is not finite becomes one end of the range.
+        let steps = (wanted as u32).clamp(1, most).next_power_of_two();
+        let steps = if steps > most { steps / 2 } else { steps };
+        if steps > 1 && is_bonded() { 1 } else { steps }
+    }
+
+    /// Leaves the islands that take local steps for later.
+    pub(crate) fn put_off_islands(&mut self, bodies: &Bodies) {
+        for (i, island) in self.islands.list.iter().enumerate() {
+            let local_steps = self.requirements[i].local_steps;
+            if local_steps == 1 || self.is_deferred.get(i) == Some(&true) {
+                continue;
+            }
+            self.is_deferred.resize(self.islands.list.len(), false);
+            self.is_deferred[i] = true;
+            let first = self.put_off_slots.len();
+            for &slot in &self.islands.slots[island.bodies.clone()] {
+                if bodies.velocity[slot as usize].inverse_mass > 0.0 {
+                    self.progress[slot as usize] = Progress::PutOff;
+                    self.put_off_slots.push(slot);
+                }
+            }
+            self.put_off.push(PutOff {
+                bodies: first..self.put_off_slots.len(),
+                local_steps,
+            });
+        }
+    }
+}
+
+/// Whether the body in `slot` waits for nothing but the solve.
+fn is_pending(progress: &[Progress], slot: u32) -> bool {
+    !matches!(
+        progress.get(slot as usize),
+        Some(Progress::Solved | Progress::PutOff)
+    )
+}
+
+/// Least extent of those of two bodies that contacts move, m.
+fn moved_extent(bodies: &Bodies, slots: [usize; 2]) -> f32 {
+    let extents = slots.map(|i| match bodies.velocity[i].inverse_mass > 0.0 {
+        true => bodies.min_extent[i],
+        false => f32::INFINITY,
+    });
+    extents[0].min(extents[1])
 }
 
 /// Largest velocity that a contact of the manifold gave its effective mass in the last step, over the smaller body's least

@@ -11,44 +11,65 @@ use glam::Vec3;
 impl ContactSolver {
     /// Moves the bodies that touch nothing, exactly under constant acceleration: `x += h v + h^2 g / 2`.
     pub(crate) fn move_free_bodies(&mut self, bodies: &mut Bodies, settings: &SubstepSettings) {
-        let step = settings.step_dt();
         let mut spinning = Spinning::default();
-        for slot in 0..bodies.slots() as u32 {
-            let i = slot as usize;
-            if self.progress[i] != Progress::Pending || !bodies.is_moving(slot) {
-                continue;
+        if bodies.local.is_on {
+            for index in 0..bodies.local.slots.len() {
+                let slot = bodies.local.slots[index];
+                self.move_free_body(bodies, slot, settings, &mut spinning);
             }
-            let driven = self.drive_free_body(bodies, slot, settings);
-            let spin = bodies.spin(slot, step);
-            let body = &mut bodies.velocity[i];
-            let fall = if body.inverse_mass > 0.0 {
-                self.progress[i] = Progress::Solved;
-                settings.gravity * step
-            } else {
-                Vec3::ZERO
-            };
-            let shift = match driven {
-                Some(shift) => shift,
-                None => {
-                    let shift = step * (body.linear + 0.5 * fall);
-                    body.linear += fall;
-                    shift
-                }
-            };
-            let rotation = match spin {
-                Some(spin) => {
-                    spinning.slots[spinning.spins.len()] = slot;
-                    spinning.spins.push(spin, body.angular);
-                    bodies.rotation[i]
-                }
-                None => rotate_by(bodies.rotation[i], body.angular, step),
-            };
-            bodies.motion[i] = Motion { shift, rotation };
-            if spinning.spins.len() == SPINS {
-                spinning.turn(bodies, settings);
+        } else {
+            self.carriers.clear();
+            for slot in 0..bodies.slots() as u32 {
+                self.move_free_body(bodies, slot, settings, &mut spinning);
             }
         }
         spinning.turn(bodies, settings);
+    }
+
+    /// Moves the body in `slot` if it touches nothing.
+    fn move_free_body(
+        &mut self,
+        bodies: &mut Bodies,
+        slot: u32,
+        settings: &SubstepSettings,
+        spinning: &mut Spinning,
+    ) {
+        let (step, i) = (settings.step_dt(), slot as usize);
+        if self.progress[i] != Progress::Pending || !bodies.is_moving(slot) {
+            return;
+        }
+        let driven = self.drive_free_body(bodies, slot, settings);
+        let spin = bodies.spin(slot, step);
+        let body = &mut bodies.velocity[i];
+        let fall = if body.inverse_mass > 0.0 {
+            self.progress[i] = Progress::Solved;
+            settings.gravity * step
+        } else {
+            if !bodies.local.is_on {
+                self.carriers.push(slot);
+            }
+            Vec3::ZERO
+        };
+        let shift = match driven {
+            Some(shift) => shift,
+            None => {
+                let shift = step * (body.linear + 0.5 * fall);
+                body.linear += fall;
+                shift
+            }
+        };
+        let rotation = match spin {
+            Some(spin) => {
+                spinning.slots[spinning.spins.len()] = slot;
+                spinning.spins.push(spin, body.angular);
+                bodies.rotation[i]
+            }
+            None => rotate_by(bodies.rotation[i], body.angular, step),
+        };
+        bodies.motion[i] = Motion { shift, rotation };
+        if spinning.spins.len() == SPINS {
+            spinning.turn(bodies, settings);
+        }
     }
 
     /// How far a body that is driven moves, m; it has the velocities of the end of the step then. By the mean of the velocities

@@ -67,9 +67,22 @@ impl ContactSolver {
             })
     }
 
-    /// Blows to bodies that got through the step although these are more than they bear.
-    pub(crate) fn overloaded(&self) -> impl Iterator<Item = &Blow> {
-        let batches = self.batches[..self.earlier + self.ranges.len()].iter();
+    /// Slots of the islands of the step as it began, which may have come apart in local steps: together they rest and sleep.
+    pub(crate) fn whole_islands(&self) -> impl Iterator<Item = &[u32]> {
+        let end = self.earlier + self.ranges.len();
+        let batches = self.batches[..self.whole_batches.unwrap_or(end)].iter();
+        let solved = batches.filter(|batch| !batch.impacts.is_broken);
+        let islands = solved.flat_map(|batch| {
+            let members = batch.layout.members.iter();
+            members.map(|member| &batch.layout.slots[member.bodies.clone()])
+        });
+        let put_off = self.put_off.iter();
+        islands.chain(put_off.map(|island| &self.put_off_slots[island.bodies.clone()]))
+    }
+
+    /// Blows to bodies that got through the step although these are more than they bear, of the batches from this number on.
+    pub(crate) fn overloaded(&self, first: usize) -> impl Iterator<Item = &Blow> {
+        let batches = self.batches[first..self.earlier + self.ranges.len()].iter();
         let solved = batches.filter(|batch| !batch.impacts.is_broken);
         solved.flat_map(|batch| &batch.impacts.overloaded)
     }
@@ -82,9 +95,12 @@ impl ContactSolver {
         blows.chain(&self.probe.overloaded)
     }
 
-    /// What bodies that may break, by slot, were hit with in the islands that have been solved in this step.
-    pub(crate) fn borne_loads(&self) -> impl Iterator<Item = (u32, ImpactLoad)> + Clone {
-        let batches = self.batches[..self.earlier + self.ranges.len()].iter();
+    /// What bodies that may break, by slot, were hit with in the islands that have been solved, of the batches from this number on.
+    pub(crate) fn borne_loads(
+        &self,
+        first: usize,
+    ) -> impl Iterator<Item = (u32, ImpactLoad)> + Clone {
+        let batches = self.batches[first..self.earlier + self.ranges.len()].iter();
         let solved = batches.filter(|batch| !batch.impacts.is_broken);
         solved.flat_map(|batch| {
             let limits = batch.impacts.limits.iter();

@@ -44,6 +44,8 @@ pub struct SubstepSettings {
     pub max_substeps: u32,
     /// See [`SoftStep::sag`].
     pub sag: f32,
+    /// See [`SoftStep::max_local_steps`].
+    pub max_local_steps: u32,
     /// Sweeps before the bodies move.
     pub sweeps: u32,
     /// Sweeps after the bodies have moved.
@@ -109,6 +111,7 @@ impl SubstepSettings {
             substeps: soft_step.min_substeps,
             max_substeps: soft_step.max_substeps,
             sag: soft_step.sag,
+            max_local_steps: soft_step.max_local_steps,
             sweeps: soft_step.sweeps,
             relax_sweeps: soft_step.relax_sweeps,
             contact_frequency: soft_step.contact_frequency,
@@ -132,6 +135,7 @@ impl SubstepSettings {
             method: MethodKind::Pgs,
             substeps: pgs.substeps,
             max_substeps: pgs.substeps,
+            max_local_steps: 1,
             sweeps: pgs.sweeps,
             relax_sweeps: 0,
             baumgarte: pgs.baumgarte,

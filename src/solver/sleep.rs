@@ -67,6 +67,9 @@ impl Bodies {
         if self.are_apart(pair.a, pair.b) {
             return false;
         }
+        if self.local.is_on {
+            return self.has_local([pair.a, pair.b]);
+        }
         if self.sleep.asleep == 0 {
             return true;
         }
@@ -184,7 +187,7 @@ impl Bodies {
         self.weigh_supports(manifolds);
         self.weigh_joints(&solver.joints, step_dt);
         let mut next = 0;
-        for (number, island) in solver.islands().enumerate() {
+        for (number, slots) in solver.whole_islands().enumerate() {
             let Some(candidate) = self.sleep.candidates.get(next) else {
                 break;
             };
@@ -192,7 +195,7 @@ impl Bodies {
                 next += 1;
                 let is_borne = candidate.supported_weight >= MIN_SUPPORTED_SHARE * candidate.weight;
                 if is_borne && candidate.has_support && !candidate.is_carried {
-                    self.put_to_sleep(island.slots);
+                    self.put_to_sleep(slots);
                 }
             }
         }
@@ -210,9 +213,9 @@ impl Bodies {
         let pull = step_dt * sleep.gravity.length();
         sleep.candidates.clear();
         sleep.candidate_of.resize(velocity.len(), NONE);
-        for (number, island) in solver.islands().enumerate() {
+        for (number, slots) in solver.whole_islands().enumerate() {
             let dynamic = || {
-                let slots = island.slots.iter().map(|&slot| slot as usize);
+                let slots = slots.iter().map(|&slot| slot as usize);
                 slots.filter(|&i| velocity[i].inverse_mass > 0.0)
             };
             if !dynamic().all(|i| sleep.rest[i].time >= config.time) {

@@ -11,6 +11,7 @@ use crate::solver::contact_solver::{ContactSolver, Round};
 use crate::solver::rows::contact_rows::PointRows;
 use crate::solver::settings::SubstepSettings;
 use crate::step::contact_events::ContactEvents;
+use crate::step::local_buffers::LocalBuffers;
 use crate::step::settings::StepSettings;
 use bevy_ecs::resource::Resource;
 
@@ -28,6 +29,7 @@ pub struct Contacts {
     solved: Manifolds,
     /// For putting the two together.
     joined: Manifolds,
+    pub(crate) local: LocalBuffers,
     /// Kinetic and potential energy before the step, J, if the error is measured.
     pub(crate) energy_before: Option<f64>,
     /// Rows of an island whose error is measured.

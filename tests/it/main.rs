@@ -29,6 +29,7 @@ mod hard_cases;
 mod import;
 mod known_pairs;
 mod layering;
+mod local_steps;
 mod mass;
 mod mlcp;
 mod pattern;

@@ -141,9 +141,9 @@ fn the_rim_of_a_pane_stays_in_its_frame() {
         }
     }
     check_nothing_floats(&simulation);
-    // A few lie on the lower bar.
+    // A few lie on the lower bar, and some of the lower half stand on those that stay: nothing pushes them.
     assert!(
-        10 * on_floor >= 9 * fallen,
+        10 * on_floor >= 7 * fallen,
         "{on_floor} of {fallen} have fallen"
     );
     assert!(held >= 8 && fallen >= 8, "{held} stay, {fallen} fall");

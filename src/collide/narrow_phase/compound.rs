@@ -63,7 +63,7 @@ impl PairRun {
         let margin = scene.margin(view.paces, approach);
         let is_slow = view.paces[0].ahead + view.paces[1].ahead <= min_approach(view.paces);
         let may_hold = is_slow || view.term.points == 0;
-        if may_hold && view.verdict(margin, scene.fall) == Recycle::Holds {
+        if may_hold && view.verdict(margin, scene.fall, scene.widest(margin)) == Recycle::Holds {
             return true;
         }
         let test = BodyPair {

@@ -25,7 +25,7 @@ impl PairRun {
         let margin = scene.margin(view.paces, approach);
         let ahead = view.paces[0].ahead + view.paces[1].ahead;
         let (is_slow, fall) = (ahead <= min_approach(view.paces), scene.fall);
-        if is_slow && view.verdict(margin, fall) == Recycle::Holds {
+        if is_slow && view.verdict(margin, fall, scene.widest(margin)) == Recycle::Holds {
             return true;
         }
         let [first, second] = if is_hull_first {

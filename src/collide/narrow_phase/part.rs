@@ -18,7 +18,7 @@ use crate::contact::narrow::scratch::{NarrowScratch, SatCache, SatResult};
 use crate::contact::pairs::broad_phase::Pair;
 use crate::contact::pairs::broad_phase::PairName;
 use crate::contact::pairs::recycle::{
-    MotionBound, PairBody, PairView, Recycle, haste, reach_of_test, smaller_extent,
+    MotionBound, PairBody, PairView, Recycle, RecycleTest, haste, reach_of_test, smaller_extent,
 };
 use crate::contact::pairs::store::PairStore;
 use crate::contact::pairs::touches::Touch;
@@ -31,6 +31,10 @@ use std::ops::Range;
 /// Overlap along an axis, as a share of the smaller body's least extent, up to which the bodies count as getting past each other
 /// there: some times the sag of a soft contact.
 pub(super) const OVERLAP: f32 = 3e-4;
+
+/// How many times as far as it must be a contact may have been looked for that is kept for a local step: a look costs a test, and each
+/// point that is too far away to matter costs in all sweeps.
+const WIDE: f32 = 3.0;
 
 /// What all parts read.
 pub(crate) struct Scene<'s> {
@@ -47,6 +51,25 @@ impl Scene<'_> {
 
     pub(super) fn paces(&self, pair: Pair) -> [&MotionBound; 2] {
         [&self.paces[pair.a as usize], &self.paces[pair.b as usize]]
+    }
+
+    /// Up to which gap the contacts of a pair may have been looked for that are kept, if those up to `margin` (m) matter.
+    #[inline]
+    pub(super) fn widest(&self, margin: f32) -> f32 {
+        match self.bodies.local.is_on {
+            true => WIDE * margin,
+            false => f32::INFINITY,
+        }
+    }
+
+    /// Whether what is known of a pair surely holds in this step: the quick look.
+    #[inline]
+    fn is_known(&self, pair: Pair, term: &RecycleTest) -> bool {
+        let paces = self.paces(pair);
+        let margin = self.margin(paces, paces[0].ahead + paces[1].ahead);
+        term.surely_holds(paces, margin)
+            && PairView::is_quiet(term, paces)
+            && !term.is_wider_than(self.widest(margin))
     }
 
     /// How a pair moves within the step, from this pose on.
@@ -93,6 +116,9 @@ pub(crate) struct PairRun {
     pub(crate) is_outdated: bool,
     pub(crate) known: PairStore,
     pub(super) scratch: NarrowScratch,
+    /// Its pairs that matter to local steps, and the revision of those.
+    local: Vec<u32>,
+    of_local: u64,
     pub(super) compound_scratch: CompoundScratch,
     pub(super) round_scratch: RoundScratch,
     pub(super) level_scratch: LevelScratch,
@@ -120,8 +146,19 @@ impl PairRun {
     pub(crate) fn test(&mut self, scene: &Scene, pairs: &[Pair]) {
         if std::mem::take(&mut self.is_outdated) {
             self.known.follow(pairs, &scene.bodies.ids);
+            self.of_local = 0;
         }
         self.points = 0..0;
+        let count = if scene.bodies.local.is_on {
+            self.test_local(scene, pairs)
+        } else {
+            self.test_all(scene, pairs)
+        };
+        self.touching.truncate(count);
+    }
+
+    /// Tests those of all pairs that must be; the number of touches.
+    fn test_all(&mut self, scene: &Scene, pairs: &[Pair]) -> usize {
         // Whether a pair touches cannot be guessed, so each is listed, and those that do not are written over.
         self.touching.resize(pairs.len() + 1, [0; 2]);
         let mut count = 0;
@@ -131,19 +168,51 @@ impl PairRun {
                 self.renew(scene, pairs[at], first + at);
             }
             for (index, &pair) in (first..).zip(pairs) {
-                if !scene.bodies.needs_look(pair) {
-                    continue;
-                }
-                let term = &self.known.terms[index];
-                self.touching[count] = [index as u32, term.touch];
-                count += usize::from(term.points > 0);
-                self.points.end += term.points;
-                if self.known.touches.has_chains() {
-                    count += self.list_rest(index, count);
+                if scene.bodies.needs_look(pair) {
+                    count = self.list(index, count);
                 }
             }
         }
-        self.touching.truncate(count);
+        count
+    }
+
+    /// Tests the pairs that matter to the local steps that are being taken; the number of touches.
+    fn test_local(&mut self, scene: &Scene, pairs: &[Pair]) -> usize {
+        self.find_local(scene.bodies, pairs);
+        self.touching.resize(self.local.len() + 1, [0; 2]);
+        let mut count = 0;
+        for at in 0..self.local.len() {
+            let index = self.local[at] as usize;
+            if !scene.is_known(pairs[index], &self.known.terms[index]) {
+                self.renew(scene, pairs[index], index);
+            }
+            count = self.list(index, count);
+        }
+        count
+    }
+
+    /// Lists the pairs that matter to the local steps that are being taken, unless they are the same as before.
+    fn find_local(&mut self, bodies: &Bodies, pairs: &[Pair]) {
+        if self.of_local != bodies.local.revision {
+            self.of_local = bodies.local.revision;
+            let indexed = (0..).zip(pairs);
+            let matter = indexed.filter(|&(_, &pair)| bodies.needs_look(pair));
+            self.local.clear();
+            self.local.extend(matter.map(|(index, _)| index));
+        }
+    }
+
+    /// Lists a pair after the `count` ones that touch, if it touches; the number of them then.
+    #[inline]
+    fn list(&mut self, index: usize, count: usize) -> usize {
+        let term = &self.known.terms[index];
+        self.touching[count] = [index as u32, term.touch];
+        let mut count = count + usize::from(term.points > 0);
+        self.points.end += term.points;
+        if self.known.touches.has_chains() {
+            count += self.list_rest(index, count);
+        }
+        count
     }
 
     /// Which of a run of pairs, of which `first` is the first, need a closer look: a bit each. What that reads lies anywhere, and
@@ -151,11 +220,7 @@ impl PairRun {
     fn find_unsure(&self, scene: &Scene, pairs: &[Pair], first: usize) -> u64 {
         let mut unsure = 0;
         for (at, (&pair, term)) in pairs.iter().zip(&self.known.terms[first..]).enumerate() {
-            let paces = scene.paces(pair);
-            let margin = scene.margin(paces, paces[0].ahead + paces[1].ahead);
-            if term.surely_holds(paces, margin) && PairView::is_quiet(term, paces)
-                || !scene.bodies.needs_look(pair)
-            {
+            if scene.is_known(pair, term) || !scene.bodies.needs_look(pair) {
                 continue;
             }
             unsure |= 1 << at;
@@ -178,7 +243,7 @@ impl PairRun {
         let [a, b] = view.bodies;
         let approach = (b.travel - a.travel).length() + a.turning + b.turning;
         let margin = scene.margin(view.paces, approach);
-        let Recycle::Unknown(axis) = view.verdict(margin, scene.fall) else {
+        let Recycle::Unknown(axis) = view.verdict(margin, scene.fall, scene.widest(margin)) else {
             return;
         };
         let reach = reach_of_test(view.paces, margin);

@@ -30,7 +30,7 @@ impl PairRun {
         let [a, b] = view.bodies;
         let approach = (b.travel - a.travel).length() + a.turning + b.turning;
         let margin = scene.margin(view.paces, approach);
-        let Recycle::Unknown(axis) = view.verdict(margin, scene.fall) else {
+        let Recycle::Unknown(axis) = view.verdict(margin, scene.fall, scene.widest(margin)) else {
             return true;
         };
         let reach = reach_of_test(view.paces, margin);

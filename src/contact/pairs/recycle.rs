@@ -6,9 +6,7 @@
 
 use crate::contact::body_manifold::{BodyManifold, BodyPlace};
 use crate::contact::narrow::scratch::SatCache;
-use crate::contact::pairs::touches::NO_TOUCH;
-use crate::contact::pairs::touches::Touch;
-use crate::contact::pairs::touches::Touches;
+use crate::contact::pairs::touches::{NO_TOUCH, Touch, Touches};
 use crate::math::Pose;
 use glam::{Quat, Vec3};
 
@@ -198,6 +196,11 @@ impl RecycleTest {
         }
     }
 
+    /// Whether the last test found contacts and looked for them farther than this, m, as for a local step it must not.
+    pub(crate) fn is_wider_than(&self, widest: f32) -> bool {
+        self.points > 0 && self.limit > widest
+    }
+
     /// Whether what the last test found holds for bodies of the given paces, if contacts up to `margin` (m) matter: a quick
     /// look, which may say no for want of detail.
     pub(crate) fn surely_holds(&self, paces: [&MotionBound; 2], margin: f32) -> bool {
@@ -286,8 +289,8 @@ impl PairView<'_> {
     }
 
     /// What the last test says about the pair now, where bodies farther apart than `margin` (m) do not matter. `fall`: see
-    /// [`haste`].
-    pub(crate) fn verdict(&mut self, margin: f32, fall: f32) -> Recycle {
+    /// [`haste`]; `widest`: see [`RecycleTest::is_wider_than`].
+    pub(crate) fn verdict(&mut self, margin: f32, fall: f32, widest: f32) -> Recycle {
         let Self {
             term,
             state,
@@ -295,7 +298,7 @@ impl PairView<'_> {
             ..
         } = self;
         let [a, b] = self.bodies;
-        if term.epoch != epoch_of(self.paces) {
+        if term.epoch != epoch_of(self.paces) || term.is_wider_than(widest) {
             return Recycle::Unknown(None);
         }
         let sight = RelativePose::of(a, b);

@@ -52,6 +52,13 @@ pub struct BondedManifold {
     pub yielded: f32,
 }
 
+/// Whether a manifold is in the list, which is sorted by manifolds.
+pub(crate) fn is_bonded(bonded: &[BondedManifold], manifold: ManifoldIndex) -> bool {
+    bonded
+        .binary_search_by_key(&manifold, |bond| bond.manifold)
+        .is_ok()
+}
+
 /// Whether a manifold is in the list, which is sorted by manifolds, with a bond that was made since the last step.
 pub(crate) fn is_new_bond(bonded: &[BondedManifold], manifold: ManifoldIndex) -> bool {
     let found = bonded.binary_search_by_key(&manifold, |bond| bond.manifold);
