@@ -46,7 +46,8 @@ pub enum PhysicsSystems {
     ContactGeneration,
     /// Forces and contact impulses; bonds that they overload break.
     Solve,
-    /// Bodies that were hit with more than they bear become pieces, and their islands are solved anew.
+    /// Bodies that were hit with more than they bear become pieces, and their islands are solved anew; islands of small bodies take their
+    /// local steps.
     Fracture,
     /// Poses from velocities.
     Integrate,
