@@ -12,7 +12,7 @@ use crate::threads::team::Team;
 use crate::tuning::{MAX_PARTS, MIN_MOVED_BODIES, MOVED_BODIES_WORTH_HELP};
 use glam::{Mat3, Quat, Vec3};
 
-/// The last motion of a step: [`move_bodies`], and what drove them for the step ends.
+/// The last motion of a step: all bodies go where the solver has moved them, and what drove them for the step ends.
 pub fn integrate_positions(bodies: &mut Bodies, problems: &mut Vec<(u32, BodyError)>) {
     move_bodies(bodies, problems);
     bodies.end_drives();
