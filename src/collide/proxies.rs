@@ -259,6 +259,7 @@ impl Boxes {
 }
 
 /// Whether the broad phase is to be told anew of a body that it was told this of.
+#[inline(always)]
 fn is_outdated(told: Option<&ProxyState>, bodies: &Bodies, slot: u32, ahead: Lookahead) -> bool {
     let is_active = bodies.is_active(slot);
     match told {
