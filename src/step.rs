@@ -251,7 +251,7 @@ pub fn solve(
     contacts.events.note_velocities(bodies);
     contacts.solve_round(bodies, fractures, settings, 0);
     contacts.energy_before = energy_before;
-    if !contacts.is_broken {
+    if contacts.is_solved() {
         report_solution(bodies, contacts, settings, report);
     }
 }
@@ -271,14 +271,13 @@ pub fn fracture(
     report: &mut StepReport,
 ) {
     let mut breakable = breakable;
-    let was_broken = contacts.is_broken;
-    let was_put_off = !contacts.solver.put_off.is_empty();
+    let was_solved = contacts.is_solved();
     break_in_rounds(bodies, contacts, breakable.again(), settings, report);
     note_blows(breakable.fractures, bodies, &contacts.solver, 0);
     break_bonds(bodies, contacts, breakable.bonds);
     break_joints(bodies, contacts, breakable.joints);
     take_local_steps(bodies, contacts, breakable.again(), settings, report);
-    if was_broken || was_put_off {
+    if !was_solved {
         report_solution(bodies, contacts, settings, report);
     }
     end_loads(breakable.fractures, bodies, &contacts.solver);

@@ -7,13 +7,13 @@ use crate::bodies::store::Bodies;
 use glam::Vec3;
 
 impl Bodies {
-    /// Whether a pair of slots matters to the local steps that are being taken: none of the two waits.
-    pub(crate) fn has_local(&self, pair: [u32; 2]) -> bool {
+    /// Whether a pair of slots matters to the local steps that are being taken: they may touch, and none of the two waits.
+    pub(crate) fn needs_local_look(&self, [a, b]: [u32; 2]) -> bool {
         let waits = |slot: u32| {
             let i = slot as usize;
             self.status[i] != Status::Local && self.velocity[i].inverse_mass > 0.0
         };
-        !pair.into_iter().any(waits)
+        !waits(a) && !waits(b) && !self.are_apart(a, b)
     }
 
     /// Whether the body takes the local steps that are being taken.
@@ -52,15 +52,12 @@ impl Bodies {
         if self.local.is_on {
             self.status[slot as usize] = Status::Local;
             self.local.revision += 1;
-            // It may have the slot of one that broke.
-            if !self.local.slots.contains(&slot) {
-                self.local.slots.push(slot);
-            }
+            self.note_local(slot);
         }
     }
 
-    /// Sees to it that it is noticed in local steps that a body is gone.
-    pub(super) fn leave_local(&mut self, slot: u32) {
+    /// Sees to it that local steps, if some are being taken, look at a slot from which a body has gone, or into which one has come.
+    pub(super) fn note_local(&mut self, slot: u32) {
         if self.local.is_on && !self.local.slots.contains(&slot) {
             self.local.slots.push(slot);
         }

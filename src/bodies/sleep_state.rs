@@ -14,10 +14,10 @@ pub(crate) enum Status {
     Active,
     /// A body that rests until something wakes it.
     Asleep,
-    /// A body with a state that is not finite: kept, but nothing else sees it.
-    Frozen,
     /// As active, and takes part in the local steps that are being taken.
     Local,
+    /// A body with a state that is not finite: kept, but nothing else sees it.
+    Frozen,
 }
 
 /// How long a body has been at rest, and where.

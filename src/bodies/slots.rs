@@ -19,7 +19,7 @@ impl Bodies {
         self.fracturable -= usize::from(self.info(slot).fracturable.is_some());
         self.dynamic -= usize::from(self.kind(slot) == RigidBody::Dynamic);
         self.status[i] = Status::Free;
-        self.leave_local(slot);
+        self.note_local(slot);
         self.info[i] = None;
         self.forget_extras(slot);
         self.velocity[i] = SolverBody::default();

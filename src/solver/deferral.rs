@@ -1,10 +1,11 @@
-//! Large islands in which a body breaks wait for the next round, before they are solved for nothing.
+//! Islands that wait: large ones in which a body breaks for the next round, before they are solved for nothing, and those of bodies that
+//! are small for the step for their local steps.
 
 use crate::bodies::store::Bodies;
 use crate::contact::manifolds::{ManifoldHead, Manifolds};
 use crate::solver::batch::Step;
 use crate::solver::breakage_probe::{self, BreakageProbe, is_large};
-use crate::solver::contact_solver::{ContactSolver, Progress};
+use crate::solver::contact_solver::{ContactSolver, Progress, PutOff};
 use crate::solver::settings::SubstepSettings;
 
 impl ContactSolver {
@@ -71,12 +72,38 @@ impl ContactSolver {
 
     /// Notes that the bodies of islands that are set aside wait.
     pub(crate) fn defer_island_bodies(&mut self, bodies: &Bodies) {
-        let islands = self.islands.list.iter().zip(&self.is_deferred);
-        for (island, _) in islands.filter(|(_, is_deferred)| **is_deferred) {
-            for &slot in &self.islands.slots[island.bodies.clone()] {
-                if bodies.velocity[slot as usize].inverse_mass > 0.0 {
-                    self.progress[slot as usize] = Progress::Deferred;
-                }
+        for island in 0..self.is_deferred.len() {
+            if self.is_deferred[island] {
+                self.set_aside(bodies, island, Progress::Deferred);
+            }
+        }
+    }
+
+    /// Leaves the islands that take local steps, and are not set aside already, for later.
+    pub(crate) fn put_off_islands(&mut self, bodies: &Bodies) {
+        self.is_deferred.resize(self.islands.list.len(), false);
+        for island in 0..self.islands.list.len() {
+            let local_steps = self.requirements[island].local_steps;
+            if local_steps > 1 && !self.is_deferred[island] {
+                self.is_deferred[island] = true;
+                let first = self.put_off_slots.len();
+                self.set_aside(bodies, island, Progress::PutOff);
+                self.put_off.push(PutOff {
+                    bodies: first..self.put_off_slots.len(),
+                    local_steps,
+                });
+            }
+        }
+    }
+
+    /// Notes that the dynamic bodies of an island wait, and lists those that are put off.
+    fn set_aside(&mut self, bodies: &Bodies, island: usize, progress: Progress) {
+        let slots = &self.islands.slots[self.islands.list[island].bodies.clone()];
+        let moves = |slot: &&u32| bodies.velocity[**slot as usize].inverse_mass > 0.0;
+        for &slot in slots.iter().filter(moves) {
+            self.progress[slot as usize] = progress;
+            if progress == Progress::PutOff {
+                self.put_off_slots.push(slot);
             }
         }
     }

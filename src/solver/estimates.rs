@@ -4,7 +4,7 @@ use crate::bodies::store::Bodies;
 use crate::contact::manifolds::{ManifoldHead, ManifoldRef, Manifolds};
 use crate::contact::point::ContactPoint;
 use crate::solver::adaptivity::{IslandRequirements, JointPresence};
-use crate::solver::contact_solver::{ContactEstimate, ContactSolver, Progress, PutOff};
+use crate::solver::contact_solver::{ContactEstimate, ContactSolver, Progress};
 use crate::solver::graph::indices::ManifoldIndex;
 use crate::solver::graph::islands::{Island, JointLink};
 use crate::solver::graph::relative_motion::RelativeMotion;
@@ -88,7 +88,9 @@ impl ContactSolver {
                 let head = &manifolds.heads()[index];
                 let slots = [head.a as usize, head.b as usize];
                 estimate.relative_motion = RelativeMotion::of(bodies, slots, step);
-                estimate.extent = moved_extent(bodies, slots);
+                if settings.max_local_steps > 1 {
+                    estimate.extent = moved_extent(bodies, slots);
+                }
                 estimate.load = if depends_on_load {
                     load_of(manifolds.at(index), bodies, settings)
                 } else {
@@ -165,37 +167,18 @@ impl ContactSolver {
             points.filter(|point| point.separation < most).count() as u32
         };
         let points: u32 = indices.iter().map(near).sum();
-        let updates = points * settings.substeps * (settings.sweeps + settings.relax_sweeps);
+        let sweeps = settings.sweeps.saturating_add(settings.relax_sweeps);
+        let updates = points
+            .saturating_mul(settings.substeps)
+            .saturating_mul(sweeps);
         let affordable = EFFORT.saturating_mul(settings.max_extra_updates) / updates.max(1);
-        let most = settings.max_local_steps.min(affordable).max(1);
+        // The largest power of two that is allowed.
+        let most = 1 << settings.max_local_steps.min(affordable).max(1).ilog2();
         let is_bonded = || indices.iter().any(|&index| is_bonded(&self.bonded, index));
-        // A number that is not finite becomes one end of the range.
-        let steps = (wanted as u32).clamp(1, most).next_power_of_two();
-        let steps = if steps > most { steps / 2 } else { steps };
-        if steps > 1 && is_bonded() { 1 } else { steps }
-    }
-
-    /// Leaves the islands that take local steps for later.
-    pub(crate) fn put_off_islands(&mut self, bodies: &Bodies) {
-        for (i, island) in self.islands.list.iter().enumerate() {
-            let local_steps = self.requirements[i].local_steps;
-            if local_steps == 1 || self.is_deferred.get(i) == Some(&true) {
-                continue;
-            }
-            self.is_deferred.resize(self.islands.list.len(), false);
-            self.is_deferred[i] = true;
-            let first = self.put_off_slots.len();
-            for &slot in &self.islands.slots[island.bodies.clone()] {
-                if bodies.velocity[slot as usize].inverse_mass > 0.0 {
-                    self.progress[slot as usize] = Progress::PutOff;
-                    self.put_off_slots.push(slot);
-                }
-            }
-            self.put_off.push(PutOff {
-                bodies: first..self.put_off_slots.len(),
-                local_steps,
-            });
+        if most == 1 || is_bonded() {
+            return 1;
         }
+        (wanted as u32).min(most).next_power_of_two()
     }
 }
 

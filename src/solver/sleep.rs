@@ -67,9 +67,6 @@ impl Bodies {
         if self.are_apart(pair.a, pair.b) {
             return false;
         }
-        if self.local.is_on {
-            return self.has_local([pair.a, pair.b]);
-        }
         if self.sleep.asleep == 0 {
             return true;
         }

@@ -67,6 +67,11 @@ impl Contacts {
         self.is_broken = solver.solve(manifolds, bodies, &substeps, round);
     }
 
+    /// Whether nothing waits for another round or for local steps.
+    pub(crate) fn is_solved(&self) -> bool {
+        !self.is_broken && self.solver.put_off.is_empty()
+    }
+
     /// Keeps the manifolds of bodies that have got their motion, whose contacts are not to be looked for again.
     pub(crate) fn stash_solved(&mut self, bodies: &Bodies) {
         self.solved.clear();

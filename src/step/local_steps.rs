@@ -38,8 +38,11 @@ pub(super) fn take_local_steps(
     let bonded = std::mem::take(&mut contacts.solver.bonded);
     let joints = std::mem::take(&mut contacts.solver.joints);
     std::mem::swap(&mut local.whole, &mut contacts.manifolds);
-    let mut count = 2;
-    while count <= settings.max_local_steps() {
+    let most = contacts.solver.put_off.iter().map(|it| it.local_steps);
+    let most = most.max().unwrap_or(1);
+    // Powers of two.
+    for exponent in 1..=most.ilog2() {
+        let count = 1 << exponent;
         let ContactSolver {
             put_off,
             put_off_slots,
@@ -66,7 +69,6 @@ pub(super) fn take_local_steps(
             scale_rates(&mut local.sums, count as f32);
             join(&mut local.whole, &local.sums, &mut local.joined, bodies);
         }
-        count *= 2;
     }
     std::mem::swap(&mut local.whole, &mut contacts.manifolds);
     (contacts.solver.bonded, contacts.solver.joints) = (bonded, joints);
@@ -77,13 +79,6 @@ pub(super) fn take_local_steps(
 }
 
 impl StepSettings {
-    fn max_local_steps(&self) -> u32 {
-        match self.config.method {
-            Method::SoftStep(soft_step) => soft_step.max_local_steps,
-            _ => 1,
-        }
-    }
-
     /// The same for one of so many local steps, which share the sweeps that an island may take beyond the least.
     fn of_local_step(&self, count: u32) -> Self {
         let mut settings = *self;

@@ -67,9 +67,7 @@ impl Scene<'_> {
     fn is_known(&self, pair: Pair, term: &RecycleTest) -> bool {
         let paces = self.paces(pair);
         let margin = self.margin(paces, paces[0].ahead + paces[1].ahead);
-        term.surely_holds(paces, margin)
-            && PairView::is_quiet(term, paces)
-            && !term.is_wider_than(self.widest(margin))
+        term.surely_holds(paces, margin) && PairView::is_quiet(term, paces)
     }
 
     /// How a pair moves within the step, from this pose on.
@@ -183,8 +181,11 @@ impl PairRun {
         let mut count = 0;
         for at in 0..self.local.len() {
             let index = self.local[at] as usize;
-            if !scene.is_known(pairs[index], &self.known.terms[index]) {
-                self.renew(scene, pairs[index], index);
+            let (pair, term) = (pairs[index], &self.known.terms[index]);
+            let paces = scene.paces(pair);
+            let margin = scene.margin(paces, paces[0].ahead + paces[1].ahead);
+            if !scene.is_known(pair, term) || term.is_wider_than(scene.widest(margin)) {
+                self.renew(scene, pair, index);
             }
             count = self.list(index, count);
         }
@@ -196,7 +197,7 @@ impl PairRun {
         if self.of_local != bodies.local.revision {
             self.of_local = bodies.local.revision;
             let indexed = (0..).zip(pairs);
-            let matter = indexed.filter(|&(_, &pair)| bodies.needs_look(pair));
+            let matter = indexed.filter(|&(_, &pair)| bodies.needs_local_look([pair.a, pair.b]));
             self.local.clear();
             self.local.extend(matter.map(|(index, _)| index));
         }
