@@ -113,14 +113,8 @@ fn features(c: &mut Criterion) {
         simulation
     });
     bench(c, "half_round", {
-        let number = std::cell::Cell::new(0_u32);
-        let change = |desc: &mut BodyDesc| {
-            number.set(number.get() + 1);
-            if number.get().is_multiple_of(2) {
-                desc.shape = Shape::Convex(bevy_cleave::sphere!(0.3));
-            }
-        };
-        settled(change, default)
+        let ball = Shape::Convex(bevy_cleave::sphere!(0.3));
+        settled(every_second(ball), default)
     });
     // A heap of hulls in a scene that has a table too, and one that is half of bricks of two parts.
     let brick = |side: f32| {
@@ -135,14 +129,8 @@ fn features(c: &mut Criterion) {
         simulation
     });
     bench(c, "half_compound", {
-        let number = std::cell::Cell::new(0_u32);
-        let change = |desc: &mut BodyDesc| {
-            number.set(number.get() + 1);
-            if number.get().is_multiple_of(2) {
-                desc.shape = Shape::Compound(halves.clone());
-            }
-        };
-        settled(change, default)
+        let brick = Shape::Compound(halves.clone());
+        settled(every_second(brick), default)
     });
     // The same heap in a scene that has a pendulum too.
     bench(c, "one_joint", {
@@ -173,6 +161,17 @@ fn features(c: &mut Criterion) {
         }
         simulation
     });
+}
+
+/// Gives every second body another shape.
+fn every_second(shape: Shape) -> impl Fn(&mut BodyDesc) {
+    let number = std::cell::Cell::new(0_u32);
+    move |desc| {
+        number.set(number.get() + 1);
+        if number.get().is_multiple_of(2) {
+            desc.shape = shape.clone();
+        }
+    }
 }
 
 /// Asks for all news of all bodies, of loads that no contact bears.

@@ -4,6 +4,7 @@ mod description;
 mod motion;
 mod observers;
 
+pub(crate) use description::HasShape;
 pub(crate) use observers::*;
 
 use crate::bodies::body::{BodyError, RigidBody};

@@ -5,8 +5,8 @@ use crate::contact::layers::CollisionLayers;
 use crate::contact::material::{Density, Friction, Restitution};
 use crate::ecs::components::*;
 use crate::ecs::forces::AppliedForces;
+use crate::ecs::gather::HasShape;
 use crate::ecs::state::PluginState;
-use crate::geometry::{Compound, ConvexMesh, HalfSpaceShape, StaticMesh};
 use crate::mass::MassProperties;
 use bevy_app::App;
 use bevy_ecs::component::Component;
@@ -61,16 +61,8 @@ fn complete_body(add: On<Add<RigidBody>>, mut commands: Commands) {
 /// Entities that are there already become bodies, in the order of their names, and their lone shapes are looked at.
 fn adopt_bodies(world: &mut World) {
     let mut bodies = world.query_filtered::<Entity, (With<RigidBody>, Allow<Disabled>)>();
-    let mut shapes = world.query_filtered::<Entity, (
-        Or<(
-            With<ConvexMesh>,
-            With<Compound>,
-            With<HalfSpaceShape>,
-            With<StaticMesh>,
-        )>,
-        Without<RigidBody>,
-        Allow<Disabled>,
-    )>();
+    let mut shapes =
+        world.query_filtered::<Entity, (HasShape, Without<RigidBody>, Allow<Disabled>)>();
     let mut arrived: Vec<Entity> = bodies.iter(world).collect();
     arrived.sort_unstable();
     let shapes: Vec<Entity> = shapes.iter(world).collect();

@@ -2,11 +2,11 @@
 
 use crate::bodies::body::Shape;
 use crate::bodies::store::Bodies;
-use crate::fracture::shared_area::{self, area_of, behind, faces_opposed, overlap};
+use crate::fracture::shared_area::{self, faces_opposed, overlap};
 use crate::geometry::bvh::within;
+use crate::geometry::polygon::{Polygon, area_of, behind};
 use crate::geometry::{Compound, ConvexHull, StaticMesh};
 use crate::math::{Aabb, Plane, Pose, rotate};
-use glam::Vec3;
 
 /// Least area by which something holds, as a share of the square of the piece's least extent: more than rounding makes of two
 /// edges that touch.
@@ -82,7 +82,7 @@ pub(super) fn holds(hull: &ConvexHull, standing: &Standing, reach: f32) -> bool 
 }
 
 /// Outline of each face of a hull, seen from the outer frame of `pose`.
-fn outlines(hull: &ConvexHull, pose: Pose) -> impl Iterator<Item = Vec<Vec3>> {
+fn outlines(hull: &ConvexHull, pose: Pose) -> impl Iterator<Item = Polygon> {
     hull.faces().iter().map(move |face| {
         let corners = hull.face_loop(face).iter();
         corners
@@ -101,7 +101,7 @@ fn behind_plane(hull: &ConvexHull, plane: &Plane) -> f32 {
 
 /// Area of the faces of two hulls that lie within the other one, m2.
 fn within_each_other(hull: &ConvexHull, other: &ConvexHull, pose: &Pose) -> f32 {
-    let inside = |outlines: &mut dyn Iterator<Item = Vec<Vec3>>, hull: &ConvexHull| -> f32 {
+    let inside = |outlines: &mut dyn Iterator<Item = Polygon>, hull: &ConvexHull| -> f32 {
         outlines
             .map(|outline| area_of(&inside_of(outline, hull)))
             .sum()
@@ -110,7 +110,7 @@ fn within_each_other(hull: &ConvexHull, other: &ConvexHull, pose: &Pose) -> f32 
 }
 
 /// What of a polygon is inside a hull.
-fn inside_of(mut polygon: Vec<Vec3>, hull: &ConvexHull) -> Vec<Vec3> {
+fn inside_of(mut polygon: Polygon, hull: &ConvexHull) -> Polygon {
     for face in hull.faces() {
         if polygon.is_empty() {
             break;
@@ -133,9 +133,9 @@ fn on_level(hull: &ConvexHull, level: &StaticMesh, pose: &Pose, reach: f32, enou
         let triangle = &level.triangles()[leaf as usize];
         let outline = triangle.corners.map(|corner| pose.transform_point(corner));
         let normal = rotate(pose.rotation, triangle.plane.normal);
-        area += area_of(&inside_of(outline.to_vec(), hull));
+        area += area_of(&inside_of(Polygon::from_slice(&outline), hull));
         for face in faces_opposed(hull, normal) {
-            let on_face = overlap(outline.to_vec(), hull, face);
+            let on_face = overlap(Polygon::from_slice(&outline), hull, face);
             if on_face
                 .iter()
                 .any(|&at| face.plane.distance(at).abs() <= reach)

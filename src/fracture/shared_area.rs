@@ -2,6 +2,7 @@
 
 use crate::geometry::ConvexHull;
 use crate::geometry::face::Face;
+use crate::geometry::polygon::{Polygon, area_of, behind};
 use crate::math::{Plane, Pose, rotate};
 use glam::Vec3;
 
@@ -37,7 +38,7 @@ pub(super) fn on_half_space(hull: &ConvexHull, plane: &Plane, gap: f32) -> f32 {
     let faces = hull.faces().iter();
     let lying = faces.filter(|face| lies_on(plane, face.plane.normal, outline(face), gap));
     lying
-        .map(|face| area_of(&outline(face).collect::<Vec<_>>()))
+        .map(|face| area_of(&outline(face).collect::<Polygon>()))
         .sum()
 }
 
@@ -54,7 +55,7 @@ fn lies_on(plane: &Plane, normal: Vec3, mut outline: impl Iterator<Item = Vec3>,
 
 /// What of a convex polygon lies within the outline of a face, seen along the face's normal: Sutherland and Hodgman's
 /// clipping.
-pub(super) fn overlap(mut polygon: Vec<Vec3>, hull: &ConvexHull, face: &Face) -> Vec<Vec3> {
+pub(super) fn overlap(mut polygon: Polygon, hull: &ConvexHull, face: &Face) -> Polygon {
     let outline = hull.face_loop(face);
     let corner = |i: usize| hull.vertices()[outline[i % outline.len()] as usize];
     for i in 0..outline.len() {
@@ -63,36 +64,4 @@ pub(super) fn overlap(mut polygon: Vec<Vec3>, hull: &ConvexHull, face: &Face) ->
         polygon = behind(&polygon, |at| outward.dot(at - from));
     }
     polygon
-}
-
-/// What of a polygon has no positive height.
-pub(super) fn behind(polygon: &[Vec3], height: impl Fn(Vec3) -> f32) -> Vec<Vec3> {
-    let mut kept = Vec::with_capacity(polygon.len() + 1);
-    let Some(&last) = polygon.last() else {
-        return kept;
-    };
-    let (mut from, mut from_height) = (last, height(last));
-    for &to in polygon {
-        let to_height = height(to);
-        if (from_height > 0.0) != (to_height > 0.0) {
-            kept.push(from + (to - from) * (from_height / (from_height - to_height)));
-        }
-        if to_height <= 0.0 {
-            kept.push(to);
-        }
-        (from, from_height) = (to, to_height);
-    }
-    kept
-}
-
-/// Area of a plane polygon, m2.
-pub(super) fn area_of(polygon: &[Vec3]) -> f32 {
-    let Some(&first) = polygon.first() else {
-        return 0.0;
-    };
-    let corners = polygon.windows(2);
-    let twice: Vec3 = corners
-        .map(|pair| (pair[0] - first).cross(pair[1] - first))
-        .sum();
-    0.5 * twice.length()
 }

@@ -7,6 +7,7 @@ use crate::math::Aabb;
 use glam::Vec3;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
+use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 use smallvec::SmallVec;
 
 /// Rounding of a coordinate and of a difference of two, as a share of the largest one.
@@ -21,6 +22,12 @@ type Stack = SmallVec<[(f32, u32); 96]>;
 /// A box in the tree's own vector type, which may be of another version of `glam`.
 pub(crate) fn tree_box(b: &Aabb) -> obvhs::aabb::Aabb {
     obvhs::aabb::Aabb::new(b.min.to_array().into(), b.max.to_array().into())
+}
+
+/// A tree of boxes, whose leaves are their numbers; the more so that walks are short, the longer it is searched for.
+pub(crate) fn tree_of(boxes: &[obvhs::aabb::Aabb], search: PlocSearchDistance) -> Bvh2 {
+    let indices = (0..boxes.len() as u32).collect();
+    PlocBuilder::with_capacity(boxes.len()).build(search, boxes, indices, SortPrecision::U64, 0)
 }
 
 fn corners(node: &Bvh2Node) -> Aabb {

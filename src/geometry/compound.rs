@@ -1,6 +1,6 @@
 //! `Compound`: a shape of several convex parts, shared and immutable.
 
-use crate::geometry::bvh::{tree_box, within};
+use crate::geometry::bvh::{tree_box, tree_of, within};
 use crate::geometry::compound_cover::Cover;
 use crate::geometry::compound_part::CompoundPart;
 use crate::geometry::{HullError, MeshError, TriMesh};
@@ -8,7 +8,7 @@ use crate::math::{Aabb, Pose};
 use bevy_ecs::component::Component;
 use glam::{Mat3, Quat, Vec3};
 use obvhs::bvh2::Bvh2;
-use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
+use obvhs::ploc::PlocSearchDistance;
 use std::borrow::Cow;
 use std::sync::Arc;
 
@@ -151,15 +151,7 @@ impl Compound {
         let boxes: Vec<Aabb> = parts.iter().map(bounds).collect();
         let tree = (parts.len() > FLAT_SEARCH).then(|| {
             let boxes: Vec<_> = boxes.iter().map(tree_box).collect();
-            let indices = (0..boxes.len() as u32).collect();
-            let mut builder = PlocBuilder::with_capacity(boxes.len());
-            builder.build(
-                PlocSearchDistance::Low,
-                &boxes,
-                indices,
-                SortPrecision::U64,
-                0,
-            )
+            tree_of(&boxes, PlocSearchDistance::Low)
         });
         let extents = parts
             .iter()

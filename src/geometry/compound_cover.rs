@@ -11,11 +11,11 @@
 
 use crate::geometry::compound_part::CompoundPart;
 use crate::geometry::distance::{Separation, distance};
+use crate::geometry::polygon::{Polygon, area_of, behind};
 use crate::geometry::support::{Core, PlacedCore};
 use crate::geometry::{ConvexHull, ConvexMesh};
 use crate::math::{Aabb, Pose, rotate};
 use glam::{Quat, Vec3};
-use smallvec::SmallVec;
 use std::ops::Range;
 
 /// Gap between parts, or step between their faces, that counts as none, as a share of the smaller part's least extent.
@@ -29,9 +29,6 @@ const FLAT: f32 = 1e-3;
 
 /// What is left of a face, and less than this share of it, is rounding.
 const SLIVER: f32 = 1e-5;
-
-/// A polygon of a face, part's frame.
-type Polygon = SmallVec<[Vec3; 8]>;
 
 /// What is left of a face.
 #[derive(Clone, Debug)]
@@ -279,8 +276,8 @@ fn subtract(polygon: Polygon, above: Vec3, coverer: &Coverer, rest: &mut Vec<Pol
         if inside.iter().all(|&at| height(at) <= 0.0) {
             continue;
         }
-        let out = clipped(&inside, |at| -height(at));
-        inside = clipped(&inside, height);
+        let out = behind(&inside, |at| -height(at));
+        inside = behind(&inside, height);
         if out.len() > 2 {
             rest.push(out);
         }
@@ -291,38 +288,6 @@ fn subtract(polygon: Polygon, above: Vec3, coverer: &Coverer, rest: &mut Vec<Pol
         }
     }
     true
-}
-
-/// What of a polygon has no positive height.
-fn clipped(polygon: &[Vec3], height: impl Fn(Vec3) -> f32) -> Polygon {
-    let mut kept = Polygon::new();
-    let Some(&last) = polygon.last() else {
-        return kept;
-    };
-    let (mut from, mut from_height) = (last, height(last));
-    for &to in polygon {
-        let to_height = height(to);
-        if (from_height > 0.0) != (to_height > 0.0) {
-            kept.push(from + (to - from) * (from_height / (from_height - to_height)));
-        }
-        if to_height <= 0.0 {
-            kept.push(to);
-        }
-        (from, from_height) = (to, to_height);
-    }
-    kept
-}
-
-/// Area of a plane polygon, m2.
-fn area_of(polygon: &[Vec3]) -> f32 {
-    let Some(&first) = polygon.first() else {
-        return 0.0;
-    };
-    let corners = polygon.windows(2);
-    let twice: Vec3 = corners
-        .map(|pair| (pair[0] - first).cross(pair[1] - first))
-        .sum();
-    0.5 * twice.length()
 }
 
 /// Whether a place is no farther than `reach` (m) from a convex polygon with a normal.

@@ -7,6 +7,7 @@
 //! | `hull.rs`, `coplanar.rs` | the convex hull of a point cloud; triangles in one plane become a polygon |
 //! | `convex.rs`, `face.rs`, `around.rs`, `hull_error.rs` | a hull with polygon faces and edges, and why something is none |
 //! | `hull_lanes.rs`, `edge_tables.rs`, `triangle_corners.rs` | the same for several numbers at a time |
+//! | `polygon.rs` | plane polygons: clipping by a plane, area |
 //! | `moments.rs` | volume integrals from faces |
 //! | `convex_mesh.rs`, `primitives.rs` | the shapes that a body can have |
 //! | `round.rs`, `round_core.rs`, `round_moments.rs`, `round_polyhedron.rs`, `frustum.rs` | spheres, capsules, cylinders, cones, rounded hulls |
@@ -42,6 +43,7 @@ pub(crate) mod mesh;
 mod mesh_error;
 mod mesh_join;
 pub(crate) mod moments;
+pub(crate) mod polygon;
 pub(crate) mod predicates;
 pub mod primitives;
 pub(crate) mod round;

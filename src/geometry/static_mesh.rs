@@ -1,6 +1,6 @@
 //! `StaticMesh`: a level of triangles, shared and immutable, with a tree over them and what their edges are.
 
-use crate::geometry::bvh::tree_box;
+use crate::geometry::bvh::{tree_box, tree_of};
 use crate::geometry::mesh::check_vertices;
 use crate::geometry::weld::weld;
 use crate::geometry::{MeshError, TriMesh};
@@ -8,7 +8,7 @@ use crate::math::{Aabb, Plane};
 use bevy_ecs::component::Component;
 use glam::Vec3;
 use obvhs::bvh2::Bvh2;
-use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
+use obvhs::ploc::PlocSearchDistance;
 use std::sync::Arc;
 
 /// Sine of the angle up to which two triangles at an edge are one plane.
@@ -185,13 +185,7 @@ impl StaticMesh {
         find_edges(&mut triangles, &corners);
         let box_of = |t: &LevelTriangle| Aabb::of_points(t.corners);
         let boxes: Vec<_> = triangles.iter().map(|t| tree_box(&box_of(t))).collect();
-        let tree = PlocBuilder::with_capacity(boxes.len()).build(
-            PlocSearchDistance::VeryLow,
-            &boxes,
-            (0..boxes.len() as u32).collect(),
-            SortPrecision::U64,
-            0,
-        );
+        let tree = tree_of(&boxes, PlocSearchDistance::VeryLow);
         let all = || triangles.iter().flat_map(|t| t.corners);
         let farthest = all().map(|p| p.length_squared()).fold(0.0, f32::max);
         Ok(Self(Arc::new(MeshLevel {

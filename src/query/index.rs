@@ -6,12 +6,12 @@
 use crate::bodies::store::Bodies;
 use crate::collide::narrow_phase::NarrowPhase;
 use crate::contact::pairs::broad_phase::Broadphase;
-use crate::geometry::bvh::tree_box;
+use crate::geometry::bvh::{tree_box, tree_of};
 use crate::math::Aabb;
 use crate::query::target::Target;
 use bevy_ecs::resource::Resource;
 use obvhs::bvh2::Bvh2;
-use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
+use obvhs::ploc::PlocSearchDistance;
 
 /// Where bodies are that the tree of the broad phase does not hold.
 #[derive(Default, Resource)]
@@ -59,13 +59,7 @@ impl QueryIndex {
         self.tree = if self.strays.is_empty() {
             Bvh2::default()
         } else {
-            PlocBuilder::new().build(
-                PlocSearchDistance::Minimum,
-                &self.boxes,
-                (0..self.boxes.len() as u32).collect(),
-                SortPrecision::U64,
-                0,
-            )
+            tree_of(&self.boxes, PlocSearchDistance::Minimum)
         };
     }
 

@@ -1,21 +1,15 @@
 //! Compounds as components of entities.
 
+use crate::app::stepping_app;
 use crate::shapes::{cup, table};
-use bevy_app::{App, TaskPoolPlugin};
+use bevy_app::App;
 use bevy_cleave::prelude::*;
 use bevy_ecs::prelude::*;
-use bevy_time::{TimePlugin, TimeUpdateStrategy};
 use bevy_transform::components::Transform;
 use glam::Vec3;
 
 fn app() -> App {
-    let mut app = App::new();
-    app.add_plugins((
-        TaskPoolPlugin::default(),
-        TimePlugin,
-        CleavePlugin::default(),
-    ))
-    .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+    let mut app = stepping_app();
     let floor = HalfSpaceShape { normal: Vec3::Y };
     app.world_mut().spawn((RigidBody::Static, floor));
     app

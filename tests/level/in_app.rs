@@ -1,9 +1,9 @@
 //! Questions are asked by entity, in systems, and an app that asks none keeps no index.
 
-use bevy_app::{App, TaskPoolPlugin, Update};
+use crate::app::stepping_app;
+use bevy_app::{App, Update};
 use bevy_cleave::prelude::*;
 use bevy_ecs::prelude::*;
-use bevy_time::{TimePlugin, TimeUpdateStrategy};
 use bevy_transform::components::Transform;
 use glam::Vec3;
 
@@ -30,14 +30,8 @@ fn look(spatial: SpatialQuery, mut seen: ResMut<Seen>) {
 }
 
 fn app() -> App {
-    let mut app = App::new();
-    app.add_plugins((
-        TaskPoolPlugin::default(),
-        TimePlugin,
-        CleavePlugin::default(),
-    ))
-    .insert_resource(TimeUpdateStrategy::FixedTimesteps(1))
-    .init_resource::<Seen>();
+    let mut app = stepping_app();
+    app.init_resource::<Seen>();
     app
 }
 

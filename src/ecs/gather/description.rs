@@ -218,13 +218,13 @@ pub(super) fn has_any_changed(ticks: &Query<ChangeTicks, With<BodyHandle>>) -> b
     })
 }
 
-/// Entities with a shape, disabled or not.
-pub(super) type AnyShape = (
-    Or<(
-        With<ConvexMesh>,
-        With<Compound>,
-        With<HalfSpaceShape>,
-        With<StaticMesh>,
-    )>,
-    Allow<Disabled>,
-);
+/// Entities with a shape of any kind.
+pub(crate) type HasShape = Or<(
+    With<ConvexMesh>,
+    With<Compound>,
+    With<HalfSpaceShape>,
+    With<StaticMesh>,
+)>;
+
+/// The same, disabled or not.
+pub(super) type AnyShape = (HasShape, Allow<Disabled>);

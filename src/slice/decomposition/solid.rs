@@ -1,11 +1,11 @@
 //! A closed mesh that is asked, point by point, how far away it is and whether the point lies in it.
 
 use crate::geometry::TriMesh;
-use crate::geometry::bvh::{RayWalk, along_ray, around, tree_box, within};
+use crate::geometry::bvh::{RayWalk, along_ray, around, tree_box, tree_of, within};
 use crate::math::Aabb;
 use glam::{DVec3, Vec3};
 use obvhs::bvh2::Bvh2;
-use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
+use obvhs::ploc::PlocSearchDistance;
 
 /// Directions of rays that count crossings, one after the other until one meets no edge. Along no axis, plane or diagonal that a model
 /// is likely to have.
@@ -40,13 +40,7 @@ impl Solid {
     pub(super) fn of_triangles(triangles: Vec<[DVec3; 3]>) -> Self {
         let box_of = |corners: &[DVec3; 3]| Aabb::of_points(corners.map(|corner| corner.as_vec3()));
         let boxes: Vec<_> = triangles.iter().map(|t| tree_box(&box_of(t))).collect();
-        let tree = PlocBuilder::with_capacity(boxes.len()).build(
-            PlocSearchDistance::VeryLow,
-            &boxes,
-            (0..boxes.len() as u32).collect(),
-            SortPrecision::U64,
-            0,
-        );
+        let tree = tree_of(&boxes, PlocSearchDistance::VeryLow);
         Self { triangles, tree }
     }
 

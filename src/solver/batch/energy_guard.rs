@@ -135,32 +135,33 @@ impl Sums {
         before.max(self.mass * f64::from(speed * speed))
     }
 
+    /// If there is more energy after than is allowed: twice what is to spare, which is not negative but for lifts, and the root of the
+    /// equation for the share.
+    fn excess(&self, speed: f32, lift: f64) -> Option<(f64, f64)> {
+        let allowed = self.allowed(speed, lift);
+        if self.after <= allowed {
+            return None;
+        }
+        let spare = allowed - self.before();
+        let root = (self.work * self.work + self.square * spare)
+            .max(0.0)
+            .sqrt();
+        Some((spare, root))
+    }
+
     /// The share of the impulses that leaves no more energy than is allowed.
     fn share(&self, speed: f32, lift: f64) -> f64 {
-        let allowed = self.allowed(speed, lift);
-        if self.after <= allowed {
-            return 1.0;
+        match self.excess(speed, lift) {
+            None => 1.0,
+            Some((_, root)) => ((root - self.work) / self.square).clamp(0.0, 1.0),
         }
-        // Not negative but for lifts.
-        let spare = allowed - self.before();
-        let root = (self.work * self.work + self.square * spare)
-            .max(0.0)
-            .sqrt();
-        ((root - self.work) / self.square).clamp(0.0, 1.0)
     }
-}
 
-impl Sums {
     /// As [`share`](Self::share), where joints gave something too: `work` is `g.M v_0` and `square` `g.M (g + g_j)` then.
     fn share_beside_joints(&self, speed: f32, lift: f64) -> f64 {
-        let allowed = self.allowed(speed, lift);
-        if self.after <= allowed {
+        let Some((spare, root)) = self.excess(speed, lift) else {
             return 1.0;
-        }
-        let spare = allowed - self.before();
-        let root = (self.work * self.work + self.square * spare)
-            .max(0.0)
-            .sqrt();
+        };
         // Joints may take all that contacts give, so nothing is divided by the square.
         let share = if self.work > 0.0 {
             spare / (root + self.work)
