@@ -1,5 +1,6 @@
 //! Characters that walk: a kinematic body that is moved by casts of its shape.
 
+use crate::bodies::body::Shape;
 use crate::bodies::store::Bodies;
 use crate::contact::body_id::BodyId;
 use crate::ecs::components::BodyHandle;
@@ -16,8 +17,8 @@ use bevy_transform::components::Transform;
 
 /// A character: walks up slopes and steps, along walls, rides on what moves, and pushes what is in its way.
 ///
-/// For an entity with a `RigidBody::Kinematic` and a [`ConvexMesh`](crate::geometry::ConvexMesh), mostly a capsule, that is no
-/// child; `WalkerPlugin` moves its `Transform` before each step. Set `velocity` to where it is to go.
+/// For an entity with a `RigidBody::Kinematic` and a [`ConvexMesh`](crate::geometry::ConvexMesh), mostly a capsule, or a
+/// [`Compound`](crate::geometry::Compound), that is no child; `WalkerPlugin` moves its `Transform` before each step. Set `velocity` to where it is to go.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Component)]
 #[require(Walking)]
 pub struct Walker {
@@ -74,8 +75,11 @@ pub(crate) fn walk(
         else {
             continue;
         };
-        let Some(mesh) = bodies.convex(slot) else {
-            continue;
+        let shape = match &bodies.info(slot).shape {
+            Shape::Convex(mesh) => QueryShape::from(mesh),
+            Shape::Compound(mesh) => QueryShape::from(mesh),
+            // What has no inside cannot be moved by casts of it.
+            Shape::HalfSpace(_) | Shape::Level(_) => continue,
         };
         let mut state = walking.state(&transform, &bodies);
         let input = WalkInput {
@@ -88,7 +92,7 @@ pub(crate) fn walk(
             walker.jump = 0.0;
         }
         let slider = Slider {
-            shape: QueryShape::from(mesh),
+            shape,
             skin: walker.settings.skin,
         };
         let counts = |other: u32| other != slot && !bodies.is_sensor(other);

@@ -1,18 +1,55 @@
 //! The shapes that questions are asked with.
 
 use crate::geometry::support::Core;
-use crate::geometry::{ConvexHull, ConvexMesh};
+use crate::geometry::{Compound, CompoundPart, ConvexHull, ConvexMesh};
 use crate::math::{Aabb, Pose, rotate};
 use crate::query::error::QueryError;
 use glam::{Mat3, Vec3};
 
-/// A convex shape to cast or to overlap with: a hull, a box, a sphere, a capsule, each with a radius around it, or that of a body
-/// (`QueryShape::from(&ConvexMesh)`), round as it may be.
+/// A shape to cast or to overlap with: a hull, a box, a sphere, a capsule, each with a radius around it, or that of a body
+/// (`QueryShape::from(&ConvexMesh)`, `QueryShape::from(&Compound)`), round or of several parts as it may be.
 #[derive(Clone, Copy, Debug)]
 pub struct QueryShape<'s> {
+    form: Form<'s>,
+    /// Rounding radius, m; of parts, on top of their own.
+    radius: f32,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Form<'s> {
+    Convex(Core<'s>),
+    Parts(&'s [CompoundPart]),
+}
+
+/// A convex part of a shape, or the whole of one that is convex.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct QueryPart<'s> {
     pub(crate) core: Core<'s>,
     /// Rounding radius, m.
     pub(crate) radius: f32,
+    /// Where it is, as seen from where the whole is told to be.
+    pub(crate) pose: Pose,
+}
+
+impl<'s> QueryPart<'s> {
+    fn of(mesh: &'s ConvexMesh, pose: Pose) -> Self {
+        let (core, radius) = match mesh.round() {
+            Some(round) => (round.core(), round.radius),
+            None => (Core::of_hull(mesh.hull()), 0.0),
+        };
+        Self { core, radius, pose }
+    }
+
+    fn bounds(&self) -> Aabb {
+        let turn = Mat3::from_quat(self.pose.rotation);
+        let bounds = self.core.bounds(&turn, self.pose.position);
+        bounds.fattened(self.radius)
+    }
+
+    fn reach(&self, axis: Vec3) -> f32 {
+        let own = rotate(self.pose.rotation.inverse(), axis);
+        axis.dot(self.pose.position) + own.dot(self.core.support(own)) + self.radius
+    }
 }
 
 impl QueryShape<'static> {
@@ -54,7 +91,27 @@ impl QueryShape<'static> {
 
 impl<'s> QueryShape<'s> {
     fn sharp(core: Core<'s>) -> Self {
-        Self { core, radius: 0.0 }
+        Self {
+            form: Form::Convex(core),
+            radius: 0.0,
+        }
+    }
+
+    /// What it consists of, with the whole at a pose.
+    pub(crate) fn parts(&self, pose: &Pose) -> impl Iterator<Item = QueryPart<'s>> {
+        let (radius, pose) = (self.radius, *pose);
+        let (whole, parts) = match self.form {
+            Form::Convex(core) => (Some(QueryPart { core, radius, pose }), &[][..]),
+            Form::Parts(parts) => (None, parts),
+        };
+        let parts = parts.iter().map(move |part| {
+            let own = QueryPart::of(&part.shape, pose * part.pose);
+            QueryPart {
+                radius: own.radius + radius,
+                ..own
+            }
+        });
+        whole.into_iter().chain(parts)
     }
 
     /// A convex hull.
@@ -82,14 +139,14 @@ impl<'s> QueryShape<'s> {
 
     /// How far the shape at a pose reaches along a unit vector, from the origin, m.
     pub(crate) fn reach(&self, pose: &Pose, axis: Vec3) -> f32 {
-        let own = rotate(pose.rotation.inverse(), axis);
-        axis.dot(pose.position) + own.dot(self.core.support(own)) + self.radius
+        let reaches = self.parts(pose).map(|part| part.reach(axis));
+        reaches.fold(f32::NEG_INFINITY, f32::max)
     }
 
     /// The box around the shape at a pose.
     pub(crate) fn bounds(&self, pose: &Pose) -> Aabb {
-        let turn = Mat3::from_quat(pose.rotation);
-        self.core.bounds(&turn, pose.position).fattened(self.radius)
+        let boxes = self.parts(pose).map(|part| part.bounds());
+        Aabb::of_points(boxes.flat_map(|b| [b.min, b.max]))
     }
 }
 
@@ -101,13 +158,16 @@ impl<'s> From<&'s ConvexHull> for QueryShape<'s> {
 
 impl<'s> From<&'s ConvexMesh> for QueryShape<'s> {
     fn from(mesh: &'s ConvexMesh) -> Self {
-        match mesh.round() {
-            Some(round) => Self {
-                core: round.core(),
-                radius: round.radius,
-            },
-            None => Self::hull(mesh.hull()),
-        }
+        let QueryPart { core, radius, .. } = QueryPart::of(mesh, Pose::IDENTITY);
+        let form = Form::Convex(core);
+        Self { form, radius }
+    }
+}
+
+impl<'s> From<&'s Compound> for QueryShape<'s> {
+    fn from(mesh: &'s Compound) -> Self {
+        let form = Form::Parts(mesh.parts());
+        Self { form, radius: 0.0 }
     }
 }
 

@@ -89,36 +89,41 @@ impl<'b> Target<'b> {
         })
     }
 
-    /// What a moved shape touches of the body up to `end` (m).
+    /// What a moved shape touches of the body up to `end` (m); of what its parts touch as early, that of the first.
     pub(crate) fn cast_shape(&self, cast: &ShapeCast, size: f32, end: f32) -> Option<QueryHit> {
         let back = self.pose.rotation.inverse();
-        let local = LocalCast {
-            core: PlacedCore::new(cast.shape.core, &self.own_pose(&cast.pose)),
-            radius: cast.shape.radius,
-            direction: rotate(back, cast.direction),
-            end,
-            touch: TOUCH * size,
-        };
-        let hit = match self.shape {
-            Shape::Convex(mesh) => convex::cast_shape(mesh, &local),
-            Shape::Compound(mesh) => compound::cast_shape(mesh, &local),
-            Shape::HalfSpace(below) => half_space::cast_shape(below.normal, &local),
-            Shape::Level(mesh) => level::cast_shape(mesh, &local),
-        };
-        hit.map(|hit| self.in_world(hit))
+        let mut best: Option<LocalHit> = None;
+        for part in cast.shape.parts(&cast.pose) {
+            let local = LocalCast {
+                core: PlacedCore::new(part.core, &self.own_pose(&part.pose)),
+                radius: part.radius,
+                direction: rotate(back, cast.direction),
+                end: best.map_or(end, |best| best.distance),
+                touch: TOUCH * size,
+            };
+            let hit = match self.shape {
+                Shape::Convex(mesh) => convex::cast_shape(mesh, &local),
+                Shape::Compound(mesh) => compound::cast_shape(mesh, &local),
+                Shape::HalfSpace(below) => half_space::cast_shape(below.normal, &local),
+                Shape::Level(mesh) => level::cast_shape(mesh, &local),
+            };
+            keep_nearest(&mut best, hit);
+        }
+        best.map(|hit| self.in_world(hit))
     }
 
     /// Whether a shape at a pose overlaps the body or touches it.
     pub(crate) fn overlaps(&self, shape: &QueryShape, pose: &Pose) -> bool {
-        let other = PlacedCore::new(shape.core, &self.own_pose(pose));
-        let shape_radius = shape.radius;
-        let radius = f64::from(shape_radius);
-        match self.shape {
-            Shape::Convex(mesh) => convex::overlaps(mesh, &other, shape_radius),
-            Shape::Compound(mesh) => compound::overlaps(mesh, &other, shape_radius),
-            Shape::HalfSpace(below) => half_space::lowest(below.normal, &other).0 <= radius,
-            Shape::Level(mesh) => level::overlaps(mesh, &other, shape_radius),
-        }
+        shape.parts(pose).any(|part| {
+            let other = PlacedCore::new(part.core, &self.own_pose(&part.pose));
+            let radius = f64::from(part.radius);
+            match self.shape {
+                Shape::Convex(mesh) => convex::overlaps(mesh, &other, part.radius),
+                Shape::Compound(mesh) => compound::overlaps(mesh, &other, part.radius),
+                Shape::HalfSpace(below) => half_space::lowest(below.normal, &other).0 <= radius,
+                Shape::Level(mesh) => level::overlaps(mesh, &other, part.radius),
+            }
+        })
     }
 
     /// Where the body is nearest to a shape at a pose, if that is within `limit` (m).
@@ -128,9 +133,13 @@ impl<'b> Target<'b> {
         pose: &Pose,
         limit: f32,
     ) -> Option<QueryHit> {
-        let core = PlacedCore::new(shape.core, &self.own_pose(pose));
-        let hit = nearest_to(self.shape, &core, shape.radius, limit)?;
-        Some(self.in_world(hit))
+        let mut best = None;
+        for part in shape.parts(pose) {
+            let core = PlacedCore::new(part.core, &self.own_pose(&part.pose));
+            let hit = nearest_to(self.shape, &core, part.radius, limit);
+            keep_nearest(&mut best, hit);
+        }
+        best.map(|hit| self.in_world(hit))
     }
 
     /// The point of the surface that is nearest to `point`, if it is within `limit` (m).
@@ -143,5 +152,14 @@ impl<'b> Target<'b> {
             Shape::Level(mesh) => level::closest(mesh, local, limit)?,
         };
         (hit.distance <= limit).then(|| self.in_world(hit))
+    }
+}
+
+/// Keeps a hit if it is nearer than what is known.
+fn keep_nearest(best: &mut Option<LocalHit>, hit: Option<LocalHit>) {
+    if let Some(hit) = hit
+        && best.is_none_or(|best| hit.distance < best.distance)
+    {
+        *best = Some(hit);
     }
 }

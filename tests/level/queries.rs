@@ -304,6 +304,60 @@ fn near_places_are_what_looking_at_every_body_finds() {
     }
 }
 
+#[test]
+fn a_shape_of_parts_meets_what_the_first_of_its_parts_meets() {
+    let mut dice = Dice::new(11);
+    let all = QueryFilter::all();
+    let (mut touched, mut overlapped) = (0, 0);
+    for _ in 0..CASES / 1000 {
+        let mut simulation = scene(&mut dice, 40);
+        let queries = simulation.queries();
+        for _ in 0..50 {
+            let parts: Vec<(Pose, ConvexMesh)> = (0..1 + dice.below(4))
+                .map(|_| (random_pose(&mut dice, 0.5), random_shape(&mut dice)))
+                .collect();
+            let compound = Compound::new(parts.clone()).expect("usable");
+            let (pose, limit) = (random_pose(&mut dice, 4.0), 2.0 * dice.unit());
+            let whole = QueryShape::from(&compound);
+            let part = |(at, mesh): &'_ (Pose, ConvexMesh)| (pose * *at, mesh.clone());
+            let parts: Vec<(Pose, ConvexMesh)> = parts.iter().map(part).collect();
+            let direction = dice.direction();
+
+            let cast = ShapeCast::new(whole, pose, direction, limit).expect("usable");
+            let found = queries.cast_shape(&cast, &all).map(|hit| hit.distance);
+            let of_part = |(at, mesh): &(Pose, ConvexMesh)| {
+                let cast = ShapeCast::new(QueryShape::from(mesh), *at, direction, limit);
+                queries.cast_shape(&cast.expect("usable"), &all)
+            };
+            let first = parts.iter().filter_map(of_part).map(|hit| hit.distance);
+            let first = first.min_by(f32::total_cmp);
+            // What is touched depends on the size of the whole.
+            let is_same = match (found, first) {
+                (Some(found), Some(first)) => (found - first).abs() < 1e-4,
+                (Some(only), None) | (None, Some(only)) => (only - limit).abs() < 1e-4,
+                (None, None) => true,
+            };
+            assert!(is_same, "{found:?} {first:?}");
+            touched += usize::from(found.is_some_and(|distance| distance > 0.0));
+
+            let (mut found, mut of_parts, mut some) = (Vec::new(), Vec::new(), Vec::new());
+            let asked = queries.overlap_shape(&whole, &pose, &all, &mut found);
+            asked.expect("usable");
+            for (at, mesh) in &parts {
+                let shape = QueryShape::from(mesh);
+                let asked = queries.overlap_shape(&shape, at, &all, &mut some);
+                asked.expect("usable");
+                of_parts.append(&mut some);
+            }
+            of_parts.sort_unstable_by_key(|&slot| queries.bodies().id(slot));
+            of_parts.dedup();
+            assert_eq!(found, of_parts);
+            overlapped += found.len();
+        }
+    }
+    assert!(touched > 200 && overlapped > 200, "{touched} {overlapped}");
+}
+
 /// All differences of two hulls' corners, as the hull that a moved point would meet; none if it is too flat to be one.
 fn difference(target: &ConvexHull, moved: &ConvexHull, turn: Quat) -> Option<ConvexHull> {
     let points: Vec<Vec3> = (target.vertices().iter())

@@ -5,6 +5,7 @@ use bevy_app::{App, TaskPoolPlugin};
 use bevy_cleave::bodies::StepForces;
 use bevy_cleave::prelude::*;
 use bevy_cleave::query::{Push, Slider, WalkInput, WalkSettings, WalkState};
+use bevy_ecs::bundle::Bundle;
 use bevy_time::{TimePlugin, TimeUpdateStrategy};
 use bevy_transform::components::Transform;
 use glam::{Quat, Vec3};
@@ -41,10 +42,12 @@ impl Course {
     }
 
     fn step_with(&mut self, velocity: Vec3, jump: f32) {
-        let slider = Slider {
-            shape: QueryShape::capsule(RADIUS, LENGTH).expect("usable"),
-            skin: 0.01,
-        };
+        let capsule = QueryShape::capsule(RADIUS, LENGTH).expect("usable");
+        self.step_as(capsule, velocity, jump);
+    }
+
+    fn step_as(&mut self, shape: QueryShape, velocity: Vec3, jump: f32) {
+        let slider = Slider { shape, skin: 0.01 };
         let input = WalkInput {
             velocity,
             jump,
@@ -105,6 +108,40 @@ fn strip(heights: &[f32]) -> BodyDesc {
         .flat_map(|i| [[i, i + 1, i + 2], [i + 2, i + 1, i + 3]])
         .collect();
     BodyDesc::level(StaticMesh::new(&positions, &triangles).expect("a level"))
+}
+
+/// A character as a capsule, and the same one of two parts: the capsule, and one that lies within it.
+fn as_one_and_as_two() -> (ConvexMesh, Compound) {
+    let capsule = ConvexMesh::capsule(RADIUS, LENGTH).expect("usable");
+    let core = ConvexMesh::cuboid(0.2, 0.6, 0.2).expect("a box");
+    let parts = [(Pose::IDENTITY, capsule.clone()), (Pose::IDENTITY, core)];
+    (capsule, Compound::new(parts).expect("usable"))
+}
+
+#[test]
+fn a_shape_of_parts_walks_as_its_outline_does() {
+    let (capsule, compound) = as_one_and_as_two();
+    let grounds = || {
+        let heights = [
+            0.0, 0.1, 0.2, 0.1, -0.1, -0.2, -0.2, 0.0, 0.1, 0.2, 0.1, 0.0,
+        ];
+        let wall = cuboid(Vec3::new(0.5, 3.0, 4.0), Vec3::new(9.0, 1.0, 0.0));
+        let step = cuboid(Vec3::new(1.0, 0.2, 4.0), Vec3::new(6.0, 0.1, 0.0));
+        vec![strip(&heights), wall, step]
+    };
+    let run = |shape: QueryShape| {
+        let mut course = Course::new(grounds(), Vec3::new(1.0, STANDING + 0.3, 0.0));
+        let mut places = Vec::new();
+        for _ in 0..360 {
+            course.step_as(shape, Vec3::new(2.0, 0.0, 0.1), 0.0);
+            places.push(course.state.position);
+        }
+        places
+    };
+    let one = run(QueryShape::from(&capsule));
+    let two = run(QueryShape::from(&compound));
+    assert!(one[359].x > 7.0, "{}", one[359]);
+    assert_eq!(one, two);
 }
 
 #[test]
@@ -321,6 +358,12 @@ fn nothing_is_passed_through_at_30_metres_a_second() {
 
 #[test]
 fn in_an_app_it_walks_jumps_and_pushes_by_its_component() {
+    let (one, two) = as_one_and_as_two();
+    walks_in_an_app(one);
+    walks_in_an_app(two);
+}
+
+fn walks_in_an_app(shape: impl Bundle) {
     let mut app = App::new();
     app.add_plugins((
         TaskPoolPlugin::default(),
@@ -335,7 +378,6 @@ fn in_an_app_it_walks_jumps_and_pushes_by_its_component() {
     let light = (bevy_cleave::cuboid!(0.6), Density(50.0));
     let at = Transform::from_xyz(4.0, 0.3, 0.0);
     let crate_ = world.spawn((RigidBody::Dynamic, light, at)).id();
-    let shape = bevy_cleave::capsule!(0.3, 1.0);
     let start = Transform::from_xyz(0.0, STANDING + 0.02, 0.0);
     let walker = (RigidBody::Kinematic, shape, start, Walker::default());
     let walker = world.spawn(walker).id();
