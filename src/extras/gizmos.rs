@@ -2,6 +2,7 @@
 
 use crate::bodies::body::RigidBody;
 use crate::bodies::store::Bodies;
+use crate::extras::island_colors::IslandColors;
 use crate::fracture::Bonds;
 use crate::geometry::{Compound, ConvexHull};
 use crate::joints::Joints;
@@ -20,7 +21,7 @@ use bevy_reflect::std_traits::ReflectDefault;
 /// The longest line of an impulse, m.
 const LONGEST_IMPULSE: f32 = 0.5;
 
-/// Draws hulls, contacts, impulses, bonds and joints. [`CleaveGizmos`] says which, and in which colors; `GizmoConfig::enabled` of that
+/// Draws hulls, islands, contacts, impulses, bonds and joints. [`CleaveGizmos`] says which, and in which colors; `GizmoConfig::enabled` of that
 /// group turns all of it on and off.
 ///
 /// Needs Bevy's `GizmoPlugin` (part of `DefaultPlugins`), and something that renders what it collects.
@@ -33,6 +34,8 @@ pub struct CleaveGizmosPlugin;
 pub struct CleaveGizmos {
     /// Edges of dynamic hulls that are awake.
     pub awake: Option<Color>,
+    /// Gives those of each island, of bodies that touch each other, are bonded or joined, a color of its own instead.
+    pub islands: bool,
     /// Edges of dynamic hulls that sleep.
     pub asleep: Option<Color>,
     /// Edges of hulls that forces do not move.
@@ -52,9 +55,10 @@ pub struct CleaveGizmos {
 }
 
 impl Default for CleaveGizmos {
-    /// All of it.
+    /// All of it, with one color for all islands.
     fn default() -> Self {
         Self {
+            islands: false,
             awake: Some(Color::srgb(0.1, 0.75, 0.3)),
             asleep: Some(Color::srgb(0.45, 0.45, 0.6)),
             fixed: Some(Color::srgb(0.25, 0.25, 0.3)),
@@ -81,15 +85,25 @@ fn is_enabled(gizmos: Gizmos<CleaveGizmos>) -> bool {
     gizmos.config.enabled
 }
 
-fn draw_hulls(bodies: Res<Bodies>, mut gizmos: Gizmos<CleaveGizmos>) {
+fn draw_hulls(
+    (bodies, contacts): (Res<Bodies>, Res<Contacts>),
+    (bonds, joints): (Res<Bonds>, Res<Joints>),
+    mut islands: Local<IslandColors>,
+    mut gizmos: Gizmos<CleaveGizmos>,
+) {
     let CleaveGizmos {
         awake,
         asleep,
         fixed,
+        islands: is_by_island,
         ..
     } = *gizmos.config_ext;
+    if is_by_island {
+        islands.find(&bodies, &contacts, &bonds, &joints);
+    }
     for slot in bodies.iter() {
         let color = match (bodies.kind(slot), bodies.is_asleep(slot)) {
+            (RigidBody::Dynamic, false) if is_by_island => Some(islands.color(&bodies, slot)),
             (RigidBody::Dynamic, false) => awake,
             (RigidBody::Dynamic, true) => asleep,
             _ => fixed,

@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | `interpolation.rs` | motion between fixed steps | |
 //! | `mesh/` | `TriMesh` from and to Bevy's `Mesh`, shapes that wait for assets, `Mesh3d` in step with shapes | `mesh` |
-//! | `gizmos.rs` | hulls, contacts, impulses, bonds and joints as lines | `gizmos` |
+//! | `gizmos.rs`, `island_colors.rs` | hulls, islands, contacts, impulses, bonds and joints as lines | `gizmos` |
 //! | `diagnostics.rs` | time of each phase and counts as `DiagnosticPath`s | `diagnostics` |
 //! | `picking.rs` | bodies under the pointer, for Bevy's picking events | `picking` |
 //!
@@ -15,6 +15,8 @@ pub(crate) mod diagnostics;
 #[cfg(feature = "gizmos")]
 pub(crate) mod gizmos;
 pub(crate) mod interpolation;
+#[cfg(feature = "gizmos")]
+mod island_colors;
 #[cfg(feature = "mesh")]
 pub(crate) mod mesh;
 #[cfg(feature = "picking")]

@@ -94,3 +94,39 @@ fn nothing_is_drawn_when_the_group_is_switched_off() {
     app.update();
     assert!(drawn(&app).is_empty());
 }
+
+#[test]
+fn each_island_has_a_color_of_its_own() {
+    let mut app = scene();
+    // Apart from the three that are bonded and joined: one alone, and two on top of each other.
+    let cube = || ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("a box");
+    for (x, y) in [(-4.0, 0.5), (-7.0, 0.5), (-7.0, 1.5)] {
+        let at = Transform::from_xyz(x, y, 3.0);
+        app.world_mut().spawn((RigidBody::Dynamic, cube(), at));
+    }
+    (0..2).for_each(|_| app.update());
+    let only_hulls = CleaveGizmos {
+        islands: true,
+        fixed: None,
+        contacts: None,
+        impulses: None,
+        bonds: None,
+        joints: None,
+        ..CleaveGizmos::default()
+    };
+    set(&mut app, only_hulls);
+    let mut counts: Vec<(LinearRgba, usize)> = Vec::new();
+    for color in drawn(&app) {
+        // Lines are set apart by what is no number.
+        if color.red.is_nan() {
+            continue;
+        }
+        match counts.iter_mut().find(|(known, _)| *known == color) {
+            Some((_, count)) => *count += 1,
+            None => counts.push((color, 1)),
+        }
+    }
+    let mut edges: Vec<usize> = counts.iter().map(|(_, ends)| ends / 2).collect();
+    edges.sort_unstable();
+    assert_eq!(edges, [12, 24, 36]);
+}
