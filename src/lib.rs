@@ -62,6 +62,7 @@ pub mod prelude {
     };
     pub use crate::contact::{
         BodyId, CollisionLayers, CombineRule, ContactCache, Density, Friction, Restitution,
+        SurfaceMaterials,
     };
     pub use crate::ecs::{
         AngularDamping, AngularVelocity, BodyHandle, BodyIssues, BodyProblem, BodyWarning,
@@ -213,3 +214,7 @@ pub mod testing {
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 mod readme {}
+
+#[cfg(doctest)]
+#[doc = include_str!("../docs/features.md")]
+mod features {}

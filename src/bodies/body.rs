@@ -2,6 +2,7 @@
 
 use crate::contact::layers::CollisionLayers;
 use crate::contact::material::{Friction, MaterialError, Restitution};
+use crate::contact::surface::{SurfaceMaterial, SurfaceMaterials};
 use crate::geometry::predicates::check_plane;
 use crate::geometry::{Compound, ConvexMesh, HalfSpaceShape, MeshError, PlaneError, StaticMesh};
 use crate::mass::{MassError, MassProperties};
@@ -114,6 +115,8 @@ pub struct BodyDesc {
     pub friction: Friction,
     /// Restitution.
     pub restitution: Restitution,
+    /// Of a level: both by material slot.
+    pub surfaces: Option<SurfaceMaterials>,
     /// Which bodies it may touch.
     pub layers: CollisionLayers,
     /// Whether it only senses who is inside it, and neither pushes nor is pushed.
@@ -135,6 +138,7 @@ impl BodyDesc {
             mass: None,
             friction: Friction::default(),
             restitution: Restitution::default(),
+            surfaces: None,
             layers: CollisionLayers::default(),
             is_sensor: false,
             fracturable: None,
@@ -214,6 +218,9 @@ pub enum BodyError {
         "Fracturable does nothing, because the visual mesh cannot be cut: {0}; import::Model closes holes"
     )]
     UnbreakableVisual(MeshError),
+    /// What is to be made of several materials has no triangles with slots.
+    #[error("SurfaceMaterials do nothing without a StaticMesh that has material slots")]
+    IdleSurfaces,
     /// No blow makes two pieces of the body.
     #[error(
         "Fracturable does nothing: its pattern and max_pieces make no two pieces of this shape"
@@ -266,6 +273,7 @@ pub(crate) struct BodyInfo {
     pub(crate) mass_override: Option<MassProperties>,
     pub(crate) friction: Friction,
     pub(crate) restitution: Restitution,
+    pub(crate) surfaces: Option<Box<SurfaceMaterials>>,
     pub(crate) layers: CollisionLayers,
     pub(crate) is_sensor: bool,
     pub(crate) fracturable: Option<Fracturable>,
@@ -280,16 +288,34 @@ impl BodyInfo {
             mass_override: desc.mass,
             friction: desc.friction,
             restitution: desc.restitution,
+            surfaces: desc.surfaces.map(Box::new),
             layers: desc.layers,
             is_sensor: desc.is_sensor,
             fracturable: desc.fracturable,
         }
     }
 
+    /// What its surface is made of.
+    pub(crate) fn surface(&self) -> SurfaceMaterial {
+        SurfaceMaterial {
+            friction: self.friction,
+            restitution: self.restitution,
+        }
+    }
+
+    /// The same of the triangles in a slot, if it is a level that has such.
+    pub(crate) fn surface_of(&self, slot: u16) -> SurfaceMaterial {
+        let known = self.surfaces.as_ref().and_then(|known| known.get(slot));
+        known.copied().unwrap_or_else(|| self.surface())
+    }
+
     /// Whether friction, restitution and strength are usable.
     pub(crate) fn check_material(&self) -> Result<(), BodyError> {
         self.friction.validate()?;
         self.restitution.validate()?;
+        if let Some(surfaces) = &self.surfaces {
+            surfaces.validate()?;
+        }
         match &self.fracturable {
             Some(_) if self.mass_override.is_some() => Err(BodyError::FracturableOverride),
             Some(fracturable) => Ok(fracturable.validate()?),
@@ -335,6 +361,7 @@ impl BodyInfo {
     pub(crate) fn touches_like(&self, other: &Self) -> bool {
         self.friction == other.friction
             && self.restitution == other.restitution
+            && self.surfaces == other.surfaces
             && self.layers == other.layers
             && self.is_sensor == other.is_sensor
     }

@@ -8,7 +8,7 @@ use crate::collide::narrow_phase::part::examine_pair;
 use crate::collide::narrow_phase::relative_pose;
 use crate::collide::narrow_phase::round::examine_round_pair;
 use crate::contact::local_manifold::LocalManifold;
-use crate::contact::narrow::level::LevelScratch;
+use crate::contact::narrow::level_scratch::LevelScratch;
 use crate::contact::narrow::round::patch::RoundScratch;
 use crate::contact::narrow::scratch::{NarrowScratch, SatCache, SatResult};
 use crate::contact::pairs::broad_phase::{Broadphase, Pair};

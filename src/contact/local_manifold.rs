@@ -38,6 +38,8 @@ pub struct LocalManifold {
     pub slide: f32,
     /// How far `on_a` and `on_b` of its points may be from the two surfaces, m.
     pub off_surface: f32,
+    /// Of contacts with a level of several materials: the slot of the triangles.
+    pub slot: Option<u16>,
     /// Number of valid points.
     pub count: u32,
     /// The points.

@@ -9,7 +9,7 @@
 //! | `local_manifold.rs` | what a test finds, in the frames of the two bodies |
 //! | `body_manifold.rs` | the same bound to both bodies, to be seen anew after they have moved |
 //! | `reduce.rs` | at most four points of many |
-//! | `material.rs`, `layers.rs`, `body_id.rs` | friction, restitution, density; who may touch whom; what orders everything |
+//! | `material.rs`, `surface.rs`, `layers.rs`, `body_id.rs` | friction, restitution, density; the same by slot; who may touch whom; what orders everything |
 //!
 //! Must not know velocities, masses or the solver. Read `point.rs` first, then `body_manifold.rs`.
 
@@ -24,6 +24,7 @@ pub(crate) mod narrow;
 pub(crate) mod pairs;
 pub(crate) mod point;
 mod reduce;
+pub(crate) mod surface;
 
 pub use body_id::BodyId;
 pub use impulses::{CacheStats, ContactCache};
@@ -34,3 +35,4 @@ pub use material::{CombineRule, Density, Friction, MaterialError, Restitution};
 pub use narrow::sat::collide_hulls;
 pub use narrow::scratch::NarrowScratch;
 pub use point::{ContactPoint, MAX_POINTS};
+pub use surface::{SurfaceMaterial, SurfaceMaterials};

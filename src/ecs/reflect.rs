@@ -9,6 +9,7 @@ use crate::bodies::drive::LockedAxes;
 use crate::bodies::fatigue::Fatigue;
 use crate::contact::layers::CollisionLayers;
 use crate::contact::material::{Density, Friction, Restitution};
+use crate::contact::surface::SurfaceMaterials;
 use crate::ecs::collisions::{CollisionEvents, ContactForceEvents, Sensor};
 use crate::ecs::components::{AngularVelocity, LinearVelocity, MassOverride, Sleeping};
 use crate::ecs::forces::*;
@@ -44,6 +45,7 @@ pub(crate) fn register_types(app: &mut App) {
     component_with_default::<MassProperties>(app);
     component_with_default::<Friction>(app);
     component_with_default::<Restitution>(app);
+    component_with_default::<SurfaceMaterials>(app);
     component_with_default::<CollisionLayers>(app);
     component_with_default::<Sleeping>(app);
     component_with_default::<CollisionEvents>(app);

@@ -53,6 +53,9 @@ fn insert_body(world: &mut World, entity: Entity, desc: BodyDesc) {
     if let Some(mass) = desc.mass {
         entity.insert(MassOverride(mass));
     }
+    if let Some(surfaces) = desc.surfaces {
+        entity.insert(surfaces);
+    }
     if let Some(fracturable) = desc.fracturable {
         entity.insert(fracturable);
     }

@@ -328,6 +328,7 @@ fn part_of(bodies: &Bodies, parent: u32, shape: Shape, centroid: Vec3) -> BodyDe
         mass: None,
         friction: info.friction,
         restitution: info.restitution,
+        surfaces: None,
         layers: info.layers,
         is_sensor: info.is_sensor,
         fracturable: None,

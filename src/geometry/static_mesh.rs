@@ -70,6 +70,8 @@ struct MeshLevel {
     radius: f32,
     left_out: usize,
     is_two_sided: bool,
+    /// By number in the list that the mesh was made from; or empty.
+    materials: Vec<u16>,
 }
 
 impl std::fmt::Debug for MeshLevel {
@@ -94,12 +96,42 @@ impl StaticMesh {
         Self::build(positions, triangles)
     }
 
-    /// A level from a mesh.
+    /// A level from a mesh, with its material slots.
     ///
     /// # Errors
     /// [`MeshError::Empty`] if no triangle has an area.
     pub fn from_mesh(mesh: &TriMesh) -> Result<Self, MeshError> {
-        Self::build(mesh.positions(), mesh.triangles())
+        let level = Self::build(mesh.positions(), mesh.triangles())?;
+        match mesh.materials() {
+            [] => Ok(level),
+            slots => level.with_materials(slots.into()),
+        }
+    }
+
+    /// The same level with a material slot for each triangle of the list that it was made from, those that were left out among them:
+    /// what is drawn there, and what `SurfaceMaterials` of the body say of it.
+    ///
+    /// # Errors
+    /// [`MeshError::MaterialLength`] if it is another number of slots.
+    pub fn with_materials(&self, materials: Vec<u16>) -> Result<Self, MeshError> {
+        let (found, triangles) = (materials.len(), self.len() + self.left_out());
+        if found != triangles {
+            return Err(MeshError::MaterialLength { found, triangles });
+        }
+        Ok(Self(Arc::new(MeshLevel {
+            materials,
+            ..MeshLevel::clone(&self.0)
+        })))
+    }
+
+    /// Whether its triangles have material slots.
+    pub fn has_materials(&self) -> bool {
+        !self.0.materials.is_empty()
+    }
+
+    /// The material slot of a triangle, by its number in the list that the mesh was made from, if it has one.
+    pub fn material_of(&self, triangle: u32) -> Option<u16> {
+        self.0.materials.get(triangle as usize).copied()
     }
 
     /// A terrain over a grid in x and z: `heights` (m, along y), row by row along z with `columns` in a row along x, `spacing` (m) apart,
@@ -159,6 +191,7 @@ impl StaticMesh {
         }
         scaled.left_out += self.0.left_out;
         scaled.is_two_sided = self.0.is_two_sided;
+        scaled.materials.clone_from(&self.0.materials);
         Ok(Self(level))
     }
 
@@ -193,6 +226,7 @@ impl StaticMesh {
             radius: farthest.sqrt(),
             left_out: indices.len() - triangles.len(),
             is_two_sided: false,
+            materials: Vec::new(),
             triangles,
             tree,
         })))
@@ -204,7 +238,12 @@ impl StaticMesh {
         let positions: Vec<Vec3> = corners.flatten().collect();
         let numbers: Vec<u32> = (0..positions.len() as u32).collect();
         // All of them are finite and have an area.
-        TriMesh::new(positions, numbers.as_chunks().0.to_vec()).unwrap_or_default()
+        let mesh = TriMesh::new(positions, numbers.as_chunks().0.to_vec()).unwrap_or_default();
+        let slots = self.0.triangles.iter().map(|t| self.material_of(t.index));
+        match slots.collect::<Option<Vec<u16>>>() {
+            Some(slots) => mesh.with_materials(slots).unwrap_or_default(),
+            None => mesh,
+        }
     }
 
     /// Number of triangles.

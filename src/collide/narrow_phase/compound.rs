@@ -328,6 +328,8 @@ impl<'s> BodyPair<'s> {
         };
         let seen = self.seen_from_other(is_second);
         let bounds = level.aabb().fattened(reach + travel.length());
+        let of_level = [self.pair.b, self.pair.a][usize::from(is_second)];
+        let is_by_slot = self.scene.bodies.info(of_level).surfaces.is_some();
         for index in 0..compound.len() as u32 {
             let side = Side::part(compound, index);
             let pose = seen * side.pose;
@@ -341,6 +343,7 @@ impl<'s> BodyPair<'s> {
                 hull_in_mesh: pose,
                 travel,
                 reach,
+                is_by_slot,
             };
             if side.shape.is_round() {
                 pair.examine_round(others.level, others.round);

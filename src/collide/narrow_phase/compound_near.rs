@@ -3,7 +3,7 @@
 use crate::bodies::body::Shape;
 use crate::contact::narrow::compound::{PartPair, Side};
 use crate::contact::narrow::half_space::examine_half_space;
-use crate::contact::narrow::level::LevelScratch;
+use crate::contact::narrow::level_scratch::LevelScratch;
 use crate::contact::narrow::round::pair::examine_round_half_space;
 use crate::contact::narrow::round::patch::RoundScratch;
 use crate::contact::narrow::scratch::{NarrowScratch, SatResult};

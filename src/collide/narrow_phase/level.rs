@@ -47,6 +47,7 @@ impl PairRun {
             hull_in_mesh,
             travel: on_mesh.place.turn.transpose() * travel,
             reach,
+            is_by_slot: bodies.info(second).surfaces.is_some(),
         };
         if hull.is_round() {
             level.examine_round(&mut self.level_scratch, &mut self.round_scratch);

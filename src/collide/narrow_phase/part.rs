@@ -11,7 +11,7 @@ use crate::contact::narrow::cast::{Cast, CastResult};
 use crate::contact::narrow::course::Course;
 use crate::contact::narrow::flush::CompoundScratch;
 use crate::contact::narrow::half_space::examine_half_space;
-use crate::contact::narrow::level::LevelScratch;
+use crate::contact::narrow::level_scratch::LevelScratch;
 use crate::contact::narrow::round::patch::RoundScratch;
 use crate::contact::narrow::sat::{distance_along, examine_hulls};
 use crate::contact::narrow::scratch::{NarrowScratch, SatCache, SatResult};
@@ -321,6 +321,10 @@ pub(super) fn touch_of(bodies: &Bodies, pair: Pair, patch: &LocalManifold, turn:
     let [a, b] = [pair.a, pair.b].map(|slot| bodies.info(slot));
     let centers = slots.map(|i| bodies.mass[i].center);
     let boxes = slots.map(|i| bodies.kd_box[i]);
+    let [a, b] = match patch.slot {
+        None => [a.surface(), b.surface()],
+        Some(slot) => [a, b].map(|body| body.surface_of(slot)),
+    };
     Touch {
         patch: BodyManifold::new(patch, turn, centers, boxes),
         friction: a.friction.combined(&b.friction),

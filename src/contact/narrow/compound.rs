@@ -281,6 +281,7 @@ pub(crate) fn lifted(patch: &LocalManifold, a: &Pose, b: &Pose) -> LocalManifold
         normal: rotate(a.rotation, patch.normal),
         normal_in_b: patch.normal_in_b.map(|n| rotate(b.rotation, n)),
         off_surface: patch.off_surface,
+        slot: patch.slot,
         ..LocalManifold::default()
     };
     for point in patch.points() {

@@ -58,6 +58,7 @@ impl CompoundScratch {
                 let known = &self.found[known];
                 let (other, other_offset, other_of_b) = known.plane();
                 of_b == other_of_b
+                    && next.patch.slot == known.patch.slot
                     && known.can_join()
                     && other.dot(normal) > SAME
                     && (other_offset - offset).abs() <= apart

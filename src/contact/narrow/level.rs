@@ -10,19 +10,17 @@
 //! what it touches is the triangle across that edge.
 
 use crate::contact::local_manifold::{LocalManifold, LocalPoint};
+use crate::contact::narrow::level_scratch::{Found, Group, LevelScratch};
 use crate::contact::narrow::scratch::MERGE;
 use crate::contact::reduce::{Candidate, CornerKind, reduce};
 use crate::geometry::ConvexMesh;
 use crate::geometry::bvh::within;
 use crate::geometry::distance::CoreCast;
-use crate::geometry::hull_lanes::{Points4, box_of, lowest_height, move_points, point};
+use crate::geometry::hull_lanes::{box_of, lowest_height, move_points, point};
 use crate::geometry::static_mesh::{EdgeKind, LevelTriangle, StaticMesh};
 use crate::geometry::support::{Core, PlacedCore};
 use crate::math::{Aabb, Pose};
 use glam::{Mat3, Vec3};
-
-/// Cosine of the angle between normals that make one manifold.
-const SAME: f32 = 0.9999;
 
 /// Share of the hull's diagonal by which it may be below a triangle without it being asked from where it came.
 pub(in crate::contact::narrow) const SHALLOW: f32 = 1e-3;
@@ -44,6 +42,8 @@ pub(crate) struct LevelPair<'h> {
     pub(crate) travel: Vec3,
     /// How far they may be apart and touch, m.
     pub(crate) reach: f32,
+    /// Whether triangles of different material slots make contacts of their own.
+    pub(crate) is_by_slot: bool,
 }
 
 /// A triangle with the origin of the hull's frame as its own, turned so that the hull is above it.
@@ -52,6 +52,8 @@ pub(in crate::contact::narrow) struct Ground {
     pub(in crate::contact::narrow) corners: [Vec3; 3],
     pub(in crate::contact::narrow) normal: Vec3,
     pub(in crate::contact::narrow) edges: [EdgeKind; 3],
+    /// Material slot, if contacts differ by it.
+    pub(in crate::contact::narrow) slot: Option<u16>,
 }
 
 impl Ground {
@@ -64,55 +66,6 @@ impl Ground {
         let from = self.corners[edge];
         let along = self.corners[(edge + 1) % 3] - from;
         (from, along.cross(self.normal).normalize_or_zero())
-    }
-}
-
-/// A point that was found.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::contact::narrow) struct Found {
-    pub(in crate::contact::narrow) group: u32,
-    /// On the surface at the start of the step, axes of the level, from the origin of the shape's frame, m.
-    pub(in crate::contact::narrow) at: Vec3,
-    pub(in crate::contact::narrow) separation: f32,
-    /// Radius of curvature of the surface, m.
-    pub(in crate::contact::narrow) curvature: f32,
-}
-
-/// Buffers, and what was found.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct LevelScratch {
-    points: Vec<Points4>,
-    pub(in crate::contact::narrow) near: Vec<u32>,
-    ahead: Vec<u32>,
-    /// Shifts after which the hull touches the level, m.
-    pub(in crate::contact::narrow) stops: Vec<Vec3>,
-    polygon: Vec<Vec3>,
-    clipped: Vec<Vec3>,
-    /// Points over one triangle, and their heights.
-    over: Vec<(Vec3, f32)>,
-    /// Normals of the manifolds.
-    pub(in crate::contact::narrow) groups: Vec<Vec3>,
-    pub(in crate::contact::narrow) found: Vec<Found>,
-    pub(in crate::contact::narrow) candidates: Vec<Candidate>,
-    /// The manifolds, hull first.
-    pub(crate) patches: Vec<LocalManifold>,
-}
-
-impl LevelScratch {
-    /// The number of the manifold with a normal.
-    pub(in crate::contact::narrow) fn group_of(&mut self, normal: Vec3) -> u32 {
-        let known = self.groups.iter().position(|n| n.dot(normal) > SAME);
-        known.unwrap_or_else(|| {
-            self.groups.push(normal);
-            self.groups.len() - 1
-        }) as u32
-    }
-
-    /// Forgets what was found.
-    pub(in crate::contact::narrow) fn clear(&mut self) {
-        self.patches.clear();
-        self.groups.clear();
-        self.found.clear();
     }
 }
 
@@ -150,6 +103,11 @@ impl LevelPair<'_> {
             corners: triangle.corners.map(|corner| corner - place),
             normal: triangle.plane.normal,
             edges: triangle.edges,
+            slot: if self.is_by_slot {
+                self.mesh.material_of(triangle.index)
+            } else {
+                None
+            },
         };
         let middle = self
             .hull_in_mesh
@@ -333,7 +291,7 @@ impl LevelPair<'_> {
                 }
             }
         }
-        let group = scratch.group_of(ground.normal);
+        let group = scratch.group_of(ground.normal, ground.slot);
         let found = scratch.over.iter().map(|&(at, _)| Found {
             group,
             at: at - shift,
@@ -345,7 +303,7 @@ impl LevelPair<'_> {
 
     /// Makes the manifold of one direction.
     fn add_patch(&self, group: u32, turn: &Mat3, scratch: &mut LevelScratch) {
-        let normal = scratch.groups[group as usize];
+        let Group { normal, slot } = scratch.groups[group as usize];
         let candidates = &mut scratch.candidates;
         candidates.clear();
         let found = scratch.found.iter().filter(|found| found.group == group);
@@ -360,6 +318,7 @@ impl LevelPair<'_> {
         let mut patch = LocalManifold {
             normal: -(back * normal),
             normal_in_b: Some(-normal),
+            slot,
             ..LocalManifold::default()
         };
         for &Candidate { at, separation, .. } in candidates.iter() {

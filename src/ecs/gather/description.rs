@@ -3,6 +3,7 @@
 use crate::bodies::body::{BodyDesc, BodyError, RigidBody, Shape};
 use crate::contact::layers::CollisionLayers;
 use crate::contact::material::{Density, Friction, Restitution};
+use crate::contact::surface::SurfaceMaterials;
 use crate::ecs::collisions::Sensor;
 use crate::ecs::components::*;
 use crate::ecs::forces::Mass;
@@ -33,6 +34,7 @@ pub(crate) struct BodyParts {
     mass: Option<&'static MassOverride>,
     friction: &'static Friction,
     restitution: &'static Restitution,
+    surfaces: Option<&'static SurfaceMaterials>,
     layers: &'static CollisionLayers,
     sensor: Has<Sensor>,
     total_mass: Option<&'static Mass>,
@@ -71,6 +73,7 @@ pub(super) fn describe(
         mass: parts.mass.map(|m| m.0),
         friction: *parts.friction,
         restitution: *parts.restitution,
+        surfaces: parts.surfaces.cloned(),
         layers: *parts.layers,
         is_sensor: parts.sensor,
         fracturable: parts.fracturable.cloned(),
@@ -130,6 +133,9 @@ fn scaled_normal(normal: Vec3, scale: Vec3) -> Result<Vec3, BodyError> {
 
 /// What does nothing on a body of this description.
 pub(super) fn idle_part(desc: &BodyDesc) -> Result<(), BodyError> {
+    if desc.surfaces.is_some() && !desc.shape.level().is_some_and(StaticMesh::has_materials) {
+        return Err(BodyError::IdleSurfaces);
+    }
     let Some(fracturable) = &desc.fracturable else {
         return Ok(());
     };
@@ -161,6 +167,7 @@ pub(super) type Changes = Or<(
     Changed<MassOverride>,
     Changed<Friction>,
     Changed<Restitution>,
+    Changed<SurfaceMaterials>,
     Changed<CollisionLayers>,
     Changed<Fracturable>,
     Changed<Sensor>,
@@ -181,6 +188,7 @@ pub(super) type ChangeTicks = (
     (
         Option<Ref<'static, Friction>>,
         Option<Ref<'static, Restitution>>,
+        Option<Ref<'static, SurfaceMaterials>>,
         Option<Ref<'static, CollisionLayers>>,
         Option<Ref<'static, Fracturable>>,
         Option<Ref<'static, Sensor>>,
@@ -202,7 +210,7 @@ pub(super) fn has_any_changed(ticks: &Query<ChangeTicks, With<BodyHandle>>) -> b
     let Ok(mut tables) = ticks.contiguous_iter() else {
         return true;
     };
-    tables.any(|((a, b, c, d, e, f, l), (g, h, i, j, k))| {
+    tables.any(|((a, b, c, d, e, f, l), (g, h, m, i, j, k))| {
         any(a)
             || any(b)
             || any(c)
@@ -215,6 +223,7 @@ pub(super) fn has_any_changed(ticks: &Query<ChangeTicks, With<BodyHandle>>) -> b
             || any(j)
             || any(k)
             || any(l)
+            || any(m)
     })
 }
 

@@ -5,6 +5,7 @@ use crate::bodies::store::Bodies;
 use crate::contact::body_id::BodyId;
 use crate::contact::layers::CollisionLayers;
 use crate::contact::material::{Density, Friction, Restitution};
+use crate::contact::surface::SurfaceMaterials;
 use crate::ecs::collisions::Sensor;
 use crate::ecs::components::*;
 use crate::ecs::forces::Mass;
@@ -95,7 +96,8 @@ type Removable = (
     (Fracturable, Sensor),
     (MassOverride, Mass),
     (Transform, LinearVelocity, AngularVelocity),
-    (Density, Friction, Restitution, CollisionLayers),
+    (Density, Friction, Restitution, SurfaceMaterials),
+    CollisionLayers,
 );
 
 /// Observer: a body loses a component, or is despawned.

@@ -5,7 +5,8 @@
 //! That is asked of the triangles themselves, so that it does not matter how they are joined.
 
 use crate::contact::local_manifold::{LocalManifold, LocalPoint};
-use crate::contact::narrow::level::{Found, Ground, LevelPair, LevelScratch, SHALLOW};
+use crate::contact::narrow::level::{Ground, LevelPair, SHALLOW};
+use crate::contact::narrow::level_scratch::{Found, Group, LevelScratch};
 use crate::contact::narrow::round::axis::{PairAxis, SolidPair};
 use crate::contact::narrow::round::patch::{PatchRule, RoundScratch, clip_places, patch_along};
 use crate::contact::narrow::round::solid::Solid;
@@ -97,7 +98,7 @@ impl LevelPair<'_> {
                 continue;
             }
             if !came_from_side(ground, placed, round) {
-                let group = scratch.group_of(ground.normal);
+                let group = scratch.group_of(ground.normal, ground.slot);
                 let is_one = round.places.len() == 1;
                 for place in &round.places {
                     let at = place.at - shift;
@@ -162,7 +163,7 @@ impl LevelPair<'_> {
             }
             let rule = PatchRule::new(self.reach, placed.size);
             let patch = patch_along(&pair, &axis, rule, round);
-            let group = scratch.group_of(axis.normal);
+            let group = scratch.group_of(axis.normal, ground.slot);
             for point in patch.points() {
                 let at = placed.turn * point.on_b;
                 scratch.found.push(Found {
@@ -213,7 +214,7 @@ impl LevelPair<'_> {
 
     /// Makes the manifold of one direction.
     fn add_round_patch(&self, group: u32, placed: &Placed, scratch: &mut LevelScratch) {
-        let normal = scratch.groups[group as usize];
+        let Group { normal, slot } = scratch.groups[group as usize];
         let candidates = &mut scratch.candidates;
         candidates.clear();
         let of_group = || scratch.found.iter().filter(|found| found.group == group);
@@ -228,6 +229,7 @@ impl LevelPair<'_> {
         let mut patch = LocalManifold {
             normal: -(back * normal),
             normal_in_b: Some(-normal),
+            slot,
             ..LocalManifold::default()
         };
         for &Candidate { at, separation, .. } in candidates.iter() {
