@@ -101,6 +101,18 @@ struct Found {
     is_loaded: bool,
 }
 
+impl Found {
+    /// Another contact of the same two bodies, in another direction or with another part: the one that bears most is told of.
+    fn add(&mut self, other: &Self) {
+        if other.impulse > self.impulse {
+            self.source = other.source;
+        }
+        self.impulse += other.impulse;
+        self.gap = self.gap.min(other.gap);
+        self.is_loaded |= other.is_loaded;
+    }
+}
+
 #[derive(Clone, Copy, Debug)]
 enum Source {
     Manifold(u32),
@@ -247,7 +259,11 @@ impl ContactEvents {
             while let Some(overlap) = overlaps.next_if(is_before) {
                 found.extend(overlapping(overlap));
             }
-            found.push(load_of(manifolds.at(index as usize), this, index));
+            let load = load_of(manifolds.at(index as usize), this, index);
+            match found.last_mut().filter(|last| last.name == this) {
+                Some(last) => last.add(&load),
+                None => found.push(load),
+            }
         }
         overlaps.for_each(|overlap| found.extend(overlapping(overlap)));
         self.found = found;

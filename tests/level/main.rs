@@ -5,6 +5,8 @@ mod app;
 #[path = "../common/mod.rs"]
 mod common;
 
+mod events;
 mod in_app;
 mod mesh;
 mod queries;
+mod surfaces;
