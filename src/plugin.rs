@@ -1,5 +1,6 @@
 //! The plugin: the phases of [`step`] as system sets, in the same order and under the same names.
 
+mod breaking;
 mod walker;
 
 pub use walker::WalkerPlugin;
@@ -11,7 +12,7 @@ use crate::ecs::components::*;
 use crate::ecs::forces::{self, ForceQuery};
 use crate::ecs::pieces::PieceRules;
 use crate::ecs::state::PluginState;
-use crate::ecs::{bond, cut, gather, joint, options, parts, pieces, query, scatter, setup};
+use crate::ecs::{gather, joint, options, parts, pieces, query, scatter, setup};
 use crate::fracture::{Bonds, FractureBudget, Fractures};
 use crate::joints::{Joint, JointLoad, Joints};
 use crate::mass::MassProperties;
@@ -23,7 +24,7 @@ use bevy_app::{App, FixedMainScheduleOrder, FixedPostUpdate, Plugin, Startup};
 use bevy_ecs::intern::Interned;
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::{ScheduleLabel, SingleThreadedExecutor};
-use bevy_ecs::system::SystemParam;
+use bevy_ecs::system::{SystemChangeTick, SystemParam};
 use bevy_time::Time;
 
 /// The schedule of one physics step. Run by the plugin; its time step is `Time`'s current delta.
@@ -46,9 +47,10 @@ pub enum PhysicsSystems {
     ContactGeneration,
     /// Forces and contact impulses; bonds that they overload break.
     Solve,
-    /// Bodies that were hit with more than they bear become pieces, and their islands are solved anew; islands of small bodies take their
-    /// local steps.
+    /// Bodies that were hit with more than they bear become pieces, and their islands are solved anew.
     Fracture,
+    /// Islands of what is small for the step take several steps of their own.
+    LocalSteps,
     /// Poses from velocities.
     Integrate,
     /// The contact cache takes the new multipliers and ages the rest.
@@ -161,6 +163,7 @@ fn add_phases(schedule: &mut Schedule) {
             Phase::ContactGeneration,
             Phase::Solve,
             Phase::Fracture,
+            Phase::LocalSteps,
             Phase::Integrate,
             Phase::CacheAging,
             Phase::Sleep,
@@ -178,11 +181,14 @@ fn add_phases(schedule: &mut Schedule) {
         )
             .chain()
             .in_set(Phase::MassProperties),
-        cut.in_set(Phase::Cut),
+        breaking::cut.in_set(Phase::Cut),
         broadphase.in_set(Phase::Broadphase),
         generate_contacts.in_set(Phase::ContactGeneration),
         solve.in_set(Phase::Solve),
-        fracture.in_set(Phase::Fracture),
+        breaking::fracture.in_set(Phase::Fracture),
+        breaking::local_steps
+            .run_if(breaking::any_island_waits)
+            .in_set(Phase::LocalSteps),
         integrate.in_set(Phase::Integrate),
         age_cache.in_set(Phase::CacheAging),
         sleep.in_set(Phase::Sleep),
@@ -239,9 +245,10 @@ fn mass_properties(
     (mut bonds, mut warnings): (ResMut<Bonds>, ResMut<Messages<BodyWarning>>),
     mut queries: ParamSet<(gather::Readings, ForceQuery)>,
     mut masses: Query<&mut MassProperties>,
-    settings: Settings,
+    (settings, tick): (Settings, SystemChangeTick),
 ) {
     state.settings = settings.get();
+    state.entities.read = tick.this_run();
     let readings = queries.p0();
     gather::read_entities(
         &mut state,
@@ -334,66 +341,4 @@ fn sleep(
         &state.settings,
         &mut report,
     );
-}
-
-/// What bodies that break leave traces in.
-#[derive(SystemParam)]
-struct Breaking<'w> {
-    cache: ResMut<'w, ContactCache>,
-    fractures: ResMut<'w, Fractures>,
-    bonds: ResMut<'w, Bonds>,
-    joints: ResMut<'w, Joints>,
-}
-
-fn cut(
-    mut bodies: ResMut<Bodies>,
-    mut breaking: Breaking,
-    mut state: ResMut<PluginState>,
-    mut warnings: ResMut<Messages<BodyWarning>>,
-    handles: Query<&BodyHandle>,
-) {
-    let Breaking {
-        cache,
-        fractures,
-        bonds,
-        joints,
-    } = &mut breaking;
-    let PluginState {
-        settings,
-        slice_requests,
-        ..
-    } = &mut *state;
-    cut::gather_requests(slice_requests, &bodies, fractures, &mut warnings, &handles);
-    step::cut(&mut bodies, cache, fractures, bonds, settings);
-    step::begin_joints(&mut bodies, fractures, joints);
-}
-
-fn fracture(
-    mut bodies: ResMut<Bodies>,
-    mut contacts: ResMut<Contacts>,
-    mut breaking: Breaking,
-    state: Res<PluginState>,
-    mut report: ResMut<StepReport>,
-    mut broken: MessageWriter<BondBroken>,
-) {
-    let Breaking {
-        cache,
-        fractures,
-        bonds,
-        joints,
-    } = &mut breaking;
-    let breakable = step::Breakable {
-        cache,
-        fractures,
-        bonds,
-        joints,
-    };
-    step::fracture(
-        &mut bodies,
-        &mut contacts,
-        breakable,
-        &state.settings,
-        &mut report,
-    );
-    bond::report_broken(bonds, &state.entities, &mut broken);
 }

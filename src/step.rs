@@ -9,14 +9,15 @@
 //! 4 contact generation pairs, hulls     -> manifolds; multipliers from the cache
 //! 5 solve              forces, manifolds -> rows -> impulses with w = A lambda - b, lo <= lambda <= hi
 //! 6 fracture           impulses over the strength -> pieces; 3, 4 and 5 again for the islands in which something broke
-//!   local steps        3 to 7, several times, for the islands of bodies that are small for the step
-//! 7 integrate          velocities       -> poses
-//! 8 cache aging        impulses         -> cache: hits reset, others one step older, stale ones evicted
-//! 9 sleep              velocities, poses -> islands at rest, left out from the next step on
+//! 7 local steps        3 to 8, several times, for the islands of bodies that are small for the step
+//! 8 integrate          velocities       -> poses
+//! 9 cache aging        impulses         -> cache: hits reset, others one step older, stale ones evicted
+//! 10 sleep             velocities, poses -> islands at rest, left out from the next step on
 //! ```
 //!
 //! Sleeping bodies are woken in phase 4, where it is known who touches them; see `solver/sleep.rs`.
 
+mod breakable;
 pub(crate) mod contact_events;
 mod contact_place;
 pub(crate) mod contacts;
@@ -29,6 +30,7 @@ pub(crate) mod simulation;
 
 use crate::step::local_steps::take_local_steps;
 use crate::step::measure::report_solution;
+pub use breakable::Breakable;
 pub use contact_events::{ContactChange, ContactEvent, ContactEvents, ContactWatch};
 pub use contacts::Contacts;
 pub use report::{IslandReport, StepError, StepReport};
@@ -71,43 +73,19 @@ impl Simulation {
         attach_bonds(bodies, contacts, bonds);
         attach_joints(bodies, contacts, joints);
         solve(bodies, contacts, fractures, settings, report);
-        let breakable = Breakable {
+        let mut breakable = Breakable {
             cache,
             fractures,
             bonds,
             joints,
         };
-        fracture(bodies, contacts, breakable, settings, report);
+        fracture(bodies, contacts, breakable.again(), settings, report);
+        local_steps(bodies, contacts, breakable, settings, report);
         integrate(bodies, report);
         age_cache(bodies, contacts, cache, settings);
         sleep(bodies, contacts, cache, settings, report);
         find_contact_events(bodies, contacts, settings);
         bodies.forget_sleep_changes();
-    }
-}
-
-/// What a body that breaks hands on to its pieces.
-#[derive(Debug)]
-pub struct Breakable<'s> {
-    /// Its contacts' multipliers.
-    pub cache: &'s mut ContactCache,
-    /// What waits to break, and what broke.
-    pub fractures: &'s mut Fractures,
-    /// Its bonds.
-    pub bonds: &'s mut Bonds,
-    /// Its joints.
-    pub joints: &'s mut Joints,
-}
-
-impl Breakable<'_> {
-    /// The same, for a part of the step.
-    fn again(&mut self) -> Breakable<'_> {
-        Breakable {
-            cache: self.cache,
-            fractures: self.fractures,
-            bonds: self.bonds,
-            joints: self.joints,
-        }
     }
 }
 
@@ -262,7 +240,7 @@ fn break_bonds(bodies: &mut Bodies, contacts: &Contacts, bonds: &mut Bonds) {
 }
 
 /// Phase 6: bodies that were hit with more than they bear become pieces, and the islands in which that happened are solved
-/// anew, until nothing breaks any more; so do bonds and joints. Then islands of what is small for the step take local steps.
+/// anew, until nothing breaks any more; so do bonds and joints.
 pub fn fracture(
     bodies: &mut Bodies,
     contacts: &mut Contacts,
@@ -276,10 +254,28 @@ pub fn fracture(
     note_blows(breakable.fractures, bodies, &contacts.solver, 0);
     break_bonds(bodies, contacts, breakable.bonds);
     break_joints(bodies, contacts, breakable.joints);
-    take_local_steps(bodies, contacts, breakable.again(), settings, report);
+    if contacts.any_island_waits() {
+        return;
+    }
     if !was_solved {
         report_solution(bodies, contacts, settings, report);
     }
+    end_loads(breakable.fractures, bodies, &contacts.solver);
+}
+
+/// Phase 7: islands of what is small for the step take several steps of their own. Nothing if there are none.
+pub fn local_steps(
+    bodies: &mut Bodies,
+    contacts: &mut Contacts,
+    mut breakable: Breakable,
+    settings: &StepSettings,
+    report: &mut StepReport,
+) {
+    if !contacts.any_island_waits() {
+        return;
+    }
+    take_local_steps(bodies, contacts, breakable.again(), settings, report);
+    report_solution(bodies, contacts, settings, report);
     end_loads(breakable.fractures, bodies, &contacts.solver);
 }
 
@@ -331,12 +327,12 @@ fn break_in_rounds(
     }
 }
 
-/// Phase 7: poses from velocities. A body that would stop being finite is stopped where it is, and reported.
+/// Phase 8: poses from velocities. A body that would stop being finite is stopped where it is, and reported.
 pub fn integrate(bodies: &mut Bodies, report: &mut StepReport) {
     integrate::integrate_positions(bodies, &mut report.problems);
 }
 
-/// Phase 8: the cache takes the new impulses and ages the rest.
+/// Phase 9: the cache takes the new impulses and ages the rest.
 pub fn age_cache(
     bodies: &Bodies,
     contacts: &Contacts,
@@ -355,7 +351,7 @@ pub fn age_cache(
     );
 }
 
-/// Phase 9: islands at rest fall asleep. Their multipliers are kept for when they wake.
+/// Phase 10: islands at rest fall asleep. Their multipliers are kept for when they wake.
 pub fn sleep(
     bodies: &mut Bodies,
     contacts: &Contacts,

@@ -176,6 +176,8 @@ pub(crate) struct BodyEntities {
     local: Vec<Transform>,
     /// Tick of the last write-back: components that bear it were written by the plugin.
     pub(crate) written: Tick,
+    /// Tick at which components were last read: what changed since is for the next step, and not to be written over.
+    pub(crate) read: Tick,
 }
 
 impl BodyEntities {

@@ -79,10 +79,14 @@ impl Default for Mass {
     }
 }
 
-/// What [`Forces`] gathered for the next step; part of every body.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Component)]
+/// What [`Forces`] gathered for the next step; part of every body, and of one pointer until something pushes that.
+#[derive(Clone, Debug, Default, PartialEq, Component)]
 #[component(summary_tick, clone_behavior = Ignore)]
-pub struct AppliedForces {
+pub struct AppliedForces(Option<Box<Gathered>>);
+
+/// What was applied, in parts that are put together once the center of mass is known.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Gathered {
     forces: StepForces,
     /// Sum of the forces that act at points, N, and their moment about the origin of the body's frame, N m.
     at_points: [Vec3; 2],
@@ -91,13 +95,26 @@ pub struct AppliedForces {
 }
 
 impl AppliedForces {
+    /// Where more is added to.
+    fn sum(&mut self) -> &mut Gathered {
+        self.0.get_or_insert_default()
+    }
+
     /// An impulse, N s, at a point so far from the origin of the body's frame, world axes, m.
     pub(super) fn push_at(&mut self, impulse: Vec3, lever: Vec3) {
-        let [sum, moment] = &mut self.impulses_at_points;
+        let [sum, moment] = &mut self.sum().impulses_at_points;
         *sum += impulse;
         *moment += lever.cross(impulse);
     }
 
+    /// What there is, if anything; nothing is left. Its place in memory is kept: who is pushed once is pushed again.
+    fn take(&mut self) -> Option<Gathered> {
+        let gathered = std::mem::take(&mut **self.0.as_mut()?);
+        (gathered != Gathered::default()).then_some(gathered)
+    }
+}
+
+impl Gathered {
     /// All of it about the center of mass of a body with this rotation.
     fn total(&self, mass: &MassProperties, rotation: Quat) -> StepForces {
         let to_center = rotate(rotation, mass.center);
@@ -132,48 +149,48 @@ pub struct Forces {
 impl ForcesItem<'_, '_> {
     /// A force at the center of mass, N.
     pub fn apply_force(&mut self, force: Vec3) {
-        self.applied.forces.force += force;
+        self.applied.sum().forces.force += force;
     }
 
     /// A force, N, at a point of the world, m.
     pub fn apply_force_at(&mut self, force: Vec3, point: Vec3) {
         let lever = point - self.origin();
-        let [sum, moment] = &mut self.applied.at_points;
+        let [sum, moment] = &mut self.applied.sum().at_points;
         *sum += force;
         *moment += lever.cross(force);
     }
 
     /// A torque, N m.
     pub fn apply_torque(&mut self, torque: Vec3) {
-        self.applied.forces.torque += torque;
+        self.applied.sum().forces.torque += torque;
     }
 
     /// An impulse at the center of mass, N s.
     pub fn apply_impulse(&mut self, impulse: Vec3) {
-        self.applied.forces.impulse += impulse;
+        self.applied.sum().forces.impulse += impulse;
     }
 
     /// An impulse, N s, at a point of the world, m.
     pub fn apply_impulse_at(&mut self, impulse: Vec3, point: Vec3) {
         let lever = point - self.origin();
-        let [sum, moment] = &mut self.applied.impulses_at_points;
+        let [sum, moment] = &mut self.applied.sum().impulses_at_points;
         *sum += impulse;
         *moment += lever.cross(impulse);
     }
 
     /// An angular impulse, N m s.
     pub fn apply_angular_impulse(&mut self, impulse: Vec3) {
-        self.applied.forces.angular_impulse += impulse;
+        self.applied.sum().forces.angular_impulse += impulse;
     }
 
     /// An acceleration whatever the mass, m/s2.
     pub fn apply_acceleration(&mut self, acceleration: Vec3) {
-        self.applied.forces.acceleration += acceleration;
+        self.applied.sum().forces.acceleration += acceleration;
     }
 
     /// An angular acceleration whatever the inertia, rad/s2.
     pub fn apply_angular_acceleration(&mut self, acceleration: Vec3) {
-        self.applied.forces.angular_acceleration += acceleration;
+        self.applied.sum().forces.angular_acceleration += acceleration;
     }
 
     /// Velocity of the center of mass after the last step, m/s.
@@ -279,12 +296,11 @@ pub(crate) fn apply_forces(
         let Some((slot, _)) = handle.0.filter(|&(slot, id)| bodies.is_current(slot, id)) else {
             continue;
         };
-        if *applied == AppliedForces::default() {
+        // The plugin's own taking is no change.
+        let Some(gathered) = applied.bypass_change_detection().take() else {
             continue;
-        }
-        let total = applied.total(bodies.mass(slot), bodies.pose(slot).rotation);
-        // The plugin's own writing is no change.
-        *applied.bypass_change_detection() = AppliedForces::default();
+        };
+        let total = gathered.total(bodies.mass(slot), bodies.pose(slot).rotation);
         if let Err(error) = bodies.apply(slot, &total) {
             warn(warnings, entity, error);
         }

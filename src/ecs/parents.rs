@@ -131,9 +131,18 @@ pub(crate) fn write_children(world: &mut World) {
         let Some(parent) = parent_of(world, entity).filter(|_| is_moved) else {
             continue;
         };
+        let (now, entities) = (
+            world.change_tick(),
+            &world.resource::<PluginState>().entities,
+        );
+        let (read, known) = (entities.read, entities.local(slot));
         let Some(mut transform) = world.get_mut::<Transform>(entity) else {
             continue;
         };
+        // What somebody else has changed meanwhile is for the next step to read.
+        if known != Some(*transform) && transform.last_changed().is_newer_than(read, now) {
+            continue;
+        }
         let local = local_of(&parent, pose, transform.scale);
         if local.is_finite() {
             transform.set_if_neq(local);

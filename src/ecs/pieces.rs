@@ -302,15 +302,15 @@ fn spawn_piece(
     let staged = Staged::of(world, parent, slot)?;
     let transform = staged.transform;
     let keeps_breaking = staged.fracturable.is_some();
-    let pose = world.resource::<Bodies>().pose(slot);
     let piece = world.spawn_empty().id();
-    let id = world.resource::<Bodies>().id(slot);
+    let bodies = world.resource::<Bodies>();
+    let (id, seen) = (bodies.id(slot), seen_at(bodies.pose(slot)));
     let is_child = world.get::<ChildOf>(parent).is_some();
     let state = &mut *world.resource_mut::<PluginState>();
-    let seen = seen_at(pose);
     state.entities.set(slot, id, piece, seen);
     if is_child {
         state.entities.set_local(slot, transform);
+        state.children.push(piece); // What is above it is not written yet.
     }
     if state.options.is_used {
         state.options.entities.push(piece);

@@ -88,7 +88,7 @@ pub(crate) fn write_entities(
     for target in state.kinematic.drain(..) {
         target.end(&mut bodies);
     }
-    scatter(&bodies, &mut motion);
+    scatter(&bodies, state.entities.read, &mut motion);
     report_problems(&report, &bodies, &state.entities, &mut warnings);
     marks.set(&bodies, &state.entities);
     bodies.forget_sleep_changes();
@@ -162,7 +162,9 @@ type WrittenMotion = (
 
 /// Writes pose and velocity to the entities whose bodies moved. `Transform` is written, never read back: the pose of record
 /// is the center of mass in [`Bodies`].
-fn scatter(bodies: &Bodies, motion: &mut Query<WrittenMotion, Without<Sleeping>>) {
+///
+/// What was changed since entities were `read` stays as it is: by observers of pieces that were born, say. The next step reads it.
+fn scatter(bodies: &Bodies, read: Tick, motion: &mut Query<WrittenMotion, Without<Sleeping>>) {
     // All of these components are stored in tables, so there is a slice for each.
     let tables = motion.contiguous_iter_mut().ok().into_iter().flatten();
     let awake = bodies.len().saturating_sub(bodies.asleep());
@@ -170,9 +172,9 @@ fn scatter(bodies: &Bodies, motion: &mut Query<WrittenMotion, Without<Sleeping>>
         for (handles, transforms, linear, angular, is_child) in tables {
             // Those beneath parents are written by themselves.
             let is_child = IsChild(is_child);
-            let mut transforms = Column::new(transforms);
-            let mut linear = Column::new(linear);
-            let mut angular = Column::new(angular);
+            let mut transforms = Column::new(transforms, read);
+            let mut linear = Column::new(linear, read);
+            let mut angular = Column::new(angular, read);
             if team.is_none() {
                 write_rows(
                     (bodies, is_child),
@@ -237,18 +239,25 @@ fn write_rows(
 struct Column<'w, T: Component> {
     values: &'w mut [T],
     ticks: ContiguousComponentTicksMut<'w>,
+    /// What has changed since then is not written.
+    read: Tick,
 }
 
 impl<'w, T: Component> Column<'w, T> {
-    fn new(column: ContiguousMut<'w, T>) -> Self {
+    fn new(column: ContiguousMut<'w, T>, read: Tick) -> Self {
         let (values, ticks) = ContiguousMut::bypass_change_detection_split(column);
-        Self { values, ticks }
+        Self {
+            values,
+            ticks,
+            read,
+        }
     }
 
     /// All rows.
     fn all(&mut self) -> EntityRows<'_, T> {
         EntityRows {
             now: self.ticks.this_run(),
+            read: self.read,
             values: self.values,
             changed: self.ticks.changed_mut(),
         }
@@ -259,13 +268,14 @@ impl<'w, T: Component> Column<'w, T> {
         &mut self,
         size: usize,
     ) -> impl ExactSizeIterator<Item = EntityRows<'_, T>> + DoubleEndedIterator {
-        let now = self.ticks.this_run();
+        let (now, read) = (self.ticks.this_run(), self.read);
         let values = self.values.chunks_mut(size);
         let parts = values.zip(self.ticks.changed_mut().chunks_mut(size));
         parts.map(move |(values, changed)| EntityRows {
             values,
             changed,
             now,
+            read,
         })
     }
 }
@@ -296,6 +306,7 @@ struct EntityRows<'c, T> {
     values: &'c mut [T],
     changed: &'c mut [Tick],
     now: Tick,
+    read: Tick,
 }
 
 impl<'c, T> EntityRows<'c, T> {
@@ -305,6 +316,7 @@ impl<'c, T> EntityRows<'c, T> {
             value,
             changed,
             now: self.now,
+            read: self.read,
         })
     }
 }
@@ -314,12 +326,13 @@ struct EntityRow<'c, T> {
     value: &'c mut T,
     changed: &'c mut Tick,
     now: Tick,
+    read: Tick,
 }
 
 impl<T: PartialEq> EntityRow<'_, T> {
-    /// Writes `value`, and notes it as a change if it is one.
+    /// Writes `value`, and notes it as a change if it is one; unless somebody else has changed it meanwhile.
     fn set(self, value: T) {
-        if *self.value != value {
+        if *self.value != value && !self.changed.is_newer_than(self.read, self.now) {
             *self.value = value;
             *self.changed = self.now;
         }

@@ -19,13 +19,14 @@ impl CleaveDiagnosticsPlugin {
     /// Of a whole step, ms.
     pub const STEP_TIME: DiagnosticPath = DiagnosticPath::const_new("cleave/step");
     /// Of each phase, ms, in the order of [`PhysicsSystems`](crate::plugin::PhysicsSystems).
-    pub const PHASE_TIMES: [DiagnosticPath; 10] = [
+    pub const PHASE_TIMES: [DiagnosticPath; 11] = [
         DiagnosticPath::const_new("cleave/step/mass_properties"),
         DiagnosticPath::const_new("cleave/step/cut"),
         DiagnosticPath::const_new("cleave/step/broadphase"),
         DiagnosticPath::const_new("cleave/step/contact_generation"),
         DiagnosticPath::const_new("cleave/step/solve"),
         DiagnosticPath::const_new("cleave/step/fracture"),
+        DiagnosticPath::const_new("cleave/step/local_steps"),
         DiagnosticPath::const_new("cleave/step/integrate"),
         DiagnosticPath::const_new("cleave/step/cache_aging"),
         DiagnosticPath::const_new("cleave/step/sleep"),
@@ -57,13 +58,14 @@ impl CleaveDiagnosticsPlugin {
 }
 
 /// The sets between which the clock is read.
-const PHASES: [Phase; 10] = [
+const PHASES: [Phase; 11] = [
     Phase::MassProperties,
     Phase::Cut,
     Phase::Broadphase,
     Phase::ContactGeneration,
     Phase::Solve,
     Phase::Fracture,
+    Phase::LocalSteps,
     Phase::Integrate,
     Phase::CacheAging,
     Phase::Sleep,

@@ -69,7 +69,12 @@ impl Contacts {
 
     /// Whether nothing waits for another round or for local steps.
     pub(crate) fn is_solved(&self) -> bool {
-        !self.is_broken && self.solver.put_off.is_empty()
+        !self.is_broken && !self.any_island_waits()
+    }
+
+    /// Whether islands of this step wait for local steps, or have taken them.
+    pub(crate) fn any_island_waits(&self) -> bool {
+        !self.solver.put_off.is_empty()
     }
 
     /// Keeps the manifolds of bodies that have got their motion, whose contacts are not to be looked for again.

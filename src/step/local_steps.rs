@@ -22,7 +22,7 @@ use crate::step::report::StepReport;
 use crate::step::settings::StepSettings;
 use crate::step::{Breakable, break_in_rounds, broadphase, generate_contacts};
 
-/// Lets the islands that were put off take their local steps, those that take as many of them together.
+/// Lets the islands that were put off, of which there are some, take their local steps, those that take as many of them together.
 pub(super) fn take_local_steps(
     bodies: &mut Bodies,
     contacts: &mut Contacts,
@@ -30,9 +30,6 @@ pub(super) fn take_local_steps(
     settings: &StepSettings,
     report: &mut StepReport,
 ) {
-    if contacts.solver.put_off.is_empty() {
-        return;
-    }
     let mut local = std::mem::take(&mut contacts.local);
     let stats = report.cache;
     let bonded = std::mem::take(&mut contacts.solver.bonded);

@@ -4,13 +4,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Pages that a reader is sent to.
-const PAGES: [&str; 13] = [
+const PAGES: [&str; 14] = [
     "README.md",
     "CHANGELOG.md",
     "CONTRIBUTING.md",
     "docs/architecture.md",
     "docs/demo.md",
     "docs/destructible_level.md",
+    "docs/features.md",
     "docs/glossary.md",
     "docs/materials.md",
     "docs/window.md",

@@ -7,6 +7,7 @@ mod common;
 mod app;
 
 mod bad_input;
+mod births;
 mod bonds;
 mod chaos;
 mod collisions;

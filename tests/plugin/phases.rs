@@ -165,3 +165,40 @@ fn update_in_changing_company() -> impl FnMut(&mut App) {
         updates += 1;
     }
 }
+
+#[test]
+fn what_is_small_moves_in_a_phase_of_its_own() {
+    #[derive(Resource, Default)]
+    struct Heights(Vec<[f32; 2]>);
+
+    let mut app = app();
+    app.init_resource::<Heights>();
+    let world = app.world_mut();
+    let floor = HalfSpaceShape { normal: Vec3::Y };
+    world.spawn((RigidBody::Static, floor));
+    // One of a millimetre falls by more than itself in a step; the other one is large.
+    for (size, x) in [(0.002, 0.0), (1.0, 5.0)] {
+        let mesh = ConvexMesh::cuboid(size, size, size).expect("valid");
+        let at = Transform::from_xyz(x, 0.501 * size, 0.0);
+        world.spawn((RigidBody::Dynamic, mesh, at));
+    }
+    let look = |bodies: Res<Bodies>, mut heights: ResMut<Heights>| {
+        heights
+            .0
+            .push([1, 2].map(|slot| bodies.pose(slot).position.y));
+    };
+    app.add_systems(
+        PhysicsSchedule,
+        (
+            look.after(PhysicsSystems::Fracture)
+                .before(PhysicsSystems::LocalSteps),
+            look.after(PhysicsSystems::LocalSteps)
+                .before(PhysicsSystems::Integrate),
+        ),
+    );
+    app.update();
+    let heights = &app.world().resource::<Heights>().0;
+    assert_eq!(heights.len(), 2);
+    assert_ne!(heights[0][0], heights[1][0], "the small one has moved");
+    assert_eq!(heights[0][1], heights[1][1], "the large one has not");
+}
