@@ -8,7 +8,8 @@
 mod common;
 
 use bevy_cleave::prelude::*;
-use common::{scenes, structures};
+use common::scenes::{self, awake};
+use common::structures;
 use criterion::{Criterion, criterion_group, criterion_main};
 use glam::Vec3;
 
@@ -194,7 +195,7 @@ fn many(c: &mut Criterion) {
     let is_bench = std::env::args().any(|arg| arg == "--bench");
     let count = if is_bench { 10_000 } else { 100 };
     for is_watched in [false, true] {
-        let mut simulation = Simulation::default();
+        let mut simulation = awake();
         for desc in structures::columns(count) {
             simulation.bodies.insert(desc).expect("usable");
         }
@@ -213,8 +214,7 @@ fn many(c: &mut Criterion) {
 fn joints(c: &mut Criterion) {
     let block = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("valid size");
     for (name, is_joined) in [("crates", false), ("crates_joined", true)] {
-        let mut simulation = Simulation::default();
-        simulation.config.sleep = SleepConfig::off();
+        let mut simulation = awake();
         let floor = BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y });
         simulation.bodies.insert(floor).expect("usable");
         let mut last = None;
@@ -232,8 +232,7 @@ fn joints(c: &mut Criterion) {
         (0..120).for_each(|_| simulation.step(H));
         bench(c, name, simulation);
     }
-    let mut simulation = Simulation::default();
-    simulation.config.sleep = SleepConfig::off();
+    let mut simulation = awake();
     for i in 0..BODIES {
         let at = Vec3::new(0.0, -1.5 * (i % 20) as f32, 5.0 * (i / 20) as f32);
         let desc = BodyDesc::dynamic(block.clone(), at);
@@ -252,7 +251,7 @@ fn joints(c: &mut Criterion) {
 /// Free bodies that spin: those with one moment about all axes pay nothing for their rotation.
 fn spin(c: &mut Criterion) {
     for (name, edges) in [("cubes", Vec3::ONE), ("plates", Vec3::new(1.0, 0.5, 0.2))] {
-        let mut simulation = Simulation::default();
+        let mut simulation = awake();
         let shape = ConvexMesh::cuboid(edges.x, edges.y, edges.z).expect("valid size");
         for i in 0..BODIES {
             let mut desc = BodyDesc::dynamic(shape.clone(), 3.0 * i as f32 * Vec3::X);
@@ -267,7 +266,7 @@ fn spin(c: &mut Criterion) {
 /// Crates on a floor of static slabs: ordinary ones, and such as may break and are anchored.
 fn standing(c: &mut Criterion) {
     for (name, may_break) in [("static_slabs", false), ("fracturable_slabs", true)] {
-        let mut simulation = Simulation::default();
+        let mut simulation = awake();
         let slab = ConvexMesh::cuboid(2.0, 0.2, 2.0).expect("valid size");
         let block = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("valid size");
         for i in 0..BODIES {
@@ -294,7 +293,7 @@ fn standing(c: &mut Criterion) {
 /// A heap of pieces that nobody looks at, and one with rules by which none of them goes.
 fn debris(c: &mut Criterion) {
     for (name, max_age) in [("pieces", f32::INFINITY), ("pieces_with_rules", 1e9)] {
-        let mut simulation = Simulation::default();
+        let mut simulation = awake();
         simulation.budget.debris.max_age = max_age;
         let floor = BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y });
         simulation.bodies.insert(floor).expect("usable");
@@ -325,7 +324,7 @@ fn level(c: &mut Criterion) {
     let plane = BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y });
     for (name, floor) in [("plane", plane), ("level", BodyDesc::level(ground))] {
         for (state, steps) in [("falling", 0), ("resting", 300)] {
-            let mut simulation = Simulation::default();
+            let mut simulation = awake();
             simulation.bodies.insert(floor.clone()).expect("usable");
             let shape = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("valid size");
             for i in 0..BODIES {
@@ -352,8 +351,7 @@ fn small(c: &mut Criterion) {
         ("apart_1_cm", 0.01, 16),
         ("apart_1_cm_without_local_steps", 0.01, 1),
     ] {
-        let mut simulation = Simulation::default();
-        simulation.config.sleep = SleepConfig::off();
+        let mut simulation = awake();
         simulation.config.method = SoftStep {
             max_local_steps,
             ..SoftStep::default()
