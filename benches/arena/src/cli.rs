@@ -9,6 +9,9 @@ arena run     [--suite quick|full] [--scene a,b:size,..] [--engines a,b,..] [--s
               [--threads 1,2] [--repeats N] [--limit SECS] [--sleeping] [--out FILE.csv]
 arena scale   [--scene pile,pile-at-rest,pyramids] [--bodies 1000,2000,..] [--engines a,b,..] [--settings ..] [--threads 1,2]
               [--repeats N] [--out FILE.csv]
+arena ask     [--bodies 1000,..] [--triangles 500000,..] [--questions N] [--repeats N]
+arena level   [--bodies N] [--cells N] [--spacings 0.7,..]
+arena events  [--bodies N]
 arena report  [FILE.csv] [--out DIR]
 arena list
 

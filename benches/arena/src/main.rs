@@ -1,11 +1,15 @@
 //! Runs the same scenes through several physics engines: speed against error. See README.md.
 
+mod ask;
 mod cli;
 mod compare;
 mod engine;
 mod engines;
+mod events;
 mod job;
+mod level;
 mod measure;
+mod race;
 mod report;
 mod scale;
 mod scene;
@@ -22,6 +26,9 @@ fn main() -> std::process::ExitCode {
     let done = match command.as_str() {
         "run" => compare::run(rest),
         "scale" => scale::run(rest),
+        "ask" => ask::run(rest),
+        "level" => level::run(rest),
+        "events" => events::run(rest),
         "report" => report::run(rest),
         "list" => cli::list(rest),
         job::COMMAND => job::run(rest),

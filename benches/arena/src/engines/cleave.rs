@@ -4,7 +4,7 @@
 
 use super::cleave_settings::{DEFAULT, config, settings, with_sleep};
 use crate::engine::{Engine, Entry, Settings, State};
-use crate::scene::{Body, Scene, Shape};
+use crate::scene::{Body, Hinge, Scene, Shape};
 use bevy_cleave::prelude::*;
 use bevy_tasks::{ComputeTaskPool, TaskPoolBuilder};
 
@@ -45,7 +45,19 @@ fn build(scene: &Scene, settings: &Settings) -> Box<dyn Engine> {
     for joint in &scene.joints {
         let [a, b] = joint.bodies.map(|body| slots[body]);
         let [on_a, on_b] = joint.anchors;
-        let made = simulation.join(Some(a), b, Joint::ball().with_anchors(on_a, on_b));
+        let kind = match joint.hinge {
+            None => Joint::ball().with_anchors(on_a, on_b),
+            Some(Hinge {
+                axis,
+                range: [least, most],
+            }) => {
+                let poses = [a, b].map(|slot| simulation.bodies.pose(slot));
+                let at = poses[0].transform_point(on_a);
+                let hinge = Joint::hinge().with_angular_limits(least, most);
+                hinge.with_anchor(at, axis, poses)
+            }
+        };
+        let made = simulation.join(Some(a), b, kind);
         made.expect("a usable joint");
     }
     Box::new(Cleave {

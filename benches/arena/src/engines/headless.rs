@@ -9,7 +9,7 @@ use std::time::Duration;
 /// An app in which each update is one frame of `dt` seconds, with a compute pool of `pool_threads`.
 ///
 /// The plugin belongs into `PostUpdate`: an update is a step then, without the loop that fits fixed steps to frames.
-pub(super) fn app(dt: f32, pool_threads: usize) -> App {
+pub(crate) fn app(dt: f32, pool_threads: usize) -> App {
     let pool = |threads| TaskPoolThreadAssignmentPolicy {
         min_threads: threads,
         max_threads: threads,
@@ -34,7 +34,7 @@ pub(super) fn app(dt: f32, pool_threads: usize) -> App {
 ///
 /// Without threads in the pool its schedules run on the calling thread: to hand systems to a pool that nobody else serves
 /// would only add to the time of every engine that is a plugin.
-pub(super) fn start(app: &mut App) {
+pub(crate) fn start(app: &mut App) {
     if ComputeTaskPool::get().thread_num() == 0 {
         for (_, schedule) in app.world_mut().resource_mut::<Schedules>().iter_mut() {
             schedule.set_executor(SingleThreadedExecutor::new());

@@ -8,7 +8,7 @@ pub(crate) mod box3d;
 pub(crate) mod cleave;
 pub(crate) mod cleave_plugin;
 pub(crate) mod cleave_settings;
-mod headless;
+pub(crate) mod headless;
 #[cfg(feature = "jolt")]
 pub(crate) mod jolt;
 #[cfg(feature = "rapier")]

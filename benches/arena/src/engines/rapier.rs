@@ -81,16 +81,26 @@ fn build(
     }
     for joint in &scene.joints {
         let [a, b] = joint.bodies.map(|body| handles[body]);
-        let ball = SphericalJointBuilder::new()
-            .local_anchor1(joint.anchors[0])
-            .local_anchor2(joint.anchors[1])
-            .contacts_enabled(false);
+        let [on_a, on_b] = joint.anchors;
+        let made: GenericJoint = match joint.hinge {
+            None => SphericalJointBuilder::new()
+                .local_anchor1(on_a)
+                .local_anchor2(on_b)
+                .contacts_enabled(false)
+                .into(),
+            Some(hinge) => RevoluteJointBuilder::new(hinge.axis)
+                .local_anchor1(on_a)
+                .local_anchor2(on_b)
+                .limits(hinge.range)
+                .contacts_enabled(false)
+                .into(),
+        };
         match joints {
             Joints::Impulses => {
-                world.insert_impulse_joint(a, b, ball);
+                world.insert_impulse_joint(a, b, made);
             }
             Joints::Coordinates => {
-                let made = world.insert_multibody_joint(a, b, ball);
+                let made = world.insert_multibody_joint(a, b, made);
                 made.expect("no loops");
             }
         }

@@ -2,7 +2,7 @@
 //! every engine. Nothing here asks an engine for its own opinion.
 
 use crate::engine::State;
-use crate::scene::{Ball, Scene, Truth};
+use crate::scene::{Joint, Scene, Truth};
 use glam::{DMat3, DQuat, DVec3};
 use parry3d_f64::bounding_volume::BoundingVolume;
 use parry3d_f64::math::Pose;
@@ -240,7 +240,7 @@ impl<'s> Meter<'s> {
     }
 
     /// How far the anchors of a joint are apart, m.
-    fn gap_of(&self, joint: &Ball) -> f64 {
+    fn gap_of(&self, joint: &Joint) -> f64 {
         let anchor = |side: usize| {
             let body = &self.last[joint.bodies[side]];
             body.pos + body.rot * joint.anchors[side].as_dvec3()

@@ -1,7 +1,7 @@
 //! Descriptions of scenes that know no engine. Units: metres, kilograms, seconds; y is up.
 
 mod library;
-mod random;
+pub(crate) mod random;
 
 pub(crate) use library::{LIBRARY, build};
 
@@ -30,13 +30,23 @@ pub(crate) struct Body {
     pub(crate) bullet: bool,
 }
 
-/// A ball joint.
+/// A joint: a ball joint, or a hinge.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Ball {
+pub(crate) struct Joint {
     /// Indices into [`Scene::bodies`].
     pub(crate) bodies: [usize; 2],
     /// In the frames of the bodies.
     pub(crate) anchors: [Vec3; 2],
+    pub(crate) hinge: Option<Hinge>,
+}
+
+/// What a hinge turns about, and how far.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Hinge {
+    /// In the frames of both bodies, which are not turned against each other at first.
+    pub(crate) axis: Vec3,
+    /// Least and largest angle of the second body as seen from the first, rad.
+    pub(crate) range: [f32; 2],
 }
 
 /// What the end state is judged against.
@@ -70,7 +80,7 @@ pub(crate) struct Scene {
     pub(crate) shapes: Vec<Shape>,
     pub(crate) bodies: Vec<Body>,
     /// Joined bodies do not collide with each other.
-    pub(crate) joints: Vec<Ball>,
+    pub(crate) joints: Vec<Joint>,
     pub(crate) gravity: Vec3,
     /// One material per scene, so that the engines' different mixing rules agree.
     pub(crate) friction: f32,

@@ -1,0 +1,213 @@
+//! `arena ask`: questions to a scene, by ours and, with the feature `rapier`, by Rapier: rays, moved shapes, nearest points, overlaps.
+//!
+//! The same questions to the same bodies. Kinds of questions in turns, several rounds, the least time of each; how often the answers
+//! differ is told beside it.
+
+mod ours;
+#[cfg(feature = "rapier")]
+mod rapier;
+
+use crate::Error;
+use crate::cli::{self, Arguments};
+use crate::scene::random::Rng;
+use glam::{Quat, Vec3};
+use std::time::Instant;
+
+/// Bodies of a scene: a third each of boxes, hulls of 16 points and balls, at rest anywhere in a cube of which they fill a share.
+pub(super) struct Site {
+    pub(super) bodies: Vec<(Thing, Vec3, Quat)>,
+    /// A terrain of triangles: heights of a grid, with this many in a row, and their distance (m).
+    pub(super) level: Option<(Vec<f32>, usize, f32)>,
+    /// Half of the edge of the cube, m.
+    half: f32,
+}
+
+/// A shape.
+#[derive(Clone)]
+pub(super) enum Thing {
+    Box(Vec3),
+    Hull(Vec<Vec3>),
+    Ball(f32),
+}
+
+/// A question.
+#[derive(Clone, Copy)]
+pub(super) struct Question {
+    pub(super) at: Vec3,
+    pub(super) direction: Vec3,
+    pub(super) turn: Quat,
+}
+
+/// What is asked.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Kind {
+    /// The first hit along a ray, with its normal.
+    Ray,
+    /// The first hit of a moved ball.
+    MovedBall,
+    /// The first hit of a moved box, turned any way.
+    MovedBox,
+    /// The nearest place of a surface.
+    Nearest,
+    /// How many bodies overlap a box.
+    Overlap,
+}
+
+const KINDS: [(Kind, &str); 5] = [
+    (Kind::Ray, "ray"),
+    (Kind::MovedBall, "moved ball"),
+    (Kind::MovedBox, "moved box"),
+    (Kind::Nearest, "nearest"),
+    (Kind::Overlap, "overlap"),
+];
+
+/// m.
+pub(super) const RADIUS: f32 = 0.3;
+pub(super) const EDGES: Vec3 = Vec3::new(0.8, 0.4, 0.6);
+/// How far is asked, m.
+pub(super) const REACH: f32 = 50.0;
+
+/// Who answers.
+pub(super) trait Oracle {
+    /// Distance (m) or number that answers a question; none for no hit.
+    fn answer(&self, kind: Kind, question: &Question) -> Option<f32>;
+}
+
+fn site(count: usize, triangles: usize, rng: &mut Rng) -> Site {
+    // A body in each 8 m3.
+    let half = (count as f32).cbrt();
+    let bodies = (0..count).map(|i| {
+        let thing = match i % 3 {
+            0 => Thing::Box(Vec3::new(
+                rng.range(0.4, 1.0),
+                rng.range(0.4, 1.0),
+                rng.range(0.4, 1.0),
+            )),
+            1 => Thing::Hull((0..16).map(|_| 0.5 * rng.direction()).collect()),
+            _ => Thing::Ball(rng.range(0.2, 0.5)),
+        };
+        let at = Vec3::new(
+            rng.range(-half, half),
+            rng.range(-half, half),
+            rng.range(-half, half),
+        );
+        (thing, at, rng.rotation())
+    });
+    let bodies = bodies.collect();
+    let level = (triangles > 0).then(|| {
+        let columns = ((triangles / 2) as f32).sqrt() as usize + 1;
+        let height = |i: usize| {
+            let (x, z) = ((i % columns) as f32, (i / columns) as f32);
+            (0.11 * x).sin() * (0.07 * z).cos() * 3.0 + (1.3 * x).sin() * (1.1 * z).sin() * 0.2
+        };
+        let heights = (0..columns * columns).map(height).collect();
+        (heights, columns, 0.5)
+    });
+    let half = match &level {
+        Some((_, columns, spacing)) => 0.5 * spacing * (*columns - 1) as f32,
+        None => half,
+    };
+    Site {
+        bodies,
+        level,
+        half,
+    }
+}
+
+fn questions(site: &Site, count: usize, rng: &mut Rng) -> Vec<Question> {
+    let half = site.half;
+    // Over a terrain from a little above it; else from anywhere.
+    let (low, high) = if site.level.is_some() {
+        (2.0, 6.0)
+    } else {
+        (-half, half)
+    };
+    let next = |_| Question {
+        at: Vec3::new(
+            rng.range(-half, half),
+            rng.range(low, high),
+            rng.range(-half, half),
+        ),
+        direction: rng.direction(),
+        turn: rng.rotation(),
+    };
+    (0..count).map(next).collect()
+}
+
+/// Asks all questions of a kind: how long it took for each (s), and the answers.
+fn ask(
+    oracle: &dyn Oracle,
+    kind: Kind,
+    questions: &[Question],
+    answers: &mut Vec<Option<f32>>,
+) -> f64 {
+    answers.clear();
+    let begun = Instant::now();
+    answers.extend(
+        questions
+            .iter()
+            .map(|question| oracle.answer(kind, question)),
+    );
+    begun.elapsed().as_secs_f64() / questions.len() as f64
+}
+
+/// Share of the answers that differ.
+fn differing(a: &[Option<f32>], b: &[Option<f32>]) -> f64 {
+    let is_same = |(a, b): &(&Option<f32>, &Option<f32>)| match (a, b) {
+        (Some(a), Some(b)) => (a - b).abs() <= 1e-3 + 1e-3 * a.abs(),
+        (a, b) => a == b,
+    };
+    let count = a.iter().zip(b).filter(|pair| !is_same(pair)).count();
+    count as f64 / a.len() as f64
+}
+
+/// Runs what the command line says.
+pub(crate) fn run(mut words: Arguments) -> Result<(), Error> {
+    let (mut bodies, mut triangles) = (vec![1000, 10_000, 100_000], vec![500_000]);
+    let (mut count, mut rounds) = (20_000, 5);
+    while let Some(flag) = words.word() {
+        match flag.as_str() {
+            "--bodies" => bodies = words.list(&flag)?,
+            "--triangles" => triangles = words.list(&flag)?,
+            "--questions" => count = words.value(&flag)?,
+            "--repeats" => rounds = words.value(&flag)?,
+            _ => return Err(cli::unknown(&flag)),
+        }
+    }
+    println!(
+        "| scene | question | ours, a second | Rapier, a second | ratio | answers that differ |"
+    );
+    println!("|---|---|---|---|---|---|");
+    let scenes = bodies.iter().map(|&bodies| (bodies, 0));
+    for (bodies, triangles) in scenes.chain(triangles.iter().map(|&triangles| (0, triangles))) {
+        let mut rng = Rng(7);
+        let site = site(bodies, triangles, &mut rng);
+        let questions = questions(&site, count, &mut rng);
+        let mut ours = ours::Ours::new(&site)?;
+        let ours = ours.oracle();
+        #[cfg(feature = "rapier")]
+        let theirs = rapier::Rapier::new(&site)?;
+        let name = match triangles {
+            0 => format!("{bodies} bodies"),
+            _ => format!("level of {triangles} triangles"),
+        };
+        for (kind, question) in KINDS {
+            let mut least = [f64::INFINITY; 2];
+            let mut answers = [Vec::new(), Vec::new()];
+            for _ in 0..rounds {
+                least[0] = least[0].min(ask(&ours, kind, &questions, &mut answers[0]));
+                #[cfg(feature = "rapier")]
+                {
+                    least[1] = least[1].min(ask(&theirs, kind, &questions, &mut answers[1]));
+                }
+            }
+            let [own, other] = least.map(|secs| 1.0 / secs);
+            let (ratio, differ) = (own / other, differing(&answers[0], &answers[1]));
+            println!(
+                "| {name} | {question} | {own:.3e} | {other:.3e} | {ratio:.2} | {:.2} % |",
+                100.0 * differ
+            );
+        }
+    }
+    Ok(())
+}
