@@ -2,7 +2,6 @@
 
 use crate::look::Looks;
 use crate::panel::PointerOnPanel;
-use crate::shapes;
 use crate::swipe::{LEAST_LENGTH, Swipe};
 use bevy::prelude::*;
 use bevy::window::PrimaryWindow;
@@ -30,7 +29,7 @@ struct Ball(u32);
 struct BallShape(ConvexMesh);
 
 pub(crate) fn plugin(app: &mut App) {
-    let shape = shapes::ball(RADIUS).expect("a ball has a volume");
+    let shape = ConvexMesh::sphere(RADIUS).expect("a ball has a volume");
     app.insert_resource(BallShape(shape))
         .add_message::<Throw>()
         .add_systems(Update, (aim, throw).chain());

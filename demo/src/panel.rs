@@ -39,13 +39,15 @@ pub(crate) fn plugin(app: &mut App) {
         .add_systems(Update, (write_figures, color_buttons));
 }
 
-const KEYS: [(KeyCode, &str, Action); 10] = [
+const KEYS: [(KeyCode, &str, Action); 12] = [
     (KeyCode::Digit1, "1", Action::Show(Exhibit::All)),
     (KeyCode::Digit2, "2", Action::Show(Exhibit::Glass)),
     (KeyCode::Digit3, "3", Action::Show(Exhibit::Brick)),
     (KeyCode::Digit4, "4", Action::Show(Exhibit::Wood)),
     (KeyCode::Digit5, "5", Action::Show(Exhibit::Stone)),
     (KeyCode::Digit6, "6", Action::Show(Exhibit::Figurine)),
+    (KeyCode::Digit7, "7", Action::Show(Exhibit::Furniture)),
+    (KeyCode::Digit8, "8", Action::Show(Exhibit::Wrecking)),
     (KeyCode::KeyS, "S", Action::Slow),
     (KeyCode::KeyP, "P", Action::Pause),
     (KeyCode::KeyD, "D", Action::Debug),
@@ -104,6 +106,8 @@ fn build_buttons(mut commands: Commands) {
         bottom: Val::Px(18.0),
         width: Val::Percent(100.0),
         justify_content: JustifyContent::Center,
+        flex_wrap: FlexWrap::Wrap,
+        row_gap: Val::Px(6.0),
         column_gap: Val::Px(6.0),
         ..default()
     };

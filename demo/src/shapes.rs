@@ -27,15 +27,6 @@ pub(crate) fn block(size: Vec3, chamfer: f32) -> Result<ConvexMesh, HullError> {
     Ok(drawn(hull, visual))
 }
 
-/// A ball as a hull of many faces, drawn smooth.
-pub(crate) fn ball(radius: f32) -> Result<ConvexMesh, HullError> {
-    let hull = primitives::icosphere(radius, 2)?;
-    let normals = hull.vertices().iter().map(|p| p.normalize()).collect();
-    let visual = TriMesh::new(hull.vertices().to_vec(), hull.triangles().collect())?;
-    let visual = visual.with_normals(normals)?;
-    Ok(drawn(hull, visual))
-}
-
 /// A convex rock from an uneven ball.
 pub(crate) fn boulder(radius: f32) -> Result<ConvexMesh, HullError> {
     let ball = primitives::icosphere(radius, 2)?;

@@ -2,10 +2,12 @@
 
 mod brick;
 mod figurine;
+mod furniture;
 mod glass;
 mod recipes;
 mod stone;
 mod wood;
+mod wrecking;
 
 use crate::look::{INSIDE, Look, Looks};
 use crate::shapes;
@@ -24,6 +26,8 @@ pub(crate) enum Exhibit {
     Wood,
     Stone,
     Figurine,
+    Furniture,
+    Wrecking,
 }
 
 impl Exhibit {
@@ -35,6 +39,8 @@ impl Exhibit {
             Self::Wood => "Wood",
             Self::Stone => "Stone",
             Self::Figurine => "Figurine",
+            Self::Furniture => "Table",
+            Self::Wrecking => "Chain",
         }
     }
 
@@ -50,6 +56,8 @@ impl Exhibit {
             Self::Wood => wood::put_up(stage, Vec3::ZERO),
             Self::Stone => stone::put_up(stage, Vec3::ZERO),
             Self::Figurine => figurine::put_up(stage, Vec3::ZERO),
+            Self::Furniture => furniture::put_up(stage, Vec3::ZERO),
+            Self::Wrecking => wrecking::put_up(stage, Vec3::ZERO),
         }
     }
 
@@ -67,6 +75,11 @@ impl Exhibit {
             Self::Wood => from(0.5, 3.4),
             Self::Stone => from(0.75, 5.6),
             Self::Figurine => from(0.68, 3.1),
+            Self::Furniture => from(0.45, 3.8),
+            Self::Wrecking => View {
+                yaw: 0.75,
+                ..from(1.3, 7.0)
+            },
         }
     }
 }
@@ -121,7 +134,7 @@ impl Stage<'_, '_, '_> {
     /// A body that breaks by `recipe`, in pieces that show what is inside.
     fn put(
         &mut self,
-        shape: ConvexMesh,
+        shape: impl Bundle,
         at: Transform,
         density: f32,
         recipe: Fracturable,
@@ -140,6 +153,13 @@ impl Stage<'_, '_, '_> {
             look.clone(),
         );
         self.commands.spawn(body).id()
+    }
+
+    /// Something of iron, which does not break.
+    fn hang(&mut self, shape: ConvexMesh, at: Vec3, turn: Quat, density: f32) -> Entity {
+        let at = Transform::from_translation(at).with_rotation(turn);
+        let body = (RigidBody::Dynamic, shape, at, Density(density));
+        self.commands.spawn((body, self.looks.iron.clone())).id()
     }
 
     /// A block that stays where it is.

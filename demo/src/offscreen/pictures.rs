@@ -42,7 +42,7 @@ const PLAIN: Shot = Shot {
     debug: false,
 };
 
-const SHOTS: [Shot; 8] = [
+const SHOTS: [Shot; 10] = [
     Shot {
         name: "playground",
         throws: &[[0.70, 0.42], [0.30, 0.36], [0.38, 0.45]],
@@ -83,6 +83,21 @@ const SHOTS: [Shot; 8] = [
         exhibit: Exhibit::Figurine,
         wait: 24,
         after: 6,
+        ..PLAIN
+    },
+    Shot {
+        name: "table",
+        exhibit: Exhibit::Furniture,
+        wait: 30,
+        throws: &[[0.47, 0.42]],
+        after: 26,
+        panel: true,
+        ..PLAIN
+    },
+    Shot {
+        name: "chain",
+        exhibit: Exhibit::Wrecking,
+        after: 62,
         ..PLAIN
     },
     Shot {
