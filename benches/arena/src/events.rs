@@ -107,8 +107,8 @@ mod theirs {
             world.insert_collider(collider, Some(handle));
         }
         let (send, heard) = mpsc::channel();
-        let (forces, _) = mpsc::channel();
-        let handler = ChannelEventCollector::new(send, forces);
+        let ((forces, _), (tears, _)) = (mpsc::channel(), mpsc::channel());
+        let handler = ChannelEventCollector::new(send, forces, tears);
         Ok(Heard {
             world,
             heard,

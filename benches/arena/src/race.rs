@@ -30,7 +30,7 @@ impl World for rapier3d::prelude::PhysicsWorld {
 }
 
 /// Times of steps of both from one step to another, ms: the median of each span.
-pub(crate) fn race(mut worlds: [&mut dyn World; 2], spans: &[[usize; 2]]) -> Vec<[f64; 2]> {
+pub(crate) fn race(worlds: [&mut dyn World; 2], spans: &[[usize; 2]]) -> Vec<[f64; 2]> {
     let end = spans.iter().map(|[_, end]| *end).max();
     let mut times = [Vec::new(), Vec::new()];
     for step in 0..end.unwrap_or_default() {

@@ -4,7 +4,10 @@ use super::{Stage, brick};
 use bevy::prelude::*;
 use bevy_cleave::prelude::*;
 
-/// Where the chain hangs, m.
+/// The middle of the beam, m, and its thickness.
+const BEAM: Vec3 = Vec3::new(0.0, 3.0, 0.0);
+const BAR: f32 = 0.12;
+/// Where the chain hangs, clear of the beam, m.
 const HOOK: Vec3 = Vec3::new(0.0, 2.9, 0.0);
 /// Of a link, m.
 const LENGTH: f32 = 0.22;
@@ -19,10 +22,11 @@ const PULLED: f32 = 1.25;
 
 pub(super) fn put_up(stage: &mut Stage, at: Vec3) -> Result {
     let frame = stage.looks.frame.clone();
-    stage.fix(Vec3::new(3.2, 0.12, 0.12), at + HOOK, &frame)?;
+    stage.fix(Vec3::new(3.2, BAR, BAR), at + BEAM, &frame)?;
+    let height = BEAM.y - 0.5 * BAR;
     for side in [-1.5, 1.5] {
-        let post = at + Vec3::new(side, 0.5 * HOOK.y, 0.0);
-        stage.fix(Vec3::new(0.12, HOOK.y - 0.12, 0.12), post, &frame)?;
+        let post = at + Vec3::new(side, 0.5 * height, 0.0);
+        stage.fix(Vec3::new(BAR, height, BAR), post, &frame)?;
     }
     brick::put_up(stage, at)?;
 

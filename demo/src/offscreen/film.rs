@@ -1,4 +1,4 @@
-//! A short film as GIF: a pane shatters in slow motion, a wall falls, a figurine is sliced.
+//! A short film as GIF: a pane shatters in slow motion, a figurine is sliced, a wall falls, and another one under a ball on a chain.
 
 use super::Offscreen;
 use crate::exhibits::Exhibit;
@@ -25,7 +25,7 @@ enum Cue {
     Run(u32),
 }
 
-const SCRIPT: [Cue; 23] = [
+const SCRIPT: [Cue; 25] = [
     Cue::Show(Exhibit::Glass),
     Cue::Run(4),
     Cue::Throw([0.56, 0.42]),
@@ -49,6 +49,8 @@ const SCRIPT: [Cue; 23] = [
     Cue::Run(2),
     Cue::Throw([0.50, 0.32]),
     Cue::Run(26),
+    Cue::Show(Exhibit::Wrecking),
+    Cue::Run(44),
 ];
 
 /// Films the script into `file`.
