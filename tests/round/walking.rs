@@ -126,7 +126,7 @@ fn a_shape_of_parts_walks_as_its_outline_does() {
             0.0, 0.1, 0.2, 0.1, -0.1, -0.2, -0.2, 0.0, 0.1, 0.2, 0.1, 0.0,
         ];
         let wall = cuboid(Vec3::new(0.5, 3.0, 4.0), Vec3::new(9.0, 1.0, 0.0));
-        let step = cuboid(Vec3::new(1.0, 0.2, 4.0), Vec3::new(6.0, 0.1, 0.0));
+        let step = cuboid(Vec3::new(1.0, 0.2, 4.0), Vec3::new(6.0, -0.15, 0.0));
         vec![strip(&heights), wall, step]
     };
     let run = |shape: QueryShape| {
