@@ -190,7 +190,7 @@ pub mod testing {
         pub use crate::solver::rows::contact_rows::{PointRows, Row, RowBody};
         pub use crate::solver::rows::mlcp::DenseMlcp;
         pub use crate::solver::rows::residual::{ResidualSum, Solved};
-        pub use crate::solver::rows::soft_step::{Bias, Softness};
+        pub use crate::solver::rows::soft_step::{Bias, RowSoftness, Softness};
     }
     pub mod simd {
         pub use crate::simd::dispatch::run;

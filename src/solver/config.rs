@@ -72,8 +72,10 @@ pub struct SoftStep {
     pub relax_sweeps: u32,
     /// Natural frequency of soft contacts as a share of the sub-step rate.
     pub contact_frequency: f32,
-    /// Damping ratio of soft contacts.
-    pub damping_ratio: f32,
+    /// Damping ratio of soft contacts; `None` for 10 with a [`tolerance`](Self::tolerance), which lets towers stop swaying sooner,
+    /// and 1.5 where the number of sweeps is fixed: impulses that so few sweeps leave swing against the velocities, and more
+    /// damping drives them (`docs/decisions/soft_step.md`).
+    pub damping_ratio: Option<f32>,
     /// Largest velocity change, m/s, that a sweep may still make to bodies of 1 m when the sweeps of a sub-step end; for other
     /// sizes it grows with the square root of the least extent, as speeds under gravity do. Where bodies move, a hundredth of the
     /// fastest one's speed is enough. Each island goes on until it is met, or [`max_sweeps`](Self::max_sweeps) or
@@ -269,7 +271,16 @@ impl SoftStep {
     fn is_usable(&self) -> bool {
         self.min_substeps > 0
             && is_tolerance(self.tolerance)
-            && are_usable(&[self.sag, self.contact_frequency, self.damping_ratio])
+            && are_usable(&[self.sag, self.contact_frequency, self.damping_ratio()])
+    }
+
+    /// Damping ratio of soft contacts.
+    pub(crate) fn damping_ratio(&self) -> f32 {
+        let default = match self.tolerance {
+            Some(_) => 10.0,
+            None => 1.5,
+        };
+        self.damping_ratio.unwrap_or(default)
     }
 }
 
@@ -283,7 +294,7 @@ impl Default for SoftStep {
             sweeps: 1,
             relax_sweeps: 1,
             contact_frequency: 0.2,
-            damping_ratio: 10.0,
+            damping_ratio: None,
             tolerance: Some(1e-3),
             max_sweeps: 32,
             max_extra_updates: 30_000,

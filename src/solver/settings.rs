@@ -4,7 +4,8 @@ use crate::simd::lanes::LaneWidth;
 use crate::solver::adaptivity::IslandRequirements;
 use crate::solver::config::{FrictionModel, Method, Pgs, SoftStep, SolverConfig};
 use crate::solver::graph::contact_order::ContactOrder;
-use crate::solver::rows::soft_step::{Bias, Softness};
+use crate::solver::rows::soft_step::{Bias, RowSoftness, Softness};
+use crate::solver::wide::bond::{BOND_DAMPING, BOND_RATE};
 use glam::Vec3;
 
 /// Which of the [`Method`]s solves, without its settings.
@@ -52,7 +53,7 @@ pub struct SubstepSettings {
     pub relax_sweeps: u32,
     /// See [`SoftStep::contact_frequency`].
     pub contact_frequency: f32,
-    /// See [`SoftStep::damping_ratio`].
+    /// Damping ratio of soft contacts: the field of [`SoftStep`] or what it stands for.
     pub damping_ratio: f32,
     /// See [`Pgs::baumgarte`].
     pub baumgarte: f32,
@@ -115,7 +116,7 @@ impl SubstepSettings {
             sweeps: soft_step.sweeps,
             relax_sweeps: soft_step.relax_sweeps,
             contact_frequency: soft_step.contact_frequency,
-            damping_ratio: soft_step.damping_ratio,
+            damping_ratio: soft_step.damping_ratio(),
             baumgarte: 0.0,
             slop: 0.0,
             push_out_speed: 0.0,
@@ -191,24 +192,30 @@ impl SubstepSettings {
     }
 
     /// Compliance of the rows.
-    pub fn softness(&self) -> Softness {
-        match self.method {
-            MethodKind::SoftStep => {
-                Softness::new(self.contact_frequency, self.damping_ratio, self.substep_dt)
-            }
-            _ => Softness::HARD,
+    pub fn softness(&self) -> RowSoftness {
+        if self.method != MethodKind::SoftStep {
+            return RowSoftness::HARD;
+        }
+        let of = |ratio| Softness::new(self.contact_frequency, ratio, self.substep_dt);
+        RowSoftness {
+            contacts: of(self.damping_ratio),
+            bonds: of(BOND_DAMPING),
         }
     }
 
     /// How overlap is pushed out.
     pub fn bias(&self) -> Bias {
-        let bias_rate = match self.method {
-            MethodKind::SoftStep => self.softness().bias_rate,
-            _ => self.baumgarte / self.substep_dt,
+        let rates = match self.method {
+            MethodKind::SoftStep => {
+                let RowSoftness { contacts, bonds } = self.softness();
+                [contacts.bias_rate, bonds.bias_rate]
+            }
+            _ => [self.baumgarte / self.substep_dt; 2],
         };
         Bias {
             substep_dt: self.substep_dt,
-            bias_rate,
+            bias_rate: rates[0],
+            bond_rate: BOND_RATE * rates[1],
             max_bias_velocity: self.push_out_speed,
         }
     }

@@ -58,9 +58,7 @@ impl PairRun {
             return false;
         }
         let mut view = self.known.view(index, scene.pair(pair), scene.paces(pair));
-        let [a, b] = view.bodies;
-        let approach = (b.travel - a.travel).length() + a.turning + b.turning;
-        let margin = scene.margin(view.paces, approach);
+        let margin = scene.margin_of(&view);
         let is_slow = view.paces[0].ahead + view.paces[1].ahead <= min_approach(view.paces);
         let may_hold = is_slow || view.term.points == 0;
         if may_hold && view.verdict(margin, scene.fall, scene.widest(margin)) == Recycle::Holds {

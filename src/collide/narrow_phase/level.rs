@@ -21,8 +21,7 @@ impl PairRun {
         };
         let mut view = self.known.view(index, scene.pair(pair), scene.paces(pair));
         let [a, b] = view.bodies;
-        let approach = (b.travel - a.travel).length() + a.turning + b.turning;
-        let margin = scene.margin(view.paces, approach);
+        let margin = scene.margin_of(&view);
         let ahead = view.paces[0].ahead + view.paces[1].ahead;
         let (is_slow, fall) = (ahead <= min_approach(view.paces), scene.fall);
         if is_slow && view.verdict(margin, fall, scene.widest(margin)) == Recycle::Holds {

@@ -32,6 +32,10 @@ use std::ops::Range;
 /// there: some times the sag of a soft contact.
 pub(super) const OVERLAP: f32 = 3e-4;
 
+/// Bodies that move together meet if one of them is stopped within the step. They have a contact then if the gap between them is
+/// less than this share of the smaller one's least extent.
+const STOPPED: f32 = 0.1;
+
 /// How many times as far as it must be a contact may have been looked for that is kept for a local step: a look costs a test, and each
 /// point that is too far away to matter costs in all sweeps.
 const WIDE: f32 = 3.0;
@@ -95,6 +99,15 @@ impl Scene<'_> {
             reach,
             margin: CONTACT_MARGIN * extent + self.fall,
         })
+    }
+
+    /// Up to which gap the bodies of a pair may touch within the step by how they move, m.
+    pub(super) fn margin_of(&self, view: &PairView) -> f32 {
+        let [a, b] = view.bodies;
+        let fastest = a.travel.length().max(b.travel.length());
+        let stopped = fastest.min(STOPPED * smaller_extent(view.paces));
+        let approach = (b.travel - a.travel).length().max(stopped);
+        self.margin(view.paces, approach + a.turning + b.turning)
     }
 
     /// Bodies farther apart than this, m, cannot touch within the step, if they approach by no more than `approach`.
@@ -241,9 +254,7 @@ impl PairRun {
             return;
         }
         let mut view = self.known.view(index, scene.pair(pair), scene.paces(pair));
-        let [a, b] = view.bodies;
-        let approach = (b.travel - a.travel).length() + a.turning + b.turning;
-        let margin = scene.margin(view.paces, approach);
+        let margin = scene.margin_of(&view);
         let Recycle::Unknown(axis) = view.verdict(margin, scene.fall, scene.widest(margin)) else {
             return;
         };

@@ -27,9 +27,7 @@ impl PairRun {
             return false;
         }
         let mut view = self.known.view(index, scene.pair(pair), scene.paces(pair));
-        let [a, b] = view.bodies;
-        let approach = (b.travel - a.travel).length() + a.turning + b.turning;
-        let margin = scene.margin(view.paces, approach);
+        let margin = scene.margin_of(&view);
         let Recycle::Unknown(axis) = view.verdict(margin, scene.fall, scene.widest(margin)) else {
             return true;
         };

@@ -7,7 +7,7 @@ use crate::solver::exact;
 use crate::solver::exact::ExactScratch;
 use crate::solver::rows::contact_rows::PointRows;
 use crate::solver::rows::soft_step;
-use crate::solver::rows::soft_step::Softness;
+use crate::solver::rows::soft_step::RowSoftness;
 use crate::solver::wide::pass::Pass;
 use glam::Mat3;
 
@@ -66,7 +66,7 @@ impl Batch {
             .velocities
             .copy_from_slice(&self.scratch.exact.free);
         self.pass(Pass::Warm, None);
-        let softness = Softness::HARD;
+        let softness = RowSoftness::HARD;
         for _ in 0..UNCERTIFIED_SWEEPS {
             let measure = false;
             self.pass(Pass::Solve { softness, measure }, None);

@@ -4,7 +4,7 @@ use crate::bodies::solver_body::SolverBody;
 use crate::solver::batch::layout::Layout;
 use crate::solver::batch::subdomain_slices::{each_part, parts_of_blocks};
 use crate::solver::batch::{Batch, BatchScratch};
-use crate::solver::rows::soft_step::{Bias, Softness};
+use crate::solver::rows::soft_step::{Bias, RowSoftness};
 use crate::solver::wide::pass::Pass;
 use crate::threads::parts::front_mut;
 use crate::threads::team::Team;
@@ -13,12 +13,12 @@ use crate::threads::team::Team;
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum SweepKind {
     /// With position bias.
-    Solve(Softness),
+    Solve(RowSoftness),
     /// The same, where target velocities are to be set on the way.
     SolveFrom {
         bias: Bias,
         is_first: bool,
-        softness: Softness,
+        softness: RowSoftness,
     },
     /// Without.
     Relax,

@@ -54,6 +54,23 @@ impl Softness {
     }
 }
 
+/// The softness of each kind of rows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RowSoftness {
+    /// Of contacts.
+    pub contacts: Softness,
+    /// Of bonds.
+    pub bonds: Softness,
+}
+
+impl RowSoftness {
+    /// No compliance.
+    pub const HARD: Self = Self {
+        contacts: Softness::HARD,
+        bonds: Softness::HARD,
+    };
+}
+
 /// The normal velocity that a point should have after the bodies have moved, m/s. A `rebound` that is not positive is added to the
 /// least that it may have.
 pub(crate) fn relaxed_velocity(rebound: f32, impulse: f32, target_velocity: f32) -> f32 {
@@ -74,6 +91,8 @@ pub struct Bias {
     pub substep_dt: f32,
     /// Share of the overlap that is pushed out per second, 1/s.
     pub bias_rate: f32,
+    /// Share of its displacement by which a bonded point goes back per second, 1/s.
+    pub bond_rate: f32,
     /// Fastest speed at which that happens, m/s.
     pub max_bias_velocity: f32,
 }

@@ -8,7 +8,7 @@ use crate::simd::vec3::V3;
 use crate::solver::rows::soft_step::Bias;
 use crate::solver::wide::block::{Block, Point, load_anchors};
 use crate::solver::wide::body_pair::{BodyPair, Frame, Masses, load_three};
-use crate::solver::wide::bond::{BondConstraint, RATE};
+use crate::solver::wide::bond::BondConstraint;
 use crate::solver::wide::contacts::ContactBlocks;
 use crate::tuning::FAR_BODIES;
 use std::cell::Cell;
@@ -130,7 +130,7 @@ fn bond_targets<L: Lanes>(
 ) {
     let moved = BodyPair::<L>::gather(displacements, block);
     let frame = Frame::<L>::load(block);
-    let (zero, rate) = (L::splat(0.0), L::splat(RATE * bias.bias_rate));
+    let (zero, rate) = (L::splat(0.0), L::splat(bias.bond_rate));
     let (most, least) = (
         L::splat(bias.max_bias_velocity),
         L::splat(-bias.max_bias_velocity),

@@ -26,9 +26,12 @@ use crate::solver::graph::indices::ManifoldIndex;
 use crate::solver::wide::block::{Block, Point, vector};
 use glam::{Vec2, Vec3};
 
-/// Rate at which bonded points go back to their places, as a share of that at which overlap is pushed out. At the full
+/// Rate at which bonded points go back to their places, as a share of that of soft rows. At the full
 /// rate walls of bricks never come to rest: after 10 s one of 64 bricks moves at 2 mm/s, with half of it at 1 um/s.
-pub(crate) const RATE: f32 = 0.5;
+pub(crate) const BOND_RATE: f32 = 0.5;
+
+/// Damping ratio of bonds. With 3 a beam that a blow breaks gains 15 % of its energy.
+pub(crate) const BOND_DAMPING: f32 = 10.0;
 
 /// Share of its bound from which an impulse counts as being at it.
 const AT_BOUND: f32 = 0.999;

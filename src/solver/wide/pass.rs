@@ -2,7 +2,7 @@
 
 use crate::simd::dispatch::run;
 use crate::simd::lanes::F8;
-use crate::solver::rows::soft_step::{Bias, Softness};
+use crate::solver::rows::soft_step::{Bias, RowSoftness};
 use crate::solver::wide::bias::{UpdateBias, Warm};
 use crate::solver::wide::bond::BondConstraint;
 use crate::solver::wide::contacts::ContactBlocks;
@@ -26,7 +26,7 @@ pub enum Pass {
     /// in units of its [speed scale](crate::solver::rows::contact_rows::PointRows::speed_scale), else 0.
     Solve {
         /// Compliance.
-        softness: Softness,
+        softness: RowSoftness,
         /// Whether to measure.
         measure: bool,
     },
@@ -38,7 +38,7 @@ pub enum Pass {
         /// Whether the step begins.
         is_first: bool,
         /// Compliance.
-        softness: Softness,
+        softness: RowSoftness,
         /// Whether to measure.
         measure: bool,
     },

@@ -9,7 +9,7 @@ use crate::simd::lanes::{F8, Kernel, Lanes};
 use crate::simd::prefetch::prefetch;
 use crate::solver::config::FrictionModel;
 use crate::solver::rows::soft_step::Bias;
-use crate::solver::rows::soft_step::Softness;
+use crate::solver::rows::soft_step::{RowSoftness, Softness};
 use crate::solver::wide::bias::BiasTargets;
 use crate::solver::wide::block::{Point, load_anchors};
 use crate::solver::wide::body_pair::{BodyPair, Frame, Masses, load_three, project, store_three};
@@ -186,16 +186,32 @@ trait PointUpdate<L> {
 
 /// With position bias, friction before the normal.
 struct SolveWithBias<L> {
+    contacts: SoftRow<L>,
+    bonds: SoftRow<L>,
+}
+
+/// What a soft row makes of its impulse.
+struct SoftRow<L> {
     mass_scale: L,
     keep: L,
 }
 
-impl<L: Lanes> SolveWithBias<L> {
+impl<L: Lanes> SoftRow<L> {
     #[inline(always)]
     fn new(softness: Softness) -> Self {
         Self {
             mass_scale: L::splat(softness.mass_scale),
             keep: L::splat(1.0 - softness.impulse_scale),
+        }
+    }
+}
+
+impl<L: Lanes> SolveWithBias<L> {
+    #[inline(always)]
+    fn new(softness: RowSoftness) -> Self {
+        Self {
+            contacts: SoftRow::new(softness.contacts),
+            bonds: SoftRow::new(softness.bonds),
         }
     }
 
@@ -209,7 +225,7 @@ impl<L: Lanes> SolveWithBias<L> {
         let mass = L::load(&state.point.tangent_mass);
         let back = |k: usize| {
             let correction = (state.velocity[k + 1] - state.bounds.target_velocity[k]) * mass;
-            self.keep * state.impulse[k + 1] - self.mass_scale * correction
+            self.bonds.keep * state.impulse[k + 1] - self.bonds.mass_scale * correction
         };
         [
             state.bounds.if_bonded(back(0), stopping[0]),
@@ -227,8 +243,11 @@ impl<L: Lanes> PointUpdate<L> for SolveWithBias<L> {
         let mass = L::load(&state.point.normal_mass);
         // A gap is to be closed at a negative velocity; only what overlaps gives way, or what is bonded.
         let overlaps = state.bounds.if_bonded(one, target_velocity);
-        let scale = overlaps.if_above(below_zero, self.mass_scale, one);
-        let keep = overlaps.if_above(below_zero, self.keep, one);
+        let of_row = |contacts, bonds| state.bounds.if_bonded(bonds, contacts);
+        let mass_scale = of_row(self.contacts.mass_scale, self.bonds.mass_scale);
+        let keep = of_row(self.contacts.keep, self.bonds.keep);
+        let scale = overlaps.if_above(below_zero, mass_scale, one);
+        let keep = overlaps.if_above(below_zero, keep, one);
         let per_speed = scale * mass;
         let alone = keep * state.impulse[0] - (state.velocity[0] - target_velocity) * per_speed;
         let [from_t1, from_t2] = load_coupling(state.point, per_speed);
@@ -264,7 +283,7 @@ impl<L: Lanes> PointUpdate<L> for RelaxPoint {
 
 pub(crate) struct SolveKernel<'a, 'c, const BONDED: bool>(
     pub(crate) Sweep<'a, 'c, BONDED>,
-    pub(crate) Softness,
+    pub(crate) RowSoftness,
 );
 
 impl<const BONDED: bool> Kernel for SolveKernel<'_, '_, BONDED> {
@@ -278,7 +297,7 @@ impl<const BONDED: bool> Kernel for SolveKernel<'_, '_, BONDED> {
 
 pub(crate) struct SolveFirstKernel<'a, 'c> {
     pub(crate) sweep: Sweep<'a, 'c, false>,
-    pub(crate) softness: Softness,
+    pub(crate) softness: RowSoftness,
     pub(crate) bias: Bias,
     pub(crate) is_first: bool,
 }

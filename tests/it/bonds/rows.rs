@@ -6,7 +6,7 @@ use bevy_cleave::solver::FrictionModel;
 use bevy_cleave::testing::bodies::{BodyMass, SolverBody};
 use bevy_cleave::testing::math::tangents;
 use bevy_cleave::testing::pgs;
-use bevy_cleave::testing::rows::{PointRows, Softness};
+use bevy_cleave::testing::rows::{PointRows, RowSoftness};
 use bevy_cleave::testing::simd::{F8, LaneWidth, WIDTH};
 use bevy_cleave::testing::wide::{Block, BondConstraint, ContactBlocks, Pass, Point, Source, fill};
 use glam::Vec3;
@@ -114,7 +114,7 @@ impl Scene {
             is_far: false,
         };
         let pass = Pass::Solve {
-            softness: Softness::HARD,
+            softness: RowSoftness::HARD,
             measure: false,
         };
         contacts.pass_bonded(pass, &mut [], &mut self.bond_constraints);
@@ -176,7 +176,7 @@ fn lanes_without_a_bond_get_the_bits_that_they_get_among_contacts() {
             is_far: false,
         };
         let pass = Pass::Solve {
-            softness: Softness::HARD,
+            softness: RowSoftness::HARD,
             measure: false,
         };
         contacts.pass(pass, &mut []);

@@ -37,4 +37,5 @@ mod shards;
 mod sizes;
 mod slivers;
 mod spinning;
+mod spinning_top;
 mod warm_start;

@@ -8,7 +8,7 @@ use bevy_cleave::testing::bodies::{BodyMass, SolverBody};
 use bevy_cleave::testing::graph::{LaneSlot, OrderedPacking, Packer};
 use bevy_cleave::testing::math::tangents;
 use bevy_cleave::testing::pgs;
-use bevy_cleave::testing::rows::{Bias, PointRows, RowBody, Softness};
+use bevy_cleave::testing::rows::{Bias, PointRows, RowBody, RowSoftness, Softness};
 use bevy_cleave::testing::simd::{F8, LaneWidth};
 use bevy_cleave::testing::wide::{Block, ContactBlocks, Pass, Point, Source, fill};
 use glam::Mat3;
@@ -22,7 +22,7 @@ const SLOP: f32 = 0.01;
 
 /// A sweep over rows without compliance.
 const HARD: Pass = Pass::Solve {
-    softness: Softness::HARD,
+    softness: RowSoftness::HARD,
     measure: false,
 };
 
@@ -30,6 +30,7 @@ const HARD: Pass = Pass::Solve {
 const FEEDBACK: Bias = Bias {
     substep_dt: 1.0 / 480.0,
     bias_rate: 30.0,
+    bond_rate: 15.0,
     max_bias_velocity: 3.0,
 };
 
@@ -223,11 +224,13 @@ impl Blocks {
 
     /// All that a sub-step does, in bits; targets are set by the is_first sweep, or by a pass of their own.
     fn bits_after_all_loops(&mut self, targets: Targets) -> Vec<u32> {
-        let softness = Softness {
+        let contacts = Softness {
             bias_rate: 30.0,
             mass_scale: 0.9,
             impulse_scale: 0.1,
         };
+        let bonds = Softness::HARD;
+        let softness = RowSoftness { contacts, bonds };
         let mut displacements: Vec<_> = self.bodies.iter().map(|body| scaled(body, 1e-2)).collect();
         let mut last = vec![[F8::default(); 3]; self.points.len()];
         let (bias, measure, weight) = (FEEDBACK, true, 0.5);
