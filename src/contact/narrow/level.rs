@@ -25,6 +25,10 @@ use glam::{Mat3, Vec3};
 /// Share of the hull's diagonal by which it may be below a triangle without it being asked from where it came.
 pub(in crate::contact::narrow) const SHALLOW: f32 = 1e-3;
 
+/// How far a hull may come nearer to a triangle within the step without being followed to it, as a share of its diagonal: contacts
+/// reach farther.
+const GRAZING: f32 = 1e-4;
+
 /// How often a hull is followed to what it touches within a step.
 const MAX_STOPS: usize = 4;
 
@@ -59,6 +63,21 @@ pub(in crate::contact::narrow) struct Ground {
 impl Ground {
     pub(in crate::contact::narrow) fn height(&self, at: Vec3) -> f32 {
         self.normal.dot(at - self.corners[0])
+    }
+
+    /// Whether a place is over the triangle.
+    pub(in crate::contact::narrow) fn is_over(&self, at: Vec3) -> bool {
+        (0..3).all(|edge| {
+            let (from, outward) = self.border(edge);
+            outward.dot(at - from) <= 0.0
+        })
+    }
+
+    /// Whether no shape touches the border in a direction of its own: what lies beyond each edge goes on or rises, so that where
+    /// something touches an edge or a corner from outside, another triangle there has an edge that falls away.
+    pub(in crate::contact::narrow) fn has_no_rim(&self) -> bool {
+        let goes_on = |kind: &EdgeKind| matches!(kind, EdgeKind::Flat | EdgeKind::Concave);
+        self.edges.iter().all(goes_on)
     }
 
     /// A corner on an edge, and the unit vector out of the triangle there.
@@ -178,19 +197,33 @@ impl LevelPair<'_> {
         let core = round.map_or_else(|| Core::of_hull(self.shape.hull()), |round| round.core());
         let hull = PlacedCore::new(core, &Pose::new(shift, self.hull_in_mesh.rotation));
         let mut first = None;
+        let (radius, size) = (
+            round.map_or(0.0, |round| round.radius),
+            self.shape.aabb().diagonal(),
+        );
         let mut cast = CoreCast {
             direction: (way / length).as_dvec3(),
             length: f64::from(length),
-            radius: f64::from(round.map_or(0.0, |round| round.radius)),
-            touch: f64::from(TOUCH * self.shape.aabb().diagonal()),
+            radius: f64::from(radius),
+            touch: f64::from(TOUCH * size),
         };
         for &leaf in ahead {
             let triangle = &self.mesh.triangles()[leaf as usize];
             let Some(ground) = self.ground(triangle) else {
                 continue;
             };
-            if ground.normal.dot(way) >= 0.0 {
+            let rate = -ground.normal.dot(way);
+            if rate <= GRAZING * size {
                 continue;
+            }
+            // What does not get down to the plane does not get to the triangle; what is on it already gets no farther.
+            let foot = hull.support(-ground.normal.as_dvec3()).as_vec3();
+            let height = ground.height(foot) - radius;
+            if height > rate + TOUCH * size {
+                continue;
+            }
+            if height <= TOUCH * size && ground.is_over(foot) {
+                return Some((0.0, ground.normal));
             }
             let core = Core::of_triangle(triangle.corners.map(|corner| corner - place));
             if let Some(touch) = cast.first_touch(&core, &hull) {

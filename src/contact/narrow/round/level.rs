@@ -55,7 +55,7 @@ impl LevelPair<'_> {
             }
         }
         for at in 0..scratch.near.len() {
-            if let Some(ground) = grounds(at, scratch) {
+            if let Some(ground) = grounds(at, scratch).filter(|ground| !ground.has_no_rim()) {
                 self.add_border(&ground, &placed, scratch, round);
             }
         }
@@ -251,11 +251,7 @@ fn keep_over(ground: &Ground, round: &mut RoundScratch) {
     round.outline.clear();
     round.outline.extend(ground.corners);
     if let [place] = round.places.as_slice() {
-        let is_over = (0..3).all(|edge| {
-            let (from, outward) = ground.border(edge);
-            outward.dot(place.at - from) <= 0.0
-        });
-        if !is_over {
+        if !ground.is_over(place.at) {
             round.places.clear();
         }
     } else {
