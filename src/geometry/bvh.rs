@@ -30,6 +30,22 @@ pub(crate) fn tree_of(boxes: &[obvhs::aabb::Aabb], search: PlocSearchDistance) -
     PlocBuilder::with_capacity(boxes.len()).build(search, boxes, indices, SortPrecision::U64, 0)
 }
 
+/// The same with `names` in place of the boxes' numbers, to which more can be added. A leaf holds one box.
+pub(crate) fn tree_of_named(boxes: &[obvhs::aabb::Aabb], names: Vec<u32>) -> Bvh2 {
+    let mut tree = tree_of(boxes, PlocSearchDistance::Low);
+    // By itself it takes names to be numbers without gaps.
+    let largest = names.iter().max().map_or(0, |&name| name as usize + 1);
+    tree.primitives_to_nodes = vec![u32::MAX; largest];
+    tree.primitive_indices = names;
+    for (number, node) in (0..).zip(&tree.nodes) {
+        if node.is_leaf() {
+            let name = tree.primitive_indices[node.first_index as usize];
+            tree.primitives_to_nodes[name as usize] = number;
+        }
+    }
+    tree
+}
+
 fn corners(node: &Bvh2Node) -> Aabb {
     let b = node.aabb();
     Aabb {

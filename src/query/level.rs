@@ -11,10 +11,13 @@ use crate::geometry::bvh::{RayWalk, along_ray, around, within};
 use crate::geometry::distance::{Separation, distance};
 use crate::geometry::static_mesh::{LevelTriangle, StaticMesh};
 use crate::geometry::support::{Core, PlacedCore};
-use crate::math::{Aabb, Pose};
+use crate::math::Aabb;
 use crate::query::hull::cast_against_core;
 use crate::query::local::{LocalCast, LocalHit, LocalRay};
-use glam::{DVec3, Quat, Vec3};
+use glam::{DVec3, Vec3};
+
+/// Rounding of corners and normals, as a share of lengths.
+const ROUNDING: f64 = 1e-6;
 
 /// Where a ray hits a triangle, and whether from the front.
 fn pierce(triangle: &LevelTriangle, ray: &LocalRay) -> Option<(f32, bool)> {
@@ -94,6 +97,9 @@ pub(crate) fn cast_shape(mesh: &StaticMesh, cast: &LocalCast) -> Option<LocalHit
         if is_behind && !mesh.is_two_sided() {
             return end;
         }
+        if stays_off(triangle, is_behind, cast, end) {
+            return end;
+        }
         let Some(hit) = cast_against_core(&core_of(triangle), &LocalCast { end, ..*cast }) else {
             return end;
         };
@@ -102,6 +108,58 @@ pub(crate) fn cast_shape(mesh: &StaticMesh, cast: &LocalCast) -> Option<LocalHit
         end.min(hit.distance)
     });
     best
+}
+
+/// Whether a moved shape stays on its side of a triangle's plane up to `end` (m), and off it.
+fn stays_off(triangle: &LevelTriangle, is_behind: bool, cast: &LocalCast, end: f32) -> bool {
+    let normal = triangle.plane.normal.as_dvec3();
+    let up = if is_behind { -normal } else { normal };
+    let lowest = cast.core.support(-up) - triangle.corners[0].as_dvec3();
+    let gap = up.dot(lowest) - f64::from(cast.radius);
+    let sinks = (-up.dot(cast.direction.as_dvec3())).max(0.0);
+    let way = if sinks > 0.0 {
+        sinks * f64::from(end)
+    } else {
+        0.0
+    };
+    // Corners and normals are rounded.
+    let slack = f64::from(2.0 * cast.touch) + ROUNDING * lowest.length();
+    gap > way + slack
+}
+
+/// The point of a triangle that is nearest to a point.
+///
+/// C. Ericson, "Real-Time Collision Detection" (2005), section 5.1.5: by the region of the triangle's plane that the point is over.
+fn nearest_on([a, b, c]: [DVec3; 3], point: DVec3) -> DVec3 {
+    let (ab, ac, ap) = (b - a, c - a, point - a);
+    let [d1, d2] = [ab.dot(ap), ac.dot(ap)];
+    if d1 <= 0.0 && d2 <= 0.0 {
+        return a;
+    }
+    let bp = point - b;
+    let [d3, d4] = [ab.dot(bp), ac.dot(bp)];
+    if d3 >= 0.0 && d4 <= d3 {
+        return b;
+    }
+    let vc = d1 * d4 - d3 * d2;
+    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+        return a + d1 / (d1 - d3) * ab;
+    }
+    let cp = point - c;
+    let [d5, d6] = [ab.dot(cp), ac.dot(cp)];
+    if d6 >= 0.0 && d5 <= d6 {
+        return c;
+    }
+    let vb = d5 * d2 - d1 * d6;
+    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+        return a + d2 / (d2 - d6) * ac;
+    }
+    let va = d3 * d6 - d5 * d4;
+    let (past_b, past_c) = (d4 - d3, d5 - d6);
+    if va <= 0.0 && past_b >= 0.0 && past_c >= 0.0 {
+        return b + past_b / (past_b + past_c) * (c - b);
+    }
+    a + (vb * ab + vc * ac) / (va + vb + vc)
 }
 
 pub(crate) fn overlaps(mesh: &StaticMesh, core: &PlacedCore, radius: f32) -> bool {
@@ -120,20 +178,19 @@ pub(crate) fn overlaps(mesh: &StaticMesh, core: &PlacedCore, radius: f32) -> boo
 
 /// The point of the surface that is nearest to a point, if it is within `limit` (m).
 pub(crate) fn closest(mesh: &StaticMesh, point: Vec3, limit: f32) -> Option<LocalHit> {
-    let there = Pose::new(point, Quat::IDENTITY);
-    let there = PlacedCore::new(Core::of_point(Vec3::ZERO), &there);
+    let there = point.as_dvec3();
     let mut best: Option<LocalHit> = None;
     around(mesh.tree(), point, limit, |leaf, limit| {
         let triangle = &mesh.triangles()[leaf as usize];
-        let (at, normal, away) = match distance(&core_of(triangle), &there, f64::from(limit)) {
-            Separation::Far => return limit,
-            Separation::Overlap => (point, triangle.plane.normal, 0.0),
-            Separation::Near(nearest) => (
-                nearest.on_a.as_vec3(),
-                nearest.normal.as_vec3(),
-                nearest.distance as f32,
-            ),
-        };
+        let at = nearest_on(triangle.corners.map(|corner| corner.as_dvec3()), there);
+        let apart = there - at;
+        let away = apart.length();
+        if away > f64::from(limit) {
+            return limit;
+        }
+        let normal = apart.try_normalize().map(|normal| normal.as_vec3());
+        let normal = normal.unwrap_or(triangle.plane.normal);
+        let (at, away) = (at.as_vec3(), away as f32);
         keep_first(
             &mut best,
             LocalHit {

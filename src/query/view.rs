@@ -10,7 +10,7 @@ use crate::query::hit::QueryHit;
 use crate::query::index::QueryIndex;
 use crate::query::request::{Ray, ShapeCast};
 use crate::query::shape::QueryShape;
-use crate::query::target::Target;
+use crate::query::target::{Ball, Target};
 use glam::{Quat, Vec3};
 
 /// A read-only view of the bodies that answers questions. Cheap to copy, and good for several threads at once.
@@ -76,9 +76,9 @@ impl<'q> Queries<'q> {
     /// The first body that a moved shape touches, and where.
     pub fn cast_shape(&self, cast: &ShapeCast, filter: &QueryFilter) -> Option<QueryHit> {
         let mut best: Option<QueryHit> = None;
-        let (way, size) = Way::of_cast(cast);
+        let (way, ball) = Way::of_cast(cast);
         self.along(way, |slot, end| {
-            let hit = self.target(slot, filter)?.cast_shape(cast, size, end)?;
+            let hit = self.target(slot, filter)?.cast_shape(cast, &ball, end)?;
             keep_first(&mut best, hit)
         });
         best
@@ -87,10 +87,10 @@ impl<'q> Queries<'q> {
     /// All bodies that a moved shape touches, each once, where it does so first, from near to far. `hits` is cleared first.
     pub fn cast_shape_all(&self, cast: &ShapeCast, filter: &QueryFilter, hits: &mut Vec<QueryHit>) {
         hits.clear();
-        let (way, size) = Way::of_cast(cast);
+        let (way, ball) = Way::of_cast(cast);
         self.along(way, |slot, _| {
             let target = self.target(slot, filter)?;
-            hits.extend(target.cast_shape(cast, size, cast.max_distance));
+            hits.extend(target.cast_shape(cast, &ball, cast.max_distance));
             None
         });
         settle(hits);
@@ -109,9 +109,11 @@ impl<'q> Queries<'q> {
     ) -> Result<(), QueryError> {
         check_pose(pose)?;
         found.clear();
-        self.inside(&shape.bounds(pose), |slot| {
+        let bounds = shape.bounds(pose);
+        let ball = Ball::around(&bounds);
+        self.inside(&bounds, |slot| {
             if let Some(target) = self.target(slot, filter)
-                && target.overlaps(shape, pose)
+                && target.overlaps(shape, pose, &ball)
             {
                 found.push(slot);
             }
@@ -278,8 +280,8 @@ impl Way {
         }
     }
 
-    /// And the diagonal of the moved shape, m.
-    fn of_cast(cast: &ShapeCast) -> (Self, f32) {
+    /// And a ball around the shape where it starts.
+    fn of_cast(cast: &ShapeCast) -> (Self, Ball) {
         let b = cast.shape.bounds(&cast.pose);
         let origin = b.center();
         let about = Aabb {
@@ -290,7 +292,7 @@ impl Way {
             walk: RayWalk::new(origin, cast.direction, about),
             length: cast.max_distance,
         };
-        (way, b.diagonal())
+        (way, Ball::around(&b))
     }
 }
 

@@ -7,6 +7,7 @@
 
 use crate::contact::body_id::BodyId;
 use crate::contact::layers::CollisionLayers;
+use crate::contact::pairs::box_tree::BoxTree;
 use crate::geometry::bvh::tree_box;
 use crate::math::{Aabb, Plane};
 use crate::merge::{Merged, merge};
@@ -84,11 +85,18 @@ struct KeptProxy {
     fat: Aabb,
 }
 
+impl KeptProxy {
+    /// Its box in the tree, if it has one.
+    fn in_tree(&self) -> Option<obvhs::aabb::Aabb> {
+        matches!(self.proxy.shape, ProxyShape::Box(_)).then(|| cut_box(&self.fat))
+    }
+}
+
 /// Finds pairs; lives as long as the world.
 #[derive(Clone, Default)]
 pub struct Broadphase {
     kept: Vec<Option<KeptProxy>>,
-    tree: Bvh2,
+    tree: BoxTree,
     pub(super) half_spaces: Vec<u32>,
     pairs: Vec<Pair>,
     revision: u64,
@@ -104,7 +112,7 @@ impl std::fmt::Debug for Broadphase {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Broadphase")
             .field("bodies", &self.kept.iter().flatten().count())
-            .field("tree_nodes", &self.tree.nodes.len())
+            .field("tree_nodes", &self.tree.tree().nodes.len())
             .field("pairs", &self.pairs.len())
             .finish_non_exhaustive()
     }
@@ -128,7 +136,7 @@ impl Broadphase {
 
     /// The tree of the kept boxes; its leaves are slots.
     pub(crate) fn tree(&self) -> &Bvh2 {
-        &self.tree
+        self.tree.tree()
     }
 
     /// Whether the box kept for this body, and no other one in its slot, holds `b`.
@@ -177,6 +185,9 @@ impl Broadphase {
         if self.renewed.is_empty() {
             return;
         }
+        let kept = self.kept.iter().map(Option::as_ref);
+        self.tree
+            .tidy(kept.map(|kept| kept.and_then(KeptProxy::in_tree)));
         self.is_renewed.clear();
         self.is_renewed.resize(self.kept.len(), false);
         for &slot in &self.renewed {
@@ -208,7 +219,7 @@ impl Broadphase {
                     && matches!(proxy.shape, ProxyShape::Box(_)) =>
             {
                 let fat = fat_box(&proxy, margin);
-                self.tree.move_primitive(cut_box(&fat), slot as u32);
+                self.tree.set(cut_box(&fat), slot as u32);
                 self.kept[slot] = Some(KeptProxy { proxy, fat });
                 self.mark(slot);
             }
@@ -230,7 +241,7 @@ impl Broadphase {
         let fat = fat_box(&proxy, margin);
         match proxy.shape {
             ProxyShape::Box(_) => {
-                self.tree.insert_primitive(cut_box(&fat), slot as u32);
+                self.tree.insert(cut_box(&fat), slot as u32);
             }
             ProxyShape::HalfSpace(_) => self.half_spaces.push(slot as u32),
         }
@@ -239,7 +250,7 @@ impl Broadphase {
 
     fn remove(&mut self, slot: usize) {
         match self.kept[slot].take().map(|kept| kept.proxy.shape) {
-            Some(ProxyShape::Box(_)) => self.tree.remove_primitive(slot as u32),
+            Some(ProxyShape::Box(_)) => self.tree.remove(slot as u32),
             Some(ProxyShape::HalfSpace(_)) => self.half_spaces.retain(|&s| s as usize != slot),
             None => {}
         }
@@ -267,13 +278,13 @@ impl Broadphase {
         self.stack.clear();
         self.stack.push(0);
         while let Some(index) = self.stack.pop() {
-            let node = self.tree.nodes[index as usize];
+            let node = self.tree.tree().nodes[index as usize];
             if !node.aabb().intersect_aabb(&fat) {
                 continue;
             }
             if node.is_leaf() {
-                // Leaves are only made by inserting single primitives.
-                let other = self.tree.primitive_indices[node.first_index as usize];
+                // There is one box to each leaf.
+                let other = self.tree.tree().primitive_indices[node.first_index as usize];
                 if !self.is_renewed[other as usize] || slot < other {
                     self.push_if_touching(slot, other);
                 }

@@ -7,6 +7,7 @@
 //! Must not know shapes, nor how a test is done. Read `recycle.rs` first.
 
 pub(crate) mod box_search;
+mod box_tree;
 pub(crate) mod broad_phase;
 pub(crate) mod recycle;
 pub(crate) mod store;
