@@ -9,9 +9,9 @@ mod rapier;
 
 use crate::Error;
 use crate::cli::{self, Arguments};
+use crate::job::cpu_ms;
 use crate::scene::random::Rng;
 use glam::{Quat, Vec3};
-use std::time::Instant;
 
 /// Bodies of a scene: a third each of boxes, hulls of 16 points and balls, at rest anywhere in a cube of which they fill a share.
 pub(super) struct Site {
@@ -134,7 +134,7 @@ fn questions(site: &Site, count: usize, rng: &mut Rng) -> Vec<Question> {
     (0..count).map(next).collect()
 }
 
-/// Asks all questions of a kind: how long it took for each (s), and the answers.
+/// Asks all questions of a kind: CPU time for each (s), and the answers.
 fn ask(
     oracle: &dyn Oracle,
     kind: Kind,
@@ -142,13 +142,13 @@ fn ask(
     answers: &mut Vec<Option<f32>>,
 ) -> f64 {
     answers.clear();
-    let begun = Instant::now();
+    let begun = cpu_ms();
     answers.extend(
         questions
             .iter()
             .map(|question| oracle.answer(kind, question)),
     );
-    begun.elapsed().as_secs_f64() / questions.len() as f64
+    1e-3 * (cpu_ms() - begun) / questions.len() as f64
 }
 
 /// Share of the answers that differ.

@@ -255,7 +255,7 @@ fn ms(start: Instant) -> f64 {
 }
 
 /// CPU time of the process, all threads, ms.
-fn cpu_ms() -> f64 {
+pub(crate) fn cpu_ms() -> f64 {
     let mut time = libc::timespec {
         tv_sec: 0,
         tv_nsec: 0,

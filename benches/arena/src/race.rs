@@ -1,6 +1,6 @@
 //! Two worlds that make their steps in turns, so that both see the machine when it is fast and when it is slow.
 
-use std::time::Instant;
+use crate::job::cpu_ms;
 
 /// Length of a step, s.
 pub(crate) const H: f32 = 1.0 / 60.0;
@@ -29,16 +29,16 @@ impl World for rapier3d::prelude::PhysicsWorld {
     }
 }
 
-/// Times of steps of both from one step to another, ms: the median of each span.
+/// CPU times of steps of both from one step to another, ms: the median of each span.
 pub(crate) fn race(worlds: [&mut dyn World; 2], spans: &[[usize; 2]]) -> Vec<[f64; 2]> {
     let end = spans.iter().map(|[_, end]| *end).max();
     let mut times = [Vec::new(), Vec::new()];
     for step in 0..end.unwrap_or_default() {
         for turn in 0..2 {
             let side = (turn + step) % 2;
-            let begun = Instant::now();
+            let begun = cpu_ms();
             worlds[side].step();
-            times[side].push(1e3 * begun.elapsed().as_secs_f64());
+            times[side].push(cpu_ms() - begun);
         }
     }
     let median = |times: &[f64]| {
