@@ -4,8 +4,8 @@ use crate::geometry::bvh::tree_of_named;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 
-/// A tree is made anew when at least so many boxes came since it was last made, and at least this share of all: one that grew box by box
-/// takes two to three times as many steps for a question.
+/// A tree is made anew when at least so many boxes came since it was last made, and at least this share of all: with one that grew
+/// box by box, a ray among 10 000 bodies takes a quarter longer.
 const MANY_NEW: usize = 64;
 const NEW_SHARE: f32 = 0.5;
 

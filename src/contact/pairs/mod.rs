@@ -2,7 +2,7 @@
 //!
 //! `broad_phase.rs` makes boxes into pairs, sorted by the ids of their bodies. `recycle.rs` decides whether what the last test of a pair
 //! found still holds: a contact is recycled there. `store.rs` keeps that in flat lists, those that touch apart from the others
-//! (`touches.rs`). `box_search.rs` asks the tree for who is near.
+//! (`touches.rs`). `box_search.rs` asks the tree (`box_tree.rs`) for who is near.
 //!
 //! Must not know shapes, nor how a test is done. Read `recycle.rs` first.
 
