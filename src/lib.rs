@@ -34,6 +34,7 @@
 //! - State and geometry are `f32`, volume integrals and exact predicates `f64`. The step uses `+ - * /` and square roots
 //!   only, in a fixed order: the same scene gives the same bits on any number of threads.
 pub mod bodies;
+pub mod cluster;
 mod collide;
 pub mod contact;
 pub mod ecs;
@@ -158,7 +159,7 @@ pub mod testing {
         };
     }
     pub mod fracture {
-        pub use crate::fracture::bonds::BREAKING_SHARE;
+        pub use crate::cluster::network::BREAKING_SHARE;
     }
     pub mod graph {
         pub use crate::solver::graph::coloring::Coloring;

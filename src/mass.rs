@@ -65,7 +65,7 @@ impl VolumeIntegrals {
     }
 
     /// The same body seen from the frame in which its own is at a pose.
-    fn seen_from(&self, pose: &Pose) -> Self {
+    pub(crate) fn seen_from(&self, pose: &Pose) -> Self {
         // As exact as a quaternion of f32 is a rotation.
         let turn = DMat3::from_quat(pose.rotation.as_dquat().normalize());
         Self {

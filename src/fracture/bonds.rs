@@ -17,6 +17,7 @@
 //! of the solver bear them.
 
 use crate::bodies::store::Bodies;
+use crate::cluster::network::BREAKING_SHARE;
 use crate::collide::narrow_phase::relative_pose;
 use crate::contact::body_id::BodyId;
 use crate::contact::manifolds::{ManifoldHead, Manifolds};
@@ -30,10 +31,6 @@ use crate::solver::graph::indices::ManifoldIndex;
 use crate::solver::wide::bond::BondedManifold;
 use bevy_ecs::resource::Resource;
 use glam::Vec3;
-
-/// How far a point that bears all it can may open or slide before the bond is broken, as a share of the smaller body's
-/// least extent. The energy that breaking takes is strength times area times this way.
-pub const BREAKING_SHARE: f32 = 1e-3;
 
 /// How far a point may be off, as a share of the same extent, until the bond is broken whatever it bears. A blow may tear bodies
 /// farther apart than sweeps can tell in a step; to pull them back from there would be energy out of nothing.

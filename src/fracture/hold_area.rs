@@ -2,9 +2,9 @@
 
 use crate::bodies::body::Shape;
 use crate::bodies::store::Bodies;
-use crate::fracture::shared_area::{self, faces_opposed, overlap};
 use crate::geometry::bvh::within;
 use crate::geometry::polygon::{Polygon, area_of, behind};
+use crate::geometry::shared_area::{self, faces_opposed, overlap};
 use crate::geometry::{Compound, ConvexHull, StaticMesh};
 use crate::math::{Aabb, Plane, Pose, rotate};
 

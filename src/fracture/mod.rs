@@ -18,7 +18,7 @@
 //! | `holding.rs`, `hold_area.rs` | which pieces of what stood stay, and what falls with the others |
 //! | `debris.rs` | which pieces go again |
 //! | `inheritance.rs`, `bond_inheritance.rs`, `joint_inheritance.rs` | which piece gets multipliers, bonds and joints of the parent |
-//! | `bond.rs`, `bonds.rs`, `neighbors.rs`, `shared_area.rs` | what holds bodies together, and over which area |
+//! | `bond.rs`, `bonds.rs`, `neighbors.rs` | what holds bodies together, and over which area |
 //!
 //! Must not know entities. How an impact divides a shape is decided in `slice`, whether it is too much in `bodies/breaking.rs` while
 //! the island is solved. Read `breaking.rs` first.
@@ -38,7 +38,6 @@ mod joint_inheritance;
 mod ledger;
 mod neighbors;
 mod pieces;
-mod shared_area;
 
 pub use bond::{Bond, BondError};
 pub use bonds::{Bonds, BrokenBond};

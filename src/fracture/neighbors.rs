@@ -4,7 +4,7 @@ use crate::bodies::body::RigidBody;
 use crate::bodies::body::Shape;
 use crate::bodies::store::Bodies;
 use crate::collide::narrow_phase::relative_pose;
-use crate::fracture::shared_area;
+use crate::geometry::shared_area;
 use crate::math::{Plane, Pose, rotate};
 use glam::{Mat3, Vec3};
 

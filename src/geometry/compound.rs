@@ -3,6 +3,7 @@
 use crate::geometry::bvh::{tree_box, tree_of, within};
 use crate::geometry::compound_cover::Cover;
 use crate::geometry::compound_part::CompoundPart;
+use crate::geometry::part_bond::PartBond;
 use crate::geometry::{HullError, MeshError, TriMesh};
 use crate::math::{Aabb, Pose};
 use bevy_ecs::component::Component;
@@ -50,7 +51,7 @@ const UNIT: f32 = 1e-3;
 /// ```
 #[derive(Clone, Debug, Component)]
 #[component(summary_tick)]
-pub struct Compound(Arc<CompoundShape>);
+pub struct Compound(pub(super) Arc<CompoundShape>);
 
 /// Why parts make no compound.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -87,23 +88,37 @@ pub enum CompoundError {
         /// What is wrong.
         error: HullError,
     },
+    /// A bond names a part that is not there or the same twice, or has a number that is not finite and positive.
+    #[error("bond {bond} names no two parts, or has a number that is not finite and positive")]
+    Bond {
+        /// Index of the bond.
+        bond: usize,
+    },
+    /// Parts are to be held by bonds, and one is not.
+    #[error("no bonds lead from the first part to part {part}")]
+    Unbonded {
+        /// Index of the part.
+        part: usize,
+    },
     /// The mesh that is drawn does not stand it.
     #[error(transparent)]
     Visual(#[from] MeshError),
 }
 
 #[derive(Clone)]
-struct CompoundShape {
-    parts: Vec<CompoundPart>,
+pub(super) struct CompoundShape {
+    pub(super) parts: Vec<CompoundPart>,
     /// Around the parts, in the compound's frame.
-    boxes: Vec<Aabb>,
+    pub(super) boxes: Vec<Aabb>,
     /// Over the boxes, if there are many.
     tree: Option<Bvh2>,
     aabb: Aabb,
     min_extent: f32,
     has_round: bool,
-    cover: Cover,
+    pub(super) cover: Cover,
     visual: Option<TriMesh>,
+    /// What holds the parts together, if it may break.
+    pub(super) bonds: Option<Arc<[PartBond]>>,
 }
 
 impl std::fmt::Debug for CompoundShape {
@@ -147,25 +162,7 @@ impl Compound {
     }
 
     fn assemble(parts: Vec<CompoundPart>, visual: Option<TriMesh>) -> Self {
-        let bounds = |part: &CompoundPart| part.bounds(&Mat3::IDENTITY, Vec3::ZERO);
-        let boxes: Vec<Aabb> = parts.iter().map(bounds).collect();
-        let tree = (parts.len() > FLAT_SEARCH).then(|| {
-            let boxes: Vec<_> = boxes.iter().map(tree_box).collect();
-            tree_of(&boxes, PlocSearchDistance::Low)
-        });
-        let extents = parts
-            .iter()
-            .map(|part| part.shape.aabb().extents().min_element());
-        let mut shape = CompoundShape {
-            aabb: box_around(&boxes),
-            min_extent: extents.fold(f32::INFINITY, f32::min),
-            has_round: parts.iter().any(|part| part.shape.is_round()),
-            cover: Cover::default(),
-            parts,
-            boxes,
-            tree,
-            visual,
-        };
+        let mut shape = CompoundShape::uncovered(parts, visual);
         shape.cover = Cover::of(&shape.parts, |b, visit| shape.within(b, visit));
         Self(Arc::new(shape))
     }
@@ -199,7 +196,10 @@ impl Compound {
             .collect::<Result<Vec<_>, _>>()?;
         let visual = self.0.visual.clone();
         let visual = visual.map(|mesh| mesh.scaled(factor)).transpose()?;
-        Ok(Self::assemble(parts, visual))
+        let mut shape = Arc::unwrap_or_clone(Self::assemble(parts, visual).0);
+        let bonds = self.0.bonds.as_ref();
+        shape.bonds = bonds.map(|bonds| bonds.iter().map(|bond| bond.scaled(factor)).collect());
+        Ok(Self(Arc::new(shape)))
     }
 
     /// The parts, in the order in which they were given: what hits and contacts number.
@@ -297,7 +297,31 @@ impl Compound {
 }
 
 impl CompoundShape {
-    fn within(&self, b: &Aabb, mut visit: impl FnMut(u32)) {
+    /// Of these parts, without a look at what they cover of each other.
+    pub(super) fn uncovered(parts: Vec<CompoundPart>, visual: Option<TriMesh>) -> Self {
+        let bounds = |part: &CompoundPart| part.bounds(&Mat3::IDENTITY, Vec3::ZERO);
+        let boxes: Vec<Aabb> = parts.iter().map(bounds).collect();
+        let tree = (parts.len() > FLAT_SEARCH).then(|| {
+            let boxes: Vec<_> = boxes.iter().map(tree_box).collect();
+            tree_of(&boxes, PlocSearchDistance::Low)
+        });
+        let extents = parts
+            .iter()
+            .map(|part| part.shape.aabb().extents().min_element());
+        Self {
+            aabb: box_around(&boxes),
+            min_extent: extents.fold(f32::INFINITY, f32::min),
+            has_round: parts.iter().any(|part| part.shape.is_round()),
+            cover: Cover::default(),
+            parts,
+            boxes,
+            tree,
+            visual,
+            bonds: None,
+        }
+    }
+
+    pub(super) fn within(&self, b: &Aabb, mut visit: impl FnMut(u32)) {
         if let Some(tree) = &self.tree {
             within(tree, b, visit);
             return;

@@ -84,6 +84,50 @@ impl Cover {
         cover
     }
 
+    /// Of some of the parts (`parts`, which were `kept`): only those that have lost a neighbor are looked at anew. `number`: by old
+    /// part, which it is now.
+    pub(crate) fn subset(&self, parts: &[CompoundPart], kept: &[u32], number: &[u32]) -> Self {
+        let mut cover = Self {
+            extents: kept.iter().map(|&old| self.extents[old as usize]).collect(),
+            starts: vec![0],
+            ..Self::default()
+        };
+        for &old in kept {
+            let neighbors = self.neighbors(old as usize).iter();
+            let neighbors = neighbors.map(|&other| number[other as usize]);
+            let is_kept = |other: &u32| *other != u32::MAX;
+            cover.neighbors.extend(neighbors.filter(is_kept));
+            cover.starts.push(cover.neighbors.len() as u32);
+        }
+        for (new, &old) in kept.iter().enumerate() {
+            let old = old as usize;
+            if cover.neighbors(new).len() == self.neighbors(old).len() {
+                cover.copy_faces(self, old);
+            } else {
+                cover.add_faces(parts, new);
+            }
+        }
+        cover
+    }
+
+    /// Adds the faces of a part as they are in another cover.
+    fn copy_faces(&mut self, from: &Self, part: usize) {
+        let first = self.left.len() as u32;
+        let faces = from.faces[part].start as usize..from.faces[part].end as usize;
+        for left in &from.left[faces] {
+            self.left.push(match left {
+                Left::Whole => Left::Whole,
+                Left::Some(range) => {
+                    let start = self.polygons.len() as u32;
+                    let range = range.start as usize..range.end as usize;
+                    self.polygons.extend_from_slice(&from.polygons[range]);
+                    Left::Some(start..self.polygons.len() as u32)
+                }
+            });
+        }
+        self.faces.push(first..self.left.len() as u32);
+    }
+
     /// Gap between two parts that counts as none, m.
     fn gap(&self, part: usize, other: usize) -> f32 {
         GAP * self.extents[part].min(self.extents[other])

@@ -12,6 +12,7 @@
 //! | `convex_mesh.rs`, `primitives.rs` | the shapes that a body can have |
 //! | `round.rs`, `round_core.rs`, `round_moments.rs`, `round_polyhedron.rs`, `frustum.rs` | spheres, capsules, cylinders, cones, rounded hulls |
 //! | `compound.rs`, `compound_part.rs`, `compound_cover.rs` | a shape of several convex parts, and what of them is covered by others |
+//! | `part_bond.rs`, `compound_bonds.rs`, `shared_area.rs` | what holds parts together, and which of them hang together; faces that two shapes share |
 //! | `constant_shapes.rs` | shapes of constant sizes, as macros |
 //! | `static_mesh.rs`, `bvh.rs` | a level of triangles, and walks through trees |
 //! | `support.rs`, `distance.rs`, `simplex.rs` | distances and casts of convex shapes |
@@ -24,6 +25,7 @@ mod around;
 pub(crate) mod bvh;
 mod closed;
 pub(crate) mod compound;
+mod compound_bonds;
 pub(crate) mod compound_cover;
 pub(crate) mod compound_part;
 mod constant_shapes;
@@ -43,6 +45,7 @@ pub(crate) mod mesh;
 mod mesh_error;
 mod mesh_join;
 pub(crate) mod moments;
+mod part_bond;
 pub(crate) mod polygon;
 pub(crate) mod predicates;
 pub mod primitives;
@@ -50,6 +53,7 @@ pub(crate) mod round;
 pub(crate) mod round_core;
 mod round_moments;
 mod round_polyhedron;
+pub(crate) mod shared_area;
 mod simplex;
 pub(crate) mod static_mesh;
 pub(crate) mod support;
@@ -57,6 +61,7 @@ mod triangle_corners;
 mod weld;
 
 pub(crate) use closed::{EdgeCensus, KnownClosed};
+pub(crate) use compound_bonds::groups_of;
 pub use compound::{Compound, CompoundError, MAX_PARTS};
 pub use compound_part::CompoundPart;
 #[doc(hidden)]
@@ -70,6 +75,7 @@ pub use hull_error::{HullDefect, HullError};
 pub use kd_code::{KdBox, KdCode};
 pub use mesh::TriMesh;
 pub use mesh_error::MeshError;
+pub use part_bond::PartBond;
 pub use predicates::{PlaneError, Side};
 pub use round_polyhedron::RESOLUTIONS;
 pub use static_mesh::{EdgeKind, StaticMesh};

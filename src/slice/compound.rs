@@ -1,7 +1,7 @@
 //! Compounds cut part by part, and what of them hangs together.
 
 use crate::geometry::{Compound, CompoundPart, ConvexHull, ConvexMesh, HullError, TriMesh};
-use crate::math::{Plane, Pose};
+use crate::math::Plane;
 use crate::slice::components::split_components;
 use crate::slice::cut::Cut;
 use crate::slice::cutting::Cutting;
@@ -213,19 +213,5 @@ impl Compound {
         };
         let shape = ConvexMesh::from_parts(shape.hull().clone(), Some(mesh.clone()));
         Ok(Some(shape))
-    }
-
-    /// The same compound in a frame that is shifted: what was at a place is at that place plus `offset` (m).
-    pub(crate) fn translated(&self, offset: Vec3) -> Self {
-        let parts = self.parts().iter().map(|part| {
-            let pose = Pose::new(part.pose.position + offset, part.pose.rotation);
-            CompoundPart::new(pose, part.shape.clone())
-        });
-        // It was one, and is no other.
-        let moved = Self::new(parts).unwrap_or_else(|_| self.clone());
-        match self.visual() {
-            Some(mesh) => moved.with_visual(mesh.clone().transformed(&Pose::from_position(offset))),
-            None => moved,
-        }
     }
 }

@@ -6,8 +6,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Floors from the bottom up. `lib.rs` names them all.
-const FLOORS: [&str; 20] = [
-    "tuning", "math", "merge", "simd", "threads", "geometry", "mass", "slice", "import", "contact",
+const FLOORS: [&str; 21] = [
+    "tuning", "math", "merge", "simd", "threads", "geometry", "mass", "slice", "import", "cluster", "contact",
     "bodies", "joints", "solver", "collide", "query", "fracture", "step", "ecs", "plugin",
     "extras",
 ];

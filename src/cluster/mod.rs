@@ -1,0 +1,18 @@
+//! Clusters: many convex parts held by bonds, which are one body until bonds break. What of them a blow or a load breaks.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `building.rs` | a cluster as plain data: from parts, or by cutting a body in advance |
+//! | `network.rs` | parts as masses, bonds as springs |
+//! | `blow.rs` | what a blow breaks: the parts around it in motion for an instant |
+//! | `load.rs`, `skyline.rs` | what a sustained load breaks: forces as in an elastic body |
+//!
+//! Must not know contacts or bodies: all is in the frame of the compound, and pushes come as numbers. Read `network.rs` first.
+
+pub(crate) mod blow;
+mod building;
+pub(crate) mod load;
+pub(crate) mod network;
+mod skyline;
+
+pub use building::{Cluster, ClusterError};
