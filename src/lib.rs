@@ -61,6 +61,7 @@ pub mod prelude {
         AnchorRegion, Anchors, Bodies, BodyDesc, BodyDrive, BodyError, Fatigue, LockedAxes,
         RigidBody, Shape, StepForces,
     };
+    pub use crate::cluster::{Cluster, ClusterError};
     pub use crate::contact::{
         BodyId, CollisionLayers, CombineRule, ContactCache, Density, Friction, Restitution,
         SurfaceMaterials,
@@ -93,7 +94,7 @@ pub mod prelude {
     };
     pub use crate::geometry::{
         Compound, CompoundError, CompoundPart, ConvexHull, ConvexMesh, HalfSpaceShape, HullError,
-        MeshError, StaticMesh, TriMesh,
+        MeshError, PartBond, StaticMesh, TriMesh,
     };
     pub use crate::joints::{
         AxisRange, BrokenJoint, DriveTarget, Joint, JointAxis, JointDrive, JointError, JointId,

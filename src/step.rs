@@ -43,7 +43,8 @@ use crate::collide::narrow_phase::{self};
 use crate::collide::proxies::Lookahead;
 use crate::contact::impulses::{CacheStats, ContactCache, TouchingBodies};
 use crate::fracture::{
-    Bonds, Fractures, Inherited, break_overloaded, end_loads, make_cuts, note_blows,
+    Bonds, Fractures, Inherited, StepLoads, break_overloaded, break_under_loads, end_loads,
+    find_holds, make_cuts, note_blows,
 };
 use crate::joints::Joints;
 use crate::threads::team::Team;
@@ -117,6 +118,9 @@ pub fn cut(
     let StepSettings {
         budget, step_dt, ..
     } = settings;
+    if bodies.any_cluster() {
+        find_holds(bodies);
+    }
     make_cuts(fractures, bodies, cache, bonds, budget, *step_dt);
     bonds.note_pairs(bodies);
 }
@@ -260,7 +264,7 @@ pub fn fracture(
     if !was_solved {
         report_solution(bodies, contacts, settings, report);
     }
-    end_loads(breakable.fractures, bodies, &contacts.solver);
+    bear_loads(bodies, contacts, breakable, settings);
 }
 
 /// Phase 7: islands of what is small for the step take several steps of their own. Nothing if there are none.
@@ -276,6 +280,23 @@ pub fn local_steps(
     }
     take_local_steps(bodies, contacts, breakable.again(), settings, report);
     report_solution(bodies, contacts, settings, report);
+    bear_loads(bodies, contacts, breakable, settings);
+}
+
+/// When all is solved: bonds within bodies that sustained loads break, and the end of what blows were borne.
+fn bear_loads(
+    bodies: &mut Bodies,
+    contacts: &Contacts,
+    breakable: Breakable,
+    settings: &StepSettings,
+) {
+    let loads = StepLoads {
+        manifolds: &contacts.manifolds,
+        joints: breakable.joints,
+        gravity: settings.gravity.0,
+        step_dt: settings.step_dt,
+    };
+    break_under_loads(breakable.fractures, bodies, &loads);
     end_loads(breakable.fractures, bodies, &contacts.solver);
 }
 

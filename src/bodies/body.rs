@@ -244,6 +244,9 @@ pub enum BodyError {
     /// A level of triangles cannot be dynamic.
     #[error("a StaticMesh has no mass and cannot be dynamic")]
     DynamicLevel,
+    /// Nobody knows which part would have which share of a given mass.
+    #[error("a Compound with bonds cannot have a MassOverride: give it a Density instead")]
+    BondedOverride,
     /// Strength or least volume is out of range.
     #[error(transparent)]
     Fracturable(#[from] FracturableError),
@@ -315,6 +318,10 @@ impl BodyInfo {
         self.restitution.validate()?;
         if let Some(surfaces) = &self.surfaces {
             surfaces.validate()?;
+        }
+        let is_bonded = self.shape.compound().is_some_and(Compound::is_bonded);
+        if is_bonded && self.mass_override.is_some() {
+            return Err(BodyError::BondedOverride);
         }
         match &self.fracturable {
             Some(_) if self.mass_override.is_some() => Err(BodyError::FracturableOverride),

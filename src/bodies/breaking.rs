@@ -21,12 +21,24 @@ pub struct BreakingLimit {
     pub impulse: f32,
     /// Energy that a load must have to break it, J.
     pub energy: f32,
+    /// Energy that a load must have to break a bond within it, J; infinite if there are none.
+    pub bond_energy: f32,
 }
 
 impl BreakingLimit {
     /// Whether a load is more than the body bears.
     pub fn is_exceeded_by(&self, load: &ImpactLoad) -> bool {
+        self.is_body_at_risk(load) || self.is_bond_at_risk(load.energy)
+    }
+
+    /// Whether it is more than the body bears besides its bonds.
+    pub(crate) fn is_body_at_risk(&self, load: &ImpactLoad) -> bool {
         load.impulse > self.impulse && load.energy >= self.energy
+    }
+
+    /// Whether a load may break a bond within the body.
+    pub(crate) fn is_bond_at_risk(&self, energy: f32) -> bool {
+        energy >= self.bond_energy
     }
 }
 
@@ -82,19 +94,28 @@ pub(crate) struct Blow {
     pub(crate) strongest: Option<(u32, f32)>,
     /// The manifolds that gave it, and which share of their impulses is part of it.
     pub(crate) contacts: SmallVec<[(u32, f32); 4]>,
+    /// Bonds within the body that it breaks, by index, and the work that they take, J. With none it divides the body itself.
+    pub(crate) bonds: Vec<u32>,
+    pub(crate) bond_work: f32,
 }
 
 impl Bodies {
     /// What the body bears in a step, with number 0; `None` if it does not break, or must not now.
     #[inline]
     pub(crate) fn limit(&self, slot: u32) -> Option<BreakingLimit> {
-        let fracturable = self.fracturable(slot)?;
+        let fracturable = self.fracturable(slot);
+        let bond_energy = self.bond_energy(slot);
+        if fracturable.is_none() && bond_energy == f32::INFINITY {
+            return None;
+        }
         let borne = self.borne_impulse[slot as usize];
         let is_at_risk = borne < f32::INFINITY && self.info(slot).shape.solid_aabb().is_some();
+        let impulse = fracturable.map_or(f32::INFINITY, |_| self.strength(slot).max(borne));
         is_at_risk.then_some(BreakingLimit {
             body: 0,
-            impulse: self.strength(slot).max(borne),
-            energy: fracturable.min_energy,
+            impulse,
+            energy: fracturable.map_or(f32::INFINITY, |it| it.min_energy),
+            bond_energy,
         })
     }
 
@@ -111,7 +132,7 @@ impl Bodies {
 
     /// Whether any body can break.
     pub fn any_fracturable(&self) -> bool {
-        self.fracturable > 0
+        self.fracturable > 0 || self.any_cluster()
     }
 
     /// Makes a body breakable or unbreakable, and wakes it if that changes anything.

@@ -87,6 +87,9 @@ impl Bodies {
         self.place(slot, pose);
         self.refresh_world(slot);
         self.fresh_mass.push(slot);
+        if self.any_compound {
+            self.renew_cluster(slot)?;
+        }
         Ok(())
     }
 

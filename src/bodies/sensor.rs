@@ -24,6 +24,7 @@ impl Bodies {
         self.sensors.retain(|&sensor| sensor != slot);
         self.drives.remove(slot);
         self.forget_fatigue(slot);
+        self.forget_cluster(slot);
         if let Some(hold) = self.holds.get_mut(slot as usize) {
             *hold = None;
         }

@@ -11,6 +11,7 @@ use crate::bodies::solver_body::SolverBody;
 
 use crate::bodies::anchors::Hold;
 use crate::bodies::body::{BodyInfo, check_pose, check_velocity};
+use crate::bodies::clusters::ClusterState;
 use crate::bodies::drive::Drives;
 use crate::bodies::fatigue::Wearing;
 use crate::bodies::free_rotation::FreeRotation;
@@ -65,6 +66,12 @@ pub struct Bodies {
     pub(crate) drives: Drives,
     /// By slot, as far as any has it: how bodies that stand hold on to the world.
     pub(crate) holds: Vec<Option<Box<Hold>>>,
+    /// By slot, as far as any is one: bodies whose parts are held by bonds.
+    pub(crate) clusters: Vec<Option<Box<ClusterState>>>,
+    /// Static ones of them of which it is not known yet which parts hold on to the world.
+    pub(crate) unheld_clusters: Vec<u32>,
+    /// Those that have lost bonds since the entities were last told, and go on.
+    pub(crate) cracked: Vec<(u32, BodyId)>,
     /// Those that blows wear out, by slot.
     pub(crate) wearing: Vec<Wearing>,
     /// Whether there was ever a body that is a level of triangles.
@@ -84,7 +91,7 @@ pub struct Bodies {
     pub(super) free: Vec<u32>,
     /// Slots that become free with the next step: something may name them until then.
     pub(super) retired: Vec<u32>,
-    next_id: u32,
+    pub(super) next_id: u32,
     pub(super) alive: usize,
 }
 

@@ -27,8 +27,12 @@ const MOST_STEPS: usize = 768;
 /// Time steps from one look at the energy to the next.
 const STEPS_PER_LOOK: usize = 8;
 
+/// Looks after which it is over if nothing has yielded and the springs have not come to hold more: longer than the slowest vibration of a
+/// part against its neighbors.
+const CALM_LOOKS: usize = 8;
+
 /// Length of a time step, as a share of the reciprocal of the highest angular frequency. The limit of stability is 2.
-const STEP_SHARE: f32 = 0.7;
+const STEP_SHARE: f32 = 1.0;
 
 const NONE: u32 = u32::MAX;
 
@@ -78,7 +82,7 @@ impl Network {
 }
 
 /// A part in the instant of the blow, relative to the motion of the cluster.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 struct Body {
     inverse_mass: f32,
     inverse_inertia: Mat3,
@@ -161,7 +165,7 @@ impl Instant {
         let mut bodies: Vec<Body> = (members.iter())
             .map(|&part| Body::of(network, part, is_held(part)))
             .collect();
-        bodies.push(Body::default());
+        bodies.push(Body::FIXED);
         let place = |part: u32| number[part as usize].min(outside);
         let mut links: Vec<Link> = Vec::new();
         for &part in &members {
@@ -205,14 +209,19 @@ impl Instant {
 
     /// Follows the motion; whether no part that does not take part has heard of it.
     fn run(&mut self) -> bool {
+        let (mut most, mut work, mut calm) = (0.0f32, 0.0, 0);
         for step in 0..MOST_STEPS {
             if step % STEPS_PER_LOOK == 0 {
                 if self.is_heard_outside() {
                     return false;
                 }
-                if self.is_over() {
+                let held = self.held_energy();
+                let is_calm = held <= most && self.work == work;
+                calm = if is_calm { calm + 1 } else { 0 };
+                if calm > CALM_LOOKS || self.is_over(held) {
                     break;
                 }
+                (most, work) = (most.max(held), self.work);
             }
             for index in 0..self.links.len() {
                 self.pull(index);
@@ -300,14 +309,14 @@ impl Instant {
     }
 
     /// Whether what is left of the energy is too little to break a bond.
-    fn is_over(&self) -> bool {
+    fn is_over(&self, held: f32) -> bool {
         let whole = self.links.iter().filter(|link| !link.is_broken);
         let least = whole.map(|link| link.energy).fold(f32::INFINITY, f32::min);
-        least == f32::INFINITY || self.energy() < least
+        least == f32::INFINITY || self.kinetic_energy() + held < least
     }
 
-    /// Energy of all motion relative to what stands, or to the common motion, and of the springs, J.
-    fn energy(&self) -> f32 {
+    /// Energy of all motion relative to what stands, or to the common motion, J.
+    fn kinetic_energy(&self) -> f32 {
         let frame = self.standing.unwrap_or_else(|| {
             let (mut momentum, mut mass) = (Vec3::ZERO, 0.0);
             for body in &self.bodies {
@@ -333,6 +342,11 @@ impl Instant {
             let speed = hitting.speed - frame.dot(hitting.striker.direction);
             speed * speed / hitting.striker.inverse_mass
         });
+        0.5 * (bodies.sum::<f32>() + strikers.sum::<f32>())
+    }
+
+    /// Energy of the springs, J.
+    fn held_energy(&self) -> f32 {
         let springs = self.links.iter().flat_map(|link| {
             let [a, b] = link.bodies.map(|body| &self.bodies[body as usize]);
             link.corners.iter().map(move |corner| {
@@ -347,14 +361,28 @@ impl Instant {
                 }
             })
         });
-        0.5 * (bodies.sum::<f32>() + strikers.sum::<f32>() + springs.sum::<f32>())
+        0.5 * springs.sum::<f32>()
     }
 }
 
 impl Body {
+    /// One that nothing moves.
+    const FIXED: Self = Self {
+        inverse_mass: 0.0,
+        inverse_inertia: Mat3::ZERO,
+        mass: 0.0,
+        inertia: Mat3::ZERO,
+        velocity: Vec3::ZERO,
+        angular: Vec3::ZERO,
+        displacement: Vec3::ZERO,
+        turn: Vec3::ZERO,
+        force: Vec3::ZERO,
+        torque: Vec3::ZERO,
+    };
+
     fn of(network: &Network, part: u32, is_held: bool) -> Self {
         if is_held {
-            return Self::default();
+            return Self::FIXED;
         }
         let node = &network.nodes[part as usize];
         Self {
@@ -362,7 +390,7 @@ impl Body {
             inertia: node.inertia.as_mat3(),
             inverse_mass: node.mass.recip() as f32,
             inverse_inertia: node.inverse_inertia,
-            ..Self::default()
+            ..Self::FIXED
         }
     }
 

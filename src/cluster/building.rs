@@ -1,6 +1,8 @@
 //! `Cluster`: parts and bonds as plain data, to be made in advance, changed, saved and loaded.
 
-use crate::geometry::{Compound, CompoundError, CompoundPart, ConvexMesh, MAX_PARTS, PartBond, groups_of};
+use crate::geometry::{
+    Compound, CompoundError, CompoundPart, ConvexMesh, MAX_PARTS, PartBond, groups_of,
+};
 use crate::slice::{FracturePattern, Impact, Piece, PieceCutter, SliceError, SliceOptions};
 use glam::Vec3;
 
@@ -107,7 +109,9 @@ impl Cluster {
         let mut origins = Vec::new();
         for (index, part) in self.parts.iter().enumerate() {
             // A stream of its own for each part.
-            let seed = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(index as u64);
+            let seed = seed
+                .wrapping_mul(0x9e37_79b9_7f4a_7c15)
+                .wrapping_add(index as u64);
             let pieces = divided(part, pattern, seed)?;
             origins.extend(pieces.iter().map(|_| index as u32));
             parts.extend(pieces);
@@ -144,7 +148,9 @@ impl Cluster {
     pub fn separated(self) -> Vec<Self> {
         let is_there = |bond: &PartBond| {
             let parts = bond.parts.iter();
-            parts.clone().all(|&part| (part as usize) < self.parts.len())
+            parts
+                .clone()
+                .all(|&part| (part as usize) < self.parts.len())
         };
         let bonds: Vec<PartBond> = self.bonds.into_iter().filter(is_there).collect();
         let groups = groups_of(self.parts.len(), &bonds, |_| false);

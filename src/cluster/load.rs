@@ -41,6 +41,11 @@ impl Wrench {
         self.force += other.force;
         self.torque += other.torque;
     }
+
+    pub(crate) fn scale(&mut self, by: f64) {
+        self.force *= by;
+        self.torque *= by;
+    }
 }
 
 /// What a load does.
@@ -100,9 +105,14 @@ impl Network {
         let inertia = self.nodes.iter().map(|node| {
             let arm = node.center - center;
             let outer = DMat3::from_cols(arm * arm.x, arm * arm.y, arm * arm.z);
-            node.inertia + (DMat3::from_diagonal(DVec3::splat(arm.length_squared())) - outer) * node.mass
+            node.inertia
+                + (DMat3::from_diagonal(DVec3::splat(arm.length_squared())) - outer) * node.mass
         });
-        (mass, center, inertia.fold(DMat3::ZERO, |sum, own| sum + own))
+        (
+            mass,
+            center,
+            inertia.fold(DMat3::ZERO, |sum, own| sum + own),
+        )
     }
 
     /// Adds what inertia does to each part of a body that the loads move.
@@ -176,7 +186,8 @@ impl Network {
             next += 1;
             for &bond in self.bonds_of(part) {
                 let other = self.other(bond, part);
-                if !is_broken[bond as usize] && !std::mem::replace(&mut seen[other as usize], true) {
+                if !is_broken[bond as usize] && !std::mem::replace(&mut seen[other as usize], true)
+                {
                     order.push(other);
                 }
             }
@@ -200,7 +211,8 @@ impl Network {
             next += 1;
             for &bond in self.bonds_of(part) {
                 let other = self.other(bond, part);
-                if !is_broken[bond as usize] && !std::mem::replace(&mut seen[other as usize], true) {
+                if !is_broken[bond as usize] && !std::mem::replace(&mut seen[other as usize], true)
+                {
                     order.push(other);
                 }
             }
@@ -243,7 +255,10 @@ impl Network {
                     sign,
                 )
             };
-            (bond, [[block(0, 0), block(0, 1)], [block(1, 0), block(1, 1)]])
+            (
+                bond,
+                [[block(0, 0), block(0, 1)], [block(1, 0), block(1, 1)]],
+            )
         })
     }
 
@@ -291,7 +306,12 @@ impl Network {
             ..
         } = &self.bonds[bond];
         let moved = parts.map(|part| motion[part as usize]);
-        let split = |six: Six| (DVec3::new(six[0], six[1], six[2]), DVec3::new(six[3], six[4], six[5]));
+        let split = |six: Six| {
+            (
+                DVec3::new(six[0], six[1], six[2]),
+                DVec3::new(six[3], six[4], six[5]),
+            )
+        };
         let [(from_a, turn_a), (from_b, turn_b)] = moved.map(split);
         let [arm_a, arm_b] = self.arms(bond);
         let spring = self.spring(bond);

@@ -57,6 +57,8 @@ pub enum FractureCause {
     /// A cut that was asked for.
     #[default]
     Cut,
+    /// A sustained load, or its own weight, that was more than bonds within it bear.
+    Load,
     /// A blow.
     Impact {
         /// The entity of the body that gave most of it, if it has one.
@@ -73,7 +75,7 @@ pub enum FractureCause {
 }
 
 /// A body became several: an event of the parent entity, which still lives then with all its components, and a message, when
-/// it is despawned.
+/// it is despawned, unless it goes on.
 #[derive(Clone, Debug, PartialEq, Message, EntityEvent)]
 pub struct Fractured {
     /// The entity that breaks.
@@ -88,6 +90,8 @@ pub struct Fractured {
     pub planes: SmallVec<[Plane; 8]>,
     /// Mass, momentum, angular momentum and energy before and after the parent broke.
     pub ledger: Ledger,
+    /// Whether the parent lives on, with those of its parts that bonds still hold to where it is anchored. It is none of the pieces.
+    pub goes_on: bool,
 }
 
 /// A piece of debris that will be removed, as [`DebrisRules::fade`](crate::fracture::DebrisRules::fade) says: for whoever draws it

@@ -6,7 +6,7 @@
 //! | `gather.rs` | bodies that come and go, and what users changed, into `Bodies` |
 //! | `scatter.rs` | poses and velocities back to entities |
 //! | `cut.rs` | `commands.slice` |
-//! | `pieces.rs`, `piece_children.rs`, `uncloned.rs` | pieces as entities, whose children those of the parent become, what they cannot get |
+//! | `pieces.rs`, `families.rs`, `piece_children.rs`, `uncloned.rs` | pieces as entities, whose children those of the parent become, what they cannot get |
 //! | `bond.rs` | `commands.bond` |
 //! | `query.rs` | `SpatialQuery`: rays, casts, overlaps by entity |
 //! | `walker.rs` | characters that walk |
@@ -31,6 +31,7 @@ pub(crate) mod collisions;
 pub(crate) mod components;
 pub(crate) mod cut;
 pub(crate) mod explosion;
+mod families;
 pub(crate) mod forces;
 pub(crate) mod gather;
 pub(crate) mod issue_sync;

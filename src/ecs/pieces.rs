@@ -7,10 +7,10 @@ use crate::bodies::anchors::Anchors;
 use crate::bodies::body::RigidBody;
 use crate::bodies::fatigue::Fatigue;
 use crate::bodies::store::Bodies;
-use crate::contact::body_id::BodyId;
 use crate::contact::material::Density;
 use crate::ecs::components::*;
 use crate::ecs::cut::let_fall;
+use crate::ecs::families::{families, sync_cracked};
 use crate::ecs::forces::{ConstantForce, ConstantTorque, Mass};
 use crate::ecs::issues::BodyIssues;
 use crate::ecs::joint::{JointsOfA, JointsOfB, follow_pieces};
@@ -18,7 +18,7 @@ use crate::ecs::parents::{local_of, parent_of};
 use crate::ecs::piece_children::hand_on_children;
 use crate::ecs::state::PluginState;
 use crate::ecs::uncloned::name_uncloned;
-use crate::fracture::{Fracture, Fractures};
+use crate::fracture::Fractures;
 use crate::geometry::{Compound, ConvexMesh};
 use crate::mass::MassProperties;
 use crate::math::Pose;
@@ -30,7 +30,6 @@ use bevy_ecs::entity::{
 use bevy_ecs::prelude::*;
 use bevy_math::Vec3;
 use bevy_transform::components::{GlobalTransform, Transform};
-use smallvec::SmallVec;
 use std::cell::RefCell;
 
 /// The entity that stands for what this one is a piece of. Pieces of pieces belong to the same.
@@ -194,25 +193,32 @@ pub(super) fn spawn_pieces(world: &mut World) {
     let families = families(world, &done).into_iter();
     let events: Vec<Fractured> = families
         .map(|(event, slots)| Fractured {
-            pieces: spawn_family(world, event.parent, slots),
+            pieces: spawn_family(world, (event.parent, event.goes_on), slots),
             ..event
         })
         .collect();
     follow_pieces(world);
     for event in events {
         world.trigger(event.clone());
-        if let Ok(parent) = world.get_entity_mut(event.parent) {
+        if let Ok(parent) = world.get_entity_mut(event.parent)
+            && !event.goes_on
+        {
             parent.despawn();
         }
         world.write_message(event);
     }
+    sync_cracked(world);
     world.resource_mut::<Fractures>().done = done;
 }
 
 /// The pieces of one parent, which get what it leaves.
-fn spawn_family(world: &mut World, parent: Entity, slots: Vec<u32>) -> Vec<Entity> {
+fn spawn_family(
+    world: &mut World,
+    (parent, goes_on): (Entity, bool),
+    slots: Vec<u32>,
+) -> Vec<Entity> {
     let remains = remains_of(world, parent);
-    let pieces: Vec<_> = (slots.into_iter())
+    let pieces: Vec<(u32, Entity)> = (slots.into_iter())
         .filter_map(|slot| {
             let piece = spawn_piece(world, parent, remains, slot);
             if piece.is_none() {
@@ -222,7 +228,10 @@ fn spawn_family(world: &mut World, parent: Entity, slots: Vec<u32>) -> Vec<Entit
         })
         .collect();
     name_uncloned(world, parent, pieces.first().map(|&(_, piece)| piece));
-    hand_on_children(world, parent, &pieces);
+    let mut heirs = pieces.clone();
+    let handle = world.get::<BodyHandle>(parent).and_then(|handle| handle.0);
+    heirs.extend(handle.filter(|_| goes_on).map(|(slot, _)| (slot, parent)));
+    hand_on_children(world, parent, &heirs);
     pieces.into_iter().map(|(_, piece)| piece).collect()
 }
 
@@ -235,59 +244,6 @@ fn remains_of(world: &mut World, parent: Entity) -> Entity {
 /// Observer: the last of the pieces is gone.
 pub(crate) fn on_last_piece_gone(remove: On<Remove<Pieces>>, mut commands: Commands) {
     commands.entity(remove.entity).try_despawn();
-}
-
-/// The events to send, without the pieces, and the slots of these.
-fn families(world: &World, done: &[Fracture]) -> Vec<(Fractured, Vec<u32>)> {
-    let bodies = world.resource::<Bodies>();
-    let entities = &world.resource::<PluginState>().entities;
-    let mut families: Vec<(Fractured, Vec<u32>)> = Vec::new();
-    // By id of a piece: which of the families it belongs to. Ids only grow.
-    let mut family_of: Vec<(BodyId, usize)> = Vec::new();
-    for fracture in done {
-        let known = family_of.binary_search_by_key(&fracture.parent, |&(id, _)| id);
-        let family = match known {
-            Ok(at) => family_of[at].1,
-            Err(_) => {
-                let parent = entities.of(fracture.parent_slot, fracture.parent);
-                let Some(parent) = parent.filter(|&p| world.get_entity(p).is_ok()) else {
-                    continue;
-                };
-                families.push((event_of(fracture, parent, entities), Vec::new()));
-                families.len() - 1
-            }
-        };
-        let (event, slots) = &mut families[family];
-        event.planes.extend_from_slice(&fracture.planes);
-        for (&slot, &id) in fracture.pieces.iter().zip(&fracture.ids) {
-            family_of.push((id, family));
-            if bodies.is_current(slot, id) {
-                slots.push(slot);
-            }
-        }
-    }
-    families
-}
-
-/// What is told of a fracture, but for planes and pieces.
-fn event_of(fracture: &Fracture, parent: Entity, entities: &BodyEntities) -> Fractured {
-    let cause = match fracture.blow.as_ref().or(fracture.waited.as_ref()) {
-        None => FractureCause::Cut,
-        Some(blow) => FractureCause::Impact {
-            by: blow.by.and_then(|(slot, id)| entities.of(slot, id)),
-            point: blow.point,
-            direction: blow.direction,
-            impulse: blow.impulse,
-            energy: blow.energy,
-        },
-    };
-    Fractured {
-        parent,
-        pieces: Vec::new(),
-        cause,
-        planes: SmallVec::new(),
-        ledger: fracture.ledger,
-    }
 }
 
 /// One piece: its slot and its entity. Nothing if an observer of its birth despawned it.

@@ -42,7 +42,7 @@ pub(crate) fn any_entity_is_outdated(bodies: Res<Bodies>, fractures: Res<Fractur
         fading,
         ..
     } = &*fractures;
-    let is_unbroken = done.is_empty() && refused.is_empty();
+    let is_unbroken = done.is_empty() && refused.is_empty() && bodies.cracked.is_empty();
     let nothing_goes = expired.is_empty() && fading.is_empty();
     !(is_unbroken && nothing_goes && bodies.sleep_changes().is_empty())
 }
@@ -67,7 +67,7 @@ pub(crate) fn renew_entities(world: &mut World, renewal: &mut SystemState<BodySy
     let fade = state.settings.budget.debris.fade;
     cut::despawn_expired(&mut commands, &fractures, entities, fade, &mut removed);
     unmark_woken(&mut commands, &bodies, entities, &marked);
-    if !fractures.done.is_empty() {
+    if !(fractures.done.is_empty() && bodies.cracked.is_empty()) {
         commands.queue(spawn_pieces);
     }
     renewal.apply(world);

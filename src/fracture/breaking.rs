@@ -6,13 +6,16 @@ use crate::contact::body_id::BodyId;
 use crate::contact::impulses::ContactCache;
 use crate::contact::manifolds::Manifolds;
 use crate::fracture::budget::FractureBudget;
+use crate::fracture::cluster::{Groups, apply_cracks, replace_groups};
+use crate::fracture::cluster_loads::{StepLoads, judge_loads};
 use crate::fracture::debris::Debris;
 use crate::fracture::impact;
 use crate::fracture::inheritance::{ParentState, transfer_impulses};
+use crate::fracture::pending::{Division, PendingBreak, PendingCause, divide, wait};
 use crate::fracture::pieces::{BreakPlan, PieceSet, replace};
-use crate::fracture::{Bonds, BreakingImpact, CutError, CutRequest, Fractures, MIN_PIECES};
+use crate::fracture::{Bonds, CutError, CutRequest, Fractures, MIN_PIECES};
 use crate::geometry::predicates::check_plane;
-use crate::slice::{Impact, PieceCutter, SliceError};
+use crate::slice::{PieceCutter, SliceError};
 use crate::solver::contact_solver::ContactSolver;
 use smallvec::SmallVec;
 
@@ -22,17 +25,6 @@ const RETRIED: f32 = 2.0;
 
 /// Bodies that broke, in one go, and their pieces.
 type Lines = Vec<(ParentState, SmallVec<[u32; 8]>)>;
-
-/// A body that was hit with more than it bears when there was no budget for it.
-#[derive(Clone, Debug)]
-struct PendingBreak {
-    body: BodyId,
-    slot: u32,
-    /// What it was hit with, in its own frame.
-    impact: Impact,
-    /// The same for the report; all of it acted.
-    blow: BreakingImpact,
-}
 
 /// What is kept from step to step, and buffers.
 #[derive(Debug, Default)]
@@ -101,6 +93,7 @@ pub(crate) fn make_cuts(
     fractures.state.handed_on.clear();
     fractures.state.made = 0;
     bodies.free_retired();
+    bodies.cracked.clear();
     fractures.state.awake = bodies.dynamic() - bodies.asleep();
     let Fractures {
         expired,
@@ -118,6 +111,7 @@ pub(crate) fn make_cuts(
     for (plan, requests) in collect_requests(fractures, bodies) {
         bodies.wake(plan.slot);
         let division = PieceSet::new(bodies, &plan, &mut fractures.state.cutter);
+        let division = division.map(Division::Cut);
         let made = division
             .and_then(|division| fractures.replace(bodies, bonds, plan.slot, division, budget));
         if let Err(error) = made {
@@ -150,10 +144,13 @@ fn break_waiting(
         bodies.wake(slot);
         // One that makes no pieces bears it.
         let cutter = &mut fractures.state.cutter;
-        if let Some(division) = divide(bodies, slot, &entry.impact, left, cutter)
+        if let Some(division) = entry.divide(bodies, left, cutter)
             && let Ok(fracture) = fractures.replace(bodies, bonds, slot, division, budget)
         {
-            fracture.waited = Some(entry.blow);
+            match &entry.cause {
+                PendingCause::Blow { blow, .. } => fracture.waited = Some(*blow),
+                PendingCause::Load(_) => fracture.is_load = true,
+            }
         }
         false
     });
@@ -190,13 +187,21 @@ pub(crate) fn break_overloaded(
             state.waiting.extend(wait(bodies, blow));
             continue;
         }
-        let impact = blow.impact(bodies);
-        let Some(division) = divide(bodies, blow.slot, &impact, left, &mut state.cutter) else {
+        let division = if blow.bonds.is_empty() {
+            let impact = blow.impact(bodies);
+            divide(bodies, blow.slot, &impact, left, &mut state.cutter)
+        } else {
+            Groups::of(bodies, blow.slot, &blow.bonds).map(Division::Groups)
+        };
+        let Some(division) = division else {
             state.spare(bodies, blow.slot, RETRIED * blow.load.impulse);
             continue;
         };
         left = left.saturating_sub(division.len());
-        let withstood = blow.withstood(bodies, &division);
+        let withstood = match &division {
+            Division::Cut(pieces) => blow.withstood(bodies, pieces),
+            Division::Groups(_) => blow.withstood_by_bonds(),
+        };
         let contacts = blow.contacts.iter();
         shares.extend(contacts.map(|&(index, part)| (index, part * withstood)));
         divisions.push((division, blow.report(bodies, withstood), blow));
@@ -223,6 +228,13 @@ pub(crate) fn note_blows(
         bodies.wear_out(solver.borne_loads(first_batch));
     }
     let state = &mut fractures.state;
+    for (slot, bonds) in apply_cracks(bodies, solver, first_batch) {
+        state.waiting.push(PendingBreak {
+            body: bodies.id(slot),
+            slot,
+            cause: PendingCause::Load(bonds),
+        });
+    }
     for blow in solver.overloaded(first_batch) {
         match wait(bodies, blow) {
             Some(pending) => {
@@ -231,6 +243,29 @@ pub(crate) fn note_blows(
             }
             None => state.spare(bodies, blow.slot, RETRIED * blow.load.impulse),
         }
+    }
+}
+
+/// At the end of a step: bonds within bodies that bear too much for too long break; what comes off does so at the start of the next step.
+pub(crate) fn break_under_loads(fractures: &mut Fractures, bodies: &mut Bodies, step: &StepLoads) {
+    if !bodies.any_cluster() {
+        return;
+    }
+    for (slot, bonds) in judge_loads(bodies, step) {
+        let body = bodies.id(slot);
+        let waits = fractures.state.waiting.iter();
+        if waits.into_iter().any(|entry| entry.body == body) {
+            continue;
+        }
+        if Groups::of(bodies, slot, &bonds.bonds).is_none() {
+            bodies.crack(slot, &bonds.bonds);
+            continue;
+        }
+        fractures.state.waiting.push(PendingBreak {
+            body,
+            slot,
+            cause: PendingCause::Load(bonds),
+        });
     }
 }
 
@@ -258,40 +293,6 @@ pub(crate) fn end_loads(fractures: &mut Fractures, bodies: &mut Bodies, solver: 
     });
 }
 
-/// What a blow makes of the body in `slot` where `left` pieces may be made; nothing if it bears it.
-fn divide(
-    bodies: &Bodies,
-    slot: u32,
-    impact: &Impact,
-    left: usize,
-    cutter: &mut PieceCutter,
-) -> Option<PieceSet> {
-    let most = bodies.max_pieces(slot).min(left);
-    let plan = BreakPlan {
-        slot,
-        blow: Some(impact::cutting(bodies, slot, impact, most)?),
-        cuts: SmallVec::new(),
-        most,
-        struck: (bodies.compound(slot)).map(|it| impact::struck_part(it, impact.point)),
-    };
-    PieceSet::new(bodies, &plan, cutter).ok()
-}
-
-/// A body that waits for its turn to break, unless it bears the blow.
-fn wait(bodies: &Bodies, blow: &Blow) -> Option<PendingBreak> {
-    let slot = blow.slot;
-    let impact = blow.impact(bodies);
-    // Whether it breaks does not depend on the number of pieces, and how it does is found when its turn comes.
-    let most = bodies.max_pieces(slot).min(MIN_PIECES);
-    impact::cutting(bodies, slot, &impact, most)?;
-    Some(PendingBreak {
-        body: bodies.id(slot),
-        slot,
-        impact,
-        blow: blow.report(bodies, 1.0),
-    })
-}
-
 impl Fractures {
     /// Replaces a body by its pieces and takes note of it.
     fn replace(
@@ -299,19 +300,24 @@ impl Fractures {
         bodies: &mut Bodies,
         bonds: &mut Bonds,
         slot: u32,
-        division: PieceSet,
+        division: Division,
         budget: &FractureBudget,
     ) -> Result<&mut crate::fracture::Fracture, CutError> {
         let line = ParentState::of(bodies, slot);
         let (drive, fatigue) = (bodies.drive(slot), bodies.fatigue(slot).copied());
-        let fracture = replace(bodies, slot, division, budget)?;
-        bonds.inherit(bodies, &line, &fracture.pieces);
+        let fracture = match division {
+            Division::Cut(pieces) => replace(bodies, slot, pieces, budget)?,
+            Division::Groups(groups) => replace_groups(bodies, slot, groups, budget)?,
+        };
+        let mut heirs = fracture.pieces.clone();
+        heirs.extend(fracture.goes_on.then_some(slot));
+        bonds.inherit(bodies, &line, &heirs);
         bodies.drive_pieces(drive, &fracture.pieces);
         if let Some(fatigue) = fatigue {
             bodies.wear_pieces(fatigue, &fracture.pieces);
         }
         let state = &mut self.state;
-        state.lines.push((line, fracture.pieces.clone()));
+        state.lines.push((line, heirs));
         state.made += fracture.pieces.len();
         state.debris.add(bodies, &fracture.pieces);
         self.done.push(fracture);

@@ -14,7 +14,7 @@ use crate::bodies::store::Bodies;
 use crate::contact::body_id::BodyId;
 use crate::fracture::hold_area::{Standing, holds};
 use crate::geometry::primitives::cuboid;
-use crate::geometry::{Compound, ConvexHull};
+use crate::geometry::{Compound, CompoundPart, ConvexHull};
 use crate::math::{Aabb, Plane, Pose, rotate};
 use glam::{Quat, Vec3};
 use smallvec::SmallVec;
@@ -87,6 +87,12 @@ impl Foothold {
             })
         };
         pieces.iter_mut().map(look).collect()
+    }
+
+    /// Whether a part of the body holds on.
+    pub(super) fn holds_part(&self, bodies: &Bodies, part: &CompoundPart) -> bool {
+        let hull = HullOf(part.shape.hull(), Some(part.pose));
+        self.is_held(bodies, hull, &bodies.pose(self.slot), &self.anchors)
     }
 
     /// Whether a hull of a piece at `pose` holds on; the anchors are in the frame of the piece.
@@ -232,7 +238,9 @@ impl<'b> Ground<'b> {
         let anchors = self.bodies.anchors(slot);
         let hold = self.bodies.hold(slot);
         let is_piece = hold.is_some_and(|hold| hold.origin.is_some());
-        let is_fragile = self.bodies.fracturable(slot).is_some() || anchors.is_some();
+        let is_breakable =
+            self.bodies.fracturable(slot).is_some() || self.bodies.cluster(slot).is_some();
+        let is_fragile = is_breakable || anchors.is_some();
         let may_fall = is_piece || is_fragile && self.need_chains;
         anchors.is_some_and(|anchors| !anchors.regions.is_empty()) || !may_fall
     }

@@ -47,6 +47,12 @@ impl Blow {
             .min(1.0)
     }
 
+    /// The same where bonds within the body break, and take the work.
+    pub(super) fn withstood_by_bonds(&self) -> f32 {
+        let taken = self.bond_work / self.load.energy;
+        1.0 - (1.0 - taken).max(0.0).sqrt()
+    }
+
     /// The blow as the body feels it, body's frame.
     pub(super) fn impact(&self, bodies: &Bodies) -> Impact {
         let to_body = bodies.pose(self.slot).rotation.inverse();

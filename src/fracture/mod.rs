@@ -12,10 +12,11 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | `breaking.rs` | when: on request, overloaded, or after waiting for the budget (`budget.rs`) |
+//! | `breaking.rs` | when: on request, overloaded, or after waiting for the budget (`budget.rs`, `pending.rs`) |
 //! | `impact.rs` | impulses of a step by body: what they break, and what of them acts before |
 //! | `pieces.rs`, `conservation.rs`, `ledger.rs` | pieces as bodies; what rounding takes from them; before and after |
 //! | `holding.rs`, `hold_area.rs` | which pieces of what stood stay, and what falls with the others |
+//! | `cluster.rs`, `cluster_loads.rs` | bodies whose parts are held by bonds: what comes off, and what sustained loads break |
 //! | `debris.rs` | which pieces go again |
 //! | `inheritance.rs`, `bond_inheritance.rs`, `joint_inheritance.rs` | which piece gets multipliers, bonds and joints of the parent |
 //! | `bond.rs`, `bonds.rs`, `neighbors.rs` | what holds bodies together, and over which area |
@@ -28,6 +29,8 @@ mod bond_inheritance;
 pub(crate) mod bonds;
 mod breaking;
 mod budget;
+mod cluster;
+mod cluster_loads;
 mod conservation;
 mod debris;
 mod hold_area;
@@ -37,12 +40,17 @@ mod inheritance;
 mod joint_inheritance;
 mod ledger;
 mod neighbors;
+mod pending;
 mod pieces;
 
 pub use bond::{Bond, BondError};
 pub use bonds::{Bonds, BrokenBond};
-pub(crate) use breaking::{Inherited, break_overloaded, end_loads, make_cuts, note_blows};
+pub(crate) use breaking::{
+    Inherited, break_overloaded, break_under_loads, end_loads, make_cuts, note_blows,
+};
 pub use budget::FractureBudget;
+pub(crate) use cluster::find_holds;
+pub(crate) use cluster_loads::StepLoads;
 pub use debris::{DebrisRules, ExpiredPiece, FadingPiece, RemovedDebris};
 pub use ledger::{Invariants, Ledger};
 
@@ -121,7 +129,7 @@ impl CutRequest {
 /// One body that became several.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fracture {
-    /// The body that is no more.
+    /// The body that is no more, unless it goes on.
     pub parent: BodyId,
     /// The slot it had.
     pub parent_slot: u32,
@@ -139,6 +147,10 @@ pub struct Fracture {
     pub blow: Option<BreakingImpact>,
     /// Of a body that had to wait for its turn: what it was hit with then, all of which acted on it.
     pub waited: Option<BreakingImpact>,
+    /// Whether it was a sustained load, and no blow.
+    pub is_load: bool,
+    /// Whether the parent goes on, in its slot, with what bonds still hold to where it is anchored. That is none of the pieces.
+    pub goes_on: bool,
 }
 
 /// What a body was hit with when it broke.

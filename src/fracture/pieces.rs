@@ -208,6 +208,8 @@ pub(super) fn replace(
         fallen: Vec::new(),
         blow: None,
         waited: None,
+        is_load: false,
+        goes_on: false,
     };
     let Some(foothold) = foothold else {
         bodies.remove(slot);
@@ -219,7 +221,7 @@ pub(super) fn replace(
 }
 
 /// Adds the pieces of `parent` that are large enough to the bodies, and all to the ledger.
-fn insert(
+pub(super) fn insert(
     bodies: &mut Bodies,
     parent: u32,
     pieces: Vec<(BodyDesc, Option<Hold>)>,
@@ -233,10 +235,12 @@ fn insert(
     let mut kept = SmallVec::new();
     for (mut desc, hold) in pieces {
         let inherited = fracturable.as_ref().and_then(|f| f.for_piece(kept.len()));
-        desc.fracturable = inherited.map(|f| Fracturable {
+        let own = desc.fracturable.take();
+        let inherited = inherited.map(|f| Fracturable {
             generations: f.generations.min(budget.generations.saturating_sub(1)),
             ..f
         });
+        desc.fracturable = own.or(inherited);
         let dropped = Invariants::of_piece(&desc, reference);
         // A piece whose mass or inertia no f32 can hold is as good as too small.
         let is_large_enough = desc
@@ -296,7 +300,11 @@ fn piece_desc(bodies: &Bodies, parent: u32, hull: ConvexHull, visual: Option<Tri
 }
 
 /// The same of a piece of a body of several parts.
-fn compound_desc(bodies: &Bodies, parent: u32, piece: &Compound) -> Result<BodyDesc, HullError> {
+pub(super) fn compound_desc(
+    bodies: &Bodies,
+    parent: u32,
+    piece: &Compound,
+) -> Result<BodyDesc, HullError> {
     if let Some(mesh) = piece.single_hull()? {
         let centroid = VolumeIntegrals::of_shape(&mesh).centroid.as_vec3();
         let shift = Pose::from_position(-centroid);

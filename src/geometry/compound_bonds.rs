@@ -3,7 +3,7 @@
 use crate::geometry::compound::{Compound, CompoundError, CompoundShape};
 use crate::geometry::compound_part::CompoundPart;
 use crate::geometry::part_bond::{BOND_GAP, PartBond};
-use crate::math::Pose;
+use crate::math::{Aabb, Pose};
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -30,9 +30,7 @@ impl Compound {
         if let Some(part) = groups.iter().position(|&group| group != 0) {
             return Err(CompoundError::Unbonded { part });
         }
-        let mut shape = Arc::unwrap_or_clone(self.0);
-        shape.bonds = Some(bonds.into());
-        Ok(Self(Arc::new(shape)))
+        Ok(self.holding(bonds))
     }
 
     /// The same parts held wherever two share a face, with a tensile and shear strength (Pa); see [`PartBond::between`].
@@ -56,10 +54,10 @@ impl Compound {
             near.retain(|&other| other > index);
             near.sort_unstable();
             let found = near.iter();
-            bonds.extend(
-                found
-                    .filter_map(|&other| PartBond::between(self.parts(), [index, other], strength)),
-            );
+            bonds
+                .extend(found.filter_map(|&other| {
+                    PartBond::between(self.parts(), [index, other], strength)
+                }));
         }
         bonds
     }
@@ -74,14 +72,52 @@ impl Compound {
         self.0.bonds.is_some()
     }
 
+    /// The part that a point of the compound's frame is in, or nearest to by the planes of its faces; the first on a tie.
+    pub(crate) fn part_at(&self, point: Vec3) -> u32 {
+        let height = |part: u32| {
+            let part = &self.parts()[part as usize];
+            let own = part.pose.inverse_transform_point(point);
+            let faces = part.shape.hull().faces().iter();
+            let heights = faces.map(|face| face.plane.distance(own));
+            heights.fold(f32::NEG_INFINITY, f32::max)
+        };
+        let mut reach = 0.01 * self.min_extent();
+        let most = self.aabb().diagonal().max(self.min_extent());
+        while reach < most {
+            let around = Aabb {
+                min: point - reach,
+                max: point + reach,
+            };
+            let mut nearest: Option<(f32, u32)> = None;
+            self.within(&around, |part| {
+                let own = (height(part), part);
+                if nearest.is_none_or(|least| own < least) {
+                    nearest = Some(own);
+                }
+            });
+            if let Some((_, part)) = nearest {
+                return part;
+            }
+            reach *= 4.0;
+        }
+        let all = (0..self.len() as u32).map(|part| (height(part), part));
+        let nearest = all.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        nearest.map_or(0, |(_, part)| part)
+    }
+
+    /// The same parts held by bonds that are known to be usable, but may leave parts on their own.
+    pub(crate) fn holding(self, bonds: Vec<PartBond>) -> Self {
+        let mut shape = Arc::unwrap_or_clone(self.0);
+        shape.bonds = Some(bonds.into());
+        Self(Arc::new(shape))
+    }
+
     /// The same without some of its bonds, by index.
     pub(crate) fn without_bonds(&self, broken: &[u32]) -> Self {
         let bonds = (0..).zip(self.bonds());
         let left = bonds.filter(|(index, _)| !broken.contains(index));
         let left = left.map(|(_, bond)| *bond).collect();
-        let mut shape = CompoundShape::clone(&self.0);
-        shape.bonds = Some(left);
-        Self(Arc::new(shape))
+        self.clone().holding(left)
     }
 
     /// Some of its parts (ascending) with the bonds between them, in the same frame. The mesh that was drawn for all of them is gone.
@@ -194,10 +230,7 @@ mod tests {
     fn parts_without_a_bond_are_refused() {
         let lone = |part| Err(CompoundError::Unbonded { part });
         let bonds = row(4).shared_faces(1.0);
-        assert_eq!(
-            row(4).with_bonds(&bonds[..2]).map(|c| c.len()),
-            lone(3)
-        );
+        assert_eq!(row(4).with_bonds(&bonds[..2]).map(|c| c.len()), lone(3));
         let wrong = PartBond {
             area: f32::NAN,
             ..bonds[0]

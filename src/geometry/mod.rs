@@ -61,8 +61,8 @@ mod triangle_corners;
 mod weld;
 
 pub(crate) use closed::{EdgeCensus, KnownClosed};
-pub(crate) use compound_bonds::groups_of;
 pub use compound::{Compound, CompoundError, MAX_PARTS};
+pub(crate) use compound_bonds::groups_of;
 pub use compound_part::CompoundPart;
 #[doc(hidden)]
 pub use constant_shapes::are_sizes_usable;

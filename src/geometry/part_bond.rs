@@ -213,8 +213,8 @@ mod tests {
     fn what_touches_at_an_edge_or_not_at_all_has_no_bond() {
         let cube = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("a box");
         for at in [Vec3::new(1.0, 1.0, 0.0), Vec3::new(1.05, 0.0, 0.0)] {
-            let parts = [Vec3::ZERO, at]
-                .map(|at| CompoundPart::new(Pose::from_position(at), cube.clone()));
+            let parts =
+                [Vec3::ZERO, at].map(|at| CompoundPart::new(Pose::from_position(at), cube.clone()));
             assert_eq!(PartBond::between(&parts, [0, 1], 1.0), None);
         }
     }

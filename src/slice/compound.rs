@@ -1,6 +1,8 @@
 //! Compounds cut part by part, and what of them hangs together.
 
-use crate::geometry::{Compound, CompoundPart, ConvexHull, ConvexMesh, HullError, TriMesh};
+use crate::geometry::{
+    Compound, CompoundPart, ConvexHull, ConvexMesh, HullError, PartBond, TriMesh, groups_of,
+};
 use crate::math::Plane;
 use crate::slice::components::split_components;
 use crate::slice::cut::Cut;
@@ -13,6 +15,8 @@ use glam::Vec3;
 #[derive(Default)]
 struct Half {
     parts: Vec<CompoundPart>,
+    /// By part: which it was, and whether it is whole.
+    origins: Vec<(u32, bool)>,
     visual: Option<TriMesh>,
 }
 
@@ -36,7 +40,8 @@ impl PieceCutter {
                 match self.halves(&piece, plane, options)? {
                     Some(halves) => {
                         for half in halves {
-                            next.extend(connected(half.parts, half.visual));
+                            let bonds = inherited(&piece, &half.parts, &half.origins);
+                            next.extend(connected(half.parts, half.visual, bonds));
                         }
                     }
                     None => next.push(piece),
@@ -55,7 +60,7 @@ impl PieceCutter {
         options: SliceOptions,
     ) -> Result<Option<[Half; 2]>, SliceError> {
         let mut halves = [Half::default(), Half::default()];
-        for part in compound.parts() {
+        for (index, part) in (0..).zip(compound.parts()) {
             let own = plane.in_frame_of(&part.pose);
             let cut = Cutting::Planes([own].into_iter().collect());
             let hull = part.shape.hull();
@@ -70,6 +75,7 @@ impl PieceCutter {
                 };
                 let half = &mut halves[usize::from(is_above)];
                 half.parts.push(CompoundPart::new(part.pose, shape));
+                half.origins.push((index, is_whole));
             }
         }
         if halves.iter().any(|half| half.parts.is_empty()) {
@@ -110,14 +116,16 @@ impl PieceCutter {
         let mut all = Vec::with_capacity(pieces.len() + 1);
         for piece in pieces {
             let shape = shape_of(piece, weighs_visual);
-            all.extend(connected(vec![CompoundPart::new(part.pose, shape)], None));
+            let part = CompoundPart::new(part.pose, shape);
+            all.extend(connected(vec![part], None, None));
         }
-        let rest = compound.parts().iter().enumerate();
-        let rest = rest.filter(|(index, _)| *index != struck);
-        all.extend(connected(
-            rest.map(|(_, part)| part.clone()).collect(),
-            None,
-        ));
+        let rest = (0..).zip(compound.parts());
+        let rest = rest.filter(|(index, _)| *index as usize != struck);
+        let (origins, rest): (Vec<_>, Vec<_>) = rest
+            .map(|(index, part)| ((index, true), part.clone()))
+            .unzip();
+        let bonds = inherited(compound, &rest, &origins);
+        all.extend(connected(rest, None, bonds));
         Ok(all)
     }
 }
@@ -136,28 +144,62 @@ fn middle(hull: &ConvexHull) -> Vec3 {
     hull.vertices().iter().sum::<Vec3>() / hull.vertices().len() as f32
 }
 
-/// A compound for each group of parts that hang together: that touch or overlap, or are connected by others that do.
-fn connected(parts: Vec<CompoundPart>, visual: Option<TriMesh>) -> Vec<Compound> {
+/// The bonds of a compound between what is left of its parts: over the faces that they still share. None if it has none.
+fn inherited(
+    compound: &Compound,
+    parts: &[CompoundPart],
+    origins: &[(u32, bool)],
+) -> Option<Vec<PartBond>> {
+    if !compound.is_bonded() {
+        return None;
+    }
+    // Parts are in the order of those that they were.
+    let of = |part: u32| {
+        let first = origins.partition_point(|&(origin, _)| origin < part);
+        let own = origins[first..].iter();
+        let count = own.take_while(|&&(origin, _)| origin == part).count();
+        first..first + count
+    };
+    let mut bonds = Vec::new();
+    for bond in compound.bonds() {
+        let [a, b] = bond.parts.map(of);
+        for (i, j) in a.flat_map(|i| b.clone().map(move |j| (i, j))) {
+            let names = [i as u32, j as u32];
+            if origins[i].1 && origins[j].1 {
+                bonds.push(PartBond {
+                    parts: names,
+                    ..*bond
+                });
+                continue;
+            }
+            let shared = PartBond::between(parts, names, bond.strength);
+            bonds.extend(shared.map(|shared| PartBond {
+                shear_strength: bond.shear_strength,
+                ..shared
+            }));
+        }
+    }
+    Some(bonds)
+}
+
+/// A compound for each group of parts that hang together: that bonds hold, or, where there are none, that touch or overlap, or are
+/// connected by others that do.
+fn connected(
+    parts: Vec<CompoundPart>,
+    visual: Option<TriMesh>,
+    bonds: Option<Vec<PartBond>>,
+) -> Vec<Compound> {
     let Ok(whole) = Compound::new(parts) else {
         return Vec::new();
     };
-    let count = whole.len();
-    let mut groups: Vec<usize> = (0..count).map(|_| usize::MAX).collect();
-    let mut number = 0;
-    for first in 0..count {
-        if groups[first] != usize::MAX {
-            continue;
-        }
-        let mut waiting = vec![first];
-        while let Some(part) = waiting.pop() {
-            if groups[part] == usize::MAX {
-                groups[part] = number;
-                let neighbors = whole.neighbors(part).iter();
-                waiting.extend(neighbors.map(|&other| other as usize));
-            }
-        }
-        number += 1;
-    }
+    let (groups, whole) = match bonds {
+        Some(bonds) => (
+            groups_of(whole.len(), &bonds, |_| false),
+            whole.holding(bonds),
+        ),
+        None => (touching_groups(&whole), whole),
+    };
+    let number = groups.iter().max().map_or(0, |&last| last as usize + 1);
     if number == 1 {
         return vec![match visual {
             Some(mesh) => whole.with_visual(mesh),
@@ -165,20 +207,41 @@ fn connected(parts: Vec<CompoundPart>, visual: Option<TriMesh>) -> Vec<Compound>
         }];
     }
     let mut meshes = visual.map(|mesh| meshes_of(&mesh, &whole, &groups, number));
-    let pieces = (0..number).filter_map(|group| {
-        let parts = whole.parts().iter().zip(&groups);
-        let own = parts.filter(|(_, of)| **of == group);
-        let piece = Compound::new(own.map(|(part, _)| part.clone())).ok()?;
-        Some(match &mut meshes {
+    let pieces = (0..number).map(|group| {
+        let parts = (0..).zip(&groups);
+        let own = parts.filter(|(_, of)| **of as usize == group);
+        let piece = whole.subset(&own.map(|(part, _)| part).collect::<Vec<u32>>());
+        match &mut meshes {
             Some(meshes) => piece.with_visual(std::mem::take(&mut meshes[group])),
             None => piece,
-        })
+        }
     });
     pieces.collect()
 }
 
+/// By part: its group of parts that touch. Groups are numbered by their first parts.
+fn touching_groups(whole: &Compound) -> Vec<u32> {
+    let mut groups = vec![u32::MAX; whole.len()];
+    let mut number = 0;
+    for first in 0..whole.len() {
+        if groups[first] != u32::MAX {
+            continue;
+        }
+        let mut waiting = vec![first];
+        while let Some(part) = waiting.pop() {
+            if groups[part] == u32::MAX {
+                groups[part] = number;
+                let neighbors = whole.neighbors(part).iter();
+                waiting.extend(neighbors.map(|&other| other as usize));
+            }
+        }
+        number += 1;
+    }
+    groups
+}
+
 /// For each group what of a mesh belongs to it: of what hangs together in the mesh, that whose corners are nearest to its parts.
-fn meshes_of(mesh: &TriMesh, whole: &Compound, groups: &[usize], count: usize) -> Vec<TriMesh> {
+fn meshes_of(mesh: &TriMesh, whole: &Compound, groups: &[u32], count: usize) -> Vec<TriMesh> {
     let mut found: Vec<Vec<TriMesh>> = vec![Vec::new(); count];
     for component in split_components(mesh) {
         let at = component.positions.first().copied().unwrap_or_default();
@@ -192,7 +255,7 @@ fn meshes_of(mesh: &TriMesh, whole: &Compound, groups: &[usize], count: usize) -
         let nearest = parts.map(|(part, &group)| (height(part), group));
         let nearest = nearest.min_by(|(a, _), (b, _)| a.total_cmp(b));
         if let Some((_, group)) = nearest {
-            found[group].push(component);
+            found[group as usize].push(component);
         }
     }
     found.iter().map(|meshes| TriMesh::joined(meshes)).collect()

@@ -243,7 +243,7 @@ impl ContactSolver {
             batch.load(&step, range.clone(), requirement);
             batch.load_bonds(bonded, manifolds);
             batch.load_joints(joints, bodies);
-            batch.solve(manifolds, team);
+            batch.solve((manifolds, bodies), team);
         };
         let is_for_team =
             |range: &Range<usize>| islands.manifolds_of(range) >= MANIFOLDS_WORTH_A_TEAM;

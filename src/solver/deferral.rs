@@ -57,7 +57,7 @@ impl ContactSolver {
                 };
                 batch.load(&step, part..part + 1, &self.requirements[whole]);
                 batch.load_bonds(&self.bonded, manifolds);
-                batch.solve(manifolds, None);
+                batch.solve((manifolds, bodies), None);
                 if batch.impacts.is_broken {
                     batch.store_impulses(&mut manifolds.whole(), 0);
                     overloaded.append(&mut batch.impacts.overloaded);

@@ -6,6 +6,7 @@ use crate::bodies::store::Bodies;
 use crate::math::rotate_by;
 use crate::solver::adaptivity::SweepBudget;
 use crate::solver::batch::Batch;
+use crate::solver::batch::cluster_blow::Crack;
 use crate::solver::batch::layout::Member;
 use crate::solver::contact_solver::{ContactSolver, Progress};
 use crate::solver::rows::contact_rows::PointRows;
@@ -85,6 +86,13 @@ impl ContactSolver {
         let batches = self.batches[first..self.earlier + self.ranges.len()].iter();
         let solved = batches.filter(|batch| !batch.impacts.is_broken);
         solved.flat_map(|batch| &batch.impacts.overloaded)
+    }
+
+    /// What cracked in the islands that have been solved, of the batches from this number on.
+    pub(crate) fn cracks(&self, first: usize) -> impl Iterator<Item = &Crack> {
+        let batches = self.batches[first..self.earlier + self.ranges.len()].iter();
+        let solved = batches.filter(|batch| !batch.impacts.is_broken);
+        solved.flat_map(|batch| &batch.impacts.cracks)
     }
 
     /// Blows that ended the solve of their islands in the last round.

@@ -218,6 +218,15 @@ fn pass_on(
         (a, entry.code_a)
     };
     let child = &split.children[share.child];
+    if child.id == split.parent {
+        // What goes on as the body has the codes that it had.
+        let kept = CacheEntry {
+            normal_impulse: share.factor * entry.normal_impulse,
+            friction_impulse: share.factor * entry.friction_impulse,
+            ..*entry
+        };
+        return ((a, b), kept);
+    }
     let own_code = child.code_box.encode(share.point - child.origin);
     // The friction impulse is that on B, in A's frame. The piece, whose id is higher, is B.
     let on_b = rotate(rotation_of(a), share.factor * entry.friction_impulse);

@@ -116,6 +116,7 @@ impl Batch {
         self.contacts.moving.clear();
         self.impacts.limits.clear();
         self.impacts.overloaded.clear();
+        self.impacts.cracks.clear();
         self.impacts.is_broken = false;
     }
 

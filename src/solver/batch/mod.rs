@@ -7,6 +7,7 @@
 //! [`substep`] first: one sub-step, line by line; [`load`] is what comes before, [`results`] what comes after.
 
 mod bonds;
+pub(crate) mod cluster_blow;
 mod contacts;
 mod drives;
 mod energy_guard;
@@ -40,6 +41,7 @@ use crate::bodies::free_rotation::FreeRotation;
 use crate::bodies::solver_body::{BodyMass, SolverBody};
 use crate::simd::lanes::F8;
 use crate::solver::adaptivity::SweepBudget;
+use crate::solver::batch::cluster_blow::Crack;
 use crate::solver::rows::acceleration::AccelerationWeight;
 use crate::solver::settings::SubstepSettings;
 use crate::solver::wide::block::PointImpact;
@@ -133,6 +135,8 @@ pub struct Impacts {
     pub limits: Vec<BreakingLimit>,
     /// What bodies were hit with that are overloaded, by their numbers.
     pub(crate) overloaded: Vec<Blow>,
+    /// Bonds within bodies that broke without anything coming off.
+    pub(crate) cracks: Vec<Crack>,
     /// Whether the solve is to be given up when a body is overloaded.
     pub may_break: bool,
     /// Whether the solve was given up because a body breaks; velocities and motions mean nothing then.

@@ -40,19 +40,29 @@ impl Batch {
     }
 
     /// Notes the bodies that are overloaded by the impulses of the step until now; whether there are any.
-    pub(crate) fn find_overloaded(&mut self, manifolds: &Manifolds) -> bool {
+    pub(crate) fn find_overloaded(&mut self, manifolds: &Manifolds, bodies: &Bodies) -> bool {
         self.impacts.overloaded.clear();
         if self.impacts.limits.is_empty() {
             return false;
         }
         self.sum_loads();
-        let overloaded = self.impacts.limits.iter().filter_map(|limit| {
+        let mut overloaded = Vec::new();
+        for index in 0..self.impacts.limits.len() {
+            let limit = self.impacts.limits[index];
             let load = self.impacts.loads[limit.body as usize];
-            let is_over = limit.is_exceeded_by(&load);
-            is_over.then(|| self.blow_to(limit.body, load, manifolds))
-        });
-        let mut overloaded: Vec<Blow> = overloaded.collect();
-        self.impacts.overloaded.append(&mut overloaded);
+            if !limit.is_exceeded_by(&load) {
+                continue;
+            }
+            // What is held by bonds breaks along these first.
+            let along_bonds = limit
+                .is_bond_at_risk(load.energy)
+                .then(|| self.judge_bonds(index, load, manifolds, bodies))
+                .flatten();
+            let whole = || self.blow_to(limit.body, load, manifolds);
+            let blow = along_bonds.or_else(|| limit.is_body_at_risk(&load).then(whole));
+            overloaded.extend(blow);
+        }
+        self.impacts.overloaded = overloaded;
         !self.impacts.overloaded.is_empty()
     }
 
@@ -105,7 +115,7 @@ impl Batch {
     }
 
     /// The whole of what a body was hit with.
-    fn blow_to(&self, number: u32, load: ImpactLoad, manifolds: &Manifolds) -> Blow {
+    pub(super) fn blow_to(&self, number: u32, load: ImpactLoad, manifolds: &Manifolds) -> Blow {
         let mut blow = Blow {
             slot: self.layout.slots[number as usize],
             load,

@@ -4,6 +4,7 @@
 //! frozen normal, `s = s_0 + J q` with the displacements `q`; where bodies move fast against each other, or turn, the rows
 //! are pointed anew at each sub-step. [`Batch::substep`] is the sub-step; each of its lines is a file of this room.
 
+use crate::bodies::store::Bodies;
 use crate::contact::manifolds::Manifolds;
 use crate::solver::batch::Batch;
 use crate::solver::batch::sweeps::SweepKind;
@@ -12,7 +13,7 @@ use crate::threads::team::Team;
 
 impl Batch {
     /// Advances the batch by a step, or gives up when a body of it breaks.
-    pub fn solve(&mut self, manifolds: &Manifolds, team: Option<&Team>) {
+    pub fn solve(&mut self, (manifolds, bodies): (&Manifolds, &Bodies), team: Option<&Team>) {
         self.forget_contact_velocity_changes();
         let substeps = self.settings.substeps;
         for substep in 0..substeps {
@@ -23,7 +24,7 @@ impl Batch {
             self.substep(substep == 0, manifolds, team);
             let is_last = substep + 1 == substeps;
             let is_looked_at = is_last || self.impacts.may_break && self.impacts.can_hit();
-            if is_looked_at && self.find_overloaded(manifolds) {
+            if is_looked_at && self.find_overloaded(manifolds, bodies) {
                 self.impacts.is_broken = self.impacts.may_break;
             }
             if self.impacts.is_broken {

@@ -1,0 +1,202 @@
+//! Bodies whose parts are held by bonds: what is known of each besides its shape.
+//!
+//! Few bodies are, so they are a list by slot that grows with the last of them; the others are asked for nothing.
+
+use crate::bodies::body::{RigidBody, Shape};
+use crate::bodies::store::Bodies;
+use crate::cluster::load::Wrench;
+use crate::cluster::network::Network;
+use crate::contact::body_id::BodyId;
+use crate::geometry::Compound;
+use crate::mass::MassError;
+use std::sync::Arc;
+
+/// What is known of a cluster.
+#[derive(Clone, Debug)]
+pub(crate) struct ClusterState {
+    /// Its parts and bonds.
+    pub(crate) network: Arc<Network>,
+    /// By part, whether it holds on to the world; none while that is to be found out. Nothing of a dynamic body does.
+    pub(crate) held: Option<Vec<bool>>,
+    /// If nothing of it does: the newest body when that was found out.
+    pub(crate) looked_at: Option<u32>,
+    /// What it bears, low-passed, by source and part.
+    pub(crate) loads: Vec<PartLoad>,
+    /// The same when it was last found out what that does to the bonds.
+    pub(crate) judged: Option<JudgedLoad>,
+}
+
+/// What another body, or a joint, does to a part; frame of the compound.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct PartLoad {
+    /// Who does it, and which part.
+    pub(crate) from: (LoadSource, u32),
+    pub(crate) wrench: Wrench,
+}
+
+/// Who loads a part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum LoadSource {
+    /// A body by id, and its slot.
+    Contact(BodyId, u32),
+    Joint(u32),
+}
+
+/// A load whose bonds bear it.
+#[derive(Clone, Debug)]
+pub(crate) struct JudgedLoad {
+    pub(crate) loads: Vec<PartLoad>,
+    /// Gravity and spin in the frame of the compound, m/s2 and rad/s.
+    pub(crate) motion: [glam::DVec3; 2],
+    /// The most that a bond bears, as a share of its strength.
+    pub(crate) utilization: f64,
+}
+
+impl PartLoad {
+    /// N.
+    pub(crate) fn size(&self) -> f64 {
+        self.wrench.force.length()
+    }
+}
+
+impl ClusterState {
+    /// Whether a part holds on to the world.
+    pub(crate) fn holds(&self, part: u32) -> bool {
+        let held = self.held.as_ref();
+        held.is_some_and(|held| held[part as usize])
+    }
+}
+
+impl Bodies {
+    /// What is known of a body whose parts are held by bonds; none of others.
+    #[inline]
+    pub(crate) fn cluster(&self, slot: u32) -> Option<&ClusterState> {
+        self.clusters.get(slot as usize)?.as_deref()
+    }
+
+    /// The same, to be changed.
+    pub(crate) fn cluster_mut(&mut self, slot: u32) -> Option<&mut ClusterState> {
+        self.clusters.get_mut(slot as usize)?.as_deref_mut()
+    }
+
+    /// Slots of all of them, ascending; by a look at each slot up to the last of them.
+    pub(crate) fn cluster_slots(&self) -> impl Iterator<Item = u32> + '_ {
+        let slots = (0..).zip(&self.clusters);
+        slots.filter_map(|(slot, state)| state.is_some().then_some(slot))
+    }
+
+    /// Changes with each body that is added.
+    pub(crate) fn newest(&self) -> u32 {
+        self.next_id
+    }
+
+    /// Whether there are any.
+    pub(crate) fn any_cluster(&self) -> bool {
+        !self.clusters.is_empty()
+    }
+
+    /// After shape, density or kind changed: parts and bonds as they are now, whose loads and holds are not known.
+    pub(super) fn renew_cluster(&mut self, slot: u32) -> Result<(), MassError> {
+        let info = self.info(slot);
+        let bonded = info.shape.compound().filter(|it| it.is_bonded());
+        let Some(compound) = bonded else {
+            self.forget_cluster(slot);
+            return Ok(());
+        };
+        let network = Network::new(compound, info.density, info.friction.coefficient)?;
+        let held = if info.kind == RigidBody::Static {
+            self.unheld_clusters.push(slot);
+            None
+        } else {
+            Some(vec![false; compound.len()])
+        };
+        let needed = self.clusters.len().max(slot as usize + 1);
+        self.clusters.resize_with(needed, || None);
+        self.clusters[slot as usize] = Some(Box::new(ClusterState {
+            network: Arc::new(network),
+            held,
+            looked_at: None,
+            loads: Vec::new(),
+            judged: None,
+        }));
+        Ok(())
+    }
+
+    pub(super) fn forget_cluster(&mut self, slot: u32) {
+        if let Some(state) = self.clusters.get_mut(slot as usize) {
+            *state = None;
+            // Whoever asks whether there are any looks no farther than the last one.
+            while self.clusters.last().is_some_and(Option::is_none) {
+                self.clusters.pop();
+            }
+        }
+    }
+
+    /// Takes bonds (by index) away that hold nothing together any more which others do not.
+    pub(crate) fn crack(&mut self, slot: u32, broken: &[u32]) {
+        let Some(compound) = self.compound(slot) else {
+            return;
+        };
+        let cracked = compound.without_bonds(broken);
+        let held = self.cluster(slot).and_then(|state| state.held.clone());
+        let loads = self.cluster(slot).map(|state| state.loads.clone());
+        self.set_compound(slot, cracked);
+        if self.renew_cluster(slot).is_err() {
+            return;
+        }
+        if let Some(state) = self.cluster_mut(slot) {
+            state.held = held;
+            state.loads = loads.unwrap_or_default();
+        }
+        self.cracked.push((slot, self.id(slot)));
+    }
+
+    /// Leaves of a body only some of its parts (ascending), whose bonds are those of `cracked`; its frame, id and slot stay, and so does
+    /// what is known of its contacts.
+    pub(crate) fn keep_parts(
+        &mut self,
+        slot: u32,
+        cracked: &Compound,
+        kept: &[u32],
+    ) -> Result<(), MassError> {
+        let rest = cracked.subset(kept);
+        let held = self.cluster(slot).and_then(|state| state.held.as_ref());
+        let held = held.map(|held| kept.iter().map(|&part| held[part as usize]).collect());
+        let loads = self.cluster(slot).map(|state| {
+            let loads = state.loads.iter().filter_map(|load| {
+                let part = kept.binary_search(&load.from.1).ok()? as u32;
+                Some(PartLoad {
+                    from: (load.from.0, part),
+                    ..*load
+                })
+            });
+            loads.collect()
+        });
+        let code_box = self.kd_box[slot as usize];
+        self.disturb(slot);
+        self.set_compound(slot, rest);
+        self.mark_shape_changed(slot);
+        // Codes of contacts go on meaning what they did.
+        self.kd_box[slot as usize] = code_box;
+        self.refresh_mass(slot)?;
+        self.stale_mass.pop();
+        if let Some(state) = self.cluster_mut(slot) {
+            state.held = held;
+            state.loads = loads.unwrap_or_default();
+        }
+        self.cracked.push((slot, self.id(slot)));
+        Ok(())
+    }
+
+    fn set_compound(&mut self, slot: u32, compound: Compound) {
+        if let Some(info) = &mut self.info[slot as usize] {
+            info.shape = Shape::Compound(compound);
+        }
+    }
+
+    /// Energy that a blow must have to break a bond of the body, J; infinite if nothing of it is held by bonds.
+    pub(super) fn bond_energy(&self, slot: u32) -> f32 {
+        let state = self.cluster(slot);
+        state.map_or(f32::INFINITY, |state| state.network.least_energy)
+    }
+}

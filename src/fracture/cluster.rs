@@ -1,0 +1,211 @@
+//! Clusters that break: the groups of parts that bonds still hold together, and which of them goes on as the body.
+
+use crate::bodies::body::{BodyDesc, RigidBody};
+use crate::bodies::store::Bodies;
+use crate::fracture::budget::FractureBudget;
+use crate::fracture::conservation::keep_momentum;
+use crate::fracture::holding::Foothold;
+use crate::fracture::ledger::{Ledger, Reference};
+use crate::fracture::pieces::{compound_desc, insert};
+use crate::fracture::{CutError, Fracture};
+use crate::geometry::groups_of;
+use crate::slice::SliceError;
+use crate::slice::fracturable::Fracturable;
+use crate::solver::contact_solver::ContactSolver;
+
+/// Bonds of a body that are to break, by index, and how many it had then: another number, and these are not they.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct BrokenBonds {
+    pub(super) of: usize,
+    pub(super) bonds: Vec<u32>,
+}
+
+/// What a cluster falls into, as parts by index, ascending.
+#[derive(Clone, Debug)]
+pub(super) struct Groups {
+    /// Those that come off, by their first parts.
+    pub(super) pieces: Vec<Vec<u32>>,
+    /// What goes on as the body.
+    rest: Option<Vec<u32>>,
+    /// Bonds that are gone.
+    broken: Vec<u32>,
+}
+
+impl Groups {
+    /// What is left when bonds break; none if nothing comes off. Of a body that stands, the largest group that holds on to the world
+    /// goes on as the body.
+    pub(super) fn of(bodies: &Bodies, slot: u32, broken: &[u32]) -> Option<Self> {
+        let state = bodies.cluster(slot)?;
+        let network = &state.network;
+        let is_broken = |bond: usize| broken.contains(&(bond as u32));
+        let groups = groups_of(network.nodes.len(), &network.bonds, is_broken);
+        let count = groups.iter().max().map_or(0, |&last| last as usize + 1);
+        if count < 2 {
+            return None;
+        }
+        let mut pieces: Vec<Vec<u32>> = vec![Vec::new(); count];
+        for (part, &group) in (0..).zip(&groups) {
+            pieces[group as usize].push(part);
+        }
+        let holds = |parts: &Vec<u32>| parts.iter().any(|&part| state.holds(part));
+        let held = (0..count).filter(|&group| holds(&pieces[group]));
+        let largest = held.max_by_key(|&group| (pieces[group].len(), count - group));
+        let rest = largest.map(|group| pieces.remove(group));
+        Some(Self {
+            pieces,
+            rest,
+            broken: broken.to_vec(),
+        })
+    }
+}
+
+/// Replaces the body in `slot` by what comes off of it, and leaves the rest of one that stands.
+pub(super) fn replace_groups(
+    bodies: &mut Bodies,
+    slot: u32,
+    groups: Groups,
+    budget: &FractureBudget,
+) -> Result<Fracture, CutError> {
+    let reference = Reference::of(bodies, slot);
+    let foothold = Foothold::of(bodies, slot);
+    let cracked = bodies.compound(slot).ok_or(CutError::NotConvex)?;
+    let cracked = cracked.without_bonds(&groups.broken);
+    let mut pieces = Vec::with_capacity(groups.pieces.len());
+    for (number, parts) in groups.pieces.iter().enumerate() {
+        let piece = cracked.subset(parts);
+        let mut desc = compound_desc(bodies, slot, &piece).map_err(SliceError::from)?;
+        desc.fracturable = fracturable_of(bodies, slot, number);
+        pieces.push(desc);
+    }
+    let mut ledger = Ledger::default();
+    ledger.before.add_body(bodies, slot, &reference);
+    let holds = match &foothold {
+        Some(foothold) => foothold.keep(bodies, &mut pieces),
+        None => vec![None; pieces.len()],
+    };
+    let pieces: Vec<(BodyDesc, _)> = pieces.into_iter().zip(holds).collect();
+    let kept = insert(bodies, slot, pieces, budget, &mut ledger, &reference);
+    if groups.rest.is_none() && kept.is_empty() {
+        return Err(CutError::TooSmall);
+    }
+    let parent = bodies.id(slot);
+    if bodies.kind(slot) == RigidBody::Dynamic {
+        keep_momentum(bodies, &kept, &mut ledger, &reference);
+    }
+    if let Some(rest) = &groups.rest {
+        // Its parts had a mass.
+        let _ = bodies.keep_parts(slot, &cracked, rest);
+        ledger.after.add_body(bodies, slot, &reference);
+    }
+    let mut fracture = Fracture {
+        parent,
+        parent_slot: slot,
+        ids: kept.iter().map(|&piece| bodies.id(piece)).collect(),
+        pieces: kept,
+        planes: Default::default(),
+        ledger,
+        fallen: Vec::new(),
+        blow: None,
+        waited: None,
+        is_load: false,
+        goes_on: groups.rest.is_some(),
+    };
+    match foothold {
+        None => bodies.remove(slot),
+        Some(foothold) => {
+            if groups.rest.is_none() {
+                bodies.retire(slot);
+            }
+            fracture.fallen = foothold.let_fall(bodies, &fracture.pieces);
+        }
+    }
+    Ok(fracture)
+}
+
+/// How a group breaks: as the body did, for it is none of its pieces.
+fn fracturable_of(bodies: &Bodies, slot: u32, number: usize) -> Option<Fracturable> {
+    let whole = bodies.fracturable(slot)?;
+    let piece = whole.for_piece(number).unwrap_or_else(|| whole.clone());
+    Some(Fracturable {
+        generations: whole.generations,
+        ..piece
+    })
+}
+
+/// Finds out which parts of static clusters hold on to the world, where it is not known, or where nothing was there to hold on to.
+pub(crate) fn find_holds(bodies: &mut Bodies) {
+    let newest = bodies.newest();
+    let lonely = bodies.cluster_slots().filter(|&slot| {
+        let state = bodies.cluster(slot);
+        state.is_some_and(|state| state.looked_at.is_some_and(|then| then != newest))
+    });
+    let lonely: Vec<u32> = lonely.collect();
+    let mut unheld = std::mem::take(&mut bodies.unheld_clusters);
+    unheld.extend(lonely);
+    unheld.sort_unstable();
+    unheld.dedup();
+    for slot in unheld.drain(..) {
+        let is_static = bodies.contains(slot) && bodies.kind(slot) == RigidBody::Static;
+        let Some(compound) = bodies.compound(slot).filter(|_| is_static).cloned() else {
+            continue;
+        };
+        let Some(foothold) = Foothold::of(bodies, slot) else {
+            continue;
+        };
+        let held: Vec<bool> = (compound.parts().iter())
+            .map(|part| foothold.holds_part(bodies, part))
+            .collect();
+        if let Some(state) = bodies.cluster_mut(slot) {
+            state.looked_at = (!held.contains(&true)).then_some(newest);
+            state.held = Some(held);
+        }
+    }
+    bodies.unheld_clusters = unheld;
+}
+
+/// Takes the bonds away that broke in the step without anything coming off, of the batches from this number on; what comes off after
+/// all, because several blows cracked it.
+pub(super) fn apply_cracks(
+    bodies: &mut Bodies,
+    solver: &ContactSolver,
+    first_batch: usize,
+) -> Vec<(u32, BrokenBonds)> {
+    let mut cracks: Vec<(u32, BrokenBonds)> = Vec::new();
+    for crack in solver.cracks(first_batch) {
+        let known = cracks.iter_mut().find(|(slot, _)| *slot == crack.slot);
+        match known {
+            Some((_, broken)) if broken.of == crack.of => {
+                broken.bonds.extend_from_slice(&crack.bonds);
+                broken.bonds.sort_unstable();
+                broken.bonds.dedup();
+            }
+            Some(_) => {}
+            None => cracks.push((
+                crack.slot,
+                BrokenBonds {
+                    of: crack.of,
+                    bonds: crack.bonds.clone(),
+                },
+            )),
+        }
+    }
+    cracks.retain(|(slot, broken)| broken.is_of(bodies, *slot));
+    cracks.retain(|(slot, broken)| {
+        if Groups::of(bodies, *slot, &broken.bonds).is_some() {
+            return true;
+        }
+        bodies.crack(*slot, &broken.bonds);
+        false
+    });
+    cracks
+}
+
+impl BrokenBonds {
+    /// Whether they are bonds of the body in `slot` as it is.
+    pub(super) fn is_of(&self, bodies: &Bodies, slot: u32) -> bool {
+        let state = bodies.contains(slot).then(|| bodies.cluster(slot));
+        state
+            .flatten()
+            .is_some_and(|state| state.network.bonds.len() == self.of)
+    }
+}

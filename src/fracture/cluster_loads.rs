@@ -1,0 +1,267 @@
+//! Sustained loads of clusters: what contacts, joints, gravity and inertia do to their parts, and what breaks under it.
+//!
+//! Looked at after the solve. Blows are no part of it: a contact counts with what it bore when nothing hit it any more, as a mean over
+//! [`MEMORY`]. Most clusters bear so little that no bond could break, or the same as when it was last found out what that does; only
+//! the others are solved.
+
+use crate::bodies::body::RigidBody;
+use crate::bodies::clusters::{ClusterState, JudgedLoad, LoadSource, PartLoad};
+use crate::bodies::store::Bodies;
+use crate::cluster::load::{LoadOutcome, Wrench};
+use crate::contact::manifolds::{ManifoldRef, Manifolds};
+use crate::fracture::cluster::BrokenBonds;
+use crate::joints::Joints;
+use crate::math::rotate;
+use glam::{DVec3, Vec3};
+
+/// Time over which a load is a mean, s.
+const MEMORY: f32 = 0.05;
+
+/// Change of a load that is worth another look at what it does, as a share of all of it.
+const CHANGE: f64 = 0.005;
+
+/// Share of the largest load below which another one is over.
+const OVER: f64 = 1e-6;
+
+/// What loads clusters in a step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StepLoads<'s> {
+    pub(crate) manifolds: &'s Manifolds,
+    pub(crate) joints: &'s Joints,
+    /// m/s2.
+    pub(crate) gravity: Vec3,
+    /// Length of the step, s.
+    pub(crate) step_dt: f32,
+}
+
+/// What sustained loads break; bonds that crack without anything coming off are broken already.
+pub(super) fn judge_loads(bodies: &mut Bodies, step: &StepLoads) -> Vec<(u32, BrokenBonds)> {
+    let mut found: Vec<(u32, PartLoad)> = Vec::new();
+    for manifold in step.manifolds.iter() {
+        for side in 0..2 {
+            let slot = [manifold.a, manifold.b][side];
+            if bodies.cluster(slot).is_some() {
+                add_contact(bodies, &manifold, side, step.step_dt, &mut found);
+            }
+        }
+    }
+    add_joints(bodies, step.joints, &mut found);
+    found.sort_by_key(|(slot, load)| (*slot, load.from));
+    let slots: Vec<u32> = bodies.cluster_slots().collect();
+    let mut broken = Vec::new();
+    for slot in slots {
+        if !bodies.is_active(slot) || bodies.is_asleep(slot) {
+            continue;
+        }
+        let first = found.partition_point(|(of, _)| *of < slot);
+        let own = found[first..].iter().take_while(|(of, _)| *of == slot);
+        let own: Vec<PartLoad> = own.map(|(_, load)| *load).collect();
+        let Some(outcome) = judge(bodies, slot, &own, step) else {
+            continue;
+        };
+        let of = bodies.cluster(slot).map_or(0, |it| it.network.bonds.len());
+        broken.push((
+            slot,
+            BrokenBonds {
+                of,
+                bonds: outcome.broken,
+            },
+        ));
+    }
+    broken
+}
+
+/// Adds what a contact does to a cluster, part by part.
+fn add_contact(
+    bodies: &Bodies,
+    manifold: &ManifoldRef,
+    side: usize,
+    step_dt: f32,
+    found: &mut Vec<(u32, PartLoad)>,
+) {
+    let slots = [manifold.a, manifold.b];
+    let (slot, other) = (slots[side], slots[1 - side]);
+    let (Some(compound), Some(state)) = (bodies.compound(slot), bodies.cluster(slot)) else {
+        return;
+    };
+    let to_body = bodies.pose(slot).rotation.inverse();
+    let sign = [-1.0, 1.0][side];
+    for point in manifold.points() {
+        let impulse = point.normal_impulse * manifold.normal + point.friction_impulse;
+        if impulse == Vec3::ZERO {
+            continue;
+        }
+        let anchor = [point.anchor_a, point.anchor_b][side];
+        let place = rotate(to_body, anchor) + bodies.mass(slot).center;
+        let part = compound.part_at(place);
+        let force = rotate(to_body, impulse * (sign / step_dt)).as_dvec3();
+        let arm = place.as_dvec3() - state.network.nodes[part as usize].center;
+        let wrench = Wrench {
+            force,
+            torque: arm.cross(force),
+        };
+        let from = (LoadSource::Contact(bodies.id(other), other), part);
+        let last = found.iter_mut().rev().take(4);
+        let mut known = last.filter(|(of, load)| *of == slot && load.from == from);
+        match known.next() {
+            Some((_, load)) => load.wrench.add(wrench),
+            None => found.push((slot, PartLoad { from, wrench })),
+        }
+    }
+}
+
+/// Adds what joints do to clusters.
+fn add_joints(bodies: &Bodies, joints: &Joints, found: &mut Vec<(u32, PartLoad)>) {
+    for record in &joints.list {
+        for side in 0..2 {
+            let Some((slot, id)) = record.ends[side] else {
+                continue;
+            };
+            let Some(state) = bodies.cluster(slot).filter(|_| bodies.is_current(slot, id)) else {
+                continue;
+            };
+            let Some(compound) = bodies.compound(slot) else {
+                continue;
+            };
+            let place = [record.joint.frame_a, record.joint.frame_b][side].position;
+            let part = compound.part_at(place);
+            let to_body = bodies.pose(slot).rotation.inverse();
+            let sign = [-1.0, 1.0][side];
+            let own = |v: Vec3| rotate(to_body, sign * v).as_dvec3();
+            let (force, torque) = (own(record.load.force), own(record.load.torque));
+            let arm = place.as_dvec3() - state.network.nodes[part as usize].center;
+            let wrench = Wrench {
+                force,
+                torque: torque + arm.cross(force),
+            };
+            let from = (LoadSource::Joint(record.id.0), part);
+            found.push((slot, PartLoad { from, wrench }));
+        }
+    }
+}
+
+/// What the loads of a step do to a cluster, if they break a bond.
+fn judge(
+    bodies: &mut Bodies,
+    slot: u32,
+    now: &[PartLoad],
+    step: &StepLoads,
+) -> Option<LoadOutcome> {
+    let to_body = bodies.pose(slot).rotation.inverse();
+    let (kind, spin) = (bodies.kind(slot), bodies.velocity(slot).1);
+    let motion = [step.gravity, spin].map(|v| rotate(to_body, v).as_dvec3());
+    let reach = f64::from(bodies.compound(slot)?.aabb().diagonal());
+    let holding = held_back(bodies, slot);
+    let state = bodies.cluster_mut(slot)?;
+    remember(&mut state.loads, now, &holding, step.step_dt);
+    let held = state.held.as_ref()?;
+    let is_held = held.contains(&true);
+    if kind == RigidBody::Kinematic || kind == RigidBody::Static && !is_held {
+        return None;
+    }
+    let mass: f64 = state.network.nodes.iter().map(|node| node.mass).sum();
+    let own = |motion: &[DVec3; 2]| {
+        if is_held {
+            mass * motion[0]
+        } else {
+            mass * reach * motion[1] * motion[1].length()
+        }
+    };
+    let total: f64 = state.loads.iter().map(PartLoad::size).sum();
+    let total = total + own(&motion).length();
+    let least = state.network.least_force;
+    // Not a number: nothing is known.
+    if !total.is_finite() || total < least {
+        return None;
+    }
+    if let Some(judged) = &state.judged {
+        let changed = difference(&judged.loads, &state.loads);
+        let changed = changed + (own(&motion) - own(&judged.motion)).length();
+        let is_safe = judged.utilization + changed / least < 1.0;
+        if is_safe || changed < CHANGE * total {
+            return None;
+        }
+    }
+    let outcome = bear(state, is_held, &motion);
+    if outcome.broken.is_empty() {
+        state.judged = Some(JudgedLoad {
+            loads: state.loads.clone(),
+            motion,
+            utilization: outcome.utilization,
+        });
+        return None;
+    }
+    Some(outcome)
+}
+
+fn bear(state: &ClusterState, is_held: bool, motion: &[DVec3; 2]) -> LoadOutcome {
+    let network = &state.network;
+    let mut loads = vec![Wrench::default(); network.nodes.len()];
+    for load in &state.loads {
+        loads[load.from.1 as usize].add(load.wrench);
+    }
+    if is_held {
+        for (load, node) in loads.iter_mut().zip(&network.nodes) {
+            load.force += node.mass * motion[0];
+        }
+    }
+    let held = state.held.as_deref().unwrap_or_default();
+    network.bear(&loads, held, motion[1])
+}
+
+/// Loads of a cluster by contacts with bodies that sleep: these are not looked at, and go on as they were.
+fn held_back(bodies: &Bodies, slot: u32) -> Vec<LoadSource> {
+    let loads = bodies.cluster(slot).map_or(&[][..], |state| &state.loads);
+    let sources = loads.iter().map(|load| load.from.0);
+    let asleep = sources.filter(|source| match *source {
+        LoadSource::Contact(id, other) => bodies.is_current(other, id) && bodies.is_asleep(other),
+        LoadSource::Joint(_) => false,
+    });
+    asleep.collect()
+}
+
+/// Lets what is remembered come nearer to what is now; both are sorted.
+fn remember(loads: &mut Vec<PartLoad>, now: &[PartLoad], holding: &[LoadSource], step_dt: f32) {
+    let share = f64::from(step_dt / (MEMORY + step_dt));
+    for load in loads.iter_mut() {
+        if now
+            .binary_search_by_key(&load.from, |new| new.from)
+            .is_err()
+            && !holding.contains(&load.from.0)
+        {
+            load.wrench.scale(1.0 - share);
+        }
+    }
+    for new in now {
+        match loads.binary_search_by_key(&new.from, |load| load.from) {
+            Ok(at) => {
+                let old = &mut loads[at].wrench;
+                old.scale(1.0 - share);
+                let mut added = new.wrench;
+                added.scale(share);
+                old.add(added);
+            }
+            Err(at) => {
+                let mut first = *new;
+                first.wrench.scale(share);
+                loads.insert(at, first);
+            }
+        }
+    }
+    let most = loads.iter().map(PartLoad::size).fold(0.0, f64::max);
+    loads.retain(|load| load.size() > OVER * most);
+}
+
+/// How far two lists of loads are apart, N.
+fn difference(before: &[PartLoad], after: &[PartLoad]) -> f64 {
+    let pairs = crate::merge::merge(before.iter(), after.iter(), |a, b| a.from.cmp(&b.from));
+    let sizes = pairs.map(|pair| {
+        let (before, after) = pair.into_options();
+        let mut wrench = after.map_or(Wrench::default(), |load| load.wrench);
+        let mut taken = before.map_or(Wrench::default(), |load| load.wrench);
+        taken.scale(-1.0);
+        wrench.add(taken);
+        wrench.force.length()
+    });
+    sizes.sum()
+}

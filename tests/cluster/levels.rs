@@ -1,0 +1,126 @@
+//! Levels, cuts, and what a cluster is built from.
+
+use crate::common::scenes::awake;
+use crate::shapes::{parts_of, row, wall};
+use bevy_cleave::prelude::*;
+use glam::{Quat, Vec3};
+
+const H: f32 = 1.0 / 60.0;
+
+/// Big chunks that break into small ones: inside of a chunk the bonds are twenty times as strong.
+fn levels(strength: f32) -> Compound {
+    let block = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("a box");
+    let chunks = FracturePattern::Voronoi {
+        cells: 6,
+        focus: 0.0,
+    };
+    let coarse = Cluster::cut(&block, &chunks, 3, strength).expect("chunks");
+    let crumbs = FracturePattern::Voronoi {
+        cells: 5,
+        focus: 0.0,
+    };
+    let fine = coarse.refined(&crumbs, 4, 20.0 * strength).expect("crumbs");
+    fine.compound().expect("one block")
+}
+
+/// Numbers of parts of the bodies that are left of a block that falls with a speed, largest first.
+fn after_fall(shape: Compound, speed: f32) -> Vec<usize> {
+    let mut simulation = awake();
+    let floor = HalfSpaceShape { normal: Vec3::Y };
+    simulation
+        .bodies
+        .insert(BodyDesc::floor(floor))
+        .expect("usable");
+    let desc = BodyDesc {
+        pose: Pose::new(
+            Vec3::Y * 1.0,
+            Quat::from_xyzw(0.2, 0.1, 0.3, 0.9).normalize(),
+        ),
+        linear_velocity: -speed * Vec3::Y,
+        ..BodyDesc::compound(shape, Vec3::ZERO)
+    };
+    let body = simulation.bodies.insert(desc).expect("usable");
+    let _ = body;
+    (0..60).for_each(|_| simulation.step(H));
+    let bodies = &simulation.bodies;
+    let dynamic = bodies
+        .iter()
+        .filter(|&slot| bodies.kind(slot) == RigidBody::Dynamic);
+    let mut counts: Vec<usize> = dynamic.map(|slot| parts_of(&simulation, slot)).collect();
+    counts.sort_unstable_by(|a, b| b.cmp(a));
+    counts
+}
+
+#[test]
+fn chunks_come_apart_before_they_crumble() {
+    let shape = levels(2e5);
+    assert_eq!(shape.len(), 30);
+    // What breaks first is whole chunks, of five parts each.
+    let speeds = (0..40).map(|i| 0.1 * 1.25f32.powi(i));
+    let first = speeds.map(|speed| after_fall(shape.clone(), speed));
+    let first = first.into_iter().find(|counts| counts.len() > 1);
+    let first = first.expect("a speed that breaks it");
+    assert_eq!(first.iter().sum::<usize>(), 30);
+    assert!(first.iter().all(|count| count % 5 == 0), "{first:?}");
+    let hard = after_fall(shape, 60.0);
+    assert!(hard.iter().any(|count| count % 5 != 0), "{hard:?}");
+}
+
+#[test]
+fn a_cut_leaves_bonds_where_faces_are_still_shared() {
+    let mut simulation = awake();
+    let body = simulation.bodies.insert(BodyDesc::compound(
+        row(6, Vec3::splat(0.2), 1e5),
+        Vec3::ZERO,
+    ));
+    let body = body.expect("usable");
+    // Along the row, through all of its parts.
+    simulation
+        .slice(body, Plane::through(Vec3::ZERO, Vec3::Y))
+        .expect("a body");
+    simulation.step(H);
+    let pieces = simulation.fractures.done[0].pieces.clone();
+    assert_eq!(pieces.len(), 2);
+    for piece in pieces {
+        let shape = simulation.bodies.compound(piece).expect("several parts");
+        assert!(shape.is_bonded());
+        assert_eq!((shape.len(), shape.bonds().len()), (6, 5));
+        for bond in shape.bonds() {
+            assert!((bond.area - 0.02).abs() < 1e-5, "{bond:?}");
+            assert_eq!(bond.strength, 1e5);
+        }
+    }
+}
+
+#[test]
+fn bonds_of_a_scaled_cluster_are_those_of_scaled_parts() {
+    let factor = Vec3::new(2.0, 0.5, 3.0);
+    let scaled = wall(4, 4, 1e5).scaled(factor).expect("usable");
+    let anew = scaled.clone().bonded(1e5).expect("one wall");
+    assert_eq!(scaled.bonds().len(), anew.bonds().len());
+    for (a, b) in scaled.bonds().iter().zip(anew.bonds()) {
+        assert_eq!(a.parts, b.parts);
+        assert!((a.area - b.area).abs() < 1e-4 * b.area, "{a:?} {b:?}");
+        assert!((a.center - b.center).length() < 1e-4, "{a:?} {b:?}");
+        assert!((a.normal - b.normal).length() < 1e-4, "{a:?} {b:?}");
+    }
+}
+
+#[test]
+fn bad_input_is_told() {
+    let cube = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("a box");
+    for strength in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+        let made = Cluster::new([cube.clone()], strength);
+        assert!(matches!(made, Err(ClusterError::Strength { .. })));
+    }
+    let apart = [0.0, 3.0].map(|x| (Pose::from_position(Vec3::X * x), cube.clone()));
+    let cluster = Cluster::new(apart, 1e5).expect("parts");
+    assert_eq!(
+        cluster.compound().map(|it| it.len()),
+        Err(CompoundError::Unbonded { part: 1 })
+    );
+    assert_eq!(cluster.separated().len(), 2);
+    let far = FracturePattern::Planes([Plane::through(9.0 * Vec3::X, Vec3::X)].into());
+    let uncut = Cluster::cut(&cube, &far, 0, 1e5).map(|it| it.parts.len());
+    assert_eq!(uncut, Err(ClusterError::NoPieces));
+}

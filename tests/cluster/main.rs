@@ -1,0 +1,13 @@
+//! Bodies whose parts are held by bonds: a program of their own.
+
+#[path = "../common/app.rs"]
+mod app;
+#[path = "../common/mod.rs"]
+mod common;
+
+mod blows;
+mod family;
+mod in_app;
+mod levels;
+mod loads;
+mod shapes;
