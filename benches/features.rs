@@ -133,6 +133,18 @@ fn features(c: &mut Criterion) {
         let brick = Shape::Compound(halves.clone());
         settled(every_second(brick), default)
     });
+    // A scene that has two bonded bricks too, and a heap half of which are such.
+    let bonded = halves.clone().bonded(1e6).expect("they touch");
+    bench(c, "one_cluster", {
+        let mut simulation = settled(|_| {}, default);
+        let desc = BodyDesc::compound(bonded.clone(), Vec3::new(50.0, 0.25, 50.0));
+        simulation.bodies.insert(desc).expect("usable");
+        simulation
+    });
+    bench(c, "half_cluster", {
+        let bonded = Shape::Compound(bonded.clone());
+        settled(every_second(bonded), default)
+    });
     // The same heap in a scene that has a pendulum too.
     bench(c, "one_joint", {
         let mut simulation = settled(|_| {}, default);

@@ -3,69 +3,12 @@
 //! Few bodies are, so they are a list by slot that grows with the last of them; the others are asked for nothing.
 
 use crate::bodies::body::{RigidBody, Shape};
+use crate::bodies::cluster_state::{ClusterState, PartLoad};
 use crate::bodies::store::Bodies;
-use crate::cluster::load::Wrench;
 use crate::cluster::network::Network;
-use crate::contact::body_id::BodyId;
 use crate::geometry::Compound;
 use crate::mass::MassError;
 use std::sync::Arc;
-
-/// What is known of a cluster.
-#[derive(Clone, Debug)]
-pub(crate) struct ClusterState {
-    /// Its parts and bonds.
-    pub(crate) network: Arc<Network>,
-    /// By part, whether it holds on to the world; none while that is to be found out. Nothing of a dynamic body does.
-    pub(crate) held: Option<Vec<bool>>,
-    /// If nothing of it does: the newest body when that was found out.
-    pub(crate) looked_at: Option<u32>,
-    /// What it bears, low-passed, by source and part.
-    pub(crate) loads: Vec<PartLoad>,
-    /// The same when it was last found out what that does to the bonds.
-    pub(crate) judged: Option<JudgedLoad>,
-}
-
-/// What another body, or a joint, does to a part; frame of the compound.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct PartLoad {
-    /// Who does it, and which part.
-    pub(crate) from: (LoadSource, u32),
-    pub(crate) wrench: Wrench,
-}
-
-/// Who loads a part.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum LoadSource {
-    /// A body by id, and its slot.
-    Contact(BodyId, u32),
-    Joint(u32),
-}
-
-/// A load whose bonds bear it.
-#[derive(Clone, Debug)]
-pub(crate) struct JudgedLoad {
-    pub(crate) loads: Vec<PartLoad>,
-    /// Gravity and spin in the frame of the compound, m/s2 and rad/s.
-    pub(crate) motion: [glam::DVec3; 2],
-    /// The most that a bond bears, as a share of its strength.
-    pub(crate) utilization: f64,
-}
-
-impl PartLoad {
-    /// N.
-    pub(crate) fn size(&self) -> f64 {
-        self.wrench.force.length()
-    }
-}
-
-impl ClusterState {
-    /// Whether a part holds on to the world.
-    pub(crate) fn holds(&self, part: u32) -> bool {
-        let held = self.held.as_ref();
-        held.is_some_and(|held| held[part as usize])
-    }
-}
 
 impl Bodies {
     /// What is known of a body whose parts are held by bonds; none of others.
@@ -118,6 +61,7 @@ impl Bodies {
             looked_at: None,
             loads: Vec::new(),
             judged: None,
+            elastic: None,
         }));
         Ok(())
     }

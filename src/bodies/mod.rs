@@ -11,7 +11,7 @@
 //! | `integrate.rs` | phase 7: bodies are put where the solver has moved them |
 //! | `inertia.rs` | how heavy bodies are: inertia and energy from shape and density |
 //! | `anchors.rs`, `holding.rs` | where bodies that stand hold on to the world |
-//! | `clusters.rs` | those whose parts are held by bonds |
+//! | `cluster_state.rs`, `clusters.rs` | those whose parts are held by bonds |
 //! | `breaking.rs`, `fatigue.rs`, `wearing.rs` | what a body bears, and what it was hit with; what blows leave of it |
 //! | `sleep_state.rs`, `waking.rs` | who rests and who sleeps; setters wake at once |
 //!
@@ -21,7 +21,8 @@
 pub(crate) mod anchors;
 pub(crate) mod body;
 pub(crate) mod breaking;
-pub(crate) mod clusters;
+pub(crate) mod cluster_state;
+mod clusters;
 pub(crate) mod drive;
 mod driving;
 pub(crate) mod fatigue;

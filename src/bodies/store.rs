@@ -11,7 +11,7 @@ use crate::bodies::solver_body::SolverBody;
 
 use crate::bodies::anchors::Hold;
 use crate::bodies::body::{BodyInfo, check_pose, check_velocity};
-use crate::bodies::clusters::ClusterState;
+use crate::bodies::cluster_state::ClusterState;
 use crate::bodies::drive::Drives;
 use crate::bodies::fatigue::Wearing;
 use crate::bodies::free_rotation::FreeRotation;

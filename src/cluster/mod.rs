@@ -4,13 +4,16 @@
 //! |---|---|
 //! | `building.rs` | a cluster as plain data: from parts, or by cutting a body in advance |
 //! | `network.rs` | parts as masses, bonds as springs |
-//! | `blow.rs` | what a blow breaks: the parts around it in motion for an instant |
-//! | `load.rs`, `skyline.rs` | what a sustained load breaks: forces as in an elastic body |
+//! | `blow.rs`, `instant.rs`, `link.rs` | what a blow breaks: the parts around it in motion for an instant |
+//! | `load.rs`, `elastic.rs`, `skyline.rs` | what a sustained load breaks: forces as in an elastic body |
 //!
 //! Must not know contacts or bodies: all is in the frame of the compound, and pushes come as numbers. Read `network.rs` first.
 
 pub(crate) mod blow;
 mod building;
+pub(crate) mod elastic;
+pub(crate) mod instant;
+mod link;
 pub(crate) mod load;
 pub(crate) mod network;
 mod skyline;

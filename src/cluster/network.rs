@@ -48,9 +48,13 @@ impl Network {
         let nodes = compound.parts().iter().map(|part| {
             let integrals = VolumeIntegrals::of_shape(&part.shape).seen_from(&part.pose);
             let inertia = integrals.inertia * f64::from(density);
-            MassProperties::from_integrals(&integrals, density)?;
+            let mass = integrals.volume * f64::from(density);
+            if !(mass > 0.0 && mass.is_finite()) {
+                // Says what is wrong.
+                MassProperties::from_integrals(&integrals, density)?;
+            }
             Ok(Node {
-                mass: integrals.volume * f64::from(density),
+                mass,
                 center: integrals.centroid,
                 inertia,
                 inverse_inertia: inertia.inverse().as_mat3(),

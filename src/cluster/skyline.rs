@@ -17,6 +17,8 @@ pub(crate) struct Skyline {
     /// By row: where its blocks begin; behind the last one, where they end.
     starts: Vec<usize>,
     blocks: Vec<Block>,
+    /// Rows that are factorised.
+    done: usize,
 }
 
 impl Skyline {
@@ -31,6 +33,7 @@ impl Skyline {
             first,
             starts,
             blocks,
+            done: 0,
         }
     }
 
@@ -47,9 +50,16 @@ impl Skyline {
         &mut self.blocks[at]
     }
 
-    /// `A = L L^T`, in place.
-    pub(crate) fn factorise(&mut self) {
-        for row in 0..self.first.len() {
+    /// `A = L L^T`, in place, row by row as long as `budget` has products of blocks left; whether all rows are done.
+    pub(crate) fn factorise(&mut self, budget: &mut usize) -> bool {
+        while self.done < self.first.len() {
+            if *budget == 0 {
+                return false;
+            }
+            let row = self.done;
+            let width = row + 1 - self.first[row] as usize;
+            *budget = budget.saturating_sub(width * width / 2 + 1);
+            self.done += 1;
             let (done, own) = self.blocks.split_at_mut(self.starts[row]);
             let first = self.first[row] as usize;
             for column in first..row {
@@ -68,6 +78,7 @@ impl Skyline {
             }
             factorise_block(&mut rest[0]);
         }
+        true
     }
 
     /// Solves with the factors, in place.

@@ -8,7 +8,7 @@ use crate::fracture::holding::Foothold;
 use crate::fracture::ledger::{Ledger, Reference};
 use crate::fracture::pieces::{compound_desc, insert};
 use crate::fracture::{CutError, Fracture};
-use crate::geometry::groups_of;
+use crate::geometry::{Compound, groups_of};
 use crate::slice::SliceError;
 use crate::slice::fracturable::Fracturable;
 use crate::solver::contact_solver::ContactSolver;
@@ -57,6 +57,24 @@ impl Groups {
             broken: broken.to_vec(),
         })
     }
+
+    /// What comes off, as bodies.
+    fn bodies(
+        &self,
+        bodies: &Bodies,
+        slot: u32,
+        cracked: &Compound,
+    ) -> Result<Vec<BodyDesc>, CutError> {
+        let described = self.pieces.iter().enumerate().map(|(number, parts)| {
+            let piece = cracked.subset(parts);
+            let desc = compound_desc(bodies, slot, &piece).map_err(SliceError::from)?;
+            Ok(BodyDesc {
+                fracturable: fracturable_of(bodies, slot, number),
+                ..desc
+            })
+        });
+        described.collect()
+    }
 }
 
 /// Replaces the body in `slot` by what comes off of it, and leaves the rest of one that stands.
@@ -70,13 +88,7 @@ pub(super) fn replace_groups(
     let foothold = Foothold::of(bodies, slot);
     let cracked = bodies.compound(slot).ok_or(CutError::NotConvex)?;
     let cracked = cracked.without_bonds(&groups.broken);
-    let mut pieces = Vec::with_capacity(groups.pieces.len());
-    for (number, parts) in groups.pieces.iter().enumerate() {
-        let piece = cracked.subset(parts);
-        let mut desc = compound_desc(bodies, slot, &piece).map_err(SliceError::from)?;
-        desc.fracturable = fracturable_of(bodies, slot, number);
-        pieces.push(desc);
-    }
+    let mut pieces = groups.bodies(bodies, slot, &cracked)?;
     let mut ledger = Ledger::default();
     ledger.before.add_body(bodies, slot, &reference);
     let holds = match &foothold {

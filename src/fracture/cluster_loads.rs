@@ -5,9 +5,10 @@
 //! the others are solved.
 
 use crate::bodies::body::RigidBody;
-use crate::bodies::clusters::{ClusterState, JudgedLoad, LoadSource, PartLoad};
+use crate::bodies::cluster_state::{ClusterState, JudgedLoad, LoadSource, PartLoad};
 use crate::bodies::store::Bodies;
-use crate::cluster::load::{LoadOutcome, Wrench};
+use crate::cluster::elastic::Wrench;
+use crate::cluster::load::LoadOutcome;
 use crate::contact::manifolds::{ManifoldRef, Manifolds};
 use crate::fracture::cluster::BrokenBonds;
 use crate::joints::Joints;
@@ -19,6 +20,10 @@ const MEMORY: f32 = 0.05;
 
 /// Change of a load that is worth another look at what it does, as a share of all of it.
 const CHANGE: f64 = 0.005;
+
+/// Products of blocks of six by six that a cluster may take in a step to work out what its parts do: one of 70 parts is done at once, one of
+/// 500 after a tenth of a second. No step is long because a large one has lost a corner.
+const WORK_PER_STEP: usize = 16_000;
 
 /// Share of the largest load below which another one is over.
 const OVER: f64 = 1e-6;
@@ -182,7 +187,7 @@ fn judge(
             return None;
         }
     }
-    let outcome = bear(state, is_held, &motion);
+    let outcome = bear(state, is_held, &motion)?;
     if outcome.broken.is_empty() {
         state.judged = Some(JudgedLoad {
             loads: state.loads.clone(),
@@ -194,7 +199,8 @@ fn judge(
     Some(outcome)
 }
 
-fn bear(state: &ClusterState, is_held: bool, motion: &[DVec3; 2]) -> LoadOutcome {
+/// What the load does; none as long as that is being worked out.
+fn bear(state: &mut ClusterState, is_held: bool, motion: &[DVec3; 2]) -> Option<LoadOutcome> {
     let network = &state.network;
     let mut loads = vec![Wrench::default(); network.nodes.len()];
     for load in &state.loads {
@@ -206,7 +212,8 @@ fn bear(state: &ClusterState, is_held: bool, motion: &[DVec3; 2]) -> LoadOutcome
         }
     }
     let held = state.held.as_deref().unwrap_or_default();
-    network.bear(&loads, held, motion[1])
+    let mut budget = WORK_PER_STEP;
+    network.bear(&mut state.elastic, &loads, (held, motion[1]), &mut budget)
 }
 
 /// Loads of a cluster by contacts with bodies that sleep: these are not looked at, and go on as they were.

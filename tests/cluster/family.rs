@@ -25,7 +25,8 @@ fn member(seed: u64) -> (Compound, Dice) {
             size: size / dice.in_range(2.0, 5.0),
         }
     };
-    let strength = 10f32.powf(dice.in_range(3.5, 6.5));
+    let decade = [3e3, 3e4, 3e5][dice.below(3)];
+    let strength = decade * dice.in_range(1.0, 10.0);
     let cluster = Cluster::cut(&whole, &pattern, seed, strength).expect("cells");
     (cluster.compound().expect("connected"), dice)
 }

@@ -23,47 +23,58 @@ fn levels(strength: f32) -> Compound {
     fine.compound().expect("one block")
 }
 
-/// Numbers of parts of the bodies that are left of a block that falls with a speed, largest first.
-fn after_fall(shape: Compound, speed: f32) -> Vec<usize> {
+/// Shares of the bonds between chunks and within them that break when the block falls with a speed.
+fn broken_by_fall(shape: &Compound, speed: f32) -> [f32; 2] {
     let mut simulation = awake();
     let floor = HalfSpaceShape { normal: Vec3::Y };
     simulation
         .bodies
         .insert(BodyDesc::floor(floor))
         .expect("usable");
+    let turn = Quat::from_xyzw(0.2, 0.1, 0.3, 0.9).normalize();
     let desc = BodyDesc {
-        pose: Pose::new(
-            Vec3::Y * 1.0,
-            Quat::from_xyzw(0.2, 0.1, 0.3, 0.9).normalize(),
-        ),
+        pose: Pose::new(Vec3::Y, turn),
         linear_velocity: -speed * Vec3::Y,
-        ..BodyDesc::compound(shape, Vec3::ZERO)
+        ..BodyDesc::compound(shape.clone(), Vec3::ZERO)
     };
-    let body = simulation.bodies.insert(desc).expect("usable");
-    let _ = body;
+    simulation.bodies.insert(desc).expect("usable");
     (0..60).for_each(|_| simulation.step(H));
     let bodies = &simulation.bodies;
     let dynamic = bodies
         .iter()
         .filter(|&slot| bodies.kind(slot) == RigidBody::Dynamic);
-    let mut counts: Vec<usize> = dynamic.map(|slot| parts_of(&simulation, slot)).collect();
-    counts.sort_unstable_by(|a, b| b.cmp(a));
-    counts
+    let parts = dynamic.map(|slot| parts_of(&simulation, slot));
+    assert_eq!(parts.sum::<usize>(), shape.len());
+    let weak = shape.bonds().iter().map(|bond| bond.strength);
+    let weak = weak.fold(f32::INFINITY, f32::min);
+    let count = |shape: &Compound, is_weak: bool| {
+        let bonds = shape.bonds().iter();
+        bonds
+            .filter(|bond| (bond.strength == weak) == is_weak)
+            .count()
+    };
+    [true, false].map(|is_weak| {
+        let compounds = bodies.iter().filter_map(|slot| bodies.compound(slot));
+        let left: usize = compounds.map(|shape| count(shape, is_weak)).sum();
+        1.0 - left as f32 / count(shape, is_weak) as f32
+    })
 }
 
 #[test]
 fn chunks_come_apart_before_they_crumble() {
     let shape = levels(2e5);
     assert_eq!(shape.len(), 30);
-    // What breaks first is whole chunks, of five parts each.
-    let speeds = (0..40).map(|i| 0.1 * 1.25f32.powi(i));
-    let first = speeds.map(|speed| after_fall(shape.clone(), speed));
-    let first = first.into_iter().find(|counts| counts.len() > 1);
-    let first = first.expect("a speed that breaks it");
-    assert_eq!(first.iter().sum::<usize>(), 30);
-    assert!(first.iter().all(|count| count % 5 == 0), "{first:?}");
-    let hard = after_fall(shape, 60.0);
-    assert!(hard.iter().any(|count| count % 5 != 0), "{hard:?}");
+    let mut speed = 0.2;
+    let gentle = loop {
+        let broken = broken_by_fall(&shape, speed);
+        if broken[0] > 0.2 {
+            break broken;
+        }
+        speed *= 1.25;
+    };
+    assert!(gentle[1] < 0.25 * gentle[0], "{gentle:?} at {speed} m/s");
+    let hard = broken_by_fall(&shape, 60.0);
+    assert!(hard[0] > 0.8 && hard[1] > 0.4, "{hard:?}");
 }
 
 #[test]

@@ -11,3 +11,4 @@ mod in_app;
 mod levels;
 mod loads;
 mod shapes;
+mod threads;

@@ -2,7 +2,8 @@
 
 use crate::bodies::breaking::{Blow, ImpactLoad};
 use crate::bodies::store::Bodies;
-use crate::cluster::blow::{BlowOutcome, Striker};
+use crate::cluster::blow::BlowOutcome;
+use crate::cluster::instant::Striker;
 use crate::contact::manifolds::{ManifoldRef, Manifolds};
 use crate::geometry::groups_of;
 use crate::math::rotate;

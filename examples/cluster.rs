@@ -1,0 +1,336 @@
+//! Clusters: walls of many bricks that are one body until they are hit.
+//!
+//! `cargo run --release --example cluster` prints what happened as `name: value` lines and writes pictures under `target/cluster/`: a wall
+//! that is shot at twice, a block of two levels that falls, and a cantilever that bears its load or does not. Blue stands, red has come
+//! loose. It also shoots at the same walls built of bonded bodies, and says how many bonds break in both, and how long both take.
+#![expect(
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "an example prints what it shows"
+)]
+
+#[path = "support/mod.rs"]
+mod support;
+
+use bevy_cleave::prelude::*;
+use glam::{Quat, Vec3};
+use std::path::Path;
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+use support::picture::{Picture, contact_sheet};
+use support::render::{Camera, Scene};
+
+const FOLDER: &str = "target/cluster";
+const H: f32 = 1.0 / 60.0;
+const BRICK: Vec3 = Vec3::new(0.25, 0.1, 0.12);
+
+fn main() -> ExitCode {
+    match show_all() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("cluster: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn show_all() -> Result<(), support::Error> {
+    show("wall", shot_wall()?, [0.0, 0.1, 0.4, 2.0])?;
+    show("levels", falling_block()?, [0.0, 0.36, 0.6, 2.0])?;
+    show("cantilevers", cantilevers()?, [0.0, 0.2, 0.5, 1.5])?;
+    println!(
+        "cantilever_strength_over_theory: {:.3}",
+        cantilever_limit()?
+    );
+    compare()
+}
+
+/// Runs a scene, and writes pictures of it.
+fn show(name: &str, mut simulation: Simulation, times: [f32; 4]) -> Result<(), support::Error> {
+    let (mut pictures, mut ledgers, mut steps) = (Vec::new(), Vec::new(), 0);
+    for time in times {
+        while steps < (time / H).round() as usize {
+            simulation.step(H);
+            ledgers.extend(simulation.fractures.done.iter().map(|f| f.ledger));
+            steps += 1;
+        }
+        pictures.push((format!("{name}, t = {time} s"), picture(&simulation)));
+    }
+    contact_sheet(&pictures, 2, 2).save(Path::new(FOLDER).join(format!("{name}.png")))?;
+    let worst = ledgers.iter().map(Ledger::mass_error).fold(0.0, f64::max);
+    println!("{name}_bodies: {}", simulation.bodies.len());
+    println!("{name}_fractures: {}", ledgers.len());
+    println!("{name}_mass_error_rel: {worst:.1e}");
+    Ok(())
+}
+
+fn picture(simulation: &Simulation) -> Picture {
+    let bodies = &simulation.bodies;
+    let mut scene = Scene::default();
+    for slot in bodies.iter() {
+        let (convex, compound) = (bodies.convex(slot), bodies.compound(slot));
+        let color = match bodies.kind(slot) {
+            RigidBody::Static => Vec3::new(0.25, 0.38, 0.6),
+            _ => Vec3::new(0.62, 0.25, 0.18),
+        };
+        if let Some(mesh) = convex {
+            scene.draw(&mesh.render_mesh(), bodies.pose(slot), color);
+        }
+        for (index, part) in compound.iter().flat_map(|it| it.parts().iter().enumerate()) {
+            // Neighbors can be told apart.
+            let shade = 0.8 + 0.1 * (index % 3) as f32;
+            let pose = bodies.pose(slot) * part.pose;
+            scene.draw(&part.shape.render_mesh(), pose, shade * color);
+        }
+    }
+    let eye = Vec3::new(1.8, 1.9, 4.6);
+    let camera = Camera::look_at(eye, Vec3::new(0.2, 0.75, 0.0), Vec3::Y, 42.0, 1280, 720);
+    scene.render(&camera)
+}
+
+fn scene(bodies: impl IntoIterator<Item = BodyDesc>) -> Result<Simulation, support::Error> {
+    let mut simulation = Simulation::default();
+    let floor = BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y });
+    simulation.bodies.insert(floor)?;
+    for body in bodies {
+        simulation.bodies.insert(body)?;
+    }
+    Ok(simulation)
+}
+
+/// An iron ball on its way.
+fn ball(radius: f32, at: Vec3, velocity: Vec3) -> Result<BodyDesc, support::Error> {
+    let shape = ConvexMesh::sphere(radius)?;
+    Ok(BodyDesc {
+        density: 7800.0,
+        linear_velocity: velocity,
+        ..BodyDesc::dynamic(shape, at)
+    })
+}
+
+/// Bricks in courses, bonded; the foot in the plane y = 0.
+fn wall(bricks: usize, courses: usize, strength: f32) -> Result<BodyDesc, support::Error> {
+    let size = BRICK * Vec3::new(bricks as f32, courses as f32, 1.0);
+    let whole = ConvexMesh::cuboid(size.x, size.y, size.z)?;
+    let pattern = FracturePattern::Brick { size: BRICK };
+    let cluster = Cluster::cut(&whole, &pattern, 1, strength)?;
+    let shape = Shape::Compound(cluster.compound()?);
+    Ok(BodyDesc {
+        pose: Pose::from_position(0.5 * size.y * Vec3::Y),
+        density: 1900.0,
+        ..BodyDesc::new(RigidBody::Static, shape)
+    })
+}
+
+fn shot_wall() -> Result<Simulation, support::Error> {
+    scene([
+        wall(14, 18, 6e5)?,
+        ball(0.12, Vec3::new(-1.1, 1.45, 1.2), -16.0 * Vec3::Z)?,
+        ball(0.12, Vec3::new(0.5, 0.9, 6.0), -24.0 * Vec3::Z)?,
+    ])
+}
+
+/// A block of chunks that break into crumbs.
+fn falling_block() -> Result<Simulation, support::Error> {
+    let block = ConvexMesh::cuboid(0.8, 0.8, 0.8)?;
+    let cells = |cells| FracturePattern::Voronoi { cells, focus: 0.0 };
+    let chunks = Cluster::cut(&block, &cells(8), 5, 2e5)?;
+    let crumbs = chunks.refined(&cells(8), 6, 2e6)?;
+    let shape = crumbs.compound()?;
+    println!("levels_parts: {}", shape.len());
+    let turn = Quat::from_xyzw(0.3, 0.1, 0.2, 0.9).normalize();
+    scene([BodyDesc {
+        pose: Pose::new(1.6 * Vec3::Y, turn),
+        linear_velocity: -3.0 * Vec3::Y,
+        ..BodyDesc::compound(shape, Vec3::ZERO)
+    }])
+}
+
+/// A row of cubes of 0.2 m along x, the first of which is in a wall; its own weight stresses it to a share of its strength.
+fn cantilever(count: usize, share: f32) -> Result<(BodyDesc, Anchors), support::Error> {
+    let side = 0.2f32;
+    let cube = ConvexMesh::cuboid(side, side, side)?;
+    let at = |i: usize| Pose::from_position(Vec3::X * side * (i as f32 + 0.5));
+    let free = (count - 1) as f32 * side;
+    let moment = 0.5 * 1000.0 * side * side * 9.81 * free * free;
+    let strength = moment / (side * side * side / 6.0) / share;
+    let cluster = Cluster::new((0..count).map(|i| (at(i), cube.clone())), strength)?;
+    let shape = Shape::Compound(cluster.compound()?);
+    let anchors = Anchors::none().and_behind(Vec3::X, 0.01);
+    Ok((BodyDesc::new(RigidBody::Static, shape), anchors))
+}
+
+fn cantilevers() -> Result<Simulation, support::Error> {
+    let mut simulation = scene([])?;
+    for (height, share) in [(0.6, 1.05), (1.2, 0.95)] {
+        let (desc, anchors) = cantilever(10, share)?;
+        let at = Vec3::new(-0.8, height, 0.0);
+        let desc = BodyDesc {
+            pose: Pose::from_position(at),
+            ..desc
+        };
+        let body = simulation.bodies.insert(desc)?;
+        simulation.bodies.set_anchors(body, Some(anchors))?;
+    }
+    Ok(simulation)
+}
+
+/// The strength at which a cantilever just bears its weight, over that of theory.
+fn cantilever_limit() -> Result<f32, support::Error> {
+    let (mut low, mut high) = (0.5, 2.0);
+    while high - low > 1e-3 {
+        let share = 0.5 * (low + high);
+        let mut simulation = Simulation::default();
+        let (desc, anchors) = cantilever(10, share)?;
+        let body = simulation.bodies.insert(desc)?;
+        simulation.bodies.set_anchors(body, Some(anchors))?;
+        let mut falls = false;
+        for _ in 0..10 {
+            simulation.step(H);
+            falls |= !simulation.fractures.done.is_empty();
+        }
+        if falls {
+            high = share;
+        } else {
+            low = share;
+        }
+    }
+    Ok(1.0 / low)
+}
+
+/// A wall under a shot, as one cluster or as bonded bodies.
+struct Shot {
+    strength: f32,
+    at: Vec3,
+    velocity: Vec3,
+}
+
+/// Bonds that are broken some time after a shot, as pairs of bricks, and how long the steps took.
+struct Outcome {
+    broken: Vec<[usize; 2]>,
+    time: Duration,
+}
+
+/// The same shots at walls of both kinds.
+fn compare() -> Result<(), support::Error> {
+    let (mut same, mut all, mut both, mut either) = (0, 0, 0, 0);
+    let mut time = [Duration::ZERO; 2];
+    for shot in 0..12usize {
+        let wave = |k: f32| (shot as f32 * k).fract();
+        let shot = Shot {
+            strength: [2e5, 4e5, 8e5, 1.6e6][shot % 4],
+            at: Vec3::new(2.2 - 4.4 * wave(0.381), 0.6 + 1.7 * wave(0.733), 0.2),
+            velocity: Vec3::new(0.0, 0.0, -6.0 - 14.0 * wave(0.271)),
+        };
+        let wall = wall(20, 25, shot.strength)?;
+        let (cluster, bonded) = (as_cluster(&wall, &shot)?, as_bodies(&wall, &shot)?);
+        let bonds = wall.shape_bonds();
+        let counts = bonds.iter().map(|bond| {
+            let is_in = |outcome: &Outcome| outcome.broken.contains(bond);
+            (is_in(&cluster), is_in(&bonded))
+        });
+        for (a, b) in counts {
+            all += 1;
+            same += usize::from(a == b);
+            both += usize::from(a && b);
+            either += usize::from(a || b);
+        }
+        time[0] += cluster.time;
+        time[1] += bonded.time;
+    }
+    println!("bonds_in_the_same_state: {:.3}", same as f64 / all as f64);
+    println!(
+        "broken_in_both_of_broken_in_either: {:.3}",
+        both as f64 / either as f64
+    );
+    let ratio = time[1].as_secs_f64() / time[0].as_secs_f64();
+    println!("bonded_bodies_take_times_as_long: {ratio:.1}");
+    Ok(())
+}
+
+trait ShapeBonds {
+    fn parts(&self) -> &[CompoundPart];
+    fn shape_bonds(&self) -> Vec<[usize; 2]>;
+}
+
+impl ShapeBonds for BodyDesc {
+    fn parts(&self) -> &[CompoundPart] {
+        match &self.shape {
+            Shape::Compound(compound) => compound.parts(),
+            _ => &[],
+        }
+    }
+
+    fn shape_bonds(&self) -> Vec<[usize; 2]> {
+        let bonds = match &self.shape {
+            Shape::Compound(compound) => compound.bonds(),
+            _ => &[],
+        };
+        let pairs = bonds.iter();
+        pairs
+            .map(|bond| bond.parts.map(|part| part as usize))
+            .collect()
+    }
+}
+
+/// Steps for a third of a second.
+fn run(simulation: &mut Simulation) -> Duration {
+    let start = Instant::now();
+    (0..20).for_each(|_| simulation.step(H));
+    start.elapsed()
+}
+
+fn as_cluster(wall: &BodyDesc, shot: &Shot) -> Result<Outcome, support::Error> {
+    let mut simulation = scene([wall.clone(), ball(0.05, shot.at, shot.velocity)?])?;
+    let time = run(&mut simulation);
+    // Parts are known by their shapes.
+    let number = |part: &CompoundPart| {
+        let mut all = wall.parts().iter();
+        all.position(|other| other.shape.is_same(&part.shape))
+    };
+    let mut left = Vec::new();
+    for compound in simulation
+        .bodies
+        .iter()
+        .filter_map(|slot| simulation.bodies.compound(slot))
+    {
+        for bond in compound.bonds() {
+            let [a, b] = bond
+                .parts
+                .map(|part| number(&compound.parts()[part as usize]));
+            left.extend(a.zip(b).map(|(a, b)| [a.min(b), a.max(b)]));
+        }
+    }
+    let mut broken = wall.shape_bonds();
+    broken.retain(|bond| !left.contains(bond));
+    Ok(Outcome { broken, time })
+}
+
+fn as_bodies(wall: &BodyDesc, shot: &Shot) -> Result<Outcome, support::Error> {
+    let mut simulation = scene([ball(0.05, shot.at, shot.velocity)?])?;
+    let mut slots = Vec::new();
+    for part in wall.parts() {
+        let pose = wall.pose * part.pose;
+        let height = pose.transform_point(part.shape.hull().aabb().center()).y;
+        // The lowest course is held, as it is in the cluster.
+        let kind = if height < BRICK.y {
+            RigidBody::Static
+        } else {
+            RigidBody::Dynamic
+        };
+        slots.push(simulation.bodies.insert(BodyDesc {
+            pose,
+            density: wall.density,
+            ..BodyDesc::new(kind, Shape::Convex(part.shape.clone()))
+        })?);
+    }
+    simulation.bond_neighbors(&slots, shot.strength)?;
+    let time = run(&mut simulation);
+    let is_static = |part: usize| simulation.bodies.kind(slots[part]) == RigidBody::Static;
+    let mut broken = wall.shape_bonds();
+    broken.retain(|&[a, b]| {
+        let bond = simulation.bonds.get(&simulation.bodies, slots[a], slots[b]);
+        bond.is_none() && !(is_static(a) && is_static(b))
+    });
+    Ok(Outcome { broken, time })
+}

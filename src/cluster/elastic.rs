@@ -1,0 +1,342 @@
+//! The parts of a cluster as rigid bodies on elastic bonds: how loads move them.
+
+use crate::cluster::network::Network;
+use crate::cluster::skyline::{Block, Six, Skyline};
+use crate::geometry::PartBond;
+use glam::{DMat3, DVec3};
+
+/// Shear modulus over Young's modulus: that of concrete and brick, and near that of steel.
+const SHEAR: f64 = 0.4;
+
+/// Products of blocks up to which the system is factorised; beyond, conjugate gradients are faster.
+const MOST_WORK: usize = 400_000;
+
+/// Error of the forces, relative to the loads, that conjugate gradients leave.
+const TOLERANCE: f64 = 1e-4;
+
+const NONE: u32 = u32::MAX;
+
+/// Force and torque about the center of a part, frame of the compound, N and N m.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Wrench {
+    pub(crate) force: DVec3,
+    pub(crate) torque: DVec3,
+}
+
+impl Wrench {
+    pub(crate) fn add(&mut self, other: Self) {
+        self.force += other.force;
+        self.torque += other.torque;
+    }
+
+    pub(crate) fn scale(&mut self, by: f64) {
+        self.force *= by;
+        self.torque *= by;
+    }
+}
+
+/// The system that tells how loads move the parts, for Young's modulus 1; it serves as long as the bonds and what is held are the same.
+#[derive(Debug)]
+pub(crate) struct Elastic {
+    is_broken: Vec<bool>,
+    /// The parts that move.
+    order: Vec<u32>,
+    /// By part: its number among them.
+    number: Vec<u32>,
+    /// None where conjugate gradients are faster.
+    system: Option<Skyline>,
+}
+
+impl Elastic {
+    pub(super) fn new(network: &Network, held: &[bool], is_broken: &[bool]) -> Self {
+        let (order, number) = network.order(held, is_broken);
+        let first = network.envelope(&order, &number, is_broken);
+        let system = (Skyline::work(&first) <= MOST_WORK).then(|| {
+            let mut system = Skyline::new(first);
+            for (bond, blocks) in network.springs(is_broken) {
+                let at = network.bonds[bond].parts.map(|part| number[part as usize]);
+                for (i, &row) in at.iter().enumerate() {
+                    for (j, &column) in at.iter().enumerate() {
+                        if row != NONE && column != NONE && row >= column {
+                            let to = system.block_mut(row as usize, column as usize);
+                            add_block(to, &blocks[i][j]);
+                        }
+                    }
+                }
+            }
+            system
+        });
+        Self {
+            is_broken: is_broken.to_vec(),
+            order,
+            number,
+            system,
+        }
+    }
+
+    /// Prepares it, as long as `budget` has products of blocks left; whether it is ready.
+    pub(super) fn prepare(&mut self, budget: &mut usize) -> bool {
+        let system = self.system.as_mut();
+        system.is_none_or(|system| system.factorise(budget))
+    }
+
+    /// How the loads move the parts: displacements and turns. It must be ready.
+    pub(super) fn displacements(&self, network: &Network, loads: &[Wrench]) -> Vec<Six> {
+        let mut rows: Vec<Six> = (self.order.iter())
+            .map(|&part| {
+                let Wrench { force, torque } = loads[part as usize];
+                [force.x, force.y, force.z, torque.x, torque.y, torque.z]
+            })
+            .collect();
+        match &self.system {
+            Some(system) => system.solve(&mut rows),
+            None => network.iterate(&mut rows, &self.number, &self.is_broken),
+        }
+        let mut motion = vec![[0.0; 6]; network.nodes.len()];
+        for (row, &part) in rows.iter().zip(&self.order) {
+            motion[part as usize] = *row;
+        }
+        motion
+    }
+}
+
+impl Network {
+    /// The parts that move, reversed from a search by breadth from what is held, or from a first part that then does not move; and by
+    /// part its number in this order.
+    fn order(&self, held: &[bool], is_broken: &[bool]) -> (Vec<u32>, Vec<u32>) {
+        let count = self.nodes.len() as u32;
+        let mut seen: Vec<bool> = held.to_vec();
+        let mut order: Vec<u32> = (0..count).filter(|&part| held[part as usize]).collect();
+        if order.is_empty() {
+            let start = self.far_part(is_broken);
+            seen[start as usize] = true;
+            order.push(start);
+        }
+        let fixed = order.len();
+        let mut next = 0;
+        while let Some(&part) = order.get(next) {
+            next += 1;
+            for &bond in self.bonds_of(part) {
+                let other = self.other(bond, part);
+                if !is_broken[bond as usize] && !std::mem::replace(&mut seen[other as usize], true)
+                {
+                    order.push(other);
+                }
+            }
+        }
+        let mut order = order.split_off(fixed);
+        order.reverse();
+        let mut number = vec![NONE; self.nodes.len()];
+        for (index, &part) in (0..).zip(&order) {
+            number[part as usize] = index;
+        }
+        (order, number)
+    }
+
+    /// A part at an end of what hangs together with the first one.
+    fn far_part(&self, is_broken: &[bool]) -> u32 {
+        let mut seen = vec![false; self.nodes.len()];
+        let mut order = vec![0];
+        seen[0] = true;
+        let mut next = 0;
+        while let Some(&part) = order.get(next) {
+            next += 1;
+            for &bond in self.bonds_of(part) {
+                let other = self.other(bond, part);
+                if !is_broken[bond as usize] && !std::mem::replace(&mut seen[other as usize], true)
+                {
+                    order.push(other);
+                }
+            }
+        }
+        order.last().copied().unwrap_or(0)
+    }
+
+    fn envelope(&self, order: &[u32], number: &[u32], is_broken: &[bool]) -> Vec<u32> {
+        (0..)
+            .zip(order)
+            .map(|(row, &part)| {
+                let bonds = self.bonds_of(part).iter();
+                let bonds = bonds.filter(|&&bond| !is_broken[bond as usize]);
+                let columns = bonds.map(|&bond| number[self.other(bond, part) as usize]);
+                columns.fold(row, u32::min)
+            })
+            .collect()
+    }
+
+    /// Stiffness of the bonds: by bond, forces on its two parts by motions of its two parts.
+    fn springs<'n>(
+        &'n self,
+        is_broken: &'n [bool],
+    ) -> impl Iterator<Item = (usize, [[Block; 2]; 2])> + 'n {
+        let whole = (0..self.bonds.len()).filter(|&bond| !is_broken[bond]);
+        whole.map(|bond| {
+            let spring = self.spring(bond);
+            let arms = self.arms(bond);
+            let sides = arms.map(|arm| skew(-arm));
+            let block = |i: usize, j: usize| {
+                let sign = if i == j { 1.0 } else { -1.0 };
+                // B = [1, -[r]x], and K = B^T diag(k, 0) B + diag(0, c).
+                let (left, right) = (sides[i].transpose(), sides[j]);
+                let corner = left * spring.along * right + spring.turning;
+                blocks(
+                    spring.along,
+                    spring.along * right,
+                    left * spring.along,
+                    corner,
+                    sign,
+                )
+            };
+            (
+                bond,
+                [[block(0, 0), block(0, 1)], [block(1, 0), block(1, 1)]],
+            )
+        })
+    }
+
+    /// From the centers of its parts to the center of a bond, m.
+    pub(super) fn arms(&self, bond: usize) -> [DVec3; 2] {
+        let PartBond { center, parts, .. } = &self.bonds[bond];
+        parts.map(|part| center.as_dvec3() - self.nodes[part as usize].center)
+    }
+
+    pub(super) fn spring(&self, bond: usize) -> Spring {
+        let PartBond {
+            normal,
+            axis,
+            half_extents,
+            area,
+            ..
+        } = &self.bonds[bond];
+        let (normal, axis) = (normal.as_dvec3(), axis.as_dvec3());
+        let across = normal.cross(axis);
+        let [a, b] = self.arms(bond);
+        let length = (a - b).dot(normal).abs();
+        let sides = half_extents.as_dvec2();
+        let length = length.max(0.1 * sides.min_element());
+        let area = f64::from(*area);
+        let moments = area / 3.0 * sides * sides;
+        let outer = |v: DVec3| DMat3::from_cols(v * v.x, v * v.y, v * v.z);
+        let (n, u, v) = (outer(normal), outer(axis), outer(across));
+        Spring {
+            along: (n + (u + v) * SHEAR) * (area / length),
+            turning: (u * moments.y + v * moments.x + n * (SHEAR * (moments.x + moments.y)))
+                * (1.0 / length),
+        }
+    }
+
+    /// Conjugate gradients, preconditioned by the blocks of the diagonal.
+    fn iterate(&self, rows: &mut [Six], number: &[u32], is_broken: &[bool]) {
+        let springs: Vec<_> = self.springs(is_broken).collect();
+        let mut diagonal: Vec<Skyline> = (0..rows.len()).map(|_| Skyline::new(vec![0])).collect();
+        for (bond, blocks) in &springs {
+            for (side, part) in self.bonds[*bond].parts.into_iter().enumerate() {
+                if let Some(own) = diagonal.get_mut(number[part as usize] as usize) {
+                    add_block(own.block_mut(0, 0), &blocks[side][side]);
+                }
+            }
+        }
+        for own in &mut diagonal {
+            own.factorise(&mut usize::MAX.clone());
+        }
+        let precondition = |r: &[Six]| {
+            let mut z = r.to_vec();
+            for (z, own) in z.iter_mut().zip(&diagonal) {
+                own.solve(std::slice::from_mut(z));
+            }
+            z
+        };
+        let multiply = |x: &[Six]| {
+            let mut y = vec![[0.0; 6]; x.len()];
+            for (bond, blocks) in &springs {
+                let at = self.bonds[*bond].parts.map(|part| number[part as usize]);
+                for (i, &row) in at.iter().enumerate() {
+                    for (j, &column) in at.iter().enumerate() {
+                        if row != NONE && column != NONE {
+                            add_product(&mut y[row as usize], &blocks[i][j], &x[column as usize]);
+                        }
+                    }
+                }
+            }
+            y
+        };
+        let mut r = rows.to_vec();
+        rows.fill([0.0; 6]);
+        let mut z = precondition(&r);
+        let mut p = z.clone();
+        let mut square = dot(&r, &z);
+        let goal = TOLERANCE * TOLERANCE * square;
+        for _ in 0..6 * rows.len() {
+            if square <= goal {
+                break;
+            }
+            let ap = multiply(&p);
+            let step = square / dot(&p, &ap);
+            add_scaled(rows, &p, step);
+            add_scaled(&mut r, &ap, -step);
+            z = precondition(&r);
+            let next = dot(&r, &z);
+            let keep = next / square;
+            for (p, z) in p.iter_mut().zip(&z) {
+                for (p, z) in p.iter_mut().zip(z) {
+                    *p = z + keep * *p;
+                }
+            }
+            square = next;
+        }
+    }
+}
+
+/// Stiffness of a bond at its center.
+pub(super) struct Spring {
+    /// Force by displacement.
+    pub(super) along: DMat3,
+    /// Moment by turn.
+    pub(super) turning: DMat3,
+}
+
+/// `[v]x`.
+fn skew(v: DVec3) -> DMat3 {
+    DMat3::from_cols(
+        DVec3::new(0.0, v.z, -v.y),
+        DVec3::new(-v.z, 0.0, v.x),
+        DVec3::new(v.y, -v.x, 0.0),
+    )
+}
+
+/// Four blocks of three by three as one, times a sign.
+fn blocks(a: DMat3, b: DMat3, c: DMat3, d: DMat3, sign: f64) -> Block {
+    let mut block = [[0.0; 6]; 6];
+    for i in 0..3 {
+        for j in 0..3 {
+            block[i][j] = sign * a.col(j)[i];
+            block[i][j + 3] = sign * b.col(j)[i];
+            block[i + 3][j] = sign * c.col(j)[i];
+            block[i + 3][j + 3] = sign * d.col(j)[i];
+        }
+    }
+    block
+}
+
+fn add_block(to: &mut Block, block: &Block) {
+    for (to, from) in to.iter_mut().flatten().zip(block.iter().flatten()) {
+        *to += from;
+    }
+}
+
+fn add_product(to: &mut Six, block: &Block, x: &Six) {
+    for (to, row) in to.iter_mut().zip(block) {
+        *to += row.iter().zip(x).map(|(a, x)| a * x).sum::<f64>();
+    }
+}
+
+fn add_scaled(to: &mut [Six], from: &[Six], scale: f64) {
+    for (to, from) in to.iter_mut().flatten().zip(from.iter().flatten()) {
+        *to += scale * from;
+    }
+}
+
+fn dot(a: &[Six], b: &[Six]) -> f64 {
+    let products = a.iter().flatten().zip(b.iter().flatten());
+    products.map(|(a, b)| a * b).sum()
+}

@@ -1,0 +1,309 @@
+//! The instant of a blow: bodies, bonds and what hits, followed in time.
+
+use crate::cluster::link::{Body, Link};
+use crate::cluster::network::Network;
+use glam::{Mat3, Vec3};
+
+/// Share of what it bears up to which a bond to parts that stay where they are may be loaded.
+const HEARD: f32 = 0.25;
+
+/// Time steps at most: several times as long as a vibration goes from the blow to the outermost part and back.
+const MOST_STEPS: usize = 768;
+
+/// Time steps from one look at the energy to the next.
+const STEPS_PER_LOOK: usize = 8;
+
+/// Looks after which it is over if nothing has yielded and the springs have not come to hold more: longer than the slowest vibration of a
+/// part against its neighbors.
+const CALM_LOOKS: usize = 8;
+
+/// Length of a time step, as a share of the reciprocal of the highest angular frequency. The limit of stability is 2.
+const STEP_SHARE: f32 = 1.0;
+
+const NONE: u32 = u32::MAX;
+
+/// One point where something hits the cluster, or stands against it; frame of the compound.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Striker {
+    /// The part that it is at.
+    pub(crate) part: u32,
+    /// m.
+    pub(crate) point: Vec3,
+    /// Unit vector along which it pushes the cluster.
+    pub(crate) direction: Vec3,
+    /// How fast it comes, relative to the cluster as a rigid body, m/s; negative if it goes.
+    pub(crate) speed: f32,
+    /// As seen along the direction, 1/kg; 0 for what stands.
+    pub(crate) inverse_mass: f32,
+}
+
+/// What hits.
+#[derive(Debug)]
+struct Hitting {
+    striker: Striker,
+    body: u32,
+    arm: Vec3,
+    /// Along its direction, m/s.
+    speed: f32,
+    /// From the part, m.
+    gap: f32,
+}
+
+/// The instant of a blow.
+pub(super) struct Instant {
+    bodies: Vec<Body>,
+    pub(super) links: Vec<Link>,
+    hitting: Vec<Hitting>,
+    friction: f32,
+    step: f32,
+    /// Taken by the bonds, J.
+    pub(super) work: f32,
+    /// Velocity of something that stands, in which frame energies are told; none if nothing does.
+    standing: Option<Vec3>,
+}
+
+impl Instant {
+    /// Of these parts; all others stay where they are.
+    pub(super) fn new(
+        network: &Network,
+        strikers: &[Striker],
+        is_held: &impl Fn(u32) -> bool,
+        members: &[u32],
+    ) -> Self {
+        let mut number = vec![NONE; network.nodes.len()];
+        for (index, &part) in (0..).zip(members) {
+            number[part as usize] = index;
+        }
+        let outside = members.len() as u32;
+        let mut bodies: Vec<Body> = (members.iter())
+            .map(|&part| Body::of(network, part, is_held(part)))
+            .collect();
+        bodies.push(Body::FIXED);
+        let place = |part: u32| number[part as usize].min(outside);
+        let mut links: Vec<Link> = Vec::new();
+        for &part in members {
+            for &bond in network.bonds_of(part) {
+                let other = place(network.other(bond, part));
+                // Each once: from the member that comes first.
+                if place(part) < other {
+                    links.push(Link::of(network, bond, place));
+                }
+            }
+        }
+        let hitting = strikers.iter().map(|striker| Hitting {
+            striker: *striker,
+            body: place(striker.part),
+            arm: striker.point - network.nodes[striker.part as usize].center.as_vec3(),
+            speed: striker.speed,
+            gap: 0.0,
+        });
+        let is_free = members.len() == network.nodes.len();
+        let any_fixed = bodies[..members.len()]
+            .iter()
+            .any(|body| body.inverse_mass == 0.0);
+        let wall = strikers.iter().find(|striker| striker.inverse_mass == 0.0);
+        let standing = if any_fixed || !is_free {
+            Some(Vec3::ZERO)
+        } else {
+            wall.map(|striker| striker.speed * striker.direction)
+        };
+        let mut instant = Self {
+            step: time_step(&bodies, &links),
+            bodies,
+            links,
+            hitting: hitting.collect(),
+            friction: network.friction,
+            work: 0.0,
+            standing,
+        };
+        instant.hit();
+        instant
+    }
+
+    /// Follows the motion; whether no part that does not take part has heard of it.
+    pub(super) fn run(&mut self) -> bool {
+        let (mut most, mut work, mut calm) = (0.0f32, 0.0, 0);
+        for step in 0..MOST_STEPS {
+            if step % STEPS_PER_LOOK == 0 {
+                if self.is_heard_outside() {
+                    return false;
+                }
+                let held = self.held_energy();
+                let is_calm = held <= most && self.work == work;
+                calm = if is_calm { calm + 1 } else { 0 };
+                if calm > CALM_LOOKS || self.is_over(held) {
+                    break;
+                }
+                (most, work) = (most.max(held), self.work);
+            }
+            for index in 0..self.links.len() {
+                self.pull(index);
+            }
+            for body in &mut self.bodies {
+                body.advance(self.step);
+            }
+            self.hit();
+        }
+        true
+    }
+
+    /// Whether a bond to a part that does not take part is loaded.
+    fn is_heard_outside(&self) -> bool {
+        let outside = self.bodies.len() as u32 - 1;
+        let outer = self.links.iter();
+        let outer = outer.filter(|link| !link.is_broken && link.bodies.contains(&outside));
+        outer.into_iter().any(|link| {
+            let [a, b] = link.bodies.map(|body| &self.bodies[body as usize]);
+            let heard = HEARD * link.limits[0].min(link.limits[1]) / link.stiffness;
+            link.corners.iter().any(|corner| {
+                let moved = (b.displacement + b.turn.cross(corner.arms[1]))
+                    - (a.displacement + a.turn.cross(corner.arms[0]));
+                moved.length() > heard
+            })
+        })
+    }
+
+    /// Forces of a bond, and what they break.
+    fn pull(&mut self, index: usize) {
+        let link = &mut self.links[index];
+        let [a, b] = link.bodies.map(|body| self.bodies[body as usize]);
+        let (mut force, mut torque_a, mut torque_b) = (Vec3::ZERO, Vec3::ZERO, Vec3::ZERO);
+        let mut work = 0.0;
+        let mut is_torn = false;
+        for corner in &mut link.corners {
+            let moved = (b.displacement + b.turn.cross(corner.arms[1]))
+                - (a.displacement + a.turn.cross(corner.arms[0]));
+            let open = moved.dot(link.normal);
+            let mut pull = if link.is_broken {
+                (link.stiffness * open).min(0.0) * link.normal
+            } else {
+                let (pulled, done) = corner.yielding(link.stiffness, link.limits, self.friction, {
+                    (open, moved - open * link.normal)
+                });
+                work += done;
+                is_torn |= corner.opened.max(corner.slid.length()) > link.way;
+                pulled.0 * link.normal + pulled.1
+            };
+            // On A; B gets the opposite.
+            pull = if pull.is_finite() { pull } else { Vec3::ZERO };
+            force += pull;
+            torque_a += corner.arms[0].cross(pull);
+            torque_b -= corner.arms[1].cross(pull);
+        }
+        link.is_broken |= is_torn;
+        self.work += work;
+        let [a, b] = link.bodies.map(|body| body as usize);
+        self.bodies[a].force += force;
+        self.bodies[a].torque += torque_a;
+        self.bodies[b].force -= force;
+        self.bodies[b].torque += torque_b;
+    }
+
+    /// What hits shares its speed with the part that it is at.
+    fn hit(&mut self) {
+        for hitting in &mut self.hitting {
+            let body = &mut self.bodies[hitting.body as usize];
+            let direction = hitting.striker.direction;
+            let along = direction.dot(body.velocity + body.angular.cross(hitting.arm));
+            let approach = hitting.speed - along;
+            hitting.gap = (hitting.gap - self.step * approach).max(0.0);
+            let lever = hitting.arm.cross(direction);
+            let inverse = hitting.striker.inverse_mass
+                + body.inverse_mass
+                + lever.dot(body.inverse_inertia * lever);
+            if hitting.gap > 0.0 || approach <= 0.0 || inverse <= 0.0 {
+                continue;
+            }
+            let impulse = approach / inverse;
+            hitting.speed -= hitting.striker.inverse_mass * impulse;
+            body.velocity += body.inverse_mass * impulse * direction;
+            body.angular += body.inverse_inertia * (impulse * lever);
+        }
+    }
+
+    /// Whether what is left of the energy is too little to break a bond.
+    fn is_over(&self, held: f32) -> bool {
+        let whole = self.links.iter().filter(|link| !link.is_broken);
+        let least = whole.map(|link| link.energy).fold(f32::INFINITY, f32::min);
+        least == f32::INFINITY || self.kinetic_energy() + held < least
+    }
+
+    /// Energy of all motion relative to what stands, or to the common motion, J.
+    fn kinetic_energy(&self) -> f32 {
+        let frame = self.standing.unwrap_or_else(|| {
+            let (mut momentum, mut mass) = (Vec3::ZERO, 0.0);
+            for body in &self.bodies {
+                momentum += body.mass * body.velocity;
+                mass += body.mass;
+            }
+            for hitting in self.hitting.iter().filter(|hitting| hitting.gap <= 0.0) {
+                let own = hitting.striker.inverse_mass.recip();
+                momentum += own * hitting.speed * hitting.striker.direction;
+                mass += own;
+            }
+            momentum / mass
+        });
+        let bodies = self.bodies.iter().map(|body| {
+            let spin = body.angular.dot(body.inertia * body.angular);
+            body.mass * (body.velocity - frame).length_squared() + spin
+        });
+        let strikers = self.hitting.iter().filter(|hitting| {
+            let is_near = hitting.gap <= 0.0;
+            is_near && hitting.striker.inverse_mass > 0.0
+        });
+        let strikers = strikers.map(|hitting| {
+            let speed = hitting.speed - frame.dot(hitting.striker.direction);
+            speed * speed / hitting.striker.inverse_mass
+        });
+        0.5 * (bodies.sum::<f32>() + strikers.sum::<f32>())
+    }
+
+    /// Energy of the springs, J.
+    fn held_energy(&self) -> f32 {
+        let springs = self.links.iter().flat_map(|link| {
+            let [a, b] = link.bodies.map(|body| &self.bodies[body as usize]);
+            link.corners.iter().map(move |corner| {
+                let moved = (b.displacement + b.turn.cross(corner.arms[1]))
+                    - (a.displacement + a.turn.cross(corner.arms[0]));
+                let stretched = moved - corner.slid - corner.opened * link.normal;
+                let is_pressed = stretched.dot(link.normal) < 0.0;
+                if link.is_broken && !is_pressed {
+                    0.0
+                } else {
+                    link.stiffness * stretched.length_squared()
+                }
+            })
+        });
+        0.5 * springs.sum::<f32>()
+    }
+}
+
+/// A time step that all vibrations are slow for, s.
+fn time_step(bodies: &[Body], links: &[Link]) -> f32 {
+    // By body: what its bonds pull with per way, and per turn.
+    let mut stiffness = vec![[0.0f32; 2]; bodies.len()];
+    for link in links {
+        for (side, &body) in link.bodies.iter().enumerate() {
+            for corner in &link.corners {
+                let own = &mut stiffness[body as usize];
+                own[0] += link.stiffness;
+                own[1] += link.stiffness * corner.arms[side].length_squared();
+            }
+        }
+    }
+    let squares = bodies.iter().zip(&stiffness).map(|(body, [way, turn])| {
+        let Mat3 {
+            x_axis,
+            y_axis,
+            z_axis,
+        } = body.inverse_inertia;
+        let lightest = x_axis.x.max(y_axis.y).max(z_axis.z);
+        2.0 * (way * body.inverse_mass + turn * lightest)
+    });
+    let fastest = squares.fold(0.0, f32::max).sqrt();
+    if fastest > 0.0 {
+        STEP_SHARE / fastest
+    } else {
+        0.0
+    }
+}

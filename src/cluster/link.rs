@@ -1,0 +1,146 @@
+//! A part and a bond in the instant of a blow.
+
+use crate::cluster::network::Network;
+use glam::{Mat3, Vec3};
+
+/// Share of the way to breaking up to which a bond is elastic; it yields for the rest, so that the work is force times way.
+const ELASTIC: f32 = 0.5;
+
+/// A part in the instant of the blow, relative to the motion of the cluster.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Body {
+    pub(super) inverse_mass: f32,
+    pub(super) inverse_inertia: Mat3,
+    pub(super) mass: f32,
+    pub(super) inertia: Mat3,
+    pub(super) velocity: Vec3,
+    pub(super) angular: Vec3,
+    pub(super) displacement: Vec3,
+    pub(super) turn: Vec3,
+    pub(super) force: Vec3,
+    pub(super) torque: Vec3,
+}
+
+/// A corner of a bonded face.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Corner {
+    /// From the centers of both parts, m.
+    pub(super) arms: [Vec3; 2],
+    /// How far it has yielded: opened, and slid, m.
+    pub(super) opened: f32,
+    pub(super) slid: Vec3,
+}
+
+/// A bond in the instant of the blow.
+#[derive(Debug)]
+pub(super) struct Link {
+    pub(super) bond: u32,
+    pub(super) bodies: [u32; 2],
+    pub(super) normal: Vec3,
+    pub(super) corners: [Corner; 4],
+    /// Of a corner, N/m.
+    pub(super) stiffness: f32,
+    /// What a corner bears in tension and in shear, N.
+    pub(super) limits: [f32; 2],
+    /// How far it may yield, m.
+    pub(super) way: f32,
+    /// Energy that breaking it takes, J.
+    pub(super) energy: f32,
+    pub(super) is_broken: bool,
+}
+
+impl Body {
+    /// One that nothing moves.
+    pub(super) const FIXED: Self = Self {
+        inverse_mass: 0.0,
+        inverse_inertia: Mat3::ZERO,
+        mass: 0.0,
+        inertia: Mat3::ZERO,
+        velocity: Vec3::ZERO,
+        angular: Vec3::ZERO,
+        displacement: Vec3::ZERO,
+        turn: Vec3::ZERO,
+        force: Vec3::ZERO,
+        torque: Vec3::ZERO,
+    };
+
+    pub(super) fn of(network: &Network, part: u32, is_held: bool) -> Self {
+        if is_held {
+            return Self::FIXED;
+        }
+        let node = &network.nodes[part as usize];
+        Self {
+            mass: node.mass as f32,
+            inertia: node.inertia.as_mat3(),
+            inverse_mass: node.mass.recip() as f32,
+            inverse_inertia: node.inverse_inertia,
+            ..Self::FIXED
+        }
+    }
+
+    /// Symplectic Euler.
+    pub(super) fn advance(&mut self, h: f32) {
+        self.velocity += h * self.inverse_mass * self.force;
+        self.angular += self.inverse_inertia * (h * self.torque);
+        self.displacement += h * self.velocity;
+        self.turn += h * self.angular;
+        (self.force, self.torque) = (Vec3::ZERO, Vec3::ZERO);
+    }
+}
+
+impl Link {
+    pub(super) fn of(network: &Network, bond: u32, place: impl Fn(u32) -> u32) -> Self {
+        let shape = &network.bonds[bond as usize];
+        let opening = network.openings[bond as usize];
+        let centers = shape
+            .parts
+            .map(|part| network.nodes[part as usize].center.as_vec3());
+        let limits = [shape.strength, shape.shear_strength].map(|s| 0.25 * s * shape.area);
+        Self {
+            bond,
+            bodies: shape.parts.map(place),
+            normal: shape.normal,
+            corners: Network::corners(shape).map(|at| Corner {
+                arms: centers.map(|center| at - center),
+                opened: 0.0,
+                slid: Vec3::ZERO,
+            }),
+            stiffness: limits[0].max(limits[1]) / (ELASTIC * opening),
+            limits,
+            way: (1.0 - 0.5 * ELASTIC) * opening,
+            energy: limits[0].min(limits[1]) * opening,
+            is_broken: false,
+        }
+    }
+}
+
+impl Corner {
+    /// Its pull on the first part, along the normal and across, N, if it is open and slid so far; it yields where that is more than it
+    /// bears. And the work that this takes, J.
+    pub(super) fn yielding(
+        &mut self,
+        stiffness: f32,
+        limits: [f32; 2],
+        friction: f32,
+        (open, across): (f32, Vec3),
+    ) -> ((f32, Vec3), f32) {
+        let mut work = 0.0;
+        let mut pull = stiffness * (open - self.opened);
+        if pull > limits[0] {
+            let more = (pull - limits[0]) / stiffness;
+            self.opened += more;
+            work += limits[0] * more;
+            pull = limits[0];
+        }
+        let mut shear = stiffness * (across - self.slid);
+        let most = limits[1] + friction * (-pull).max(0.0);
+        let size = shear.length();
+        if size > most {
+            let more = (size - most) / stiffness;
+            self.slid += shear * (more / size);
+            work += most * more;
+            shear *= most / size;
+        }
+        ((pull, shear), work)
+    }
+}
