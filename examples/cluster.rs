@@ -211,41 +211,77 @@ struct Outcome {
     time: Duration,
 }
 
-/// The same shots at walls of both kinds.
+/// The same shots at walls of both kinds. What bonds between bodies bear depends on the length of a step, so these are given shorter and
+/// shorter ones.
 fn compare() -> Result<(), support::Error> {
-    let (mut same, mut all, mut both, mut either) = (0, 0, 0, 0);
-    let mut time = [Duration::ZERO; 2];
-    for shot in 0..12usize {
-        let wave = |k: f32| (shot as f32 * k).fract();
-        let shot = Shot {
-            strength: [2e5, 4e5, 8e5, 1.6e6][shot % 4],
-            at: Vec3::new(2.2 - 4.4 * wave(0.381), 0.6 + 1.7 * wave(0.733), 0.2),
-            velocity: Vec3::new(0.0, 0.0, -6.0 - 14.0 * wave(0.271)),
-        };
-        let wall = wall(20, 25, shot.strength)?;
-        let (cluster, bonded) = (as_cluster(&wall, &shot)?, as_bodies(&wall, &shot)?);
-        let bonds = wall.shape_bonds();
-        let counts = bonds.iter().map(|bond| {
-            let is_in = |outcome: &Outcome| outcome.broken.contains(bond);
-            (is_in(&cluster), is_in(&bonded))
-        });
-        for (a, b) in counts {
-            all += 1;
-            same += usize::from(a == b);
-            both += usize::from(a && b);
-            either += usize::from(a || b);
+    let shots: Vec<Shot> = (0..8u8).map(shot).collect();
+    let clusters = shots.iter().map(|shot| {
+        let wall = wall(12, 12, shot.strength)?;
+        Ok((as_cluster(&wall, shot)?, wall))
+    });
+    let clusters: Vec<_> = clusters.collect::<Result<_, support::Error>>()?;
+    for rate in [60.0, 480.0, 3840.0] {
+        let (mut same, mut all, mut both, mut either) = (0, 0, 0, 0);
+        let mut time = [Duration::ZERO; 2];
+        for (shot, (cluster, wall)) in shots.iter().zip(&clusters) {
+            let bonded = as_bodies(wall, shot, rate)?;
+            for bond in wall.shape_bonds() {
+                let is_in = |outcome: &Outcome| outcome.broken.contains(&bond);
+                let (a, b) = (is_in(cluster), is_in(&bonded));
+                all += 1;
+                same += usize::from(a == b);
+                both += usize::from(a && b);
+                either += usize::from(a || b);
+            }
+            time[0] += cluster.time;
+            time[1] += bonded.time;
         }
-        time[0] += cluster.time;
-        time[1] += bonded.time;
+        let share = |count: usize, of: usize| count as f64 / of as f64;
+        println!("{rate}_hz_bonds_in_the_same_state: {:.3}", share(same, all));
+        println!(
+            "{rate}_hz_broken_in_both_of_either: {:.3}",
+            share(both, either)
+        );
+        let ratio = time[1].as_secs_f64() / time[0].as_secs_f64();
+        println!("{rate}_hz_bonded_bodies_take_times_as_long: {ratio:.1}");
     }
-    println!("bonds_in_the_same_state: {:.3}", same as f64 / all as f64);
-    println!(
-        "broken_in_both_of_broken_in_either: {:.3}",
-        both as f64 / either as f64
-    );
-    let ratio = time[1].as_secs_f64() / time[0].as_secs_f64();
-    println!("bonded_bodies_take_times_as_long: {ratio:.1}");
+    let [cluster, bonded] = standing_times()?;
+    let ratio = bonded.as_secs_f64() / cluster.as_secs_f64();
+    println!("standing_500_bricks_ms: {:.3}", 1e3 * cluster.as_secs_f64());
+    println!("standing_500_bonded_take_times_as_long: {ratio:.0}");
     Ok(())
+}
+
+/// One of many.
+fn shot(number: u8) -> Shot {
+    let wave = |k: f32| (f32::from(number) * k).fract();
+    Shot {
+        strength: [1e5, 3e5, 1e6, 3e6][usize::from(number) % 4],
+        at: Vec3::new(1.2 - 2.4 * wave(0.381), 0.35 + 0.7 * wave(0.733), 0.2),
+        velocity: Vec3::new(0.0, 0.0, -6.0 - 14.0 * wave(0.271)),
+    }
+}
+
+/// Time of a step of a wall that a box lies on, as a cluster and as bonded bodies, s.
+fn standing_times() -> Result<[Duration; 2], support::Error> {
+    let wall = wall(20, 25, 1e6)?;
+    let cube = ConvexMesh::cuboid(0.2, 0.2, 0.2)?;
+    let cube = BodyDesc::dynamic(cube, 2.6 * Vec3::Y);
+    let mut times = [Duration::ZERO; 2];
+    for (kind, time) in times.iter_mut().enumerate() {
+        let mut simulation = scene([cube.clone()])?;
+        simulation.config.sleep = SleepConfig::off();
+        if kind == 0 {
+            simulation.bodies.insert(wall.clone())?;
+        } else {
+            add_bricks(&mut simulation, &wall, 1e6)?;
+        }
+        (0..60).for_each(|_| simulation.step(H));
+        let start = Instant::now();
+        (0..60).for_each(|_| simulation.step(H));
+        *time = start.elapsed() / 60;
+    }
+    Ok(times)
 }
 
 trait ShapeBonds {
@@ -273,16 +309,16 @@ impl ShapeBonds for BodyDesc {
     }
 }
 
-/// Steps for a third of a second.
-fn run(simulation: &mut Simulation) -> Duration {
+/// Steps for a sixth of a second.
+fn run(simulation: &mut Simulation, rate: f32) -> Duration {
     let start = Instant::now();
-    (0..20).for_each(|_| simulation.step(H));
+    (0..(rate / 6.0) as usize).for_each(|_| simulation.step(1.0 / rate));
     start.elapsed()
 }
 
 fn as_cluster(wall: &BodyDesc, shot: &Shot) -> Result<Outcome, support::Error> {
     let mut simulation = scene([wall.clone(), ball(0.05, shot.at, shot.velocity)?])?;
-    let time = run(&mut simulation);
+    let time = run(&mut simulation, 60.0);
     // Parts are known by their shapes.
     let number = |part: &CompoundPart| {
         let mut all = wall.parts().iter();
@@ -306,8 +342,25 @@ fn as_cluster(wall: &BodyDesc, shot: &Shot) -> Result<Outcome, support::Error> {
     Ok(Outcome { broken, time })
 }
 
-fn as_bodies(wall: &BodyDesc, shot: &Shot) -> Result<Outcome, support::Error> {
+fn as_bodies(wall: &BodyDesc, shot: &Shot, rate: f32) -> Result<Outcome, support::Error> {
     let mut simulation = scene([ball(0.05, shot.at, shot.velocity)?])?;
+    let slots = add_bricks(&mut simulation, wall, shot.strength)?;
+    let time = run(&mut simulation, rate);
+    let is_static = |part: usize| simulation.bodies.kind(slots[part]) == RigidBody::Static;
+    let mut broken = wall.shape_bonds();
+    broken.retain(|&[a, b]| {
+        let bond = simulation.bonds.get(&simulation.bodies, slots[a], slots[b]);
+        bond.is_none() && !(is_static(a) && is_static(b))
+    });
+    Ok(Outcome { broken, time })
+}
+
+/// The parts of a wall as bodies that are bonded; their slots.
+fn add_bricks(
+    simulation: &mut Simulation,
+    wall: &BodyDesc,
+    strength: f32,
+) -> Result<Vec<u32>, support::Error> {
     let mut slots = Vec::new();
     for part in wall.parts() {
         let pose = wall.pose * part.pose;
@@ -324,13 +377,6 @@ fn as_bodies(wall: &BodyDesc, shot: &Shot) -> Result<Outcome, support::Error> {
             ..BodyDesc::new(kind, Shape::Convex(part.shape.clone()))
         })?);
     }
-    simulation.bond_neighbors(&slots, shot.strength)?;
-    let time = run(&mut simulation);
-    let is_static = |part: usize| simulation.bodies.kind(slots[part]) == RigidBody::Static;
-    let mut broken = wall.shape_bonds();
-    broken.retain(|&[a, b]| {
-        let bond = simulation.bonds.get(&simulation.bodies, slots[a], slots[b]);
-        bond.is_none() && !(is_static(a) && is_static(b))
-    });
-    Ok(Outcome { broken, time })
+    simulation.bond_neighbors(&slots, strength)?;
+    Ok(slots)
 }

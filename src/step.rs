@@ -21,6 +21,7 @@ mod breakable;
 pub(crate) mod contact_events;
 mod contact_place;
 pub(crate) mod contacts;
+mod loads;
 mod local_buffers;
 mod local_steps;
 mod measure;
@@ -28,6 +29,7 @@ pub(crate) mod report;
 pub(crate) mod settings;
 pub(crate) mod simulation;
 
+use crate::step::loads::bear_loads;
 use crate::step::local_steps::take_local_steps;
 use crate::step::measure::report_solution;
 pub use breakable::Breakable;
@@ -43,8 +45,7 @@ use crate::collide::narrow_phase::{self};
 use crate::collide::proxies::Lookahead;
 use crate::contact::impulses::{CacheStats, ContactCache, TouchingBodies};
 use crate::fracture::{
-    Bonds, Fractures, Inherited, StepLoads, break_overloaded, break_under_loads, end_loads,
-    find_holds, make_cuts, note_blows,
+    Bonds, Fractures, Inherited, break_overloaded, find_holds, make_cuts, note_blows,
 };
 use crate::joints::Joints;
 use crate::threads::team::Team;
@@ -118,9 +119,7 @@ pub fn cut(
     let StepSettings {
         budget, step_dt, ..
     } = settings;
-    if bodies.any_cluster() {
-        find_holds(bodies);
-    }
+    find_holds(bodies);
     make_cuts(fractures, bodies, cache, bonds, budget, *step_dt);
     bonds.note_pairs(bodies);
 }
@@ -281,23 +280,6 @@ pub fn local_steps(
     take_local_steps(bodies, contacts, breakable.again(), settings, report);
     report_solution(bodies, contacts, settings, report);
     bear_loads(bodies, contacts, breakable, settings);
-}
-
-/// When all is solved: bonds within bodies that sustained loads break, and the end of what blows were borne.
-fn bear_loads(
-    bodies: &mut Bodies,
-    contacts: &Contacts,
-    breakable: Breakable,
-    settings: &StepSettings,
-) {
-    let loads = StepLoads {
-        manifolds: &contacts.manifolds,
-        joints: breakable.joints,
-        gravity: settings.gravity.0,
-        step_dt: settings.step_dt,
-    };
-    break_under_loads(breakable.fractures, bodies, &loads);
-    end_loads(breakable.fractures, bodies, &contacts.solver);
 }
 
 /// Breaks what was hit with more than it bears and solves its islands anew, until nothing breaks any more.

@@ -38,6 +38,13 @@ impl Bodies {
         !self.clusters.is_empty()
     }
 
+    /// Notes that the parts of a static cluster may hold on elsewhere than they did.
+    pub(crate) fn doubt_holds(&mut self, slot: u32) {
+        if self.cluster(slot).is_some() {
+            self.unheld_clusters.push(slot);
+        }
+    }
+
     /// After shape, density or kind changed: parts and bonds as they are now, whose loads and holds are not known.
     pub(super) fn renew_cluster(&mut self, slot: u32) -> Result<(), MassError> {
         let info = self.info(slot);

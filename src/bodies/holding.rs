@@ -18,6 +18,7 @@ impl Bodies {
         anchors.iter().try_for_each(Anchors::validate)?;
         if self.anchors(slot) != anchors.as_ref() {
             self.hold_mut(slot).anchors = anchors;
+            self.doubt_holds(slot);
         }
         Ok(())
     }

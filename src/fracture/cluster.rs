@@ -146,6 +146,9 @@ fn fracturable_of(bodies: &Bodies, slot: u32, number: usize) -> Option<Fracturab
 
 /// Finds out which parts of static clusters hold on to the world, where it is not known, or where nothing was there to hold on to.
 pub(crate) fn find_holds(bodies: &mut Bodies) {
+    if !bodies.any_cluster() {
+        return;
+    }
     let newest = bodies.newest();
     let lonely = bodies.cluster_slots().filter(|&slot| {
         let state = bodies.cluster(slot);
@@ -169,6 +172,9 @@ pub(crate) fn find_holds(bodies: &mut Bodies) {
             .collect();
         if let Some(state) = bodies.cluster_mut(slot) {
             state.looked_at = (!held.contains(&true)).then_some(newest);
+            if state.held.as_ref() != Some(&held) {
+                (state.judged, state.elastic) = (None, None);
+            }
             state.held = Some(held);
         }
     }

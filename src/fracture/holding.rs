@@ -124,6 +124,9 @@ impl Foothold {
         fallen.sort_by_key(|&slot| bodies.id(slot));
         fallen.dedup();
         fallen.iter().for_each(|&slot| bodies.let_fall(slot));
+        self.touching
+            .iter()
+            .for_each(|&slot| bodies.doubt_holds(slot));
         fallen
     }
 }
