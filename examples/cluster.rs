@@ -222,6 +222,7 @@ fn compare() -> Result<(), support::Error> {
     let clusters: Vec<_> = clusters.collect::<Result<_, support::Error>>()?;
     for rate in [60.0, 480.0, 3840.0] {
         let (mut same, mut all, mut both, mut either) = (0, 0, 0, 0);
+        let mut broken = [0, 0];
         let mut time = [Duration::ZERO; 2];
         for (shot, (cluster, wall)) in shots.iter().zip(&clusters) {
             let bonded = as_bodies(wall, shot, rate)?;
@@ -235,8 +236,11 @@ fn compare() -> Result<(), support::Error> {
             }
             time[0] += cluster.time;
             time[1] += bonded.time;
+            broken[0] += cluster.broken.len();
+            broken[1] += bonded.broken.len();
         }
         let share = |count: usize, of: usize| count as f64 / of as f64;
+        println!("{rate}_hz_broken_by_cluster_and_bonded: {broken:?} of {all}");
         println!("{rate}_hz_bonds_in_the_same_state: {:.3}", share(same, all));
         println!(
             "{rate}_hz_broken_in_both_of_either: {:.3}",

@@ -7,7 +7,7 @@ use crate::contact::impulses::ContactCache;
 use crate::contact::manifolds::Manifolds;
 use crate::fracture::budget::FractureBudget;
 use crate::fracture::cluster::{Groups, apply_cracks, replace_groups};
-use crate::fracture::cluster_loads::{StepLoads, judge_loads};
+use crate::fracture::cluster_loads::{LOOK_INTERVAL, StepLoads, judge_loads};
 use crate::fracture::debris::Debris;
 use crate::fracture::impact;
 use crate::fracture::inheritance::{ParentState, transfer_impulses};
@@ -34,6 +34,8 @@ pub(super) struct FractureState {
     /// Dynamic bodies that were awake when it began.
     awake: usize,
     waiting: Vec<PendingBreak>,
+    /// Time since loads of clusters were last looked at, s.
+    load_time: f32,
     debris: Debris,
     /// Bodies that must not break by some blows, see [`Bodies::borne_impulse`].
     spared: Vec<(u32, BodyId)>,
@@ -251,7 +253,14 @@ pub(crate) fn break_under_loads(fractures: &mut Fractures, bodies: &mut Bodies, 
     if !bodies.any_cluster() {
         return;
     }
-    for (slot, bonds) in judge_loads(bodies, step) {
+    // Loads are means over a longer time.
+    let elapsed = fractures.state.load_time + step.step_dt;
+    fractures.state.load_time = elapsed;
+    if elapsed < LOOK_INTERVAL {
+        return;
+    }
+    fractures.state.load_time = 0.0;
+    for (slot, bonds) in judge_loads(bodies, step, elapsed) {
         let body = bodies.id(slot);
         let waits = fractures.state.waiting.iter();
         if waits.into_iter().any(|entry| entry.body == body) {

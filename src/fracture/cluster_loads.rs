@@ -18,11 +18,14 @@ use glam::{DVec3, Vec3};
 /// Time over which a load is a mean, s.
 const MEMORY: f32 = 0.05;
 
+/// Time from one look at the loads to the next, s; a little less than two steps at 60 Hz.
+pub(super) const LOOK_INTERVAL: f32 = 0.032;
+
 /// Change of a load that is worth another look at what it does, as a share of all of it.
 const CHANGE: f64 = 0.005;
 
 /// Products of blocks of six by six that a cluster may take in a step to work out what its parts do: one of 70 parts is done at once, one of
-/// 500 after a tenth of a second. No step is long because a large one has lost a corner.
+/// 500 after a quarter of a second. No step is long because a large one has lost a corner.
 const WORK_PER_STEP: usize = 16_000;
 
 /// Share of the largest load below which another one is over.
@@ -39,8 +42,12 @@ pub(crate) struct StepLoads<'s> {
     pub(crate) step_dt: f32,
 }
 
-/// What sustained loads break; bonds that crack without anything coming off are broken already.
-pub(super) fn judge_loads(bodies: &mut Bodies, step: &StepLoads) -> Vec<(u32, BrokenBonds)> {
+/// Bonds that sustained loads break, by body; `elapsed` (s) after the last look.
+pub(super) fn judge_loads(
+    bodies: &mut Bodies,
+    step: &StepLoads,
+    elapsed: f32,
+) -> Vec<(u32, BrokenBonds)> {
     let mut found: Vec<(u32, PartLoad)> = Vec::new();
     for manifold in step.manifolds.iter() {
         for side in 0..2 {
@@ -61,7 +68,7 @@ pub(super) fn judge_loads(bodies: &mut Bodies, step: &StepLoads) -> Vec<(u32, Br
         let first = found.partition_point(|(of, _)| *of < slot);
         let own = found[first..].iter().take_while(|(of, _)| *of == slot);
         let own: Vec<PartLoad> = own.map(|(_, load)| *load).collect();
-        let Some(outcome) = judge(bodies, slot, &own, step) else {
+        let Some(outcome) = judge(bodies, slot, &own, (step.gravity, elapsed)) else {
             continue;
         };
         let of = bodies.cluster(slot).map_or(0, |it| it.network.bonds.len());
@@ -150,15 +157,15 @@ fn judge(
     bodies: &mut Bodies,
     slot: u32,
     now: &[PartLoad],
-    step: &StepLoads,
+    (gravity, elapsed): (Vec3, f32),
 ) -> Option<LoadOutcome> {
     let to_body = bodies.pose(slot).rotation.inverse();
     let (kind, spin) = (bodies.kind(slot), bodies.velocity(slot).1);
-    let motion = [step.gravity, spin].map(|v| rotate(to_body, v).as_dvec3());
+    let motion = [gravity, spin].map(|v| rotate(to_body, v).as_dvec3());
     let reach = f64::from(bodies.compound(slot)?.aabb().diagonal());
     let holding = held_back(bodies, slot);
     let state = bodies.cluster_mut(slot)?;
-    remember(&mut state.loads, now, &holding, step.step_dt);
+    remember(&mut state.loads, now, &holding, elapsed);
     let held = state.held.as_ref()?;
     let is_held = held.contains(&true);
     if kind == RigidBody::Kinematic || kind == RigidBody::Static && !is_held {
@@ -228,8 +235,8 @@ fn held_back(bodies: &Bodies, slot: u32) -> Vec<LoadSource> {
 }
 
 /// Lets what is remembered come nearer to what is now; both are sorted.
-fn remember(loads: &mut Vec<PartLoad>, now: &[PartLoad], holding: &[LoadSource], step_dt: f32) {
-    let share = f64::from(step_dt / (MEMORY + step_dt));
+fn remember(loads: &mut Vec<PartLoad>, now: &[PartLoad], holding: &[LoadSource], elapsed: f32) {
+    let share = f64::from(elapsed / (MEMORY + elapsed));
     for load in loads.iter_mut() {
         if now
             .binary_search_by_key(&load.from, |new| new.from)

@@ -2,7 +2,7 @@
 
 use crate::bodies::store::Bodies;
 use crate::fracture::{StepLoads, break_under_loads, end_loads};
-use crate::step::Breakable;
+use crate::step::breakable::Breakable;
 use crate::step::contacts::Contacts;
 use crate::step::settings::StepSettings;
 
