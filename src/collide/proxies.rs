@@ -113,6 +113,8 @@ struct ProxyState {
     /// [`Lookahead::reach`] and [`Lookahead::travel`] then, m.
     reach: f32,
     travel: Vec3,
+    /// [`span`] then, m.
+    span: f32,
     /// How far the body may leave its way, or reach farther, until the broad phase must be told again, m.
     slack: f32,
 }
@@ -121,13 +123,15 @@ impl ProxyState {
     /// Tells the broad phase where the body in `slot` is now.
     fn now(broadphase: &mut Broadphase, bodies: &Bodies, slot: u32, ahead: Lookahead) -> Self {
         let i = slot as usize;
+        let (reach, travel) = (ahead.reach(bodies, slot), ahead.travel(bodies, slot));
         Self {
             id: bodies.ids[i],
             version: bodies.version[i],
             center: bodies.center[i],
             rotation: bodies.rotation[i],
-            reach: ahead.reach(bodies, slot),
-            travel: ahead.travel(bodies, slot),
+            reach,
+            travel,
+            span: span(reach, travel),
             slack: broadphase.set(i, Some(proxy(bodies, slot, ahead)), BOX_MARGIN),
         }
     }
@@ -142,7 +146,7 @@ impl ProxyState {
             && self.version == bodies.version[i]
             && self.is_on_its_way(bodies.center[i], travel, slack)
             // A body that was fast and has become slow gets a smaller box.
-            && span(self.reach, self.travel) <= span(reach, travel) + reach + SPARE
+            && self.span <= span(reach, travel) + reach + SPARE
     }
 
     /// Whether the body in `slot`, which the last step may have moved, is in its box: it was told with all that it may reach.
