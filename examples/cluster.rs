@@ -14,10 +14,10 @@ mod support;
 
 use bevy_cleave::prelude::*;
 use glam::{Quat, Vec3};
-use std::path::Path;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
-use support::picture::{Picture, contact_sheet};
+use support::film::{film, on_floor};
+use support::picture::Picture;
 use support::render::{Camera, Scene};
 
 const FOLDER: &str = "target/cluster";
@@ -47,16 +47,7 @@ fn show_all() -> Result<(), support::Error> {
 
 /// Runs a scene, and writes pictures of it.
 fn show(name: &str, mut simulation: Simulation, times: [f32; 4]) -> Result<(), support::Error> {
-    let (mut pictures, mut ledgers, mut steps) = (Vec::new(), Vec::new(), 0);
-    for time in times {
-        while steps < (time / H).round() as usize {
-            simulation.step(H);
-            ledgers.extend(simulation.fractures.done.iter().map(|f| f.ledger));
-            steps += 1;
-        }
-        pictures.push((format!("{name}, t = {time} s"), picture(&simulation)));
-    }
-    contact_sheet(&pictures, 2, 2).save(Path::new(FOLDER).join(format!("{name}.png")))?;
+    let ledgers = film((FOLDER, name), &mut simulation, times, picture)?;
     let worst = ledgers.iter().map(Ledger::mass_error).fold(0.0, f64::max);
     println!("{name}_bodies: {}", simulation.bodies.len());
     println!("{name}_fractures: {}", ledgers.len());
@@ -88,16 +79,6 @@ fn picture(simulation: &Simulation) -> Picture {
     scene.render(&camera)
 }
 
-fn scene(bodies: impl IntoIterator<Item = BodyDesc>) -> Result<Simulation, support::Error> {
-    let mut simulation = Simulation::default();
-    let floor = BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y });
-    simulation.bodies.insert(floor)?;
-    for body in bodies {
-        simulation.bodies.insert(body)?;
-    }
-    Ok(simulation)
-}
-
 /// An iron ball on its way.
 fn ball(radius: f32, at: Vec3, velocity: Vec3) -> Result<BodyDesc, support::Error> {
     let shape = ConvexMesh::sphere(radius)?;
@@ -123,7 +104,7 @@ fn wall(bricks: usize, courses: usize, strength: f32) -> Result<BodyDesc, suppor
 }
 
 fn shot_wall() -> Result<Simulation, support::Error> {
-    scene([
+    on_floor([
         wall(14, 18, 6e5)?,
         ball(0.12, Vec3::new(-1.1, 1.45, 1.2), -16.0 * Vec3::Z)?,
         ball(0.12, Vec3::new(0.5, 0.9, 6.0), -24.0 * Vec3::Z)?,
@@ -139,7 +120,7 @@ fn falling_block() -> Result<Simulation, support::Error> {
     let shape = crumbs.compound()?;
     println!("levels_parts: {}", shape.len());
     let turn = Quat::from_xyzw(0.3, 0.1, 0.2, 0.9).normalize();
-    scene([BodyDesc {
+    on_floor([BodyDesc {
         pose: Pose::new(1.6 * Vec3::Y, turn),
         linear_velocity: -3.0 * Vec3::Y,
         ..BodyDesc::compound(shape, Vec3::ZERO)
@@ -161,7 +142,7 @@ fn cantilever(count: usize, share: f32) -> Result<(BodyDesc, Anchors), support::
 }
 
 fn cantilevers() -> Result<Simulation, support::Error> {
-    let mut simulation = scene([])?;
+    let mut simulation = on_floor([])?;
     for (height, share) in [(0.6, 1.05), (1.2, 0.95)] {
         let (desc, anchors) = cantilever(10, share)?;
         let at = Vec3::new(-0.8, height, 0.0);
@@ -273,7 +254,7 @@ fn standing_times() -> Result<[Duration; 2], support::Error> {
     let cube = BodyDesc::dynamic(cube, 2.6 * Vec3::Y);
     let mut times = [Duration::ZERO; 2];
     for (kind, time) in times.iter_mut().enumerate() {
-        let mut simulation = scene([cube.clone()])?;
+        let mut simulation = on_floor([cube.clone()])?;
         simulation.config.sleep = SleepConfig::off();
         if kind == 0 {
             simulation.bodies.insert(wall.clone())?;
@@ -321,7 +302,7 @@ fn run(simulation: &mut Simulation, rate: f32) -> Duration {
 }
 
 fn as_cluster(wall: &BodyDesc, shot: &Shot) -> Result<Outcome, support::Error> {
-    let mut simulation = scene([wall.clone(), ball(0.05, shot.at, shot.velocity)?])?;
+    let mut simulation = on_floor([wall.clone(), ball(0.05, shot.at, shot.velocity)?])?;
     let time = run(&mut simulation, 60.0);
     // Parts are known by their shapes.
     let number = |part: &CompoundPart| {
@@ -347,7 +328,7 @@ fn as_cluster(wall: &BodyDesc, shot: &Shot) -> Result<Outcome, support::Error> {
 }
 
 fn as_bodies(wall: &BodyDesc, shot: &Shot, rate: f32) -> Result<Outcome, support::Error> {
-    let mut simulation = scene([ball(0.05, shot.at, shot.velocity)?])?;
+    let mut simulation = on_floor([ball(0.05, shot.at, shot.velocity)?])?;
     let slots = add_bricks(&mut simulation, wall, shot.strength)?;
     let time = run(&mut simulation, rate);
     let is_static = |part: usize| simulation.bodies.kind(slots[part]) == RigidBody::Static;

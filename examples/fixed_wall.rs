@@ -14,13 +14,12 @@ mod support;
 
 use bevy_cleave::prelude::*;
 use glam::Vec3;
-use std::path::Path;
 use std::process::ExitCode;
-use support::picture::{Picture, contact_sheet};
+use support::film::{film, on_floor};
+use support::picture::Picture;
 use support::render::{Camera, Scene};
 
 const FOLDER: &str = "target/fixed_wall";
-const H: f32 = 1.0 / 60.0;
 
 /// Times at which pictures are taken, s.
 const PICTURES: [f32; 4] = [0.0, 0.2, 0.6, 3.0];
@@ -43,16 +42,7 @@ fn show_all() -> Result<(), support::Error> {
 
 /// Runs a scene, and writes pictures of it.
 fn show(name: &str, mut simulation: Simulation) -> Result<(), support::Error> {
-    let (mut pictures, mut ledgers, mut steps) = (Vec::new(), Vec::new(), 0);
-    for time in PICTURES {
-        while steps < (time / H).round() as usize {
-            simulation.step(H);
-            ledgers.extend(simulation.fractures.done.iter().map(|f| f.ledger));
-            steps += 1;
-        }
-        pictures.push((format!("{name}, t = {time} s"), picture(&simulation)));
-    }
-    contact_sheet(&pictures, 2, 2).save(Path::new(FOLDER).join(format!("{name}.png")))?;
+    let ledgers = film((FOLDER, name), &mut simulation, PICTURES, picture)?;
     let bodies = &simulation.bodies;
     let count = |kind: RigidBody| {
         let convex = bodies.iter().filter(|&slot| bodies.convex(slot).is_some());
@@ -83,16 +73,6 @@ fn picture(simulation: &Simulation) -> Picture {
     let eye = Vec3::new(3.6, 2.8, 5.4);
     let camera = Camera::look_at(eye, Vec3::new(0.0, 1.0, 0.0), Vec3::Y, 42.0, 1280, 720);
     scene.render(&camera)
-}
-
-fn scene(bodies: impl IntoIterator<Item = BodyDesc>) -> Result<Simulation, support::Error> {
-    let mut simulation = Simulation::default();
-    let floor = BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y });
-    simulation.bodies.insert(floor)?;
-    for body in bodies {
-        simulation.bodies.insert(body)?;
-    }
-    Ok(simulation)
 }
 
 fn standing(size: Vec3, at: Vec3) -> Result<BodyDesc, support::Error> {
@@ -128,7 +108,7 @@ fn wall() -> Result<Simulation, support::Error> {
         }),
         ..standing(Vec3::new(3.6, 2.2, 0.25), 1.1 * Vec3::Y)?
     };
-    scene([
+    on_floor([
         wall,
         ball(0.15, Vec3::new(0.4, 1.4, 3.0), Vec3::new(0.0, 0.0, -24.0))?,
     ])
@@ -149,7 +129,7 @@ fn pane() -> Result<Simulation, support::Error> {
     };
     let across = Vec3::new(2.3, 0.15, 0.15);
     let up = Vec3::new(0.15, 2.0, 0.15);
-    scene([
+    on_floor([
         pane,
         standing(across, at + 1.075 * Vec3::Y)?,
         standing(across, at - 1.075 * Vec3::Y)?,
@@ -175,7 +155,7 @@ fn bridge() -> Result<Simulation, support::Error> {
         ..standing(Vec3::new(4.4, 0.25, 1.2), 1.425 * Vec3::Y)?
     };
     let post = Vec3::new(0.4, 1.8, 1.2);
-    scene([
+    on_floor([
         deck,
         standing(post, Vec3::new(-1.8, 0.4, 0.0))?,
         standing(post, Vec3::new(1.8, 0.4, 0.0))?,

@@ -21,7 +21,7 @@
 //!
 //! How it works inside is told in the repository: `docs/architecture.md` opens with the way of one contact through a step and says
 //! where to find what, `docs/glossary.md` has the terms. Layers from the bottom up, each of which uses only those before it: `tuning`,
-//! `math`, `merge`, `simd`, `threads`, `geometry`, `mass`, `slice`, `import`, `contact`, `bodies`, `joints`, `solver`, `collide`,
+//! `math`, `merge`, `disjoint_sets`, `simd`, `threads`, `geometry`, `mass`, `slice`, `import`, `cluster`, `contact`, `bodies`, `joints`, `solver`, `collide`,
 //! `query`, `fracture`, `step`, `ecs`, `plugin`, `extras`.
 //!
 //! # Conventions
@@ -37,6 +37,7 @@ pub mod bodies;
 pub mod cluster;
 mod collide;
 pub mod contact;
+mod disjoint_sets;
 pub mod ecs;
 pub mod extras;
 pub mod fracture;

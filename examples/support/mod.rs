@@ -14,6 +14,7 @@
 
 pub mod chart;
 pub mod colors;
+pub mod film;
 pub mod light;
 pub mod model;
 pub mod picture;

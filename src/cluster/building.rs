@@ -3,6 +3,7 @@
 use crate::geometry::{
     Compound, CompoundError, CompoundPart, ConvexMesh, MAX_PARTS, PartBond, groups_of,
 };
+use crate::slice::compound::shape_of;
 use crate::slice::{FracturePattern, Impact, Piece, PieceCutter, SliceError, SliceOptions};
 use glam::Vec3;
 
@@ -219,14 +220,10 @@ fn divided(
         return Ok(vec![part.clone()]);
     }
     let weighs_visual = part.shape.weighs_visual();
-    let pieces = pieces.into_iter().map(|piece| {
-        let shape = ConvexMesh::from_parts(piece.hull, piece.visual);
-        let shape = if weighs_visual {
-            shape.with_mass_of_visual()
-        } else {
-            shape
-        };
-        CompoundPart::new(part.pose, shape)
-    });
-    Ok(pieces.collect())
+    let shapes = pieces
+        .into_iter()
+        .map(|piece| shape_of(piece, weighs_visual));
+    Ok(shapes
+        .map(|shape| CompoundPart::new(part.pose, shape))
+        .collect())
 }

@@ -113,17 +113,7 @@ impl Network {
             order.push(start);
         }
         let fixed = order.len();
-        let mut next = 0;
-        while let Some(&part) = order.get(next) {
-            next += 1;
-            for &bond in self.bonds_of(part) {
-                let other = self.other(bond, part);
-                if !is_broken[bond as usize] && !std::mem::replace(&mut seen[other as usize], true)
-                {
-                    order.push(other);
-                }
-            }
-        }
+        self.search(&mut order, &mut seen, is_broken);
         let mut order = order.split_off(fixed);
         order.reverse();
         let mut number = vec![NONE; self.nodes.len()];
@@ -133,11 +123,8 @@ impl Network {
         (order, number)
     }
 
-    /// A part at an end of what hangs together with the first one.
-    fn far_part(&self, is_broken: &[bool]) -> u32 {
-        let mut seen = vec![false; self.nodes.len()];
-        let mut order = vec![0];
-        seen[0] = true;
+    /// Goes on with a search by breadth over bonds that are not broken, from the parts in `order` on.
+    fn search(&self, order: &mut Vec<u32>, seen: &mut [bool], is_broken: &[bool]) {
         let mut next = 0;
         while let Some(&part) = order.get(next) {
             next += 1;
@@ -149,6 +136,14 @@ impl Network {
                 }
             }
         }
+    }
+
+    /// A part at an end of what hangs together with the first one.
+    fn far_part(&self, is_broken: &[bool]) -> u32 {
+        let mut seen = vec![false; self.nodes.len()];
+        let mut order = vec![0];
+        seen[0] = true;
+        self.search(&mut order, &mut seen, is_broken);
         order.last().copied().unwrap_or(0)
     }
 

@@ -2,6 +2,7 @@
 
 use crate::bodies::body::RigidBody;
 use crate::bodies::store::Bodies;
+use crate::disjoint_sets::DisjointSets;
 use crate::fracture::Bonds;
 use crate::joints::Joints;
 use crate::step::Contacts;
@@ -13,7 +14,7 @@ const NEXT_HUE: f32 = 0.618_034;
 /// The islands, as a forest over slots: of each island the root is the body with the least id.
 #[derive(Debug, Default)]
 pub(super) struct IslandColors {
-    above: Vec<u32>,
+    sets: DisjointSets,
 }
 
 impl IslandColors {
@@ -25,8 +26,7 @@ impl IslandColors {
         bonds: &Bonds,
         joints: &Joints,
     ) {
-        self.above.clear();
-        self.above.extend(0..bodies.slots() as u32);
+        self.sets.reset(bodies.slots());
         let manifolds = contacts.manifolds().iter();
         let touching = manifolds.map(|manifold| [manifold.a, manifold.b]);
         let bonded = bonds.iter().map(|(ends, _)| ends);
@@ -38,29 +38,19 @@ impl IslandColors {
             let are_free =
                 pair.map(|slot| bodies.contains(slot) && bodies.kind(slot) == RigidBody::Dynamic);
             if are_free == [true; 2] {
-                let [a, b] = pair.map(|slot| self.root(slot));
+                let [a, b] = pair.map(|slot| self.sets.root(slot));
                 let (first, second) = match bodies.id(a) <= bodies.id(b) {
                     true => (a, b),
                     false => (b, a),
                 };
-                self.above[second as usize] = first;
+                self.sets.put_under(first, second);
             }
         }
     }
 
-    fn root(&mut self, slot: u32) -> u32 {
-        let mut at = slot;
-        while self.above[at as usize] != at {
-            let next = self.above[at as usize];
-            self.above[at as usize] = self.above[next as usize];
-            at = next;
-        }
-        at
-    }
-
     /// The color of a body: that of the first body of its island.
     pub(super) fn color(&mut self, bodies: &Bodies, slot: u32) -> Color {
-        let root = self.root(slot);
+        let root = self.sets.root(slot);
         let hue = (NEXT_HUE * bodies.id(root).0 as f32).fract();
         Color::hsl(360.0 * hue, 0.85, 0.55)
     }

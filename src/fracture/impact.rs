@@ -6,7 +6,7 @@ use crate::bodies::store::Bodies;
 use crate::contact::manifolds::Manifolds;
 use crate::fracture::BreakingImpact;
 use crate::fracture::pieces::PieceSet;
-use crate::geometry::{Compound, CompoundPart};
+use crate::geometry::Compound;
 use crate::math::rotate;
 use crate::slice::{Cutting, Fracturable, Impact};
 use glam::Vec3;
@@ -98,13 +98,8 @@ pub(super) fn cutting(bodies: &Bodies, slot: u32, impact: &Impact, most: usize) 
 
 /// The part that a point is in, or nearest to; the first on a tie.
 pub(super) fn struck_part(compound: &Compound, point: Vec3) -> usize {
-    let height = |part: &CompoundPart| {
-        let own = part.pose.inverse_transform_point(point);
-        let faces = part.shape.hull().faces().iter();
-        let heights = faces.map(|face| face.plane.distance(own));
-        heights.fold(f32::NEG_INFINITY, f32::max)
-    };
-    let heights = compound.parts().iter().map(height).enumerate();
+    let parts = compound.parts().iter();
+    let heights = parts.map(|part| part.height_of(point)).enumerate();
     let nearest = heights.min_by(|(_, a), (_, b)| a.total_cmp(b));
     nearest.map_or(0, |(part, _)| part)
 }

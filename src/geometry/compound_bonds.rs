@@ -1,5 +1,6 @@
 //! Compounds whose parts are held by bonds: a cluster. Which of them hang together, and what is left when some come off.
 
+use crate::disjoint_sets::DisjointSets;
 use crate::geometry::compound::{Compound, CompoundError, CompoundShape};
 use crate::geometry::compound_part::CompoundPart;
 use crate::geometry::part_bond::{BOND_GAP, PartBond};
@@ -74,13 +75,7 @@ impl Compound {
 
     /// The part that a point of the compound's frame is in, or nearest to by the planes of its faces; the first on a tie.
     pub(crate) fn part_at(&self, point: Vec3) -> u32 {
-        let height = |part: u32| {
-            let part = &self.parts()[part as usize];
-            let own = part.pose.inverse_transform_point(point);
-            let faces = part.shape.hull().faces().iter();
-            let heights = faces.map(|face| face.plane.distance(own));
-            heights.fold(f32::NEG_INFINITY, f32::max)
-        };
+        let height = |part: u32| self.parts()[part as usize].height_of(point);
         let mut reach = 0.01 * self.min_extent();
         let most = self.aabb().diagonal().max(self.min_extent());
         while reach < most {
@@ -163,19 +158,16 @@ pub(crate) fn groups_of(
     bonds: &[PartBond],
     is_broken: impl Fn(usize) -> bool,
 ) -> Vec<u32> {
-    let mut root: Vec<u32> = (0..count as u32).collect();
+    let mut sets = DisjointSets::new(count);
     for (index, bond) in bonds.iter().enumerate() {
-        if is_broken(index) {
-            continue;
+        if !is_broken(index) {
+            sets.join(bond.parts[0], bond.parts[1]);
         }
-        let [a, b] = bond.parts.map(|part| root_of(&mut root, part));
-        // The first part is the root, so that numbers do not depend on the order of the bonds.
-        root[a.max(b) as usize] = a.min(b);
     }
     let mut groups = vec![NONE; count];
     let mut next = 0;
     for part in 0..count as u32 {
-        let root = root_of(&mut root, part) as usize;
+        let root = sets.root(part) as usize;
         if groups[root] == NONE {
             groups[root] = next;
             next += 1;
@@ -183,15 +175,6 @@ pub(crate) fn groups_of(
         groups[part as usize] = groups[root];
     }
     groups
-}
-
-fn root_of(root: &mut [u32], mut part: u32) -> u32 {
-    while root[part as usize] != part {
-        let above = root[part as usize];
-        root[part as usize] = root[above as usize];
-        part = above;
-    }
-    part
 }
 
 #[cfg(test)]

@@ -25,6 +25,14 @@ impl CompoundPart {
         self.shape.bounds(&own, *turn * self.pose.position + shift)
     }
 
+    /// How far a point of the compound's frame is above the face that it is highest above, m; negative inside.
+    pub(crate) fn height_of(&self, point: Vec3) -> f32 {
+        let own = self.pose.inverse_transform_point(point);
+        let faces = self.shape.hull().faces().iter();
+        let heights = faces.map(|face| face.plane.distance(own));
+        heights.fold(f32::NEG_INFINITY, f32::max)
+    }
+
     /// The part as a shape in the compound's frame, as a hull if it is turned or round.
     pub(crate) fn in_place(&self) -> Result<ConvexMesh, HullError> {
         if self.pose == Pose::IDENTITY {

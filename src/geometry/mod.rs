@@ -7,7 +7,7 @@
 //! | `hull.rs`, `coplanar.rs` | the convex hull of a point cloud; triangles in one plane become a polygon |
 //! | `convex.rs`, `face.rs`, `around.rs`, `hull_error.rs` | a hull with polygon faces and edges, and why something is none |
 //! | `hull_lanes.rs`, `edge_tables.rs`, `triangle_corners.rs` | the same for several numbers at a time |
-//! | `polygon.rs` | plane polygons: clipping by a plane, area |
+//! | `polygon.rs`, `triangle_distance.rs` | plane polygons: clipping by a plane, area; the nearest point of a triangle |
 //! | `moments.rs` | volume integrals from faces |
 //! | `convex_mesh.rs`, `primitives.rs` | the shapes that a body can have |
 //! | `round.rs`, `round_core.rs`, `round_moments.rs`, `round_polyhedron.rs`, `frustum.rs` | spheres, capsules, cylinders, cones, rounded hulls |
@@ -58,6 +58,7 @@ mod simplex;
 pub(crate) mod static_mesh;
 pub(crate) mod support;
 mod triangle_corners;
+pub(crate) mod triangle_distance;
 mod weld;
 
 pub(crate) use closed::{EdgeCensus, KnownClosed};

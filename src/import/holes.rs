@@ -1,10 +1,10 @@
 //! Surfaces, the holes in them, and the faces that close these.
 
+use crate::disjoint_sets::DisjointSets;
 use crate::geometry::TriMesh;
 use crate::import::report::Hole;
 use crate::import::soup::{NONE, Soup};
 use crate::slice::attributes::extend_chosen;
-use crate::slice::components::DisjointSets;
 use crate::slice::rim_fill::{RimCorner, RimFill};
 use glam::{DVec3, Vec3};
 

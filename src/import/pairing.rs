@@ -1,8 +1,8 @@
 //! The two sides of each edge, where two triangles or more meet; and surfaces that only touch, taken apart.
 
+use crate::disjoint_sets::DisjointSets;
 use crate::import::soup::{NONE, Soup};
 use crate::slice::attributes::extend_chosen;
-use crate::slice::components::DisjointSets;
 use glam::DVec3;
 use std::collections::HashMap;
 

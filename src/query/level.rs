@@ -11,6 +11,7 @@ use crate::geometry::bvh::{RayWalk, along_ray, around, within};
 use crate::geometry::distance::{Separation, distance};
 use crate::geometry::static_mesh::{LevelTriangle, StaticMesh};
 use crate::geometry::support::{Core, PlacedCore};
+use crate::geometry::triangle_distance::nearest_on_triangle;
 use crate::math::Aabb;
 use crate::query::hull::cast_against_core;
 use crate::query::local::{LocalCast, LocalHit, LocalRay};
@@ -127,41 +128,6 @@ fn stays_off(triangle: &LevelTriangle, is_behind: bool, cast: &LocalCast, end: f
     gap > way + slack
 }
 
-/// The point of a triangle that is nearest to a point.
-///
-/// C. Ericson, "Real-Time Collision Detection" (2005), section 5.1.5: by the region of the triangle's plane that the point is over.
-fn nearest_on([a, b, c]: [DVec3; 3], point: DVec3) -> DVec3 {
-    let (ab, ac, ap) = (b - a, c - a, point - a);
-    let [d1, d2] = [ab.dot(ap), ac.dot(ap)];
-    if d1 <= 0.0 && d2 <= 0.0 {
-        return a;
-    }
-    let bp = point - b;
-    let [d3, d4] = [ab.dot(bp), ac.dot(bp)];
-    if d3 >= 0.0 && d4 <= d3 {
-        return b;
-    }
-    let vc = d1 * d4 - d3 * d2;
-    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-        return a + d1 / (d1 - d3) * ab;
-    }
-    let cp = point - c;
-    let [d5, d6] = [ab.dot(cp), ac.dot(cp)];
-    if d6 >= 0.0 && d5 <= d6 {
-        return c;
-    }
-    let vb = d5 * d2 - d1 * d6;
-    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
-        return a + d2 / (d2 - d6) * ac;
-    }
-    let va = d3 * d6 - d5 * d4;
-    let (past_b, past_c) = (d4 - d3, d5 - d6);
-    if va <= 0.0 && past_b >= 0.0 && past_c >= 0.0 {
-        return b + past_b / (past_b + past_c) * (c - b);
-    }
-    a + (vb * ab + vc * ac) / (va + vb + vc)
-}
-
 pub(crate) fn overlaps(mesh: &StaticMesh, core: &PlacedCore, radius: f32) -> bool {
     let mut is_met = false;
     within(mesh.tree(), &core.bounds().fattened(radius), |leaf| {
@@ -182,7 +148,7 @@ pub(crate) fn closest(mesh: &StaticMesh, point: Vec3, limit: f32) -> Option<Loca
     let mut best: Option<LocalHit> = None;
     around(mesh.tree(), point, limit, |leaf, limit| {
         let triangle = &mesh.triangles()[leaf as usize];
-        let at = nearest_on(triangle.corners.map(|corner| corner.as_dvec3()), there);
+        let at = nearest_on_triangle(triangle.corners.map(|corner| corner.as_dvec3()), there);
         let apart = there - at;
         let away = apart.length();
         if away > f64::from(limit) {

@@ -4,6 +4,7 @@
 //! surface of its own that encloses a negative volume; it belongs to the smallest surface around it. Sheets that hang on
 //! nothing go with the nearest surface that encloses something.
 
+use crate::disjoint_sets::DisjointSets;
 use crate::geometry::TriMesh;
 use crate::math::Aabb;
 use crate::slice::attributes;
@@ -210,33 +211,4 @@ fn piece(
         part.known_closed.set();
     }
     (!part.triangles.is_empty()).then_some(part)
-}
-
-/// Disjoint sets of numbers; each set is named by its smallest member.
-///
-/// Source: R. E. Tarjan, "Efficiency of a Good But Not Linear Set Union Algorithm", Journal of the ACM 22(2), 1975.
-pub(crate) struct DisjointSets {
-    parent: Vec<u32>,
-}
-
-impl DisjointSets {
-    pub(crate) fn new(count: usize) -> Self {
-        Self {
-            parent: (0..count as u32).collect(),
-        }
-    }
-
-    pub(crate) fn root(&mut self, mut member: u32) -> u32 {
-        while self.parent[member as usize] != member {
-            let above = self.parent[self.parent[member as usize] as usize];
-            self.parent[member as usize] = above;
-            member = above;
-        }
-        member
-    }
-
-    pub(crate) fn join(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.root(a), self.root(b));
-        self.parent[a.max(b) as usize] = a.min(b);
-    }
 }

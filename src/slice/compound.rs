@@ -130,7 +130,8 @@ impl PieceCutter {
     }
 }
 
-fn shape_of(piece: Piece, weighs_visual: bool) -> ConvexMesh {
+/// The shape of a piece, weighed as what it was a part of.
+pub(crate) fn shape_of(piece: Piece, weighs_visual: bool) -> ConvexMesh {
     let shape = ConvexMesh::from_parts(piece.hull, piece.visual);
     if weighs_visual {
         shape.with_mass_of_visual()

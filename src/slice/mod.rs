@@ -30,7 +30,7 @@ mod cell_clip;
 pub(crate) mod cells;
 mod clip;
 pub(crate) mod components;
-mod compound;
+pub(crate) mod compound;
 pub(crate) mod convex;
 pub(crate) mod crack_area;
 mod cut;

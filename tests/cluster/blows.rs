@@ -1,18 +1,12 @@
 //! Blows: what they break does not depend on the length of a step, and what is weaker breaks no later.
 
-use crate::common::scenes::awake;
+use crate::common::scenes::awake_on_floor;
 use crate::shapes::{ball, parts_of, standing, wall};
-use bevy_cleave::prelude::*;
 use glam::Vec3;
 
 /// Parts that a ball (8 kg at `speed`) breaks off of a wall of this strength.
 fn broken_off(strength: f32, speed: f32, rate: f32) -> usize {
-    let mut simulation = awake();
-    let floor = HalfSpaceShape { normal: Vec3::Y };
-    simulation
-        .bodies
-        .insert(BodyDesc::floor(floor))
-        .expect("usable");
+    let mut simulation = awake_on_floor();
     let wall = wall(8, 10, strength);
     let count = wall.len();
     let body = simulation.bodies.insert(standing(wall)).expect("usable");

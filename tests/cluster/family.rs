@@ -1,7 +1,7 @@
 //! Random clusters under random blows.
 
 use crate::common::dice::Dice;
-use crate::common::scenes::awake;
+use crate::common::scenes::awake_on_floor;
 use bevy_cleave::prelude::*;
 use glam::{Quat, Vec3};
 
@@ -36,12 +36,7 @@ fn nothing_is_lost_of_random_clusters_that_fall_and_are_shot_at() {
     let mut fractures = 0;
     for seed in 0..32 {
         let (shape, mut dice) = member(seed);
-        let mut simulation = awake();
-        let floor = HalfSpaceShape { normal: Vec3::Y };
-        simulation
-            .bodies
-            .insert(BodyDesc::floor(floor))
-            .expect("usable");
+        let mut simulation = awake_on_floor();
         let axis = Vec3::from_array(std::array::from_fn(|_| dice.in_range(-1.0, 1.0)));
         let turn = Quat::from_axis_angle(axis.normalize_or(Vec3::Y), dice.in_range(0.0, 3.0));
         let desc = BodyDesc {

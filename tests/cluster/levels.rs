@@ -1,6 +1,6 @@
 //! Levels, cuts, and what a cluster is built from.
 
-use crate::common::scenes::awake;
+use crate::common::scenes::{awake, awake_on_floor};
 use crate::shapes::{parts_of, row, wall};
 use bevy_cleave::prelude::*;
 use glam::{Quat, Vec3};
@@ -25,12 +25,7 @@ fn levels(strength: f32) -> Compound {
 
 /// Shares of the bonds between chunks and within them that break when the block falls with a speed.
 fn broken_by_fall(shape: &Compound, speed: f32) -> [f32; 2] {
-    let mut simulation = awake();
-    let floor = HalfSpaceShape { normal: Vec3::Y };
-    simulation
-        .bodies
-        .insert(BodyDesc::floor(floor))
-        .expect("usable");
+    let mut simulation = awake_on_floor();
     let turn = Quat::from_xyzw(0.2, 0.1, 0.3, 0.9).normalize();
     let desc = BodyDesc {
         pose: Pose::new(Vec3::Y, turn),

@@ -90,6 +90,17 @@ pub(crate) fn awake() -> Simulation {
     simulation
 }
 
+/// The same with a floor at height 0.
+pub(crate) fn awake_on_floor() -> Simulation {
+    let mut simulation = awake();
+    let floor = HalfSpaceShape { normal: Vec3::Y };
+    simulation
+        .bodies
+        .insert(BodyDesc::floor(floor))
+        .expect("usable");
+    simulation
+}
+
 /// The simulation of a [`heap`].
 pub(crate) fn pile(count: usize) -> Simulation {
     let mut simulation = awake();

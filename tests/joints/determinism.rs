@@ -1,18 +1,13 @@
 //! The same bits, however often and wherever.
 
-use crate::common::scenes::awake;
+use crate::common::scenes::awake_on_floor;
 use crate::scene::{H, Random, chain, heavy};
 use bevy_cleave::prelude::*;
 use glam::Vec3;
 
 /// Chains that fall on a floor and on each other, with hinges and motors among them.
 fn heap() -> Simulation {
-    let mut simulation = awake();
-    let floor = HalfSpaceShape { normal: Vec3::Y };
-    simulation
-        .bodies
-        .insert(BodyDesc::floor(floor))
-        .expect("usable");
+    let mut simulation = awake_on_floor();
     let mut random = Random::new(5);
     for i in 0..6 {
         let mut last: Option<u32> = None;

@@ -1,6 +1,6 @@
 //! Where others stretch, drift or blow up.
 
-use crate::common::scenes::awake;
+use crate::common::scenes::{awake, awake_on_floor};
 use crate::scene::{H, Random, chain, fixed, gap, heavy};
 use bevy_cleave::prelude::*;
 use glam::{Quat, Vec3};
@@ -200,12 +200,7 @@ fn a_bridge_whose_ends_are_too_near_comes_together() {
 #[test]
 fn a_box_on_a_chain_rests_on_the_floor_and_on_the_chain() {
     // Contacts and joints of one island: the load lies on the floor, and a kinematic body drags it by a chain.
-    let mut simulation = awake();
-    let floor = HalfSpaceShape { normal: Vec3::Y };
-    simulation
-        .bodies
-        .insert(BodyDesc::floor(floor))
-        .expect("usable");
+    let mut simulation = awake_on_floor();
     let mut random = Random::new(1);
     let mut hand = BodyDesc {
         kind: RigidBody::Kinematic,

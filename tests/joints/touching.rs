@@ -1,17 +1,9 @@
 //! Joints and contacts of one island: contacts give no energy there either, and motors and springs are not denied theirs.
 
-use crate::common::scenes::awake;
+use crate::common::scenes::awake_on_floor;
 use crate::scene::{H, chain, heavy};
 use bevy_cleave::prelude::*;
 use glam::Vec3;
-
-fn on_a_floor() -> Simulation {
-    let mut simulation = awake();
-    let floor = HalfSpaceShape { normal: Vec3::Y };
-    let floor = BodyDesc::floor(floor);
-    simulation.bodies.insert(floor).expect("usable");
-    simulation
-}
 
 fn insert(simulation: &mut Simulation, body: BodyDesc) -> u32 {
     simulation.bodies.insert(body).expect("usable")
@@ -41,7 +33,7 @@ enum Laths {
 
 /// A heavy block falls on a stack of laths: how fast it comes back, m/s, and the largest gain of energy in a step, as a share of what there was.
 fn rebound(mass: f32, laths: Laths) -> (f32, f64) {
-    let mut simulation = on_a_floor();
+    let mut simulation = awake_on_floor();
     let lath = Vec3::new(2.0, 0.04, 0.3);
     let slots: Vec<u32> = (0..10_u8)
         .map(|i| {
@@ -100,7 +92,7 @@ fn contacts_give_no_energy_where_there_are_joints() {
 
 /// A foot on the floor, and a load above it that slides along y.
 fn jack(drive: JointDrive) -> (Simulation, u32) {
-    let mut simulation = on_a_floor();
+    let mut simulation = awake_on_floor();
     let foot = heavy(Vec3::new(1.0, 0.2, 1.0), Vec3::new(0.0, 0.1, 0.0), 2.0);
     let foot = insert(&mut simulation, foot);
     let load = heavy(Vec3::new(1.0, 0.5, 1.0), Vec3::new(0.0, 0.75, 0.0), 20.0);

@@ -1,6 +1,6 @@
 //! Joints in a heap that threads solve together, and chains beside it that they solve one each.
 
-use crate::common::scenes::awake;
+use crate::common::scenes::awake_on_floor;
 use crate::common::states::bits_by_id;
 use crate::{alone, on_threads};
 use bevy_cleave::prelude::*;
@@ -14,12 +14,7 @@ pub(crate) type Outcome = Vec<(u32, [u32; 13])>;
 
 /// A block of 14 x 5 x 14 cubes, every other one fixed to its neighbor, on which a row falls; and 80 chains of 6 links.
 pub(crate) fn run() -> Outcome {
-    let mut simulation = awake();
-    let floor = HalfSpaceShape { normal: Vec3::Y };
-    simulation
-        .bodies
-        .insert(BodyDesc::floor(floor))
-        .expect("usable");
+    let mut simulation = awake_on_floor();
     let cube = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("valid size");
     let mut last = None;
     for i in 0..14 * 5 * 14 {

@@ -2,6 +2,7 @@
 
 use crate::geometry::TriMesh;
 use crate::geometry::bvh::{RayWalk, along_ray, around, tree_box, tree_of, within};
+use crate::geometry::triangle_distance::nearest_on_triangle;
 use crate::math::Aabb;
 use glam::{DVec3, Vec3};
 use obvhs::bvh2::Bvh2;
@@ -61,7 +62,8 @@ impl Solid {
     pub(super) fn distance(&self, point: DVec3) -> f64 {
         let mut nearest = f64::INFINITY;
         around(&self.tree, point.as_vec3(), f32::INFINITY, |at, _| {
-            nearest = nearest.min(distance_squared(point, &self.triangles[at as usize]));
+            let there = nearest_on_triangle(self.triangles[at as usize], point);
+            nearest = nearest.min(point.distance_squared(there));
             nearest.sqrt() as f32
         });
         nearest.sqrt()
@@ -130,31 +132,6 @@ fn crossing(point: DVec3, way: DVec3, triangle: &[DVec3; 3]) -> Option<i32> {
         return Some(0);
     }
     (least > NEAR_EDGE).then_some(if down > 0.0 { 1 } else { -1 })
-}
-
-/// Square of the distance of a point from a triangle, m2.
-///
-/// Source: Ericson, *Real-Time Collision Detection*, section 5.1.5.
-fn distance_squared(p: DVec3, triangle: &[DVec3; 3]) -> f64 {
-    let [a, b, c] = *triangle;
-    let normal = (b - a).cross(c - a);
-    let is_over = |from: DVec3, to: DVec3| normal.dot((to - from).cross(p - from)) >= 0.0;
-    let area = normal.length_squared();
-    if area > 0.0 && is_over(a, b) && is_over(b, c) && is_over(c, a) {
-        let away = normal.dot(p - a);
-        return away * away / area;
-    }
-    let to_edge = |from: DVec3, to: DVec3| {
-        let along = to - from;
-        let share = along.dot(p - from) / along.length_squared();
-        let share = if share.is_finite() {
-            share.clamp(0.0, 1.0)
-        } else {
-            0.0
-        };
-        p.distance_squared(from + share * along)
-    };
-    to_edge(a, b).min(to_edge(b, c)).min(to_edge(c, a))
 }
 
 /// Whether a triangle and a box meet.

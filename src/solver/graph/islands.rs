@@ -6,6 +6,7 @@
 
 use crate::bodies::store::Bodies;
 use crate::contact::manifolds::ManifoldHead;
+use crate::disjoint_sets::DisjointSets;
 use crate::solver::graph::indices::{BodyNumber, ManifoldIndex};
 use crate::solver::graph::relative_motion::RelativeMotion;
 use crate::threads::team::Team;
@@ -132,8 +133,8 @@ pub struct Islands {
     new_links: Vec<Link>,
     /// By manifold: the index of its island, if it belongs to one.
     island: Vec<u32>,
-    /// Union-find over slots.
-    parent: Vec<u32>,
+    /// Over slots.
+    sets: DisjointSets,
     /// By slot of a root: index of its island.
     island_of: Vec<u32>,
     /// By slot: number within the island being filled.
@@ -179,10 +180,9 @@ impl Islands {
         if !are_new.into_inner() {
             return self.count_points();
         }
-        self.parent.clear();
-        self.parent.extend(0..bodies.slots() as u32);
+        self.sets.reset(bodies.slots());
         for &Link { bodies: [a, b], .. } in self.links.iter().filter(|link| link.joins) {
-            join(&mut self.parent, a, b);
+            self.sets.join(a, b);
         }
         self.old_joint_links.clone_from(&self.joint_links);
         for link in self
@@ -191,7 +191,7 @@ impl Islands {
             .filter(|link| link.moves == [true; 2])
         {
             if let [Some(a), Some(b)] = link.bodies {
-                join(&mut self.parent, a, b);
+                self.sets.join(a, b);
             }
         }
         self.count();
@@ -243,7 +243,7 @@ impl Islands {
     fn count(&mut self) {
         self.list.clear();
         self.island_of.clear();
-        self.island_of.resize(self.parent.len(), NONE);
+        self.island_of.resize(self.sets.len(), NONE);
         self.island.clear();
         for at in 0..self.links.len() {
             let link = self.links[at];
@@ -277,7 +277,7 @@ impl Islands {
 
     /// The island of a slot, a new one if it has none.
     fn island_with(&mut self, slot: u32) -> u32 {
-        let root = find(&mut self.parent, slot);
+        let root = self.sets.root(slot);
         let island = &mut self.island_of[root as usize];
         if *island == NONE {
             *island = self.list.len() as u32;
@@ -363,19 +363,4 @@ impl Islands {
             }
         }
     }
-}
-
-/// Representative of a slot's group, the least slot in it; halves the path to it.
-fn find(parent: &mut [u32], mut slot: u32) -> u32 {
-    while parent[slot as usize] != slot {
-        let above = parent[parent[slot as usize] as usize];
-        parent[slot as usize] = above;
-        slot = above;
-    }
-    slot
-}
-
-fn join(parent: &mut [u32], a: u32, b: u32) {
-    let (a, b) = (find(parent, a), find(parent, b));
-    parent[a.max(b) as usize] = a.min(b);
 }
