@@ -93,7 +93,7 @@ impl Bodies {
         Ok(())
     }
 
-    /// Largest distance of the body's hull from its center of mass, m; 0 for half-spaces.
+    /// Largest distance of the body's hull from its center of mass, m; 0 for half-spaces, and until the mass phase has seen its shape.
     #[inline]
     pub(crate) fn radius(&self, slot: u32) -> f32 {
         self.radius[slot as usize]

@@ -45,7 +45,7 @@ pub struct Bodies {
     pub(crate) kd_box: Vec<Option<KdBox>>,
     /// Least extent of the hull's box, of several the least, m: what slop and contact margin are relative to.
     pub(crate) min_extent: Vec<f32>,
-    /// Largest distance of the hull from the center of mass, m.
+    /// Largest distance of the hull from the center of mass, m; 0 for half-spaces, and until the mass phase has seen the shape.
     pub(super) radius: Vec<f32>,
     /// Changes with shape, mass or material: what is kept about the body elsewhere is out of date then.
     pub(crate) version: Vec<u32>,
@@ -368,6 +368,7 @@ impl Bodies {
         self.any_compound |= is_compound;
         self.kd_box[i] = aabb.map(KdBox::around);
         self.min_extent[i] = extent;
+        self.radius[i] = 0.0;
         self.stale_mass.push(slot);
         self.renew_version(slot);
     }

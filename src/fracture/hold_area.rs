@@ -2,7 +2,6 @@
 
 use crate::bodies::body::Shape;
 use crate::bodies::store::Bodies;
-use crate::geometry::bvh::within;
 use crate::geometry::polygon::{Polygon, area_of, behind};
 use crate::geometry::shared_area::{self, faces_opposed, overlap};
 use crate::geometry::{Compound, ConvexHull, StaticMesh};
@@ -126,7 +125,7 @@ fn on_level(hull: &ConvexHull, level: &StaticMesh, pose: &Pose, reach: f32, enou
     let corners = hull.vertices().iter();
     let around = Aabb::of_points(corners.map(|&v| level_from_piece.transform_point(v)));
     let mut area = 0.0;
-    within(level.tree(), &around.fattened(reach), |leaf| {
+    level.tree().within(&around.fattened(reach), |leaf| {
         if area > enough {
             return;
         }

@@ -4,14 +4,14 @@
 //! exact test behind it would find touched.
 
 use crate::math::Aabb;
-use glam::Vec3;
+use glam::{Vec3, Vec3A};
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 use smallvec::SmallVec;
 
 /// Rounding of a coordinate and of a difference of two, as a share of the largest one.
-const ROUNDING: f32 = 5e-7;
+pub(super) const ROUNDING: f32 = 5e-7;
 
 /// A component of a direction that is smaller counts as this, so that its inverse stays finite.
 const LEAST_COMPONENT: f32 = 1e-30;
@@ -46,12 +46,17 @@ pub(crate) fn tree_of_named(boxes: &[obvhs::aabb::Aabb], names: Vec<u32>) -> Bvh
     tree
 }
 
-fn corners(node: &Bvh2Node) -> Aabb {
+/// The corners of a node's box in registers of four. The tree's vectors may be of another version of `glam`.
+#[inline(always)]
+fn corners(node: &Bvh2Node) -> [Vec3A; 2] {
     let b = node.aabb();
-    Aabb {
-        min: b.min.to_array().into(),
-        max: b.max.to_array().into(),
-    }
+    [b.min, b.max].map(|corner| Vec3A::from_array(corner.to_array()))
+}
+
+/// Largest coordinate of points.
+pub(super) fn largest<const N: usize>(points: [Vec3A; N]) -> f32 {
+    let most = points.map(|point| point.abs().max_element());
+    most.into_iter().fold(0.0, f32::max)
 }
 
 /// The root; none of a tree that has never had a leaf, or has lost all.
@@ -68,10 +73,10 @@ fn primitives<'t>(tree: &'t Bvh2, leaf: &Bvh2Node) -> &'t [u32] {
 /// A box that is moved along a ray, or a point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RayWalk {
-    origin: Vec3,
-    inverse: Vec3,
-    /// The moved box about the ray's origin.
-    moved: Aabb,
+    origin: Vec3A,
+    pub(super) inverse: Vec3A,
+    /// The corners of the moved box when it begins.
+    pub(super) moved: [Vec3A; 2],
 }
 
 impl RayWalk {
@@ -84,31 +89,30 @@ impl RayWalk {
                 c
             }
         };
-        let direction = Vec3::from_array(direction.to_array().map(component));
+        let direction = Vec3A::from_array(direction.to_array().map(component));
+        let origin = Vec3A::from(origin);
         Self {
             origin,
             inverse: direction.recip(),
-            moved,
+            moved: [moved.min, moved.max].map(|corner| origin + Vec3A::from(corner)),
         }
     }
 
-    /// The same for boxes between these bounds, with room for rounding.
-    fn among(self, bounds: &Aabb) -> Self {
-        let most = |v: Vec3| v.abs().max_element();
-        let largest = most(self.origin)
-            .max(most(bounds.min))
-            .max(most(bounds.max));
+    /// The same for boxes between these corners, with room for rounding.
+    pub(super) fn among(self, [min, max]: [Vec3A; 2]) -> Self {
+        let slack = Vec3A::splat(ROUNDING * largest([self.origin, min, max]));
+        let [low, high] = self.moved;
         Self {
-            moved: self.moved.fattened(ROUNDING * largest),
+            moved: [low - slack, high + slack],
             ..self
         }
     }
 
     /// Where the moved box meets another one first, m; infinite if it does not before `end`.
     #[inline(always)]
-    fn enters(&self, b: &Aabb, end: f32) -> f32 {
-        let low = (b.min - (self.origin + self.moved.max)) * self.inverse;
-        let high = (b.max - (self.origin + self.moved.min)) * self.inverse;
+    fn enters(&self, [min, max]: [Vec3A; 2], end: f32) -> f32 {
+        let low = (min - self.moved[1]) * self.inverse;
+        let high = (max - self.moved[0]) * self.inverse;
         let first = low.min(high).max_element().max(0.0);
         let last = low.max(high).min_element().min(end);
         if first <= last { first } else { f32::INFINITY }
@@ -126,9 +130,9 @@ pub(crate) fn along_ray(
     let Some(top) = root(tree).map(corners) else {
         return;
     };
-    let ray = ray.among(&top);
+    let ray = ray.among(top);
     let mut stack = Stack::new();
-    stack.push((ray.enters(&top, end), 0));
+    stack.push((ray.enters(top, end), 0));
     while let Some((enters, index)) = stack.pop() {
         if enters > end || enters == f32::INFINITY {
             continue;
@@ -143,7 +147,7 @@ pub(crate) fn along_ray(
         let children = [node.first_index, node.first_index + 1];
         let [near, far] = children.map(|child| {
             let b = corners(&tree.nodes[child as usize]);
-            (ray.enters(&b, end), child)
+            (ray.enters(b, end), child)
         });
         let (near, far) = if far.0 < near.0 {
             (far, near)
@@ -163,17 +167,15 @@ pub(crate) fn within(tree: &Bvh2, b: &Aabb, mut visit: impl FnMut(u32)) {
     let Some(top) = root(tree).map(corners) else {
         return;
     };
-    let most = |v: Vec3| v.abs().max_element();
-    let largest = most(b.min)
-        .max(most(b.max))
-        .max(most(top.min))
-        .max(most(top.max));
-    let b = b.fattened(ROUNDING * largest.min(f32::MAX));
+    let [low, high] = [b.min, b.max].map(Vec3A::from);
+    let slack = ROUNDING * largest([low, high, top[0], top[1]]).min(f32::MAX);
+    let (low, high) = (low - Vec3A::splat(slack), high + Vec3A::splat(slack));
     let mut stack: SmallVec<[u32; 96]> = SmallVec::new();
     stack.push(0);
     while let Some(index) = stack.pop() {
         let node = &tree.nodes[index as usize];
-        if !corners(node).overlaps(&b) {
+        let [min, max] = corners(node);
+        if !(min.cmple(high) & max.cmpge(low)).all() {
             continue;
         }
         if node.is_leaf() {
@@ -195,15 +197,18 @@ pub(crate) fn around(
     let Some(top) = root(tree).map(corners) else {
         return;
     };
-    let most = |v: Vec3| v.abs().max_element();
-    let slack = ROUNDING * most(point).max(most(top.min)).max(most(top.max));
-    let away = |b: &Aabb| {
-        ((b.min - point).max(point - b.max).max(Vec3::ZERO).length() - 2.0 * slack).max(0.0)
+    let point = Vec3A::from(point);
+    let slack = Vec3A::splat(ROUNDING * largest([point, top[0], top[1]]));
+    let (above, below) = (point + slack, point - slack);
+    // Squares, whose roots nobody needs.
+    let away = |[min, max]: [Vec3A; 2]| {
+        let apart = (min - above).max(below - max).max(Vec3A::ZERO);
+        apart.length_squared()
     };
     let mut stack = Stack::new();
-    stack.push((away(&top), 0));
-    while let Some((distance, index)) = stack.pop() {
-        if distance > limit {
+    stack.push((away(top), 0));
+    while let Some((square, index)) = stack.pop() {
+        if square > limit * limit {
             continue;
         }
         let node = &tree.nodes[index as usize];
@@ -214,8 +219,7 @@ pub(crate) fn around(
             continue;
         }
         let children = [node.first_index, node.first_index + 1];
-        let [near, far] =
-            children.map(|child| (away(&corners(&tree.nodes[child as usize])), child));
+        let [near, far] = children.map(|child| (away(corners(&tree.nodes[child as usize])), child));
         stack.extend(if far.0 < near.0 {
             [near, far]
         } else {

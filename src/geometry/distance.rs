@@ -50,10 +50,37 @@ pub(crate) enum Separation {
 
 /// How far apart two cores are, if no more than `limit` (m).
 pub(crate) fn distance(a: &Core, b: &PlacedCore, limit: f64) -> Separation {
-    let start = b.middle() - a.middle().as_dvec3();
-    let corner = |axis: DVec3| Corner::new(a.exact_support(axis), b.support(-axis));
-    let away = |v: DVec3| v.try_normalize().unwrap_or(DVec3::X);
-    let mut simplex = Simplex::new(corner(away(start)));
+    distance_from(a, b, b.middle() - a.middle().as_dvec3(), limit)
+}
+
+/// The same by a search that begins with the corners along `start`, which points from A to B: the nearer it is to the normal where
+/// the cores are nearest, the sooner it ends.
+pub(crate) fn distance_from(a: &Core, b: &PlacedCore, start: DVec3, limit: f64) -> Separation {
+    let axis = unit_or_x(start);
+    let first = corner(a, b, axis);
+    if axis.dot(first.apart) > limit {
+        return Separation::Far;
+    }
+    search(a, b, &mut Simplex::new(first), |_, bound| bound > limit)
+}
+
+fn unit_or_x(v: DVec3) -> DVec3 {
+    v.try_normalize().unwrap_or(DVec3::X)
+}
+
+/// The corner of B - A that is farthest against an axis.
+fn corner(a: &Core, b: &PlacedCore, axis: DVec3) -> Corner {
+    Corner::new(a.exact_support(axis), b.support(-axis))
+}
+
+/// Goes on from a simplex until it is nearest. `is_far` is told of unit axes and how far apart the cores are along them at least (m),
+/// and ends the search.
+fn search(
+    a: &Core,
+    b: &PlacedCore,
+    simplex: &mut Simplex,
+    is_far: impl Fn(DVec3, f64) -> bool,
+) -> Separation {
     let mut size = 0.0_f64;
     for _ in 0..MAX_CORNERS {
         let to = simplex.nearest();
@@ -63,28 +90,25 @@ pub(crate) fn distance(a: &Core, b: &PlacedCore, limit: f64) -> Separation {
             return Separation::Overlap;
         }
         let normal = to / length;
-        let next = corner(normal);
+        let next = corner(a, b, normal);
         let bound = normal.dot(next.apart);
-        if bound > limit {
+        if is_far(normal, bound) {
             return Separation::Far;
         }
-        let before = simplex;
         let is_done = length - bound <= TOLERANCE * length || simplex.has(&next);
         if is_done || !simplex.add(next) {
-            let on_a = before.point_on_a();
             return Separation::Near(Nearest {
                 normal,
                 distance: bound.max(0.0).min(length),
-                on_a,
+                on_a: simplex.point_on_a(),
             });
         }
     }
-    let on_a = simplex.point_on_a();
-    let (normal, length) = (away(simplex.nearest()), simplex.nearest().length());
+    let to = simplex.nearest();
     Separation::Near(Nearest {
-        normal,
-        distance: length,
-        on_a,
+        normal: unit_or_x(to),
+        distance: to.length(),
+        on_a: simplex.point_on_a(),
     })
 }
 
@@ -111,13 +135,19 @@ pub(crate) struct CastTouch {
 }
 
 impl CoreCast {
-    /// When `b`, which moves, touches `a`.
+    /// When `b`, which moves, touches `a`. What is told of several moments goes on from the corners of the one before.
     pub(crate) fn first_touch(&self, a: &Core, b: &PlacedCore) -> Option<CastTouch> {
+        let start = b.middle() - a.middle().as_dvec3();
+        if self.passes_by(a, b, start) {
+            return None;
+        }
+        let mut simplex = Simplex::new(corner(a, b, unit_or_x(start)));
         let (mut moved, mut last) = (0.0, None);
         for _ in 0..MAX_MOMENTS {
-            let reach = self.radius + self.touch + (self.length - moved);
+            let left = self.length - moved;
             let now = b.moved(moved * self.direction);
-            let nearest = match distance(a, &now, reach) {
+            let is_far = |normal, bound| self.stays_apart(normal, bound, left);
+            let nearest = match search(a, &now, &mut simplex, is_far) {
                 Separation::Far => return None,
                 Separation::Overlap => {
                     return Some(CastTouch {
@@ -142,11 +172,28 @@ impl CoreCast {
             if moved > self.length {
                 return None;
             }
+            simplex = simplex.moved(gap / rate * self.direction);
             last = Some(nearest);
         }
         Some(CastTouch {
             distance: moved,
             nearest: last,
         })
+    }
+
+    /// Whether the cores pass each other apart, as far as one axis across the motion tells.
+    fn passes_by(&self, a: &Core, b: &PlacedCore, start: DVec3) -> bool {
+        let across = start - start.dot(self.direction) * self.direction;
+        let Some(axis) = across.try_normalize() else {
+            return false;
+        };
+        self.stays_apart(axis, axis.dot(corner(a, b, axis).apart), self.length)
+    }
+
+    /// Whether cores that are `bound` (m) apart along an axis do not touch on the `left` (m) of the way.
+    fn stays_apart(&self, axis: DVec3, bound: f64, left: f64) -> bool {
+        let gap = bound - self.radius - self.touch;
+        let sinks = (-self.direction.dot(axis)).max(0.0);
+        gap > 0.0 && (sinks == 0.0 || gap > sinks * left)
     }
 }

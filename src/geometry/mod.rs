@@ -14,7 +14,7 @@
 //! | `compound.rs`, `compound_part.rs`, `compound_cover.rs` | a shape of several convex parts, and what of them is covered by others |
 //! | `part_bond.rs`, `compound_bonds.rs`, `shared_area.rs` | what holds parts together, and which of them hang together; faces that two shapes share |
 //! | `constant_shapes.rs` | shapes of constant sizes, as macros |
-//! | `static_mesh.rs`, `bvh.rs` | a level of triangles, and walks through trees |
+//! | `static_mesh.rs`, `bvh.rs`, `wide_tree.rs` | a level of triangles, and walks through trees |
 //! | `support.rs`, `distance.rs`, `simplex.rs` | distances and casts of convex shapes |
 //! | `kd_code.rs` | cells of a box, for the contact cache |
 //!
@@ -60,6 +60,7 @@ pub(crate) mod support;
 mod triangle_corners;
 pub(crate) mod triangle_distance;
 mod weld;
+pub(crate) mod wide_tree;
 
 pub(crate) use closed::{EdgeCensus, KnownClosed};
 pub use compound::{Compound, CompoundError, MAX_PARTS};

@@ -71,29 +71,39 @@ impl Simplex {
 
     /// Adds a corner and drops those that the nearest point does not need; false, and nothing changes, if that brings it no nearer.
     pub(crate) fn add(&mut self, corner: Corner) -> bool {
-        let mut larger = *self;
-        larger.corners[larger.count] = corner;
-        larger.count += 1;
-        let at = larger.corners.map(|corner| corner.apart);
-        let weights = match larger.count {
+        let before = self.nearest().length_squared();
+        let mut at = self.corners.map(|corner| corner.apart);
+        let count = self.count + 1;
+        at[count - 1] = corner.apart;
+        let weights = match count {
             2 => on_segment([at[0], at[1]]).to_vec4(),
             3 => on_triangle([at[0], at[1], at[2]]).to_vec4(),
             _ => on_tetrahedron(at),
         };
-        let mut next = Self::default();
-        for (corner, weight) in larger.corners.iter().zip(weights).take(larger.count) {
-            if weight > 0.0 {
-                next.corners[next.count] = *corner;
-                next.weights[next.count] = weight;
-                next.count += 1;
-            }
+        let needed = || (0..count).filter(|&i| weights[i] > 0.0);
+        let nearest: DVec3 = needed().map(|i| weights[i] * at[i]).sum();
+        let is_nearer = needed().count() == 4 || nearest.length_squared() < before;
+        if !is_nearer {
+            return false;
         }
-        let is_nearer =
-            next.count == 4 || next.nearest().length_squared() < self.nearest().length_squared();
-        if is_nearer {
-            *self = next;
+        self.corners[count - 1] = corner;
+        self.count = 0;
+        for i in needed() {
+            self.corners[self.count] = self.corners[i];
+            self.weights[self.count] = weights[i];
+            self.count += 1;
         }
-        is_nearer
+        true
+    }
+
+    /// The same where B has moved by `by` (m): still corners of the difference, of which the nearest point is another.
+    pub(crate) fn moved(&self, by: DVec3) -> Self {
+        let moved = |corner: Corner| Corner::new(corner.on_a, corner.on_b + by);
+        let mut simplex = Self::new(moved(self.corners[0]));
+        for &corner in &self.corners[1..self.count] {
+            simplex.add(moved(corner));
+        }
+        simplex
     }
 }
 

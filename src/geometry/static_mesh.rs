@@ -3,11 +3,11 @@
 use crate::geometry::bvh::{tree_box, tree_of};
 use crate::geometry::mesh::check_vertices;
 use crate::geometry::weld::weld;
+use crate::geometry::wide_tree::WideTree;
 use crate::geometry::{MeshError, TriMesh};
 use crate::math::{Aabb, Plane};
 use bevy_ecs::component::Component;
 use glam::Vec3;
-use obvhs::bvh2::Bvh2;
 use obvhs::ploc::PlocSearchDistance;
 use std::sync::Arc;
 
@@ -65,7 +65,7 @@ pub(crate) struct LevelTriangle {
 #[derive(Clone)]
 struct MeshLevel {
     triangles: Vec<LevelTriangle>,
-    tree: Bvh2,
+    tree: WideTree,
     aabb: Aabb,
     radius: f32,
     left_out: usize,
@@ -218,7 +218,7 @@ impl StaticMesh {
         find_edges(&mut triangles, &corners);
         let box_of = |t: &LevelTriangle| Aabb::of_points(t.corners);
         let boxes: Vec<_> = triangles.iter().map(|t| tree_box(&box_of(t))).collect();
-        let tree = tree_of(&boxes, PlocSearchDistance::VeryLow);
+        let tree = WideTree::of(&tree_of(&boxes, PlocSearchDistance::VeryLow));
         let all = || triangles.iter().flat_map(|t| t.corners);
         let farthest = all().map(|p| p.length_squared()).fold(0.0, f32::max);
         Ok(Self(Arc::new(MeshLevel {
@@ -291,7 +291,7 @@ impl StaticMesh {
     }
 
     /// Leaves are places in [`triangles`](Self::triangles).
-    pub(crate) fn tree(&self) -> &Bvh2 {
+    pub(crate) fn tree(&self) -> &WideTree {
         &self.0.tree
     }
 }
@@ -314,18 +314,48 @@ fn plane_of(corners: [Vec3; 3]) -> Option<Plane> {
     })
 }
 
-/// Finds out what lies beyond each edge. `corners` are numbers of positions.
-fn find_edges(triangles: &mut [LevelTriangle], corners: &[[u32; 3]]) {
-    let mut uses: Vec<(u64, u32)> = Vec::with_capacity(3 * corners.len());
-    for (triangle, corners) in (0..).zip(corners) {
-        for edge in 0..3 {
-            let [from, to] = [corners[edge], corners[(edge + 1) % 3]].map(u64::from);
-            let ends = from.min(to) << 32 | from.max(to);
-            uses.push((ends, triangle * 4 + edge as u32));
+/// The sides of all triangles, sorted by the numbers of their ends, the smaller one first, and then by triangle: the larger end, and
+/// four times the triangle and the side. Those whose smaller end is `v` begin at the `v`th number.
+fn sides(corners: &[[u32; 3]]) -> (Vec<u32>, Vec<(u32, u32)>) {
+    let ends = |of: &[u32; 3], side: usize| {
+        let [from, to] = [of[side], of[(side + 1) % 3]];
+        (from.min(to), from.max(to))
+    };
+    let vertices = corners
+        .iter()
+        .flatten()
+        .max()
+        .map_or(0, |&most| most as usize + 1);
+    let mut starts = vec![0; vertices + 1];
+    for of in corners {
+        (0..3).for_each(|side| starts[ends(of, side).0 as usize + 1] += 1);
+    }
+    for v in 0..vertices {
+        starts[v + 1] += starts[v];
+    }
+    let mut next = starts.clone();
+    let mut sorted = vec![(0, 0); 3 * corners.len()];
+    for (triangle, of) in (0..).zip(corners) {
+        for side in 0..3 {
+            let (low, high) = ends(of, side);
+            let place = &mut next[low as usize];
+            sorted[*place as usize] = (high, 4 * triangle + side as u32);
+            *place += 1;
         }
     }
-    uses.sort_unstable();
-    for run in uses.chunk_by(|a, b| a.0 == b.0) {
+    for run in starts.windows(2) {
+        sorted[run[0] as usize..run[1] as usize].sort_unstable();
+    }
+    (starts, sorted)
+}
+
+/// Finds out what lies beyond each edge. `corners` are numbers of positions.
+fn find_edges(triangles: &mut [LevelTriangle], corners: &[[u32; 3]]) {
+    let (starts, sides) = sides(corners);
+    let runs = starts
+        .windows(2)
+        .map(|run| &sides[run[0] as usize..run[1] as usize]);
+    for run in runs.flat_map(|run| run.chunk_by(|a, b| a.0 == b.0)) {
         for &(_, own) in run {
             let (triangle, edge) = ((own / 4) as usize, (own % 4) as usize);
             let opposite = corners[triangle][(edge + 2) % 3];

@@ -5,12 +5,15 @@
 //! after plane.
 
 use crate::geometry::ConvexHull;
-use crate::geometry::distance::{CoreCast, Separation, distance};
+use crate::geometry::distance::{CoreCast, Separation, distance_from};
 use crate::geometry::hull_lanes::LANES;
 use crate::geometry::support::{Core, PlacedCore};
 use crate::math::Pose;
 use crate::query::local::{LocalCast, LocalHit, LocalRay};
 use glam::{Quat, Vec3};
+
+/// Rounding of a point's height over a plane, as a share of coordinates.
+const FOOT: f32 = 3e-7;
 
 /// Where a ray passes the planes of a hull.
 #[derive(Clone, Copy)]
@@ -32,15 +35,16 @@ impl Passage {
         for (group, planes) in hull.lanes.planes.iter().enumerate() {
             let heights = planes.heights(ray.origin);
             let rates = planes.normals.along(ray.direction);
+            let mut times = [0.0; LANES];
             for l in 0..LANES {
-                let (height, rate) = (heights[l], rates[l]);
-                if rate == 0.0 {
-                    if height > 0.0 {
-                        return None;
-                    }
-                    continue;
+                times[l] = -heights[l] / rates[l];
+            }
+            for l in 0..LANES {
+                let (height, rate, at) = (heights[l], rates[l], times[l]);
+                // From above the plane the ray has to come down to it.
+                if height > 0.0 && (rate >= 0.0 || at > ray.end) {
+                    return None;
                 }
-                let at = -height / rate;
                 if rate < 0.0 && at > passage.enters {
                     (passage.enters, passage.faces[0]) = (at, group * LANES + l);
                 }
@@ -127,11 +131,19 @@ pub(crate) fn cast_against_core(core: &Core, cast: &LocalCast) -> Option<LocalHi
 /// Whether a core comes within `radius` (m) of the hull.
 pub(crate) fn overlaps(hull: &ConvexHull, core: &PlacedCore, radius: f32) -> bool {
     let radius = f64::from(radius);
-    match distance(&Core::of_hull(hull), core, radius) {
+    let start = core.middle() - hull.aabb().center().as_dvec3();
+    match distance_from(&Core::of_hull(hull), core, start, radius) {
         Separation::Overlap => true,
         Separation::Near(nearest) => nearest.distance <= radius,
         Separation::Far => false,
     }
+}
+
+/// Whether a point is in the hull or, but for rounding, on it.
+fn holds(hull: &ConvexHull, point: Vec3) -> bool {
+    let slack = FOOT * (hull.aabb().diagonal() + point.abs().max_element());
+    let mut planes = hull.lanes.planes.iter();
+    planes.all(|planes| planes.heights(point).iter().all(|&height| height <= slack))
 }
 
 /// The point of the surface that is nearest to a point, if it is within `limit` (m).
@@ -148,8 +160,8 @@ pub(crate) fn closest(hull: &ConvexHull, point: Vec3, limit: f32) -> Option<Loca
     if height > limit {
         return None;
     }
+    let plane = hull.faces().get(face)?.plane;
     let on_face = || {
-        let plane = hull.faces().get(face)?.plane;
         Some(LocalHit {
             point: point - height * plane.normal,
             normal: plane.normal,
@@ -159,12 +171,19 @@ pub(crate) fn closest(hull: &ConvexHull, point: Vec3, limit: f32) -> Option<Loca
             face: Some(face as u32),
         })
     };
-    if height <= 0.0 {
+    // Over the inside of the face it is the foot on it.
+    let foot = point - height * plane.normal;
+    if height <= 0.0 || holds(hull, foot) {
         return on_face();
     }
     let at = Pose::new(point, Quat::IDENTITY);
     let there = PlacedCore::new(Core::of_point(Vec3::ZERO), &at);
-    match distance(&Core::of_hull(hull), &there, f64::from(limit)) {
+    match distance_from(
+        &Core::of_hull(hull),
+        &there,
+        plane.normal.as_dvec3(),
+        f64::from(limit),
+    ) {
         Separation::Far => None,
         Separation::Overlap => on_face(),
         Separation::Near(nearest) => {

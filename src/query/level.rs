@@ -7,11 +7,11 @@
 //! S. Woop, C. Benthin, I. Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013: edges are judged by one product for both
 //! triangles.
 
-use crate::geometry::bvh::{RayWalk, along_ray, around, within};
+use crate::geometry::bvh::RayWalk;
 use crate::geometry::distance::{Separation, distance};
 use crate::geometry::static_mesh::{LevelTriangle, StaticMesh};
 use crate::geometry::support::{Core, PlacedCore};
-use crate::geometry::triangle_distance::nearest_on_triangle;
+use crate::geometry::triangle_distance::{nearest_on_triangle, rough_square};
 use crate::math::Aabb;
 use crate::query::hull::cast_against_core;
 use crate::query::local::{LocalCast, LocalHit, LocalRay};
@@ -19,6 +19,9 @@ use glam::{DVec3, Vec3};
 
 /// Rounding of corners and normals, as a share of lengths.
 const ROUNDING: f64 = 1e-6;
+
+/// What `f32` leaves open of a distance, as a share of lengths.
+const ROUGH: f32 = 1e-4;
 
 /// Where a ray hits a triangle, and whether from the front.
 fn pierce(triangle: &LevelTriangle, ray: &LocalRay) -> Option<(f32, bool)> {
@@ -45,7 +48,7 @@ pub(crate) fn cast_ray(mesh: &StaticMesh, ray: &LocalRay) -> Option<LocalHit> {
     };
     let walk = RayWalk::new(ray.origin, ray.direction, point);
     let mut best: Option<LocalHit> = None;
-    along_ray(mesh.tree(), walk, ray.end, |leaf, end| {
+    mesh.tree().along_ray(walk, ray.end, |leaf, end| {
         let triangle = &mesh.triangles()[leaf as usize];
         let Some((distance, is_front)) = pierce(triangle, ray) else {
             return end;
@@ -92,7 +95,7 @@ pub(crate) fn cast_shape(mesh: &StaticMesh, cast: &LocalCast) -> Option<LocalHit
     let walk = RayWalk::new(origin, cast.direction, about);
     let middle = cast.core.middle().as_vec3();
     let mut best: Option<LocalHit> = None;
-    along_ray(mesh.tree(), walk, cast.end, |leaf, end| {
+    mesh.tree().along_ray(walk, cast.end, |leaf, end| {
         let triangle = &mesh.triangles()[leaf as usize];
         let is_behind = triangle.plane.distance(middle) < 0.0;
         if is_behind && !mesh.is_two_sided() {
@@ -130,7 +133,7 @@ fn stays_off(triangle: &LevelTriangle, is_behind: bool, cast: &LocalCast, end: f
 
 pub(crate) fn overlaps(mesh: &StaticMesh, core: &PlacedCore, radius: f32) -> bool {
     let mut is_met = false;
-    within(mesh.tree(), &core.bounds().fattened(radius), |leaf| {
+    mesh.tree().within(&core.bounds().fattened(radius), |leaf| {
         let triangle = core_of(&mesh.triangles()[leaf as usize]);
         is_met = is_met
             || match distance(&triangle, core, f64::from(radius)) {
@@ -146,8 +149,13 @@ pub(crate) fn overlaps(mesh: &StaticMesh, core: &PlacedCore, radius: f32) -> boo
 pub(crate) fn closest(mesh: &StaticMesh, point: Vec3, limit: f32) -> Option<LocalHit> {
     let there = point.as_dvec3();
     let mut best: Option<LocalHit> = None;
-    around(mesh.tree(), point, limit, |leaf, limit| {
+    mesh.tree().around(point, limit, |leaf, limit| {
         let triangle = &mesh.triangles()[leaf as usize];
+        let beside = triangle.corners.map(|corner| corner - point);
+        let most = limit * (1.0 + ROUGH) + ROUGH * point.abs().max_element();
+        if rough_square(beside, triangle.plane.normal) > most * most {
+            return limit;
+        }
         let at = nearest_on_triangle(triangle.corners.map(|corner| corner.as_dvec3()), there);
         let apart = there - at;
         let away = apart.length();

@@ -1,7 +1,6 @@
 //! What is near a shape.
 
 use crate::bodies::body::Shape;
-use crate::geometry::bvh::within;
 use crate::geometry::distance::{Nearest, Separation, distance};
 use crate::geometry::support::{Core, PlacedCore};
 use crate::geometry::{Compound, ConvexMesh, StaticMesh};
@@ -66,7 +65,7 @@ fn of_compound(mesh: &Compound, core: &PlacedCore, limit: f32) -> Option<LocalHi
 fn of_level(mesh: &StaticMesh, core: &PlacedCore, limit: f32) -> Option<LocalHit> {
     let mut best: Option<LocalHit> = None;
     let middle = core.middle().as_vec3();
-    within(mesh.tree(), &core.bounds().fattened(limit), |leaf| {
+    mesh.tree().within(&core.bounds().fattened(limit), |leaf| {
         let triangle = &mesh.triangles()[leaf as usize];
         let is_behind = triangle.plane.distance(middle) < 0.0;
         if is_behind && !mesh.is_two_sided() {

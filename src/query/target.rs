@@ -13,45 +13,6 @@ use crate::query::shape::QueryShape;
 use crate::query::{compound, convex, half_space, level};
 use glam::{Mat3, Vec3};
 
-/// What rounding may do to a distance of two centers, as a share of it and of the balls' radii.
-const ROUNDING: f32 = 1e-5;
-
-/// The way of what does not move.
-const NOWHERE: (Vec3, f32) = (Vec3::ZERO, 0.0);
-
-/// A ball around something: what is farther apart than two of them reach need not be looked at closer.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Ball {
-    /// World frame, m.
-    pub(crate) center: Vec3,
-    /// m.
-    pub(crate) radius: f32,
-}
-
-impl Ball {
-    /// Around a box.
-    pub(crate) fn around(b: &Aabb) -> Self {
-        Self {
-            center: b.center(),
-            radius: 0.5 * b.diagonal(),
-        }
-    }
-
-    /// Whether another ball may come within `limit` (m) of this one, which goes along a direction for a length (m).
-    fn may_reach(&self, other: &Self, (direction, length): (Vec3, f32), limit: f32) -> bool {
-        let apart = other.center - self.center;
-        let along = apart.dot(direction).min(length).max(0.0);
-        let rest = apart - along * direction;
-        let reach = self.radius + other.radius + limit;
-        let slack = ROUNDING * (reach + apart.abs().max_element());
-        let is_far = rest.length_squared() > (reach + slack) * (reach + slack);
-        !is_far
-    }
-}
-
-/// Gap at which a moved shape touches, as a share of the shape's diagonal, m.
-const TOUCH: f32 = 2e-6;
-
 /// A body that is asked.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Target<'b> {
@@ -80,26 +41,6 @@ impl<'b> Target<'b> {
             Shape::Level(mesh) => Some(Core::Box(mesh.aabb()).bounds(&turn, self.pose.position)),
             Shape::HalfSpace(_) => None,
         }
-    }
-
-    /// A ball around the body, if it has one.
-    fn ball(&self) -> Option<Ball> {
-        let own = match self.shape {
-            Shape::Convex(mesh) => mesh.aabb(),
-            Shape::Compound(mesh) => mesh.aabb(),
-            Shape::HalfSpace(_) | Shape::Level(_) => return None,
-        };
-        let Ball { center, radius } = Ball::around(&own);
-        Some(Ball {
-            center: self.pose.transform_point(center),
-            radius,
-        })
-    }
-
-    /// Whether the body is farther than `limit` (m) from all that a ball passes on its way, along a direction for a length (m).
-    fn is_far_from(&self, ball: &Ball, way: (Vec3, f32), limit: f32) -> bool {
-        let own = self.ball();
-        own.is_some_and(|own| !ball.may_reach(&own, way, limit))
     }
 
     fn in_world(&self, hit: LocalHit) -> QueryHit {
@@ -145,12 +86,9 @@ impl<'b> Target<'b> {
         })
     }
 
-    /// What a moved shape touches of the body up to `end` (m); of what its parts touch as early, that of the first.
-    pub(crate) fn cast_shape(&self, cast: &ShapeCast, ball: &Ball, end: f32) -> Option<QueryHit> {
-        let size = 2.0 * ball.radius;
-        if self.is_far_from(ball, (cast.direction, end), TOUCH * size) {
-            return None;
-        }
+    /// What a moved shape touches of the body up to `end` (m), where gaps of `touch` (m) are none; of what its parts touch as early,
+    /// that of the first.
+    pub(crate) fn cast_shape(&self, cast: &ShapeCast, touch: f32, end: f32) -> Option<QueryHit> {
         let back = self.pose.rotation.inverse();
         let mut best: Option<LocalHit> = None;
         for part in cast.shape.parts(&cast.pose) {
@@ -159,7 +97,7 @@ impl<'b> Target<'b> {
                 radius: part.radius,
                 direction: rotate(back, cast.direction),
                 end: best.map_or(end, |best| best.distance),
-                touch: TOUCH * size,
+                touch,
             };
             let hit = match self.shape {
                 Shape::Convex(mesh) => convex::cast_shape(mesh, &local),
@@ -173,10 +111,7 @@ impl<'b> Target<'b> {
     }
 
     /// Whether a shape at a pose overlaps the body or touches it.
-    pub(crate) fn overlaps(&self, shape: &QueryShape, pose: &Pose, ball: &Ball) -> bool {
-        if self.is_far_from(ball, NOWHERE, 0.0) {
-            return false;
-        }
+    pub(crate) fn overlaps(&self, shape: &QueryShape, pose: &Pose) -> bool {
         shape.parts(pose).any(|part| {
             let other = PlacedCore::new(part.core, &self.own_pose(&part.pose));
             let radius = f64::from(part.radius);
@@ -207,13 +142,6 @@ impl<'b> Target<'b> {
 
     /// The point of the surface that is nearest to `point`, if it is within `limit` (m).
     pub(crate) fn closest(&self, point: Vec3, limit: f32) -> Option<QueryHit> {
-        let ball = Ball {
-            center: point,
-            radius: 0.0,
-        };
-        if self.is_far_from(&ball, NOWHERE, limit) {
-            return None;
-        }
         let local = rotate(self.pose.rotation.inverse(), point - self.pose.position);
         let hit = match self.shape {
             Shape::Convex(mesh) => convex::closest(mesh, local, limit)?,

@@ -4,13 +4,14 @@ use crate::bodies::store::Bodies;
 use crate::contact::pairs::broad_phase::Broadphase;
 use crate::geometry::bvh::{RayWalk, along_ray, around, within};
 use crate::math::{Aabb, Pose};
+use crate::query::ball::{Ball, NOWHERE};
 use crate::query::error::{QueryError, check_length, check_point, check_pose};
 use crate::query::filter::QueryFilter;
 use crate::query::hit::QueryHit;
 use crate::query::index::QueryIndex;
 use crate::query::request::{Ray, ShapeCast};
 use crate::query::shape::QueryShape;
-use crate::query::target::{Ball, Target};
+use crate::query::target::Target;
 use glam::{Quat, Vec3};
 
 /// A read-only view of the bodies that answers questions. Cheap to copy, and good for several threads at once.
@@ -45,9 +46,10 @@ impl<'q> Queries<'q> {
     /// The first body that a ray hits, at the place where it does so first.
     pub fn cast_ray(&self, ray: &Ray, filter: &QueryFilter) -> Option<QueryHit> {
         let mut best: Option<QueryHit> = None;
-        self.along(Way::of_ray(ray), |slot, end| {
-            let hit = self.target(slot, filter)?.cast_ray(ray, end)?;
-            keep_first(&mut best, hit)
+        let (way, ball) = Way::of_ray(ray);
+        self.along(way, |slot, end| {
+            let target = self.target(slot, filter, ball, (ray.direction, end))?;
+            keep_first(&mut best, target.cast_ray(ray, end)?)
         });
         best
     }
@@ -55,8 +57,10 @@ impl<'q> Queries<'q> {
     /// All bodies that a ray hits, each once, where it does so first, from near to far. `hits` is cleared first.
     pub fn cast_ray_all(&self, ray: &Ray, filter: &QueryFilter, hits: &mut Vec<QueryHit>) {
         hits.clear();
-        self.along(Way::of_ray(ray), |slot, _| {
-            hits.extend(self.target(slot, filter)?.cast_ray(ray, ray.max_distance));
+        let (way, ball) = Way::of_ray(ray);
+        self.along(way, |slot, end| {
+            let target = self.target(slot, filter, ball, (ray.direction, end))?;
+            hits.extend(target.cast_ray(ray, end));
             None
         });
         settle(hits);
@@ -65,8 +69,10 @@ impl<'q> Queries<'q> {
     /// Whether a ray hits anything.
     pub fn is_ray_blocked(&self, ray: &Ray, filter: &QueryFilter) -> bool {
         let mut is_blocked = false;
-        self.along(Way::of_ray(ray), |slot, end| {
-            let hit = self.target(slot, filter)?.cast_ray(ray, end);
+        let (way, ball) = Way::of_ray(ray);
+        self.along(way, |slot, end| {
+            let target = self.target(slot, filter, ball, (ray.direction, end))?;
+            let hit = target.cast_ray(ray, end);
             is_blocked |= hit.is_some();
             hit.map(|_| STOP)
         });
@@ -76,10 +82,10 @@ impl<'q> Queries<'q> {
     /// The first body that a moved shape touches, and where.
     pub fn cast_shape(&self, cast: &ShapeCast, filter: &QueryFilter) -> Option<QueryHit> {
         let mut best: Option<QueryHit> = None;
-        let (way, ball) = Way::of_cast(cast);
+        let (way, ball, touch) = Way::of_cast(cast);
         self.along(way, |slot, end| {
-            let hit = self.target(slot, filter)?.cast_shape(cast, &ball, end)?;
-            keep_first(&mut best, hit)
+            let target = self.target(slot, filter, ball, (cast.direction, end))?;
+            keep_first(&mut best, target.cast_shape(cast, touch, end)?)
         });
         best
     }
@@ -87,10 +93,10 @@ impl<'q> Queries<'q> {
     /// All bodies that a moved shape touches, each once, where it does so first, from near to far. `hits` is cleared first.
     pub fn cast_shape_all(&self, cast: &ShapeCast, filter: &QueryFilter, hits: &mut Vec<QueryHit>) {
         hits.clear();
-        let (way, ball) = Way::of_cast(cast);
-        self.along(way, |slot, _| {
-            let target = self.target(slot, filter)?;
-            hits.extend(target.cast_shape(cast, &ball, cast.max_distance));
+        let (way, ball, touch) = Way::of_cast(cast);
+        self.along(way, |slot, end| {
+            let target = self.target(slot, filter, ball, (cast.direction, end))?;
+            hits.extend(target.cast_shape(cast, touch, end));
             None
         });
         settle(hits);
@@ -112,8 +118,8 @@ impl<'q> Queries<'q> {
         let bounds = shape.bounds(pose);
         let ball = Ball::around(&bounds);
         self.inside(&bounds, |slot| {
-            if let Some(target) = self.target(slot, filter)
-                && target.overlaps(shape, pose, &ball)
+            if let Some(target) = self.target(slot, filter, ball, NOWHERE)
+                && target.overlaps(shape, pose)
             {
                 found.push(slot);
             }
@@ -153,8 +159,12 @@ impl<'q> Queries<'q> {
     ) -> Result<Option<QueryHit>, QueryError> {
         let mut best: Option<QueryHit> = None;
         self.near(point, max_distance, |slot, limit| {
-            let hit = self.target(slot, filter)?.closest(point, limit)?;
-            keep_first(&mut best, hit)
+            let within = Ball {
+                center: point,
+                radius: limit,
+            };
+            let target = self.target(slot, filter, within, NOWHERE)?;
+            keep_first(&mut best, target.closest(point, limit)?)
         })?;
         Ok(best)
     }
@@ -171,8 +181,13 @@ impl<'q> Queries<'q> {
         hits: &mut Vec<QueryHit>,
     ) -> Result<(), QueryError> {
         hits.clear();
+        let within = Ball {
+            center: point,
+            radius,
+        };
         self.near(point, radius, |slot, _| {
-            hits.extend(self.target(slot, filter)?.closest(point, radius));
+            let target = self.target(slot, filter, within, NOWHERE)?;
+            hits.extend(target.closest(point, radius));
             None
         })?;
         settle(hits);
@@ -195,8 +210,10 @@ impl<'q> Queries<'q> {
         check_pose(pose)?;
         check_length("the distance", max_distance)?;
         hits.clear();
-        self.inside(&shape.bounds(pose).fattened(max_distance), |slot| {
-            if let Some(target) = self.target(slot, filter) {
+        let region = shape.bounds(pose).fattened(max_distance);
+        let ball = Ball::around(&region);
+        self.inside(&region, |slot| {
+            if let Some(target) = self.target(slot, filter, ball, NOWHERE) {
                 hits.extend(target.nearest_to(shape, pose, max_distance));
             }
         });
@@ -204,9 +221,19 @@ impl<'q> Queries<'q> {
         Ok(())
     }
 
-    /// The body in a slot, if it is there and counts.
-    fn target(&self, slot: u32, filter: &QueryFilter) -> Option<Target<'q>> {
-        let counts = self.bodies.is_active(slot) && filter.accepts(self.bodies, slot);
+    /// The body in a slot, if it is there, counts, and is not surely off a ball all along a direction for a length (m).
+    #[inline]
+    fn target(
+        &self,
+        slot: u32,
+        filter: &QueryFilter,
+        ball: Ball,
+        way: (Vec3, f32),
+    ) -> Option<Target<'q>> {
+        let body = Ball::of(self.bodies, slot);
+        let counts = body.is_none_or(|body| ball.may_reach(&body, way))
+            && self.bodies.is_active(slot)
+            && filter.accepts(self.bodies, slot);
         counts.then(|| Target::of(self.bodies, slot))
     }
 
@@ -261,6 +288,9 @@ impl<'q> Queries<'q> {
     }
 }
 
+/// Gap at which a moved shape touches, as a share of the shape's diagonal, m.
+const TOUCH: f32 = 2e-6;
+
 /// An end before all others.
 const STOP: f32 = -1.0;
 
@@ -272,16 +302,22 @@ struct Way {
 }
 
 impl Way {
-    fn of_ray(ray: &Ray) -> Self {
+    /// And a ball around where it starts.
+    fn of_ray(ray: &Ray) -> (Self, Ball) {
         let (min, max) = (Vec3::ZERO, Vec3::ZERO);
-        Self {
+        let way = Self {
             walk: RayWalk::new(ray.origin, ray.direction, Aabb { min, max }),
             length: ray.max_distance,
-        }
+        };
+        let ball = Ball {
+            center: ray.origin,
+            radius: 0.0,
+        };
+        (way, ball)
     }
 
-    /// And a ball around the shape where it starts.
-    fn of_cast(cast: &ShapeCast) -> (Self, Ball) {
+    /// The same of a shape, with room for a gap that counts as none, and that gap (m).
+    fn of_cast(cast: &ShapeCast) -> (Self, Ball, f32) {
         let b = cast.shape.bounds(&cast.pose);
         let origin = b.center();
         let about = Aabb {
@@ -292,7 +328,10 @@ impl Way {
             walk: RayWalk::new(origin, cast.direction, about),
             length: cast.max_distance,
         };
-        (way, Ball::around(&b))
+        let ball = Ball::around(&b);
+        let touch = 2.0 * TOUCH * ball.radius;
+        let radius = ball.radius + touch;
+        (way, Ball { radius, ..ball }, touch)
     }
 }
 

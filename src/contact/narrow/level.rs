@@ -14,7 +14,6 @@ use crate::contact::narrow::level_scratch::{Found, Group, LevelScratch};
 use crate::contact::narrow::scratch::MERGE;
 use crate::contact::reduce::{Candidate, CornerKind, reduce};
 use crate::geometry::ConvexMesh;
-use crate::geometry::bvh::within;
 use crate::geometry::distance::CoreCast;
 use crate::geometry::hull_lanes::{box_of, lowest_height, move_points, point};
 use crate::geometry::static_mesh::{EdgeKind, LevelTriangle, StaticMesh};
@@ -169,9 +168,11 @@ impl LevelPair<'_> {
                 max: place + tight.max + way.max(Vec3::ZERO),
             };
             ahead.clear();
-            within(self.mesh.tree(), &swept.fattened(self.reach), |leaf| {
-                ahead.push(leaf);
-            });
+            self.mesh
+                .tree()
+                .within(&swept.fattened(self.reach), |leaf| {
+                    ahead.push(leaf);
+                });
             ahead.sort_unstable();
             near.extend_from_slice(ahead);
             if way.length() <= SHALLOW * size {
@@ -288,6 +289,15 @@ impl LevelPair<'_> {
         let rest = -ground.normal.dot(self.travel - shift);
         let reach = self.reach + rest.max(0.0);
         over.clear();
+        let size = self.shape.aabb().diagonal();
+        let borders = [0, 1, 2].map(|edge| ground.border(edge));
+        let is_beside = borders.iter().any(|&(from, outward)| {
+            let border = outward.dot(from - shift);
+            lowest_height(points, outward) > border + TOUCH * (size + border.abs())
+        });
+        if is_beside {
+            return;
+        }
         for face in self.shape.hull().faces() {
             if (*turn * face.plane.normal).dot(ground.normal) >= 0.0 {
                 continue;
@@ -298,8 +308,7 @@ impl LevelPair<'_> {
             if polygon.iter().all(|&at| ground.height(at) > reach) {
                 continue;
             }
-            for edge in 0..3 {
-                let (from, outward) = ground.border(edge);
+            for (from, outward) in borders {
                 clip(polygon, from, outward, clipped);
                 std::mem::swap(polygon, clipped);
             }
