@@ -108,7 +108,7 @@ pub mod prelude {
         Blade, Queries, QueryError, QueryFilter, QueryHit, QueryIndex, QueryShape, Ray, ShapeCast,
         Slid, Slider, WalkInput, WalkSettings, WalkState,
     };
-    pub use crate::slice::{Fracturable, FracturePattern};
+    pub use crate::slice::{Fracturable, FracturePattern, Relief};
     #[cfg(feature = "exact")]
     pub use crate::solver::Exact;
     pub use crate::solver::{

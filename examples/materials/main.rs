@@ -1,4 +1,4 @@
-//! Glass, brick, wood and stone from the parameters of this crate; `docs/materials.md` explains them.
+//! Glass, brick, wood, stone and concrete from the parameters of this crate; `docs/materials.md` explains them.
 //!
 //! `cargo run --release --example materials` breaks each, prints what came of it as `name: value` lines, and writes one
 //! picture of each, before and after, to `target/materials/`; with `-- --publish` to `docs/`.
@@ -30,7 +30,13 @@ fn main() -> ExitCode {
     } else {
         ("target/materials", "")
     };
-    for scene in [scenes::glass, scenes::brick, scenes::wood, scenes::stone] {
+    for scene in [
+        scenes::glass,
+        scenes::brick,
+        scenes::wood,
+        scenes::stone,
+        scenes::concrete,
+    ] {
         let show = |demo: Demo| {
             let path = Path::new(folder).join(format!("{prefix}{}.png", demo.name));
             show(demo)?.save(path)

@@ -86,6 +86,28 @@ pub(crate) fn stone() -> Fracturable {
         min_volume: 1e-4,
         generations: 1,
         seed: 5,
+        cut_relief: Some(Relief {
+            amplitude: 0.03,
+            wavelength: 0.12,
+        }),
+        ..Fracturable::default()
+    }
+}
+
+/// Of a wall of concrete, cast around bars of steel. Density 2400 kg/m3.
+pub(crate) fn concrete() -> Fracturable {
+    Fracturable {
+        strength: 600.0,
+        min_energy: 500.0,
+        pattern: FracturePattern::EvenVoronoi { cells: 60 },
+        max_pieces: 60,
+        min_volume: 1e-5,
+        generations: 0,
+        seed: 3,
+        cut_relief: Some(Relief {
+            amplitude: 0.012,
+            wavelength: 0.06,
+        }),
         ..Fracturable::default()
     }
 }

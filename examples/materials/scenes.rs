@@ -161,3 +161,26 @@ pub(crate) fn stone() -> Result<Demo, Error> {
     demo.add(boulder, Vec3::new(0.42, 0.40, 0.37))?;
     Ok(demo)
 }
+
+/// A wall that stands, cast around bars of steel, and a ball.
+pub(crate) fn concrete() -> Result<Demo, Error> {
+    let (eye, target) = (Vec3::new(2.0, 1.5, 2.7), Vec3::new(0.1, 0.75, -0.1));
+    let mut demo = Demo::new("concrete", [6, 60], eye, target)?;
+    let size = Vec3::new(2.4, 1.6, 0.16);
+    let mut wall = BodyDesc::dynamic(
+        ConvexMesh::cuboid(size.x, size.y, size.z)?,
+        0.5 * size.y * Vec3::Y,
+    );
+    wall.kind = RigidBody::Static;
+    wall.density = 2400.0;
+    wall.fracturable = Some(recipes::concrete());
+    demo.add(wall, Vec3::new(0.46, 0.45, 0.43))?;
+    for x in [-0.8, -0.4, 0.0, 0.4, 0.8] {
+        demo.fix(
+            Vec3::new(0.025, size.y, 0.025),
+            Vec3::new(x, 0.5 * size.y, 0.0),
+        )?;
+    }
+    demo.shoot(0.12, Vec3::new(0.2, 1.0, 2.4), Vec3::new(0.0, 0.5, -18.0))?;
+    Ok(demo)
+}

@@ -12,6 +12,7 @@ use crate::geometry::{Compound, ConvexHull, ConvexMesh, HullError, TriMesh};
 use crate::mass::VolumeIntegrals;
 use crate::math::{Plane, Pose, rotate};
 use crate::slice::fracturable::Fracturable;
+use crate::slice::roughen::CutLooks;
 use crate::slice::{Cutting, Piece, PieceCutter, SliceError, SliceOptions};
 use glam::{Quat, Vec3};
 use smallvec::SmallVec;
@@ -55,12 +56,15 @@ impl PieceSet {
         }
         let mesh = bodies.convex(plan.slot).ok_or(CutError::NotConvex)?;
         let fracturable = bodies.fracturable(plan.slot);
-        let mut pieces = pieces_of(mesh, fracturable, plan, cutter)?;
+        let looks = cut_looks(fracturable);
+        let visual = looks.visual_of(mesh);
+        let visual = visual.as_deref();
+        let mut pieces = pieces_of(mesh.hull(), visual, plan, (cutter, looks.options))?;
         let surface: f64 = pieces.iter().map(|piece| piece.hull.area()).sum();
         let crack_area = 0.5 * (surface - mesh.hull().area());
         let mut halves = Vec::new();
         let is_seen = |mesh: Option<&TriMesh>| mesh.is_some_and(|m| !m.triangles().is_empty());
-        if is_seen(mesh.visual()) {
+        if is_seen(visual) {
             halves.extend(pieces.iter().map(|piece| piece.hull.clone()));
             let air = pieces.len();
             pieces.retain(|piece| is_seen(piece.visual.as_ref()));
@@ -70,7 +74,7 @@ impl PieceSet {
                 cutter.separate(&mut pieces)?;
                 is_changed |= pieces.len() != joined;
             }
-            is_changed |= PieceCutter::fit_hulls(&mut pieces)?;
+            is_changed |= PieceCutter::fit_hulls_to_rough(&mut pieces, looks.amplitude())?;
             // Where the mesh has the mass, the air never had any.
             if !is_changed || mesh.weighs_visual() {
                 halves.clear();
@@ -78,6 +82,9 @@ impl PieceSet {
         }
         if pieces.len() < 2 {
             return Err(CutError::Missed);
+        }
+        if let Some((relief, seed)) = &looks.relief {
+            cutter.roughen(&mut pieces, relief, *seed);
         }
         let mut planes = plan.cuts.clone();
         if let Some(Cutting::Planes(blow)) = &plan.blow {
@@ -99,17 +106,17 @@ impl PieceSet {
         compound: &Compound,
         cutter: &mut PieceCutter,
     ) -> Result<Self, CutError> {
-        let options = slice_options(bodies.fracturable(plan.slot));
+        let looks = cut_looks(bodies.fracturable(plan.slot));
         let broken = match (&plan.blow, plan.struck) {
             (Some(blow), Some(struck)) => {
                 let how = (blow, plan.most);
-                cutter.break_part(compound, struck, how, options)?
+                cutter.break_part(compound, struck, how, &looks)?
             }
             _ => vec![compound.clone()],
         };
         let mut compounds = Vec::with_capacity(broken.len());
         for piece in broken {
-            compounds.extend(cutter.cut_compound(&piece, &plan.cuts, options)?);
+            compounds.extend(cutter.cut_compound(&piece, &plan.cuts, &looks)?);
         }
         if compounds.len() < 2 {
             return Err(CutError::Missed);
@@ -139,27 +146,32 @@ impl PieceSet {
     }
 }
 
-/// The pieces of a mesh: what the blow makes of it, and then the cuts.
+/// The pieces of a hull and what rides in it: what the blow makes of it, and then the cuts.
 fn pieces_of(
-    mesh: &ConvexMesh,
-    fracturable: Option<&Fracturable>,
+    hull: &ConvexHull,
+    visual: Option<&TriMesh>,
     plan: &BreakPlan,
-    cutter: &mut PieceCutter,
+    (cutter, options): (&mut PieceCutter, SliceOptions),
 ) -> Result<Vec<Piece>, SliceError> {
-    let options = slice_options(fracturable);
     let whole = Cutting::Planes(SmallVec::new());
     let blow = plan.blow.as_ref().unwrap_or(&whole);
-    let mut pieces = cutter.cut(mesh.hull(), mesh.visual(), blow, plan.most, options)?;
+    let mut pieces = cutter.cut(hull, visual, blow, plan.most, options)?;
     cutter.cut_pieces(&mut pieces, &plan.cuts, usize::MAX, options)?;
     Ok(pieces)
 }
 
 /// What the faces of cuts look like.
-fn slice_options(fracturable: Option<&Fracturable>) -> SliceOptions {
-    SliceOptions {
-        cap_color: fracturable.and_then(|f| f.cut_color),
-        cap_material: fracturable.and_then(|f| f.cut_material),
-        ..SliceOptions::default()
+fn cut_looks(fracturable: Option<&Fracturable>) -> CutLooks {
+    let Some(fracturable) = fracturable else {
+        return CutLooks::default();
+    };
+    CutLooks {
+        options: SliceOptions {
+            cap_color: fracturable.cut_color,
+            cap_material: fracturable.cut_material,
+            ..SliceOptions::default()
+        },
+        relief: fracturable.cut_relief.map(|r| (r, fracturable.seed)),
     }
 }
 

@@ -21,6 +21,7 @@ use crate::slice::cutting::Cutting;
 use crate::slice::flat_faces::flat_faces;
 use crate::slice::merge_faces::FaceMerger;
 use crate::slice::mesh_slicer::MeshSlicer;
+use crate::slice::relief::ReliefMaker;
 use crate::slice::separate::{fit_hulls, separate};
 use crate::slice::{SliceError, SliceOptions};
 use crate::tuning::NEAREST_SITES;
@@ -59,7 +60,7 @@ pub fn cut_by_planes(
 #[derive(Clone, Debug, Default)]
 pub struct PieceCutter {
     hulls: HullSlicer,
-    meshes: MeshSlicer,
+    pub(super) meshes: MeshSlicer,
     clipper: CellClipper,
     /// Planes that cut the hull of the cell in work.
     walls: Vec<Plane>,
@@ -67,6 +68,7 @@ pub struct PieceCutter {
     nearest: Vec<(f64, u32)>,
     spare: TriMesh,
     merger: FaceMerger,
+    pub(super) relief: ReliefMaker,
 }
 
 impl PieceCutter {
@@ -90,6 +92,8 @@ impl PieceCutter {
         if let Some(mesh) = visual.filter(|mesh| !mesh.triangles.is_empty()) {
             mesh.check_closed()?;
         }
+        let first_cap = visual.map_or(0, |mesh| mesh.faces.first_free(mesh.triangles.len()));
+        self.meshes.caps.begin(first_cap);
         if let Cutting::Planes(planes) = cutting {
             let mut pieces = vec![Piece {
                 hull: hull.clone(),
@@ -152,6 +156,10 @@ impl PieceCutter {
         for mesh in visuals.filter(|mesh| mesh.faces.0.is_empty()) {
             mesh.faces.0 = flat_faces(mesh);
         }
+        for mesh in pieces.iter().filter_map(|piece| piece.visual.as_ref()) {
+            let first_free = mesh.faces.first_free(mesh.triangles.len());
+            self.meshes.caps.skip_to(first_free);
+        }
         for plane in planes {
             let mut count = pieces.len();
             let mut cut = Vec::with_capacity(2 * count);
@@ -196,7 +204,15 @@ impl PieceCutter {
     /// # Errors
     /// [`SliceError::Hull`] if a mesh does not make a hull although it is not flat.
     pub fn fit_hulls(pieces: &mut [Piece]) -> Result<bool, SliceError> {
-        fit_hulls(pieces)
+        fit_hulls(pieces, 0.0)
+    }
+
+    /// As [`fit_hulls`](Self::fit_hulls), where relief of earlier cuts lies within the hulls by up to `amplitude` (m).
+    pub(crate) fn fit_hulls_to_rough(
+        pieces: &mut [Piece],
+        amplitude: f64,
+    ) -> Result<bool, SliceError> {
+        fit_hulls(pieces, amplitude)
     }
 
     /// The parts of a visual mesh below and above a plane.

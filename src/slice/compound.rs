@@ -8,7 +8,8 @@ use crate::slice::components::split_components;
 use crate::slice::cut::Cut;
 use crate::slice::cutting::Cutting;
 use crate::slice::mesh_slicer::MeshSlicer;
-use crate::slice::{Piece, PieceCutter, SliceError, SliceOptions};
+use crate::slice::roughen::CutLooks;
+use crate::slice::{Piece, PieceCutter, SliceError};
 use glam::Vec3;
 
 /// Parts and a mesh that is drawn in their place, on one side of a plane.
@@ -31,13 +32,13 @@ impl PieceCutter {
         &mut self,
         compound: &Compound,
         planes: &[Plane],
-        options: SliceOptions,
+        looks: &CutLooks,
     ) -> Result<Vec<Compound>, SliceError> {
         let mut pieces = vec![compound.clone()];
         for &plane in planes {
             let mut next = Vec::with_capacity(pieces.len() + 1);
             for piece in pieces {
-                match self.halves(&piece, plane, options)? {
+                match self.halves(&piece, plane, looks)? {
                     Some(halves) => {
                         for half in halves {
                             let bonds = inherited(&piece, &half.parts, &half.origins);
@@ -57,14 +58,13 @@ impl PieceCutter {
         &mut self,
         compound: &Compound,
         plane: Plane,
-        options: SliceOptions,
+        looks: &CutLooks,
     ) -> Result<Option<[Half; 2]>, SliceError> {
         let mut halves = [Half::default(), Half::default()];
         for (index, part) in (0..).zip(compound.parts()) {
             let own = plane.in_frame_of(&part.pose);
             let cut = Cutting::Planes([own].into_iter().collect());
-            let hull = part.shape.hull();
-            let pieces = self.cut(hull, part.shape.visual(), &cut, usize::MAX, options)?;
+            let pieces = self.cut_shape(&part.shape, &cut, usize::MAX, looks)?;
             let is_whole = pieces.len() == 1;
             for piece in pieces {
                 let is_above = own.distance(middle(&piece.hull)) > 0.0;
@@ -82,7 +82,7 @@ impl PieceCutter {
             return Ok(None);
         }
         if let Some(mesh) = compound.visual() {
-            match MeshSlicer::default().slice(mesh, plane, options)? {
+            match MeshSlicer::default().slice(mesh, plane, looks.options)? {
                 Cut::Below => halves[0].visual = Some(mesh.clone()),
                 Cut::Above => halves[1].visual = Some(mesh.clone()),
                 Cut::Cut(cut) => {
@@ -104,11 +104,10 @@ impl PieceCutter {
         compound: &Compound,
         struck: usize,
         (cutting, most): (&Cutting, usize),
-        options: SliceOptions,
+        looks: &CutLooks,
     ) -> Result<Vec<Compound>, SliceError> {
         let part = &compound.parts()[struck];
-        let hull = part.shape.hull();
-        let pieces = self.cut(hull, part.shape.visual(), cutting, most, options)?;
+        let pieces = self.cut_shape(&part.shape, cutting, most, looks)?;
         if pieces.len() < 2 {
             return Ok(vec![compound.clone()]);
         }

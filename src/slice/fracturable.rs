@@ -4,6 +4,7 @@ use crate::geometry::ConvexHull;
 use crate::slice::crack_area::cells_for_energy;
 use crate::slice::cutting::Cutting;
 use crate::slice::pattern::{FracturePattern, Impact};
+use crate::slice::relief::settings::Relief;
 use bevy_ecs::component::Component;
 use glam::Vec4;
 
@@ -40,6 +41,10 @@ pub struct Fracturable {
     /// Material slot of the cut faces (see [`TriMesh::materials`](crate::geometry::TriMesh::materials)); `None` for no
     /// slots, or 0 if the mesh has some.
     pub cut_material: Option<u16>,
+    /// Relief of the cut faces, from the [`seed`](Self::seed); `None` leaves them flat. A body without a visual mesh of its own gets the
+    /// mesh of its hull when it breaks. Only what is drawn changes, and with it the mass only of what weighs as its
+    /// mesh does ([`with_mass_of_visual`](crate::geometry::ConvexMesh::with_mass_of_visual)).
+    pub cut_relief: Option<Relief>,
     /// Whether pieces whose visual meshes are in several parts come apart, as [`PieceCutter::separate`] says. To be switched off
     /// for models that are built of parts which only touch and are to hold together.
     ///
@@ -61,6 +66,7 @@ impl Default for Fracturable {
             seed: 0,
             cut_color: None,
             cut_material: None,
+            cut_relief: None,
             separate_parts: true,
         }
     }
@@ -82,6 +88,9 @@ pub enum FracturableError {
     /// The least volume is negative, infinite or NaN.
     #[error("the least volume must be finite and not negative, got {0} m3")]
     LeastVolume(f32),
+    /// A length of the relief is not positive, infinite or NaN.
+    #[error("amplitude and wavelength of the relief must be positive and finite, got {} and {} m", .0.amplitude, .0.wavelength)]
+    Relief(Relief),
 }
 
 impl Fracturable {
@@ -102,6 +111,9 @@ impl Fracturable {
         }
         if !(self.min_volume.is_finite() && self.min_volume >= 0.0) {
             return Err(FracturableError::LeastVolume(self.min_volume));
+        }
+        if let Some(relief) = self.cut_relief.filter(|relief| !relief.is_usable()) {
+            return Err(FracturableError::Relief(relief));
         }
         Ok(())
     }
@@ -140,6 +152,14 @@ impl Fracturable {
         Self {
             toughness,
             max_pieces,
+            ..self
+        }
+    }
+
+    /// As this, but with cut faces that have a relief.
+    pub fn with_relief(self, relief: Relief) -> Self {
+        Self {
+            cut_relief: Some(relief),
             ..self
         }
     }

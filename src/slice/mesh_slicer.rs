@@ -7,6 +7,7 @@ use crate::slice::attributes;
 use crate::slice::attributes::CapStyle;
 use crate::slice::border::Border;
 use crate::slice::cap::CapFill;
+use crate::slice::cap_planes::CapPlanes;
 use crate::slice::clip::Clip;
 use crate::slice::cut::Cut;
 use crate::slice::merge_faces::FaceMerger;
@@ -25,6 +26,8 @@ pub struct MeshSlicer {
     cap: CapFill,
     numbers: VertexNumbers,
     merger: FaceMerger,
+    /// The caps that were made since the numbers of their faces began.
+    pub(super) caps: CapPlanes,
     /// Number of the face that the cap is.
     cap_face: u32,
 }
@@ -41,6 +44,7 @@ impl MeshSlicer {
         options: SliceOptions,
     ) -> Result<Cut<Box<Halves>>, SliceError> {
         self.check(mesh, &plane)?;
+        self.caps.begin(mesh.faces.first_free(mesh.triangles.len()));
         let mut cut = self.slice_closed(mesh, &plane, options);
         if let Cut::Cut(halves) = &mut cut {
             self.merge_old_faces(mesh, halves);
@@ -61,6 +65,7 @@ impl MeshSlicer {
         halves: &mut Halves,
     ) -> Result<Cut, SliceError> {
         self.check(mesh, &plane)?;
+        self.caps.begin(mesh.faces.first_free(mesh.triangles.len()));
         let verdict = self.divide(mesh, &plane);
         if verdict.is_cut() {
             self.collect(mesh, &plane, options, halves);
@@ -87,7 +92,7 @@ impl MeshSlicer {
         Ok(())
     }
 
-    /// As [`slice`](Self::slice), for a mesh that is known to be closed and a checked plane.
+    /// As [`slice`](Self::slice), for a mesh that is known to be closed, a checked plane, and numbers of caps that have begun.
     pub(super) fn slice_closed(
         &mut self,
         mesh: &TriMesh,
@@ -108,7 +113,7 @@ impl MeshSlicer {
         if verdict.is_cut() {
             self.border.run(mesh, &self.clip);
             self.cap.run(mesh, &mut self.clip, &self.border, plane);
-            self.cap_face = mesh.faces.first_free(mesh.triangles.len());
+            self.cap_face = self.caps.add(plane, self.cap.triangles.len());
         }
         verdict
     }

@@ -15,6 +15,8 @@
 //! How an impact divides a body is a pattern (`pattern.rs`), which gives planes, cells or sites (`cutting.rs`, `even_sites.rs`); another pattern goes
 //! there. What makes a body breakable is `fracturable.rs`.
 //!
+//! Where it is asked for, faces of cuts get relief afterwards (`relief/`).
+//!
 //! What is not convex becomes convex parts in `decomposition/`; bodies of such parts are cut in `compound.rs`.
 //!
 //! Must not know bodies or contacts. Read `clip.rs` first.
@@ -26,6 +28,7 @@
 pub(crate) mod attributes;
 mod border;
 mod cap;
+mod cap_planes;
 mod cell_clip;
 pub(crate) mod cells;
 mod clip;
@@ -44,7 +47,9 @@ mod merge_faces;
 mod mesh_slicer;
 pub(crate) mod pattern;
 mod random;
+mod relief;
 pub(crate) mod rim_fill;
+pub(crate) mod roughen;
 mod separate;
 
 pub use cells::{Piece, PieceCutter, cut_by_planes};
@@ -57,6 +62,7 @@ pub use decomposition::{ConvexPart, DecompositionError, DecompositionOptions, de
 pub use fracturable::{Fracturable, FracturableError};
 pub use mesh_slicer::MeshSlicer;
 pub use pattern::{FracturePattern, Impact};
+pub use relief::settings::Relief;
 
 use crate::geometry::{HullError, MeshError, PlaneError, TriMesh};
 use crate::math::Plane;

@@ -34,12 +34,17 @@ pub(super) fn separate(
     Ok(())
 }
 
-/// As [`PieceCutter::fit_hulls`](crate::slice::PieceCutter::fit_hulls).
-pub(super) fn fit_hulls(pieces: &mut [Piece]) -> Result<bool, SliceError> {
+/// As [`PieceCutter::fit_hulls`](crate::slice::PieceCutter::fit_hulls), where faces may lie within the hulls by `slack` (m).
+pub(super) fn fit_hulls(pieces: &mut [Piece], slack: f64) -> Result<bool, SliceError> {
     let mut is_changed = false;
     for piece in pieces {
         let seen = piece.visual.as_ref().filter(|m| !m.triangles.is_empty());
-        let loose = seen.filter(|mesh| mesh.volume() < (1.0 - FITTING_SHARE) * piece.volume);
+        // No area is asked for where nothing is slack.
+        let filled = |mesh: &TriMesh| match slack {
+            0.0 => mesh.volume(),
+            _ => mesh.volume() + slack * mesh.area(),
+        };
+        let loose = seen.filter(|mesh| filled(mesh) < (1.0 - FITTING_SHARE) * piece.volume);
         let Some(mesh) = loose else { continue };
         if let Some(hull) = hull_unless_flat(&mesh.used_positions())? {
             piece.volume = hull.volume();

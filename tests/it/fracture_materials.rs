@@ -15,7 +15,7 @@ fn the_chapter_on_materials_quotes_the_example() {
         read("examples/materials/recipes.rs"),
     );
     let blocks: Vec<_> = chapter.split("```rust\n").skip(1).collect();
-    assert_eq!(blocks.len(), 4, "one for each material");
+    assert_eq!(blocks.len(), 5, "one for each material");
     for block in blocks {
         let (code, _) = block.split_once("```").expect("the block ends");
         assert!(example.contains(code), "not in the example:\n{code}");
@@ -28,7 +28,7 @@ fn the_chapter_on_materials_quotes_the_example() {
 fn the_pictures_of_the_chapter_are_there() {
     let chapter = read("docs/materials.md");
     let pictures: Vec<_> = chapter.split("](material_").skip(1).collect();
-    assert_eq!(pictures.len(), 4);
+    assert_eq!(pictures.len(), 5);
     for rest in pictures {
         let (name, _) = rest.split_once(')').expect("the link ends");
         let path = format!("{}/docs/material_{name}", env!("CARGO_MANIFEST_DIR"));

@@ -43,5 +43,6 @@ mod slice;
 mod slice_faces;
 mod slice_hull;
 mod slice_mesh;
+mod slice_relief;
 mod slice_separate;
 mod solver;
