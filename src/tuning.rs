@@ -152,6 +152,12 @@ pub(crate) const SPINS_WORTH_LANES: usize = 4;
 /// before it is known to be complete.
 pub(crate) const NEAREST_SITES: usize = 32;
 
+/// A mesh of more triangles than this is divided before more cells than [`CELLS_OF_A_PART`] are cut out of it. Not measured apart.
+pub(crate) const TRIANGLES_OF_A_PART: usize = 2000;
+
+/// As many cells are cut out of one part of a mesh. Not measured apart.
+pub(crate) const CELLS_OF_A_PART: usize = 3;
+
 // # Who is solved together
 //
 // What is here changes the order of contacts, and so the last bits of motion: golden hashes are made anew with it.

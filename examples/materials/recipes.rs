@@ -87,8 +87,8 @@ pub(crate) fn stone() -> Fracturable {
         generations: 1,
         seed: 5,
         cut_relief: Some(Relief {
-            amplitude: 0.03,
-            wavelength: 0.12,
+            amplitude: 0.02,
+            wavelength: 0.07,
         }),
         ..Fracturable::default()
     }
@@ -99,8 +99,8 @@ pub(crate) fn concrete() -> Fracturable {
     Fracturable {
         strength: 600.0,
         min_energy: 500.0,
-        pattern: FracturePattern::EvenVoronoi { cells: 60 },
-        max_pieces: 60,
+        pattern: FracturePattern::EvenVoronoi { cells: 64 },
+        max_pieces: 64,
         min_volume: 1e-5,
         generations: 0,
         seed: 3,

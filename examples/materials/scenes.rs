@@ -164,7 +164,7 @@ pub(crate) fn stone() -> Result<Demo, Error> {
 
 /// A wall that stands, cast around bars of steel, and a ball.
 pub(crate) fn concrete() -> Result<Demo, Error> {
-    let (eye, target) = (Vec3::new(2.0, 1.5, 2.7), Vec3::new(0.1, 0.75, -0.1));
+    let (eye, target) = (Vec3::new(2.1, 1.5, 2.8), Vec3::new(0.2, 0.75, -0.1));
     let mut demo = Demo::new("concrete", [6, 60], eye, target)?;
     let size = Vec3::new(2.4, 1.6, 0.16);
     let mut wall = BodyDesc::dynamic(
@@ -175,12 +175,12 @@ pub(crate) fn concrete() -> Result<Demo, Error> {
     wall.density = 2400.0;
     wall.fracturable = Some(recipes::concrete());
     demo.add(wall, Vec3::new(0.46, 0.45, 0.43))?;
-    for x in [-0.8, -0.4, 0.0, 0.4, 0.8] {
+    for x in [-0.8, 0.0, 0.8] {
         demo.fix(
-            Vec3::new(0.025, size.y, 0.025),
+            Vec3::new(0.03, size.y, 0.03),
             Vec3::new(x, 0.5 * size.y, 0.0),
         )?;
     }
-    demo.shoot(0.12, Vec3::new(0.2, 1.0, 2.4), Vec3::new(0.0, 0.5, -18.0))?;
+    demo.shoot(0.2, Vec3::new(0.38, 1.1, 2.4), Vec3::new(0.0, 0.5, -18.0))?;
     Ok(demo)
 }

@@ -16,6 +16,7 @@ pub mod chart;
 pub mod colors;
 pub mod film;
 pub mod light;
+pub mod masonry;
 pub mod model;
 pub mod picture;
 pub mod plot;

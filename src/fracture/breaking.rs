@@ -11,11 +11,11 @@ use crate::fracture::cluster_loads::{LOOK_INTERVAL, StepLoads, judge_loads};
 use crate::fracture::debris::Debris;
 use crate::fracture::impact;
 use crate::fracture::inheritance::{ParentState, transfer_impulses};
-use crate::fracture::pending::{Division, PendingBreak, PendingCause, divide, wait};
-use crate::fracture::pieces::{BreakPlan, PieceSet, replace};
-use crate::fracture::{Bonds, CutError, CutRequest, Fractures, MIN_PIECES};
-use crate::geometry::predicates::check_plane;
-use crate::slice::{PieceCutter, SliceError};
+use crate::fracture::pending::{Division, PendingBreak, PendingCause, cut_triangles, divide, wait};
+use crate::fracture::pieces::{PieceSet, replace};
+use crate::fracture::requests::collect_requests;
+use crate::fracture::{Bonds, BreakingImpact, CutError, Fractures, MIN_PIECES};
+use crate::slice::PieceCutter;
 use crate::solver::contact_solver::ContactSolver;
 use smallvec::SmallVec;
 
@@ -31,6 +31,8 @@ type Lines = Vec<(ParentState, SmallVec<[u32; 8]>)>;
 pub(super) struct FractureState {
     /// Pieces made in this step.
     made: usize,
+    /// Triangles of meshes that blows have cut in this step.
+    cut: usize,
     /// Dynamic bodies that were awake when it began.
     awake: usize,
     waiting: Vec<PendingBreak>,
@@ -65,6 +67,18 @@ impl FractureState {
     pub(super) fn left(&self, budget: &FractureBudget) -> usize {
         budget.left(self.made, self.debris.len(), self.awake)
     }
+
+    /// Lets what came off in one piece for want of budget wait until it comes apart. Of a blow, if that broke its bonds.
+    fn await_rest(&mut self, bodies: &Bodies, joined: Option<u32>, blow: Option<BreakingImpact>) {
+        let Some(slot) = joined.filter(|&slot| Groups::of(bodies, slot, &[]).is_some()) else {
+            return;
+        };
+        self.waiting.push(PendingBreak {
+            body: bodies.id(slot),
+            slot,
+            cause: PendingCause::Rest(blow),
+        });
+    }
 }
 
 /// What pieces take over from the bodies that they were part of.
@@ -94,6 +108,7 @@ pub(crate) fn make_cuts(
     fractures.fading.clear();
     fractures.state.handed_on.clear();
     fractures.state.made = 0;
+    fractures.state.cut = 0;
     bodies.free_retired();
     bodies.cracked.clear();
     fractures.state.awake = bodies.dynamic() - bodies.asleep();
@@ -110,7 +125,9 @@ pub(crate) fn make_cuts(
     if fractures.requests.is_empty() && fractures.state.waiting.is_empty() {
         return;
     }
-    for (plan, requests) in collect_requests(fractures, bodies) {
+    for (plan, requests) in
+        collect_requests(&mut fractures.requests, &mut fractures.refused, bodies)
+    {
         bodies.wake(plan.slot);
         let division = PieceSet::new(bodies, &plan, &mut fractures.state.cutter);
         let division = division.map(Division::Cut);
@@ -140,22 +157,31 @@ fn break_waiting(
             return false;
         }
         let left = fractures.state.left(budget);
-        if left < MIN_PIECES {
+        let triangles = entry.triangles(bodies);
+        if left < MIN_PIECES || !budget.may_cut(fractures.state.cut, triangles) {
             return true;
         }
+        fractures.state.cut += triangles;
         bodies.wake(slot);
         // One that makes no pieces bears it.
         let cutter = &mut fractures.state.cutter;
-        if let Some(division) = entry.divide(bodies, left, cutter)
-            && let Ok(fracture) = fractures.replace(bodies, bonds, slot, division, budget)
-        {
-            match &entry.cause {
-                PendingCause::Blow { blow, .. } => fracture.waited = Some(*blow),
-                PendingCause::Load(_) => fracture.is_load = true,
-            }
+        let Some(division) = entry.divide(bodies, left, cutter) else {
+            return false;
+        };
+        let is_joined = division.is_joined();
+        if let Ok(fracture) = fractures.replace(bodies, bonds, slot, division, budget) {
+            let blow = match &entry.cause {
+                PendingCause::Blow { blow, .. } => Some(*blow),
+                PendingCause::Load(_) => None,
+                PendingCause::Rest(blow) => *blow,
+            };
+            (fracture.waited, fracture.is_load) = (blow, blow.is_none());
+            let joined = fracture.pieces.last().copied().filter(|_| is_joined);
+            fractures.state.await_rest(bodies, joined, blow);
         }
         false
     });
+    waiting.append(&mut fractures.state.waiting);
     fractures.state.waiting = waiting;
 }
 
@@ -175,25 +201,20 @@ pub(crate) fn break_overloaded(
     state.debris.take_stock(bodies);
     let mut left = state.left(budget);
     let (mut divisions, mut shares) = (Vec::new(), Vec::new());
-    let mut blows: Vec<&Blow> = solver.breaking().collect();
-    // Of a body that contacts do not move, and that was hit in several places at once, the hardest blow counts.
-    blows.sort_by(|a, b| {
-        let by_impulse = b.load.impulse.total_cmp(&a.load.impulse);
-        bodies.id(a.slot).cmp(&bodies.id(b.slot)).then(by_impulse)
-    });
-    blows.dedup_by_key(|blow| blow.slot);
-    for blow in blows {
+    for blow in hardest_blows(bodies, solver) {
         // If it cannot be broken now, it has to bear everything.
         state.spare(bodies, blow.slot, f32::INFINITY);
-        if left < MIN_PIECES {
+        let impact = blow.bonds.is_empty().then(|| blow.impact(bodies));
+        let cut = impact.map_or(0, |impact| cut_triangles(bodies, blow.slot, &impact));
+        if left < MIN_PIECES || !budget.may_cut(state.cut, cut) {
             state.waiting.extend(wait(bodies, blow));
             continue;
         }
-        let division = if blow.bonds.is_empty() {
-            let impact = blow.impact(bodies);
-            divide(bodies, blow.slot, &impact, left, &mut state.cutter)
-        } else {
-            Groups::of(bodies, blow.slot, &blow.bonds).map(Division::Groups)
+        state.cut += cut;
+        let division = match impact {
+            Some(impact) => divide(bodies, blow.slot, &impact, left, &mut state.cutter),
+            None => Groups::of(bodies, blow.slot, &blow.bonds)
+                .map(|groups| Division::Groups(groups.limited(left))),
         };
         let Some(division) = division else {
             state.spare(bodies, blow.slot, RETRIED * blow.load.impulse);
@@ -210,12 +231,29 @@ pub(crate) fn break_overloaded(
     }
     impact::apply_shares(&mut shares, bodies, manifolds);
     for (division, report, blow) in divisions {
+        let is_joined = division.is_joined();
         match fractures.replace(bodies, bonds, blow.slot, division, budget) {
-            Ok(fracture) => fracture.blow = Some(report),
+            Ok(fracture) => {
+                fracture.blow = Some(report);
+                let joined = fracture.pieces.last().copied().filter(|_| is_joined);
+                fractures.state.await_rest(bodies, joined, Some(report));
+            }
             Err(_) => bodies.borne_impulse[blow.slot as usize] = RETRIED * blow.load.impulse,
         }
     }
     fractures.hand_on_impulses(bodies, cache);
+}
+
+/// The blows that break something, by the bodies' ids. Of a body that contacts do not move, and that was hit in several places at once, the
+/// hardest one counts.
+fn hardest_blows<'s>(bodies: &Bodies, solver: &'s ContactSolver) -> Vec<&'s Blow> {
+    let mut blows: Vec<&Blow> = solver.breaking().collect();
+    blows.sort_by(|a, b| {
+        let by_impulse = b.load.impulse.total_cmp(&a.load.impulse);
+        bodies.id(a.slot).cmp(&bodies.id(b.slot)).then(by_impulse)
+    });
+    blows.dedup_by_key(|blow| blow.slot);
+    blows
 }
 
 /// After the last round: lets those break later that would have, had there been a budget or a round for them. Of the batches from
@@ -343,51 +381,4 @@ impl Fractures {
     pub(super) fn handed_on(&self) -> &[(ParentState, SmallVec<[u32; 8]>)] {
         &self.state.handed_on
     }
-}
-
-/// Sorts out requests that cannot be met; several on one body become one list of planes. By id of the body.
-fn collect_requests(
-    fractures: &mut Fractures,
-    bodies: &Bodies,
-) -> Vec<(BreakPlan, SmallVec<[CutRequest; 2]>)> {
-    let mut plans: Vec<(BreakPlan, SmallVec<[CutRequest; 2]>)> = Vec::new();
-    for request in fractures.requests.drain(..) {
-        if let Err(error) = check_request(&request, bodies) {
-            fractures.refused.push((request, error));
-            continue;
-        }
-        let index = plans.iter().position(|(p, _)| p.slot == request.slot);
-        let index = index.unwrap_or_else(|| {
-            let plan = BreakPlan {
-                slot: request.slot,
-                blow: None,
-                cuts: SmallVec::new(),
-                most: usize::MAX,
-                struck: None,
-            };
-            plans.push((plan, SmallVec::new()));
-            plans.len() - 1
-        });
-        plans[index].0.cuts.push(request.plane);
-        plans[index].1.push(request);
-    }
-    plans.sort_by_key(|(plan, _)| bodies.id(plan.slot));
-    plans
-}
-
-fn check_request(request: &CutRequest, bodies: &Bodies) -> Result<(), CutError> {
-    if !bodies.is_current(request.slot, request.body) {
-        return Err(CutError::NoBody);
-    }
-    if bodies.convex(request.slot).is_none() && bodies.compound(request.slot).is_none() {
-        return Err(CutError::NotConvex);
-    }
-    if !bodies.is_active(request.slot) {
-        return Err(CutError::Frozen);
-    }
-    if bodies.has_mass_override(request.slot) {
-        return Err(CutError::MassOverride);
-    }
-    check_plane(&request.plane).map_err(SliceError::from)?;
-    Ok(())
 }

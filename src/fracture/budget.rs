@@ -22,6 +22,10 @@ pub struct FractureBudget {
     /// a piece that has just come to be has several times the contacts of other bodies, all of which move. A step may make 8
     /// pieces in any case, and as many as bring a small scene to 256 awake bodies. Infinite: no limit.
     pub growth: f32,
+    /// Triangles of meshes that blows may cut in one step. A body whose mesh has more than are left waits for another step, in which it is
+    /// the first; that one breaks whatever it has, so that nothing waits for ever. Bodies that are drawn as their hulls have none, nor
+    /// have clusters, which were cut before.
+    pub triangles_per_step: usize,
     /// Pieces that there may be; no blow breaks anything while there are as many.
     pub max_alive_pieces: usize,
     /// Pieces smaller than this are not made, m3; what [`Fracturable`](crate::slice::fracturable::Fracturable) says holds
@@ -34,11 +38,13 @@ pub struct FractureBudget {
 }
 
 impl Default for FractureBudget {
-    /// In a step 2 % of the bodies that are awake, but at most 64 pieces; 20 000 in all, and pieces stay for ever.
+    /// In a step 2 % of the bodies that are awake, but at most 64 pieces, and of 10 000 triangles (some 8 ms); 20 000 pieces in all, which
+    /// stay for ever.
     fn default() -> Self {
         Self {
             pieces_per_step: 64,
             growth: 0.02,
+            triangles_per_step: 10_000,
             max_alive_pieces: 20_000,
             min_volume: 0.0,
             generations: u8::MAX,
@@ -56,6 +62,11 @@ impl FractureBudget {
         }
         let in_step = self.in_step(awake).saturating_sub(made);
         in_step.min(self.max_alive_pieces.saturating_sub(alive))
+    }
+
+    /// Whether a blow may cut a mesh of so many triangles in a step in which blows have cut `cut` already.
+    pub(super) fn may_cut(&self, cut: usize, triangles: usize) -> bool {
+        triangles == 0 || cut == 0 || cut + triangles <= self.triangles_per_step
     }
 
     /// Pieces that blows may make in a step that begins with `awake` bodies.
@@ -91,6 +102,16 @@ mod tests {
             ..budget
         };
         assert_eq!(meaningless.in_step(1000), 8);
+    }
+
+    #[test]
+    fn the_first_mesh_of_a_step_is_cut_whatever_it_has() {
+        let budget = FractureBudget {
+            triangles_per_step: 100,
+            ..FractureBudget::default()
+        };
+        assert!(budget.may_cut(0, 1000) && budget.may_cut(1000, 0));
+        assert!(budget.may_cut(60, 40) && !budget.may_cut(60, 41));
     }
 
     #[test]

@@ -29,6 +29,8 @@ pub(super) struct Groups {
     rest: Option<Vec<u32>>,
     /// Bonds that are gone.
     broken: Vec<u32>,
+    /// Whether the last piece is several groups, which come apart later.
+    pub(super) is_joined: bool,
 }
 
 impl Groups {
@@ -55,7 +57,19 @@ impl Groups {
             pieces,
             rest,
             broken: broken.to_vec(),
+            is_joined: false,
         })
+    }
+
+    /// At most `most` pieces (at least two): the last one is all that would be more, and comes apart when its turn comes.
+    pub(super) fn limited(mut self, most: usize) -> Self {
+        if self.pieces.len() > most.max(2) {
+            let mut others: Vec<u32> = self.pieces.drain(most.max(2) - 1..).flatten().collect();
+            others.sort_unstable();
+            self.pieces.push(others);
+            self.is_joined = true;
+        }
+        self
     }
 
     /// What comes off, as bodies.

@@ -42,6 +42,7 @@ mod ledger;
 mod neighbors;
 mod pending;
 mod pieces;
+mod requests;
 
 pub use bond::{Bond, BondError};
 pub use bonds::{Bonds, BrokenBond};

@@ -32,6 +32,8 @@ pub(super) enum PendingCause {
     },
     /// Bonds within it bore too much for too long.
     Load(BrokenBonds),
+    /// It is several groups of parts, which came off together because there was no budget for all; of a blow, if that broke the bonds.
+    Rest(Option<BreakingImpact>),
 }
 
 /// What becomes of a body.
@@ -51,6 +53,24 @@ impl Division {
             Self::Groups(groups) => groups.pieces.len(),
         }
     }
+
+    /// Whether the last piece is several, which come apart later.
+    pub(super) fn is_joined(&self) -> bool {
+        matches!(self, Self::Groups(groups) if groups.is_joined)
+    }
+}
+
+/// Triangles of the mesh that a blow to the body in `slot` cuts.
+pub(super) fn cut_triangles(bodies: &Bodies, slot: u32, impact: &Impact) -> usize {
+    let shape = match bodies.compound(slot) {
+        Some(compound) => {
+            let struck = impact::struck_part(compound, impact.point);
+            Some(&compound.parts()[struck].shape)
+        }
+        None => bodies.convex(slot),
+    };
+    let mesh = shape.and_then(|shape| shape.visual());
+    mesh.map_or(0, |mesh| mesh.triangles().len())
 }
 
 /// What a blow makes of the body in `slot` where `left` pieces may be made; nothing if it bears it.
@@ -73,6 +93,18 @@ pub(super) fn divide(
 }
 
 impl PendingBreak {
+    /// Triangles that are gone through when it breaks.
+    pub(super) fn triangles(&self, bodies: &Bodies) -> usize {
+        match &self.cause {
+            PendingCause::Blow {
+                bonds: None,
+                impact,
+                ..
+            } => cut_triangles(bodies, self.slot, impact),
+            _ => 0,
+        }
+    }
+
     /// What becomes of the body now; nothing if it bears it.
     pub(super) fn divide(
         &self,
@@ -83,9 +115,13 @@ impl PendingBreak {
         let groups = |broken: &BrokenBonds| {
             let is_known = broken.is_of(bodies, self.slot);
             let groups = is_known.then(|| Groups::of(bodies, self.slot, &broken.bonds));
-            groups.flatten().map(Division::Groups)
+            groups
+                .flatten()
+                .map(|it| Division::Groups(it.limited(left)))
         };
         match &self.cause {
+            PendingCause::Rest(_) => Groups::of(bodies, self.slot, &[])
+                .map(|groups| Division::Groups(groups.limited(left))),
             PendingCause::Load(bonds)
             | PendingCause::Blow {
                 bonds: Some(bonds), ..

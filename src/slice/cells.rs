@@ -27,6 +27,7 @@ use crate::slice::{SliceError, SliceOptions};
 use crate::tuning::NEAREST_SITES;
 use glam::Vec3;
 use std::borrow::Cow;
+use std::ops::Range;
 
 /// A piece of a body.
 #[derive(Clone, Debug)]
@@ -62,11 +63,15 @@ pub struct PieceCutter {
     hulls: HullSlicer,
     pub(super) meshes: MeshSlicer,
     clipper: CellClipper,
-    /// Planes that cut the hull of the cell in work.
-    walls: Vec<Plane>,
+    /// Planes that cut the hulls of the cells, cell by cell.
+    pub(super) walls: Vec<Plane>,
+    /// Where the walls of each cell that is no longer in work end.
+    wall_ends: Vec<usize>,
+    /// How many corners of a mesh are above the walls of a cell.
+    pub(super) wall_order: Vec<(usize, Plane)>,
     /// Squared distance (m2) from the point in work to the others, and their numbers.
     nearest: Vec<(f64, u32)>,
-    spare: TriMesh,
+    pub(super) spare: TriMesh,
     merger: FaceMerger,
     pub(super) relief: ReliefMaker,
 }
@@ -111,17 +116,21 @@ impl PieceCutter {
             }
             mesh
         });
-        let visual = marked.as_deref();
+        self.walls.clear();
+        self.wall_ends.clear();
         let mut pieces = match cutting {
             Cutting::Planes(_) => Vec::new(),
             Cutting::Cells(cells) => {
                 for plane in cells.iter().flatten() {
                     check_plane(plane)?;
                 }
-                self.clip_cells(hull, visual, cells, most, options)?
+                self.clip_cells(hull, cells, most)?
             }
-            Cutting::Sites(sites) => self.clip_sites(hull, visual, sites, most, options)?,
+            Cutting::Sites(sites) => self.clip_sites(hull, sites, most)?,
         };
+        if let Some(mesh) = marked {
+            self.clip_visuals(&mesh, &mut pieces, options);
+        }
         self.merge_faces(&mut pieces);
         Ok(pieces)
     }
@@ -238,10 +247,8 @@ impl PieceCutter {
     fn clip_cells(
         &mut self,
         hull: &ConvexHull,
-        visual: Option<&TriMesh>,
         cells: &[CellPlanes],
         most: usize,
-        options: SliceOptions,
     ) -> Result<Vec<Piece>, SliceError> {
         let mut pieces = Vec::with_capacity(cells.len().min(most));
         for cell in cells {
@@ -250,7 +257,7 @@ impl PieceCutter {
             }
             self.begin(hull);
             if cell.iter().all(|&plane| self.clip(CutPlane::from(plane))) {
-                pieces.extend(self.finish(visual, options)?);
+                pieces.extend(self.finish()?);
             }
         }
         Ok(pieces)
@@ -259,17 +266,15 @@ impl PieceCutter {
     fn clip_sites(
         &mut self,
         hull: &ConvexHull,
-        visual: Option<&TriMesh>,
         sites: &[Vec3],
         most: usize,
-        options: SliceOptions,
     ) -> Result<Vec<Piece>, SliceError> {
         let sites = &sites[..sites.len().min(most)];
         let mut pieces = Vec::with_capacity(sites.len());
         for index in 0..sites.len() {
             self.begin(hull);
             if self.clip_to_site(sites, index) {
-                pieces.extend(self.finish(visual, options)?);
+                pieces.extend(self.finish()?);
             }
         }
         Ok(pieces)
@@ -324,7 +329,8 @@ impl PieceCutter {
     /// Takes the whole hull as the cell in work.
     fn begin(&mut self, hull: &ConvexHull) {
         self.clipper.load(hull);
-        self.walls.clear();
+        let first = self.wall_ends.last().copied().unwrap_or(0);
+        self.walls.truncate(first);
     }
 
     /// Takes off what of the cell in work is above a plane; whether anything is left.
@@ -339,39 +345,21 @@ impl PieceCutter {
         }
     }
 
-    /// The piece that the cell in work becomes; none if it is flat.
-    fn finish(
-        &mut self,
-        visual: Option<&TriMesh>,
-        options: SliceOptions,
-    ) -> Result<Option<Piece>, SliceError> {
+    /// The piece that the cell in work becomes, without a visual mesh; none if it is flat.
+    fn finish(&mut self) -> Result<Option<Piece>, SliceError> {
         let Some(hull) = self.clipper.hull()? else {
             return Ok(None);
         };
-        let visual = visual.map(|mesh| self.clip_visual(mesh, options));
-        Ok(Some(piece_of(hull, visual)))
+        self.wall_ends.push(self.walls.len());
+        Ok(Some(piece_of(hull, None)))
     }
 
-    /// The part of `mesh` behind all walls of the cell in work.
-    fn clip_visual(&mut self, mesh: &TriMesh, options: SliceOptions) -> TriMesh {
-        let mut part: Option<TriMesh> = None;
-        if mesh.triangles.is_empty() {
-            return TriMesh::default();
-        }
-        for plane in &self.walls {
-            let whole = part.as_ref().unwrap_or(mesh);
-            match self.meshes.divide(whole, plane) {
-                Cut::Below => {}
-                Cut::Above => return TriMesh::default(),
-                Cut::Cut(()) => {
-                    self.meshes
-                        .collect_below(whole, plane, options, &mut self.spare);
-                    let below = std::mem::take(&mut self.spare);
-                    self.spare = part.replace(below).unwrap_or_default();
-                }
-            }
-        }
-        part.unwrap_or_else(|| mesh.clone())
+    /// Which of the walls are those of a piece.
+    pub(super) fn walls_of(&self, piece: usize) -> Range<usize> {
+        let first = piece
+            .checked_sub(1)
+            .map_or(0, |before| self.wall_ends[before]);
+        first..self.wall_ends[piece]
     }
 }
 

@@ -216,3 +216,46 @@ fn what_waits_counts_with_the_pieces_that_it_makes() {
     let steps: Vec<_> = made.into_iter().filter(|&pieces| pieces > 0).collect();
     assert_eq!(steps, [20, 20]);
 }
+
+/// Balls with visual meshes of 320 triangles, all of which break in the same step: two of them for 700 triangles a step, one if there are
+/// fewer than a ball has.
+#[test]
+fn large_meshes_are_cut_one_step_after_the_other() {
+    for (triangles, at_once) in [(100_000, 6), (700, 2), (10, 1)] {
+        let budget = FractureBudget {
+            triangles_per_step: triangles,
+            ..Default::default()
+        };
+        let mut simulation = Simulation { budget, ..awake() };
+        let floor = BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y });
+        simulation.bodies.insert(floor).expect("usable");
+        for i in 0..6_u8 {
+            let mesh = (ConvexMesh::icosphere(0.25, 2).expect("a ball"))
+                .hull()
+                .to_mesh();
+            assert_eq!(mesh.triangles().len(), 320);
+            let ball = ConvexMesh::from_mesh(mesh).expect("closed");
+            let at = Vec3::new(2.0 * f32::from(i), 2.25, 0.0);
+            let fracturable = Fracturable {
+                pattern: FracturePattern::Star { planes: 2 },
+                generations: 0,
+                ..Fracturable::with_strength(50.0)
+            };
+            let desc = BodyDesc {
+                fracturable: Some(fracturable),
+                ..BodyDesc::dynamic(ball, at)
+            };
+            simulation.bodies.insert(desc).expect("usable");
+        }
+        let (mut most, mut parents) = (0, 0);
+        for _ in 0..60 {
+            simulation.step(H);
+            let done = &simulation.fractures.done;
+            most = most.max(done.len());
+            parents += done.len();
+            assert!(done.iter().all(|f| f.ledger.mass_error() < 1e-6));
+        }
+        assert_eq!((most, parents), (at_once, 6), "{triangles} triangles");
+        assert_eq!(simulation.fractures.waiting(), 0);
+    }
+}
