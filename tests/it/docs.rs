@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Pages that a reader is sent to.
-const PAGES: [&str; 14] = [
+const PAGES: [&str; 15] = [
     "README.md",
     "CHANGELOG.md",
     "CONTRIBUTING.md",
@@ -16,6 +16,7 @@ const PAGES: [&str; 14] = [
     "docs/materials.md",
     "docs/window.md",
     "docs/report/README.md",
+    "docs/report/features.md",
     "docs/report/slicing.md",
     "benches/arena/README.md",
     "demo/README.md",
@@ -65,6 +66,23 @@ fn links_lead_to_files_and_headings_that_are_there() {
                 assert!(is_there, "{page} links to {link}");
             }
         }
+    }
+}
+
+/// Models are closed when they are loaded, and no step knows how.
+const COSTS_NO_STEP: &str = "Import";
+
+#[test]
+fn what_each_part_costs_is_measured() {
+    let (features, report) = (read("docs/features.md"), read("docs/report/features.md"));
+    let parts: Vec<&str> = features
+        .lines()
+        .filter_map(|line| line.strip_prefix("- **")?.split_once("**"))
+        .map(|(name, _)| name.trim_end_matches('.'))
+        .collect();
+    assert!(parts.len() > 15, "{parts:?}");
+    for part in parts.into_iter().filter(|&part| part != COSTS_NO_STEP) {
+        assert!(report.contains(&format!("\n| {part} | ")), "{part}");
     }
 }
 
