@@ -1,4 +1,5 @@
-// Drags the mouse across a body in the page at the given address, and sees two pieces. Pictures are written to ../target/web.
+// Drags the mouse across a body in the page at the given address, and sees two pieces; puts up each exhibit. Nothing may panic. Pictures are
+// written to ../target/web.
 import { chromium } from 'playwright-core';
 import assert from 'node:assert/strict';
 import { mkdirSync } from 'node:fs';
@@ -13,8 +14,12 @@ const browser = await chromium.launch({
 });
 try {
   const page = await browser.newPage({ viewport: { width: 960, height: 540 } });
-  page.on('pageerror', error => { if (!String(error).includes('Using exceptions')) console.log('page:', String(error).slice(0, 300)); });
-  page.on('console', message => { if (message.type() === 'error') console.log('console:', message.text().slice(0, 300)); });
+  const failures = [];
+  page.on('pageerror', error => { if (!String(error).includes('Using exceptions')) failures.push(String(error).slice(0, 300)); });
+  page.on('console', message => {
+    if (message.type() === 'error') console.log('console:', message.text().slice(0, 300));
+    if (message.text().includes('panicked at')) failures.push(message.text().slice(0, 300));
+  });
   const state = () => page.evaluate(() => window.demo?.() ?? {});
   const until = async (what, holds, seconds) => {
     const end = Date.now() + 1000 * seconds;
@@ -51,12 +56,23 @@ try {
   await page.waitForTimeout(600);
   await page.screenshot({ path: pictures + 'shattered.png' });
 
+  // Every exhibit, its button's key, how many bodies it has at least.
+  const exhibits = [['Wood', 4, 1], ['Brick', 3, 1], ['Stone', 5, 1], ['Figurine', 6, 1], ['Table', 7, 2], ['Chain', 8, 9]];
+  for (const [name, key, least] of exhibits) {
+    await page.keyboard.press(`Digit${key}`);
+    const shown = await until(`${name} is put up`, s => s.exhibit === name && s.pieces >= least, 60);
+    const later = await until(`${name} stands`, s => s.frames > shown.frames + 5, 60);
+    await page.screenshot({ path: `${pictures}${name.toLowerCase()}.png` });
+    console.log(`${name}: ${later.pieces} bodies, ${later.step_ms} ms a step`);
+  }
+
   await page.keyboard.press('Digit1');
   await until('all is put up', s => s.exhibit === 'All', 60);
   await page.waitForTimeout(5000);
   const rest = await state();
   await page.screenshot({ path: pictures + 'all.png' });
   console.log(`two pieces of a swipe, ${broken.pieces} bodies of a pane; ${rest.pieces} bodies: ${rest.step_ms} ms a step, ${rest.frame_ms} ms a frame`);
+  assert.deepEqual(failures, [], 'nothing fails in the page');
 } finally {
   await browser.close();
 }

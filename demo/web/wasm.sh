@@ -1,10 +1,10 @@
 # To be sourced: how to build for WebAssembly with Debian's compiler.
 
-# A cargo build of the arguments, optimized for size but for what moves bodies, with vectors of four lanes.
+# A cargo build of the arguments, optimized for size but for what moves bodies, with vectors of four lanes unless FEATURES says otherwise.
 build_wasm() {
-  CARGO_TARGET_DIR=target/web \
+  CARGO_TARGET_DIR="${TARGET:-target/web}" \
   RUSTC=/usr/bin/rustc RUSTC_BOOTSTRAP=1 CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_LINKER=wasm-ld-22 CARGO_PROFILE_RELEASE_OPT_LEVEL=s \
-    RUSTFLAGS='--cfg getrandom_backend="wasm_js" -C target-feature=+simd128' \
+    RUSTFLAGS='--cfg getrandom_backend="wasm_js" -C target-feature='"${FEATURES:-+simd128}" \
     cargo build --ignore-rust-version -Zbuild-std=std,panic_abort --target wasm32-unknown-unknown --release "$@"
 }
 
