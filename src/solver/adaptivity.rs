@@ -51,10 +51,10 @@ pub struct SweepBudget {
 }
 
 impl SweepBudget {
-    /// At most `max_extra_updates` beyond the least numbers, for a batch whose largest island has the given number of points.
-    pub fn new(max_extra_updates: u32, points: usize) -> Self {
+    /// At most `max_extra_updates` beyond the least numbers, for a batch in whose largest island a sweep makes the given number.
+    pub fn new(max_extra_updates: u32, updates: usize) -> Self {
         Self {
-            spare: max_extra_updates / (points as u32).max(1),
+            spare: max_extra_updates / (updates as u32).max(1),
             ..Self::default()
         }
     }

@@ -84,8 +84,8 @@ pub struct SoftStep {
     pub tolerance: Option<f32>,
     /// Most sweeps of a sub-step, before and after the bodies move each, with a [`tolerance`](Self::tolerance).
     pub max_sweeps: u32,
-    /// Most updates of contact points that an island's sweeps beyond the least numbers may take in a step: small islands are
-    /// solved to the tolerance, and a heap of thousands costs what it may. 30 000 are about a millisecond.
+    /// Most updates of contact points that an island's sweeps beyond the least numbers may take in a step, where a joint counts as
+    /// ten: small islands are solved to the tolerance, and a heap of thousands costs what it may. 30 000 are about a millisecond.
     pub max_extra_updates: u32,
 }
 

@@ -9,14 +9,14 @@ use crate::solver::batch::contacts::MovingManifold;
 use crate::solver::batch::subdomain_slices::{parts_by_body, parts_of_blocks};
 use crate::solver::batch::{Batch, TurningBody};
 use crate::solver::graph::indices::BodyNumber;
-use crate::solver::graph::islands::{Islands, MovingPair};
+use crate::solver::graph::islands::{Island, Islands, MovingPair};
 use crate::solver::settings::SubstepSettings;
 use crate::solver::wide::block::PointImpact;
 use crate::solver::wide::prepare::{Source, fill};
 use crate::solver::wide::reanchor::{AnchorStart, FLAT, ReanchoredBlock, ReanchoredBlocks};
 use crate::threads::parts::{front, front_mut};
 use crate::threads::team::Team;
-use crate::tuning::{MAX_PARTS, MIN_MEASURED_PAIRS};
+use crate::tuning::{JOINT_UPDATES, MAX_PARTS, MIN_MEASURED_PAIRS};
 use glam::{Mat3, Vec3};
 use std::ops::Range;
 
@@ -99,8 +99,9 @@ impl Batch {
                 .points
                 .resize(self.contacts.points.len(), PointImpact::default());
         }
-        let most_points = islands.list[range].iter().map(|i| i.points.len()).max();
-        self.budget = SweepBudget::new(self.settings.max_extra_updates, most_points.unwrap_or(0));
+        let updates = |island: &Island| island.points.len() + JOINT_UPDATES * island.joints.len();
+        let most_updates = islands.list[range].iter().map(updates).max();
+        self.budget = SweepBudget::new(self.settings.max_extra_updates, most_updates.unwrap_or(0));
     }
 
     /// Forgets the step before, but not who is where.
