@@ -38,8 +38,8 @@ pub struct FractureBudget {
 }
 
 impl Default for FractureBudget {
-    /// In a step 2 % of the bodies that are awake, but at most 64 pieces, and of 10 000 triangles (some 8 ms); 20 000 pieces in all, which
-    /// stay for ever.
+    /// In a step 2 % of the bodies that are awake, but at most 64 pieces, and of 10 000 triangles (not measured apart); 20 000 pieces in all,
+    /// which stay for ever.
     fn default() -> Self {
         Self {
             pieces_per_step: 64,
