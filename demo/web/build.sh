@@ -10,8 +10,5 @@ mkdir -p web/site
 web/tools/bin/wasm-bindgen --target web --no-typescript --remove-name-section --remove-producers-section \
   --out-dir web/site target/web/wasm32-unknown-unknown/release/cleave_demo.wasm
 cp web/index.html web/site/
-if [ -n "$(command -v wasm-opt)" ] && [ "${SKIP_WASM_OPT:-}" = "" ]; then
-  wasm-opt -Os --all-features -o web/site/small.wasm web/site/cleave_demo_bg.wasm && mv web/site/small.wasm web/site/cleave_demo_bg.wasm
-fi
 gzip -9 -k -f web/site/cleave_demo_bg.wasm
 ls -l web/site
