@@ -165,8 +165,8 @@ pub(crate) const CELLS_OF_A_PART: usize = 3;
 /// Manifolds that take as long to solve as a joint. Not measured apart.
 pub(crate) const JOINT_WEIGHT: usize = 6;
 
-/// Updates of contact points that take as long as a solution of one joint, of which each sweep makes one: 4 000 instructions against 100
-/// (callgrind, ragdolls), of which a fourth is counted, since little is gained by a sweep that joints have no part in.
+/// Updates of contact points that a solution of one joint counts as, of which each sweep makes one. It takes some forty of them (estimated from
+/// profiles of ragdolls); a fourth is counted, for sweeps are also what couples contacts with joints. Not measured apart.
 pub(crate) const JOINT_UPDATES: usize = 10;
 
 /// Calm islands are solved together until they have this many manifolds: enough to fill the lanes of their blocks. Not measured

@@ -67,18 +67,6 @@ impl FractureState {
     pub(super) fn left(&self, budget: &FractureBudget) -> usize {
         budget.left(self.made, self.debris.len(), self.awake)
     }
-
-    /// Lets what came off in one piece for want of budget wait until it comes apart. Of a blow, if that broke its bonds.
-    fn await_rest(&mut self, bodies: &Bodies, joined: Option<u32>, blow: Option<BreakingImpact>) {
-        let Some(slot) = joined.filter(|&slot| Groups::of(bodies, slot, &[]).is_some()) else {
-            return;
-        };
-        self.waiting.push(PendingBreak {
-            body: bodies.id(slot),
-            slot,
-            cause: PendingCause::Rest(blow),
-        });
-    }
 }
 
 /// What pieces take over from the bodies that they were part of.
@@ -176,8 +164,9 @@ fn break_waiting(
                 PendingCause::Rest(blow) => *blow,
             };
             (fracture.waited, fracture.is_load) = (blow, blow.is_none());
-            let joined = fracture.pieces.last().copied().filter(|_| is_joined);
-            fractures.state.await_rest(bodies, joined, blow);
+            if is_joined {
+                fractures.await_rest(bodies, blow);
+            }
         }
         false
     });
@@ -213,8 +202,7 @@ pub(crate) fn break_overloaded(
         state.cut += cut;
         let division = match impact {
             Some(impact) => divide(bodies, blow.slot, &impact, left, &mut state.cutter),
-            None => Groups::of(bodies, blow.slot, &blow.bonds)
-                .map(|groups| Division::Groups(groups.limited(left))),
+            None => Division::of_groups(bodies, blow.slot, &blow.bonds, left),
         };
         let Some(division) = division else {
             state.spare(bodies, blow.slot, RETRIED * blow.load.impulse);
@@ -235,8 +223,9 @@ pub(crate) fn break_overloaded(
         match fractures.replace(bodies, bonds, blow.slot, division, budget) {
             Ok(fracture) => {
                 fracture.blow = Some(report);
-                let joined = fracture.pieces.last().copied().filter(|_| is_joined);
-                fractures.state.await_rest(bodies, joined, Some(report));
+                if is_joined {
+                    fractures.await_rest(bodies, Some(report));
+                }
             }
             Err(_) => bodies.borne_impulse[blow.slot as usize] = RETRIED * blow.load.impulse,
         }
@@ -369,6 +358,18 @@ impl Fractures {
         state.debris.add(bodies, &fracture.pieces);
         self.done.push(fracture);
         Ok(self.done.last_mut().expect("just pushed"))
+    }
+
+    /// Lets the last piece of what broke last, which came off as one for want of budget, wait until it comes apart. Of a blow, if that
+    /// broke its bonds.
+    fn await_rest(&mut self, bodies: &Bodies, blow: Option<BreakingImpact>) {
+        let last = self.done.last().and_then(|fracture| fracture.pieces.last());
+        let joined = last.filter(|&&slot| Groups::of(bodies, slot, &[]).is_some());
+        self.state.waiting.extend(joined.map(|&slot| PendingBreak {
+            body: bodies.id(slot),
+            slot,
+            cause: PendingCause::Rest(blow),
+        }));
     }
 
     /// Hands the impulses of all that broke on to its pieces.

@@ -7,7 +7,7 @@ use crate::fracture::conservation::keep_momentum;
 use crate::fracture::holding::Foothold;
 use crate::fracture::ledger::{Ledger, Reference};
 use crate::fracture::pieces::{compound_desc, insert};
-use crate::fracture::{CutError, Fracture};
+use crate::fracture::{CutError, Fracture, MIN_PIECES};
 use crate::geometry::{Compound, groups_of};
 use crate::slice::SliceError;
 use crate::slice::fracturable::Fracturable;
@@ -61,10 +61,12 @@ impl Groups {
         })
     }
 
-    /// At most `most` pieces (at least two): the last one is all that would be more, and comes apart when its turn comes.
+    /// At most `most` pieces, or the fewest that something can break into: the last one is all that would be more, and comes apart when
+    /// its turn comes.
     pub(super) fn limited(mut self, most: usize) -> Self {
-        if self.pieces.len() > most.max(2) {
-            let mut others: Vec<u32> = self.pieces.drain(most.max(2) - 1..).flatten().collect();
+        let most = most.max(MIN_PIECES);
+        if self.pieces.len() > most {
+            let mut others: Vec<u32> = self.pieces.drain(most - 1..).flatten().collect();
             others.sort_unstable();
             self.pieces.push(others);
             self.is_joined = true;

@@ -46,6 +46,17 @@ pub(super) enum Division {
 }
 
 impl Division {
+    /// What comes off of a cluster when bonds break, in at most `left` pieces; nothing if nothing does.
+    pub(super) fn of_groups(
+        bodies: &Bodies,
+        slot: u32,
+        broken: &[u32],
+        left: usize,
+    ) -> Option<Self> {
+        let groups = Groups::of(bodies, slot, broken)?;
+        Some(Self::Groups(groups.limited(left)))
+    }
+
     /// Number of pieces.
     pub(super) fn len(&self) -> usize {
         match self {
@@ -112,20 +123,14 @@ impl PendingBreak {
         left: usize,
         cutter: &mut PieceCutter,
     ) -> Option<Division> {
-        let groups = |broken: &BrokenBonds| {
-            let is_known = broken.is_of(bodies, self.slot);
-            let groups = is_known.then(|| Groups::of(bodies, self.slot, &broken.bonds));
-            groups
-                .flatten()
-                .map(|it| Division::Groups(it.limited(left)))
-        };
+        let groups = |broken: &[u32]| Division::of_groups(bodies, self.slot, broken, left);
         match &self.cause {
-            PendingCause::Rest(_) => Groups::of(bodies, self.slot, &[])
-                .map(|groups| Division::Groups(groups.limited(left))),
+            PendingCause::Rest(_) => groups(&[]),
             PendingCause::Load(bonds)
             | PendingCause::Blow {
                 bonds: Some(bonds), ..
-            } => groups(bonds),
+            } if bonds.is_of(bodies, self.slot) => groups(&bonds.bonds),
+            PendingCause::Load(_) | PendingCause::Blow { bonds: Some(_), .. } => None,
             PendingCause::Blow { impact, .. } => divide(bodies, self.slot, impact, left, cutter),
         }
     }

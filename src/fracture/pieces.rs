@@ -13,6 +13,7 @@ use crate::mass::VolumeIntegrals;
 use crate::math::{Plane, Pose, rotate};
 use crate::slice::fracturable::Fracturable;
 use crate::slice::roughen::CutLooks;
+use crate::slice::separate::fit_hulls;
 use crate::slice::{Cutting, Piece, PieceCutter, SliceError, SliceOptions};
 use glam::{Quat, Vec3};
 use smallvec::SmallVec;
@@ -74,7 +75,7 @@ impl PieceSet {
                 cutter.separate(&mut pieces)?;
                 is_changed |= pieces.len() != joined;
             }
-            is_changed |= PieceCutter::fit_hulls_to_rough(&mut pieces, looks.amplitude())?;
+            is_changed |= fit_hulls(&mut pieces, looks.amplitude())?;
             // Where the mesh has the mass, the air never had any.
             if !is_changed || mesh.weighs_visual() {
                 halves.clear();

@@ -15,7 +15,7 @@
 //! has come, is in a small tree of its own. Nothing here changes a scene or is remembered by it. Must not know contacts, the solver
 //! or the ECS. Read `view.rs` first.
 
-pub(crate) mod ball;
+mod ball;
 mod blade;
 mod compound;
 mod convex;

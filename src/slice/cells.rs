@@ -216,14 +216,6 @@ impl PieceCutter {
         fit_hulls(pieces, 0.0)
     }
 
-    /// As [`fit_hulls`](Self::fit_hulls), where relief of earlier cuts lies within the hulls by up to `amplitude` (m).
-    pub(crate) fn fit_hulls_to_rough(
-        pieces: &mut [Piece],
-        amplitude: f64,
-    ) -> Result<bool, SliceError> {
-        fit_hulls(pieces, amplitude)
-    }
-
     /// The parts of a visual mesh below and above a plane.
     fn divide_visual(
         &mut self,

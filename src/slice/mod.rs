@@ -51,7 +51,7 @@ mod random;
 mod relief;
 pub(crate) mod rim_fill;
 pub(crate) mod roughen;
-mod separate;
+pub(crate) mod separate;
 
 pub use cells::{Piece, PieceCutter, cut_by_planes};
 pub use components::split_components;

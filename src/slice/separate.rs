@@ -34,8 +34,9 @@ pub(super) fn separate(
     Ok(())
 }
 
-/// As [`PieceCutter::fit_hulls`](crate::slice::PieceCutter::fit_hulls), where faces may lie within the hulls by `slack` (m).
-pub(super) fn fit_hulls(pieces: &mut [Piece], slack: f64) -> Result<bool, SliceError> {
+/// As [`PieceCutter::fit_hulls`](crate::slice::PieceCutter::fit_hulls), where faces may lie within the hulls by `slack` (m), as relief of
+/// earlier cuts does.
+pub(crate) fn fit_hulls(pieces: &mut [Piece], slack: f64) -> Result<bool, SliceError> {
     let mut is_changed = false;
     for piece in pieces {
         let seen = piece.visual.as_ref().filter(|m| !m.triangles.is_empty());

@@ -15,6 +15,29 @@ fn a_rope_of_a_thousand_links_hangs_and_swings() {
     }
 }
 
+/// Each sweep solves all joints of an island: few contacts may not have it make thousands of them.
+#[test]
+fn sweeps_of_a_rope_that_touches_the_floor_are_bounded_by_its_links() {
+    let method = SoftStep::default();
+    for links in [50_u16, 200, 800] {
+        let hang = (f32::from(links) + 1.0 - 1e-3) * Vec3::Y;
+        let mut chain = chain(usize::from(links), 1000.0, Vec3::NEG_Y, hang);
+        let floor = BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y });
+        chain.simulation.bodies.insert(floor).expect("usable");
+        chain.simulation.config.measure_islands = true;
+        let mut most = 0;
+        for _ in 0..20 {
+            chain.simulation.step(H);
+            let sweeps = chain.simulation.report.islands.iter().map(|it| it.sweeps);
+            most = most.max(sweeps.max().unwrap_or(0));
+        }
+        let least = method.max_substeps * (method.sweeps + method.relax_sweeps);
+        let extra = method.max_extra_updates / (10 * u32::from(links));
+        println!("rope of {links} links on the floor: {most} sweeps a step");
+        assert!(most > 0 && most <= least + extra, "{links}: {most}");
+    }
+}
+
 #[test]
 fn chains_hold_at_all_step_rates() {
     for rate in [30.0, 60.0, 120.0, 240.0] {

@@ -46,7 +46,6 @@ impl Heights {
         for node in lattice.nodes_within(low, high) {
             let place = lattice.place(node, 0.0);
             let room = &mut self.room[node as usize];
-            // Work for the near ones only: what is farther in the plane than known cannot be nearer in space.
             *room = room.min(place.distance(nearest_on_triangle(corners, place)));
         }
     }

@@ -140,12 +140,12 @@ impl ReliefMaker {
     }
 
     /// Marks the triangles of a mesh that are some of `faces`.
-    fn mark(&mut self, mesh: &TriMesh, faces: &[(u32, u32, u32)]) {
+    fn mark<'f>(&mut self, mesh: &TriMesh, faces: impl IntoIterator<Item = &'f (u32, u32, u32)>) {
         self.is_old.clear();
         self.is_old.resize(mesh.triangles.len(), false);
-        faces
-            .iter()
-            .for_each(|face| self.is_old[face.2 as usize] = true);
+        for face in faces {
+            self.is_old[face.2 as usize] = true;
+        }
     }
 
     /// Puts patches in the place of the triangles that they were made for. New faces get numbers from `free` on.
@@ -156,14 +156,8 @@ impl ReliefMaker {
         patches: Vec<([u32; 2], Patch)>,
         mut free: u32,
     ) {
-        self.is_old.clear();
-        self.is_old.resize(mesh.triangles.len(), false);
         let of = |[first, end]: [u32; 2]| &members[first as usize..end as usize];
-        for (own, _) in &patches {
-            of(*own)
-                .iter()
-                .for_each(|face| self.is_old[face.2 as usize] = true);
-        }
+        self.mark(mesh, patches.iter().flat_map(|(own, _)| of(*own)));
         let mut sources: Vec<u32> = (0..mesh.triangles.len() as u32)
             .filter(|&t| !self.is_old[t as usize])
             .collect();

@@ -65,6 +65,11 @@ impl BatchJoints {
         self.any() && !self.has_contacts
     }
 
+    /// Whether joints move a body.
+    pub(crate) fn hold(&self, body: BodyNumber) -> bool {
+        self.any() && matches!(self.ends[body.index()], Some(JointEndpoint::Jointed(_)))
+    }
+
     /// Shares of the forces of a sub-step that act before and after the motion.
     fn shares(&self) -> [f32; 2] {
         if self.are_alone() {

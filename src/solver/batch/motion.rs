@@ -70,7 +70,8 @@ impl Batch {
     /// Stops the center of a fast body in front of the face that it was in front of.
     ///
     /// The rows hold the points that were nearest at the start of the step. A thin body that hits with one corner turns at
-    /// thousands of radians per second, and no frozen row sees the rest of it come round.
+    /// thousands of radians per second, and no frozen row sees the rest of it come round. Where joints hold a body, what it hangs on
+    /// keeps it from that, and to stop it alone would tear it off.
     fn clamp_tunnelling(&mut self, manifolds: &Manifolds) {
         for moving in &self.contacts.moving {
             let Some(ccd_radius) = moving.ccd_radius else {
@@ -78,6 +79,9 @@ impl Batch {
             };
             let manifold = manifolds.at(moving.manifold.index());
             let pair = moving.bodies;
+            if self.joints.hold(pair[moving.anchor_body]) {
+                continue;
+            }
             let [a, b] = pair.map(|body| self.bodies.displacements[body.index()].linear);
             let away = [-manifold.normal, manifold.normal][moving.anchor_body];
             let height = |point: &ContactPoint| {

@@ -14,7 +14,7 @@ use crate::solver::joint::system::{JointEndpoint, JointSystem};
 use crate::solver::joint::vector6::{Vector6, split};
 use glam::Vec3;
 
-/// Most rounds: two or three as a rule; limbs that are thrown about at 30 steps a second take ten.
+/// Most rounds: two or three as a rule; limbs that are thrown at a wall ask for ten.
 const ROUNDS: usize = 12;
 
 /// What may be amiss, as a share of the joint's levers, or rad: a few roundings of a rotation.
@@ -53,17 +53,12 @@ impl JointSystem {
         width: LaneWidth,
     ) {
         self.pushes.clear();
-        drift.follow(self, h, width);
-        let mut last = f64::INFINITY;
-        for _ in 1..ROUNDS {
-            let worst = self.find_misses(drift, h);
-            // Where nothing is gained, as of a chain that is pulled straight, more rounds would throw it about.
-            if worst <= 1.0 || worst >= last {
+        for round in 0..ROUNDS {
+            drift.follow(self, h, width);
+            if round + 1 == ROUNDS || !self.find_misses(drift, h) {
                 break;
             }
-            last = worst;
             self.apply_missing();
-            drift.follow(self, h, width);
         }
         if self.rows.iter().any(|row| row.push != 0.0) {
             self.find_pushes(h, push_out_speed);
@@ -71,10 +66,10 @@ impl JointSystem {
         }
     }
 
-    /// Finds the impulses that rows miss for what is amiss after a motion; how much that is at most, over what may be.
-    fn find_misses(&mut self, drift: &Drift, h: f64) -> f64 {
+    /// Finds the impulses that rows miss for what is amiss after a motion; whether that is worth it.
+    fn find_misses(&mut self, drift: &Drift, h: f64) -> bool {
         self.missing.clear();
-        let mut worst = 0.0_f64;
+        let mut is_worth = false;
         for joint in &self.joints {
             let places = joint.ends.map(|end| match end {
                 JointEndpoint::Jointed(body) => drift.bodies[body as usize].place,
@@ -103,16 +98,12 @@ impl JointSystem {
                     self.is_factored = false;
                 }
                 let acts = row.state == RowState::Free;
-                let missing = if acts {
-                    worst = worst.max(amiss.abs() / tolerance);
-                    row.stiffness * amiss / h
-                } else {
-                    0.0
-                };
+                is_worth |= acts && is_off;
+                let missing = if acts { row.stiffness * amiss / h } else { 0.0 };
                 self.missing.push(missing);
             }
         }
-        worst
+        is_worth
     }
 
     /// Finds velocities that push the bodies to where they belong and move no other joint.
