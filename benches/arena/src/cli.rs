@@ -5,17 +5,17 @@ use crate::{Error, scene, suites};
 use std::str::FromStr;
 
 pub(crate) const USAGE: &str = "\
-arena run     [--suite quick|full] [--scene a,b:size,..] [--engines a,b,..] [--settings default|all|NAME,..]
+arena run     [--suite quick|full|joints] [--scene a,b:size,..] [--engines a,b,..] [--settings default|all|NAME,..]
               [--threads 1,2] [--repeats N] [--limit SECS] [--sleeping] [--out FILE.csv]
 arena scale   [--scene pile,pile-at-rest,pyramids] [--bodies 1000,2000,..] [--engines a,b,..] [--settings ..] [--threads 1,2]
               [--repeats N] [--out FILE.csv]
 arena ask     [--bodies 1000,..] [--triangles 500000,..] [--questions N] [--repeats N]
 arena level   [--bodies N] [--cells N] [--spacings 0.7,..]
 arena events  [--bodies N]
-arena report  [FILE.csv] [--out DIR]
+arena report  [FILE.csv] [--out DIR | --page FILE.md]
 arena list
 
-  --suite     quick: a few scenes, each engine as it ships; full: all scenes and sizes, all settings
+  --suite     quick: a few scenes, each engine as it ships; full: all scenes of contacts, all settings; joints: all with joints
   --scene     scenes from the list, each with an optional size
   --engines   engines from the list (default: all)
   --settings  `default` for what an engine ships with, `all`, or names from the list; an engine takes those that it has
@@ -23,7 +23,8 @@ arena list
   --repeats   timing runs of each point besides the one for errors, interleaved over all points (default: 3;
               0 takes the times from the run for errors)
   --limit     seconds after which a run counts as failed (default: 300)
-  --out       file to append to, or folder of the report";
+  --out       file to append to, or folder of the report
+  --page      the whole report as one page without pictures";
 
 /// What follows the command.
 pub(crate) struct Arguments(std::vec::IntoIter<String>);
@@ -77,11 +78,12 @@ pub(crate) fn list(mut arguments: Arguments) -> Result<(), Error> {
     }
     println!("scenes (name:size)");
     for (name, size, default, _) in scene::LIBRARY {
-        println!("  {name:<12} {size}, {default} unless given");
+        println!("  {name:<15} {size}, {default} unless given");
     }
     println!("suites");
     println!("  quick  {}", suites::QUICK.join(" "));
     println!("  full   {}", suites::FULL.join(" "));
+    println!("  joints {}", suites::JOINTS.join(" "));
     println!("engines");
     for entry in registry() {
         let names: Vec<_> = entry.settings.iter().map(|s| s.name.as_str()).collect();

@@ -128,7 +128,7 @@ fn points<'a>(spec: &str, scene: &Scene, options: &Options, all: &'a [Entry]) ->
     let bodies = scene.num_dynamic();
     let entries = all
         .iter()
-        .filter(|entry| scene.joints.is_empty() || entry.has_joints)
+        .filter(|entry| !(entry.is_for_joints && scene.joints.is_empty()))
         .filter(|entry| options.engines.iter().any(|n| n == entry.name));
     let mut points = Vec::new();
     for entry in entries {

@@ -66,19 +66,11 @@ pub(crate) struct Entry {
     /// Name of the setting that the engine ships with.
     pub(crate) default: String,
     pub(crate) build: fn(&Scene, &Settings) -> Box<dyn Engine>,
-    /// Whether the adapter makes joints; scenes that have some are run with no other.
-    pub(crate) has_joints: bool,
+    /// Whether it differs from another entry in joints alone, and is not run where there are none.
+    pub(crate) is_for_joints: bool,
 }
 
 impl Entry {
-    /// The same for an adapter that makes joints.
-    pub(crate) fn with_joints(self) -> Self {
-        Self {
-            has_joints: true,
-            ..self
-        }
-    }
-
     /// An engine whose settings are numbers.
     #[cfg(any(
         feature = "rapier",
@@ -104,7 +96,16 @@ impl Entry {
             settings: values.iter().map(setting).collect(),
             default: default.to_string(),
             build,
-            has_joints: false,
+            is_for_joints: false,
+        }
+    }
+
+    /// The same, run on scenes with joints only.
+    #[cfg(any(feature = "rapier", feature = "box3d", feature = "jolt"))]
+    pub(crate) fn for_joints(self) -> Self {
+        Self {
+            is_for_joints: true,
+            ..self
         }
     }
 }
@@ -126,7 +127,7 @@ pub(crate) fn registry() -> Vec<Entry> {
     #[cfg(feature = "avian")]
     all.push(crate::engines::avian::entry());
     #[cfg(feature = "box3d")]
-    all.push(crate::engines::box3d::entry());
+    all.extend(crate::engines::box3d::entries());
     #[cfg(feature = "jolt")]
     all.extend(crate::engines::jolt::entries());
     all

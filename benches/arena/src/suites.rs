@@ -29,11 +29,37 @@ pub(crate) const FULL: &[&str] = &[
     "bullet_ccd",
 ];
 
+/// What the report of joints is made of.
+pub(crate) const JOINTS: &[&str] = &[
+    "chain10:1",
+    "chain10:100",
+    "chain10:1000",
+    "chain30:1",
+    "chain30:100",
+    "chain30:1000",
+    "chain100:1",
+    "chain100:100",
+    "chain100:1000",
+    "pendulum",
+    "pendulum_energy",
+    "double_pendulum:30",
+    "double_pendulum:90",
+    "door:100",
+    "bridge:1500",
+    "bridge:0",
+    "motor",
+    "spring",
+    "gyroscope",
+    "stairs:10",
+    "ragdolls:100",
+];
+
 /// The suite with that name.
 pub(crate) fn named(name: &str) -> Option<&'static [&'static str]> {
     match name {
         "quick" => Some(QUICK),
         "full" => Some(FULL),
+        "joints" => Some(JOINTS),
         _ => None,
     }
 }

@@ -2,7 +2,7 @@
 
 use super::headless;
 use crate::engine::{Engine, Entry, Settings, State};
-use crate::scene::Scene;
+use crate::scene::{self, JointKind, Scene};
 use avian3d::prelude::*;
 use bevy::prelude::*;
 
@@ -57,7 +57,65 @@ fn build(scene: &Scene, settings: &Settings) -> Box<dyn Engine> {
         }
         bodies.push(body.id());
     }
+    for joint in &scene.joints {
+        let [a, b] = joint.bodies.map(|body| bodies[body]);
+        add_joint(app.world_mut().spawn(JointCollisionDisabled), joint, a, b);
+    }
     Box::new(Avian { app, bodies })
+}
+
+/// A joint of a scene.
+fn add_joint(mut entity: EntityWorldMut<'_>, joint: &scene::Joint, a: Entity, b: Entity) {
+    let [on_a, on_b] = joint
+        .frames
+        .map(|frame| Isometry3d::new(frame.pos, frame.rot));
+    match joint.kind {
+        JointKind::Fixed => {
+            let fixed = FixedJoint::new(a, b).with_local_frame1(on_a);
+            entity.insert(fixed.with_local_frame2(on_b));
+        }
+        JointKind::Ball => {
+            let ball = SphericalJoint::new(a, b).with_local_frame1(on_a);
+            entity.insert(ball.with_local_frame2(on_b));
+        }
+        JointKind::ConeTwist { swing, twist } => {
+            let ball = SphericalJoint::new(a, b).with_local_frame1(on_a);
+            let limited = ball
+                .with_twist_axis(Vec3::X)
+                .with_swing_limits(-swing, swing)
+                .with_twist_limits(-twist, twist);
+            entity.insert(limited.with_local_frame2(on_b));
+        }
+        JointKind::Hinge { range, motor } => {
+            let hinge = RevoluteJoint::new(a, b).with_local_frame1(on_a);
+            let mut hinge = hinge.with_local_frame2(on_b).with_hinge_axis(Vec3::X);
+            if let Some([least, most]) = range {
+                hinge = hinge.with_angle_limits(least, most);
+            }
+            if let Some(motor) = motor {
+                let model = MotorModel::AccelerationBased {
+                    stiffness: 0.0,
+                    damping: 1e3,
+                };
+                let motor = AngularMotor::new(model)
+                    .with_target_velocity(motor.speed)
+                    .with_max_torque(motor.max_torque);
+                hinge = hinge.with_motor(motor);
+            }
+            entity.insert(hinge);
+        }
+        JointKind::Slider { spring } => {
+            let slider = PrismaticJoint::new(a, b).with_local_frame1(on_a);
+            let mut slider = slider.with_local_frame2(on_b).with_slider_axis(Vec3::X);
+            if let Some(spring) = spring {
+                slider = slider.with_motor(LinearMotor::new(MotorModel::SpringDamper {
+                    frequency: spring.hertz,
+                    damping_ratio: spring.damping_ratio,
+                }));
+            }
+            entity.insert(slider);
+        }
+    }
 }
 
 impl Engine for Avian {

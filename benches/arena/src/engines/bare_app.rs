@@ -24,7 +24,7 @@ pub(crate) fn entry() -> Entry {
         default: setting.name.clone(),
         settings: vec![setting],
         build,
-        has_joints: false,
+        is_for_joints: false,
     }
 }
 

@@ -1,7 +1,8 @@
-//! Box3D through raw bindings. Knob: sub-steps per step.
+//! Box3D through raw bindings. Knob: sub-steps per step. Joints of `box3d-stiff` are as stiff as the solver lets them be, a quarter of
+//! the frequency of sub-steps, instead of 60 Hz.
 
 use crate::engine::{Engine, Entry, Settings, State};
-use crate::scene::Scene;
+use crate::scene::{self, JointKind, Scene};
 use box3d_sys::*;
 use glam::{Quat, Vec3};
 
@@ -12,8 +13,17 @@ struct Box3d {
     substeps: i32,
 }
 
-pub(crate) fn entry() -> Entry {
-    Entry::numbered("box3d", "substeps", 4, &[1, 2, 4, 8, 16], build)
+pub(crate) fn entries() -> [Entry; 2] {
+    let values = [1, 2, 4, 8, 16];
+    [
+        Entry::numbered("box3d", "substeps", 4, &values, |scene, settings| {
+            build(scene, settings, None)
+        }),
+        Entry::numbered("box3d-stiff", "substeps", 4, &values, |scene, settings| {
+            build(scene, settings, Some(f32::MAX))
+        })
+        .for_joints(),
+    ]
 }
 
 fn v(p: Vec3) -> b3Vec3 {
@@ -28,7 +38,8 @@ fn vec(p: b3Vec3) -> Vec3 {
     Vec3::new(p.x, p.y, p.z)
 }
 
-fn build(scene: &Scene, settings: &Settings) -> Box<dyn Engine> {
+/// `hertz`: of joints, if not as Box3D has it.
+fn build(scene: &Scene, settings: &Settings, hertz: Option<f32>) -> Box<dyn Engine> {
     // SAFETY: plain C calls; ids stay valid until the world is destroyed in `drop`.
     unsafe {
         let mut def = b3DefaultWorldDef();
@@ -71,12 +82,89 @@ fn build(scene: &Scene, settings: &Settings) -> Box<dyn Engine> {
             }
             bodies.push(body);
         }
+        for joint in &scene.joints {
+            let made = add_joint(world, joint, joint.bodies.map(|body| bodies[body]));
+            if let Some(hertz) = hertz {
+                let (mut old, mut damping_ratio) = (0.0, 0.0);
+                b3Joint_GetConstraintTuning(made, &mut old, &mut damping_ratio);
+                b3Joint_SetConstraintTuning(made, hertz, damping_ratio);
+            }
+        }
         Box::new(Box3d {
             world,
             bodies,
             dt: scene.dt,
             substeps: settings.value as i32,
         })
+    }
+}
+
+/// The frames of a joint, whose x axis is to be `axis` of Box3D's.
+fn frames(base: &mut b3JointDef, joint: &scene::Joint, bodies: [b3BodyId; 2], axis: Vec3) {
+    let turned = Quat::from_rotation_arc(axis, Vec3::X);
+    let [on_a, on_b] = joint.frames.map(|frame| {
+        let rot = frame.rot * turned;
+        b3Transform {
+            p: v(frame.pos),
+            q: b3Quat {
+                v: v(rot.xyz()),
+                s: rot.w,
+            },
+        }
+    });
+    (base.bodyIdA, base.bodyIdB) = (bodies[0], bodies[1]);
+    (base.localFrameA, base.localFrameB) = (on_a, on_b);
+}
+
+/// Adds a joint of a scene.
+///
+/// # Safety
+/// World and bodies are alive.
+unsafe fn add_joint(world: b3WorldId, joint: &scene::Joint, bodies: [b3BodyId; 2]) -> b3JointId {
+    // SAFETY: plain C calls with definitions that live as long as these.
+    unsafe {
+        match joint.kind {
+            JointKind::Fixed => {
+                let mut def = b3DefaultWeldJointDef();
+                frames(&mut def.base, joint, bodies, Vec3::X);
+                b3CreateWeldJoint(world, &def)
+            }
+            JointKind::Ball => {
+                let mut def = b3DefaultSphericalJointDef();
+                frames(&mut def.base, joint, bodies, Vec3::Z);
+                b3CreateSphericalJoint(world, &def)
+            }
+            JointKind::ConeTwist { swing, twist } => {
+                let mut def = b3DefaultSphericalJointDef();
+                frames(&mut def.base, joint, bodies, Vec3::Z);
+                (def.enableConeLimit, def.coneAngle) = (true, swing);
+                def.enableTwistLimit = true;
+                (def.lowerTwistAngle, def.upperTwistAngle) = (-twist, twist);
+                b3CreateSphericalJoint(world, &def)
+            }
+            JointKind::Hinge { range, motor } => {
+                let mut def = b3DefaultRevoluteJointDef();
+                frames(&mut def.base, joint, bodies, Vec3::Z);
+                if let Some([least, most]) = range {
+                    def.enableLimit = true;
+                    (def.lowerAngle, def.upperAngle) = (least, most);
+                }
+                if let Some(motor) = motor {
+                    def.enableMotor = true;
+                    (def.motorSpeed, def.maxMotorTorque) = (motor.speed, motor.max_torque);
+                }
+                b3CreateRevoluteJoint(world, &def)
+            }
+            JointKind::Slider { spring } => {
+                let mut def = b3DefaultPrismaticJointDef();
+                frames(&mut def.base, joint, bodies, Vec3::X);
+                if let Some(spring) = spring {
+                    def.enableSpring = true;
+                    (def.hertz, def.dampingRatio) = (spring.hertz, spring.damping_ratio);
+                }
+                b3CreatePrismaticJoint(world, &def)
+            }
+        }
     }
 }
 

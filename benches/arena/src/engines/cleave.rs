@@ -4,7 +4,7 @@
 
 use super::cleave_settings::{DEFAULT, config, settings, with_sleep};
 use crate::engine::{Engine, Entry, Settings, State};
-use crate::scene::{Body, Hinge, Scene, Shape};
+use crate::scene::{self, Body, JointKind, Scene, Shape};
 use bevy_cleave::prelude::*;
 use bevy_tasks::{ComputeTaskPool, TaskPoolBuilder};
 
@@ -21,9 +21,8 @@ pub(crate) fn entry() -> Entry {
         settings: settings(),
         default: DEFAULT.into(),
         build,
-        has_joints: false,
+        is_for_joints: false,
     }
-    .with_joints()
 }
 
 /// Threads that the compute pool gets so that `threads` work in all: the one that calls `TaskPool::scope` takes part, as
@@ -44,20 +43,7 @@ fn build(scene: &Scene, settings: &Settings) -> Box<dyn Engine> {
     let slots: Vec<u32> = bodies.collect::<Result<_, _>>().expect("usable bodies");
     for joint in &scene.joints {
         let [a, b] = joint.bodies.map(|body| slots[body]);
-        let [on_a, on_b] = joint.anchors;
-        let kind = match joint.hinge {
-            None => Joint::ball().with_anchors(on_a, on_b),
-            Some(Hinge {
-                axis,
-                range: [least, most],
-            }) => {
-                let poses = [a, b].map(|slot| simulation.bodies.pose(slot));
-                let at = poses[0].transform_point(on_a);
-                let hinge = Joint::hinge().with_angular_limits(least, most);
-                hinge.with_anchor(at, axis, poses)
-            }
-        };
-        let made = simulation.join(Some(a), b, kind);
+        let made = simulation.join(Some(a), b, joint_of(joint));
         made.expect("a usable joint");
     }
     Box::new(Cleave {
@@ -65,6 +51,46 @@ fn build(scene: &Scene, settings: &Settings) -> Box<dyn Engine> {
         slots,
         dt: scene.dt,
     })
+}
+
+/// A joint of a scene.
+pub(super) fn joint_of(joint: &scene::Joint) -> Joint {
+    let kind = match joint.kind {
+        JointKind::Fixed => Joint::fixed(),
+        JointKind::Ball => Joint::ball(),
+        JointKind::Hinge { range, motor } => {
+            let mut hinge = Joint::hinge();
+            if let Some([least, most]) = range {
+                hinge = hinge.with_angular_limits(least, most);
+            }
+            hinge.angular[0].drive =
+                motor.map(|motor| JointDrive::velocity(motor.speed, motor.max_torque));
+            hinge
+        }
+        JointKind::Slider { spring } => {
+            let mut slider = Joint::slider();
+            slider.linear[0].drive = spring.map(|spring| {
+                let scene::Spring {
+                    hertz,
+                    damping_ratio,
+                    ..
+                } = spring;
+                let spring = JointSpring::Frequency {
+                    hertz,
+                    damping_ratio,
+                };
+                JointDrive::spring(0.0, spring)
+            });
+            slider
+        }
+        JointKind::ConeTwist { swing, twist } => Joint::cone_twist(swing, twist),
+    };
+    let [frame_a, frame_b] = joint.frames.map(|frame| Pose::new(frame.pos, frame.rot));
+    Joint {
+        frame_a,
+        frame_b,
+        ..kind
+    }
 }
 
 /// The bodies of a scene, in its order.

@@ -1,6 +1,6 @@
 //! bevy_cleave as its users have it: `CleavePlugin` in a headless app, one `app.update()` a step, transforms written back.
 
-use super::cleave::{descriptions, pool_threads};
+use super::cleave::{descriptions, joint_of, pool_threads};
 use super::cleave_settings::{DEFAULT, config, settings, with_sleep};
 use super::headless;
 use crate::engine::{Engine, Entry, Settings, State};
@@ -22,7 +22,7 @@ pub(crate) fn entry() -> Entry {
         settings: settings(),
         default: DEFAULT.into(),
         build,
-        has_joints: false,
+        is_for_joints: false,
     }
 }
 
@@ -33,7 +33,12 @@ fn build(scene: &Scene, settings: &Settings) -> Box<dyn Engine> {
     app.insert_resource(with_sleep(config(settings.value), settings.sleeping));
     headless::start(&mut app);
     let spawn = |body| app.world_mut().spawn_body(body);
-    let bodies = descriptions(scene).map(spawn).collect();
+    let bodies: Vec<Entity> = descriptions(scene).map(spawn).collect();
+    for joint in &scene.joints {
+        let [a, b] = joint.bodies.map(|body| bodies[body]);
+        app.world_mut()
+            .spawn((joint_of(joint), JointA(a), JointB(b)));
+    }
     Box::new(CleaveApp { app, bodies })
 }
 

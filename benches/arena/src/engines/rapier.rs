@@ -1,7 +1,7 @@
 //! Rapier 0.36. Knob: `num_solver_iterations`, which in this version are sub-steps.
 
 use crate::engine::{Engine, Entry, Settings, State};
-use crate::scene::Scene;
+use crate::scene::{self, JointKind, Scene};
 use rapier3d::prelude::*;
 
 struct Rapier {
@@ -15,14 +15,13 @@ pub(crate) fn entries() -> [Entry; 3] {
     [
         entry("rapier", |scene, settings| {
             build(scene, settings, FrictionModel::Simplified, Joints::Impulses)
-        })
-        .with_joints(),
-        // Joints by reduced coordinates. Without joints it is the entry above.
+        }),
+        // Joints by reduced coordinates.
         entry("rapier-multibody", |scene, settings| {
             let joints = Joints::Coordinates;
             build(scene, settings, FrictionModel::Simplified, joints)
         })
-        .with_joints(),
+        .for_joints(),
         entry("rapier-coulomb", |scene, settings| {
             build(scene, settings, FrictionModel::Coulomb, Joints::Impulses)
         }),
@@ -81,31 +80,70 @@ fn build(
     }
     for joint in &scene.joints {
         let [a, b] = joint.bodies.map(|body| handles[body]);
-        let [on_a, on_b] = joint.anchors;
-        let made: GenericJoint = match joint.hinge {
-            None => SphericalJointBuilder::new()
-                .local_anchor1(on_a)
-                .local_anchor2(on_b)
-                .contacts_enabled(false)
-                .into(),
-            Some(hinge) => RevoluteJointBuilder::new(hinge.axis)
-                .local_anchor1(on_a)
-                .local_anchor2(on_b)
-                .limits(hinge.range)
-                .contacts_enabled(false)
-                .into(),
-        };
+        let made = joint_of(joint);
         match joints {
             Joints::Impulses => {
                 world.insert_impulse_joint(a, b, made);
             }
             Joints::Coordinates => {
-                let made = world.insert_multibody_joint(a, b, made);
-                made.expect("no loops");
+                // What closes a loop goes on by impulses, as Rapier has it.
+                if world.insert_multibody_joint(a, b, made).is_none() {
+                    world.insert_impulse_joint(a, b, made);
+                }
             }
         }
     }
     Box::new(Rapier { world, handles })
+}
+
+/// A joint of a scene. Its shoulders have a range about each of three axes instead of a cone.
+fn joint_of(joint: &scene::Joint) -> GenericJoint {
+    let mut builder = match joint.kind {
+        JointKind::Fixed => GenericJointBuilder::new(JointAxesMask::LOCKED_FIXED_AXES),
+        JointKind::Ball | JointKind::ConeTwist { .. } => {
+            GenericJointBuilder::new(JointAxesMask::LOCKED_SPHERICAL_AXES)
+        }
+        JointKind::Hinge { .. } => GenericJointBuilder::new(JointAxesMask::LOCKED_REVOLUTE_AXES),
+        JointKind::Slider { .. } => GenericJointBuilder::new(JointAxesMask::LOCKED_PRISMATIC_AXES),
+    };
+    match joint.kind {
+        JointKind::Fixed | JointKind::Ball => {}
+        JointKind::Hinge { range, motor } => {
+            if let Some(range) = range {
+                builder = builder.limits(JointAxis::AngX, range);
+            }
+            if let Some(motor) = motor {
+                // As good as rigid up to the largest torque.
+                builder = builder
+                    .motor_velocity(JointAxis::AngX, motor.speed, 1e6)
+                    .motor_max_force(JointAxis::AngX, motor.max_torque);
+            }
+        }
+        JointKind::Slider { spring } => {
+            if let Some(spring) = spring {
+                let omega = std::f32::consts::TAU * spring.hertz;
+                let stiffness = spring.mass * omega * omega;
+                let damping = 2.0 * spring.damping_ratio * spring.mass * omega;
+                builder = builder
+                    .motor_model(JointAxis::LinX, MotorModel::ForceBased)
+                    .motor_position(JointAxis::LinX, 0.0, stiffness, damping);
+            }
+        }
+        JointKind::ConeTwist { swing, twist } => {
+            builder = builder
+                .limits(JointAxis::AngX, [-twist, twist])
+                .limits(JointAxis::AngY, [-swing, swing])
+                .limits(JointAxis::AngZ, [-swing, swing]);
+        }
+    }
+    let [on_a, on_b] = joint
+        .frames
+        .map(|frame| Pose::from_parts(frame.pos, frame.rot));
+    builder
+        .local_frame1(on_a)
+        .local_frame2(on_b)
+        .contacts_enabled(false)
+        .build()
 }
 
 impl Engine for Rapier {

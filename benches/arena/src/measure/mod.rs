@@ -2,7 +2,7 @@
 //! every engine. Nothing here asks an engine for its own opinion.
 
 use crate::engine::State;
-use crate::scene::{Joint, Scene, Truth};
+use crate::scene::{Joint, JointKind, Scene, Truth};
 use glam::{DMat3, DQuat, DVec3};
 use parry3d_f64::bounding_volume::BoundingVolume;
 use parry3d_f64::math::Pose;
@@ -69,6 +69,12 @@ pub(crate) struct Meter<'s> {
     apex: f64,
     /// Largest distance of the anchors of a joint, m.
     gap: f64,
+    /// Largest distance from [`Scene::path`], m.
+    astray: f64,
+    /// Largest difference of the energy from that at first, J.
+    energy_off: f64,
+    /// When body 1 passed below the origin in the direction of x, s.
+    passes: Vec<f64>,
 }
 
 impl<'s> Meter<'s> {
@@ -114,6 +120,9 @@ impl<'s> Meter<'s> {
             mark: None,
             apex: 0.0,
             gap: 0.0,
+            astray: 0.0,
+            energy_off: 0.0,
+            passes: vec![],
         };
         meter.energy0 = meter.energy();
         meter.energy_min = meter.energy0;
@@ -134,6 +143,7 @@ impl<'s> Meter<'s> {
         let e = self.energy();
         self.report.energy_gain = self.report.energy_gain.max(e - self.energy_min);
         self.energy_min = self.energy_min.min(e);
+        self.energy_off = self.energy_off.max((e - self.energy0).abs());
         if self.step.is_multiple_of(self.scene.deep_every) || self.step == self.scene.steps {
             self.penetration();
         }
@@ -148,6 +158,11 @@ impl<'s> Meter<'s> {
             Truth::Bounce { .. } if before[1].lin.y < 0.0 && self.last[1].lin.y > 0.0 => {
                 self.mark = Some(before[1])
             }
+            Truth::Path { body, .. } => {
+                let off = self.last[body].pos.distance(self.scene.path[self.step - 1]);
+                self.astray = self.astray.max(off);
+            }
+            Truth::Period { .. } => self.passes.extend(self.pass(before[1].pos.x)),
             _ => {}
         }
         if self.mark.is_some() {
@@ -235,16 +250,38 @@ impl<'s> Meter<'s> {
                 self.dynamic().filter(stands).count() as f64 / scene.num_dynamic() as f64
             }
             Truth::Joints => self.gap,
+            Truth::Path { scale, .. } => self.astray / scale,
+            Truth::Period { period } => (self.period() / period - 1.0).abs(),
+            Truth::Energy { scale } => self.energy_off / scale,
             Truth::Wall => (last[1].pos.x > 0.0) as u8 as f64,
         }
     }
 
-    /// How far the anchors of a joint are apart, m.
+    /// When in the last step body 1 passed the origin in the direction of x, if it did, s. There it goes fastest, and evenly.
+    fn pass(&self, from: f64) -> Option<f64> {
+        let to = self.last[1].pos.x;
+        let share = (from < 0.0 && to >= 0.0).then(|| -from / (to - from))?;
+        Some(f64::from(self.scene.dt) * ((self.step - 1) as f64 + share))
+    }
+
+    /// Mean time between passes, s; infinite if there are not two.
+    fn period(&self) -> f64 {
+        match self.passes[..] {
+            [first, .., last] => (last - first) / (self.passes.len() - 1) as f64,
+            _ => f64::INFINITY,
+        }
+    }
+
+    /// How far the anchors of a joint are apart, m; for a slider, across its axis.
     fn gap_of(&self, joint: &Joint) -> f64 {
         let anchor = |side: usize| {
             let body = &self.last[joint.bodies[side]];
-            body.pos + body.rot * joint.anchors[side].as_dvec3()
+            body.pos + body.rot * joint.frames[side].pos.as_dvec3()
         };
+        if let JointKind::Slider { .. } = joint.kind {
+            let axis = self.last[joint.bodies[0]].rot * joint.frames[0].rot.as_dquat() * DVec3::X;
+            return (anchor(1) - anchor(0)).reject_from(axis).length();
+        }
         anchor(0).distance(anchor(1))
     }
 

@@ -5,6 +5,24 @@ use super::error_label;
 use crate::table::{Row, Table};
 use std::fmt::Write;
 
+/// All of a table on one page without pictures: figures over all scenes, each scene's, each engine as it ships, the least errors, all points.
+pub(super) fn single(table: &Table, title: &str) -> String {
+    let mut page = format!(
+        "# {title}\n\nWritten by `arena report FILE.csv --page FILE.md` (`benches/arena`) from the results of\n\n"
+    );
+    for comment in &table.comments {
+        writeln!(page, "- {comment}").expect("a string");
+    }
+    page += &rules("[below](#all-points)");
+    page += &figures(table);
+    for overall in overall(table) {
+        page += &by_scene(&overall);
+    }
+    page += &as_shipped(table);
+    page += &least_errors(table);
+    page + "\n## All points\n" + &all_points(table)
+}
+
 /// The first page: figures over all scenes, each scene's, each engine as it ships, pictures. `pictures`: scene and file.
 pub(super) fn overview(table: &Table, pictures: &[(String, String)]) -> String {
     let mut page = String::from(
@@ -13,7 +31,7 @@ pub(super) fn overview(table: &Table, pictures: &[(String, String)]) -> String {
     for comment in &table.comments {
         writeln!(page, "- {comment}").expect("a string");
     }
-    page += &rules();
+    page += &rules("[points.md](points.md)");
     page += &figures(table);
     for overall in overall(table) {
         page += &by_scene(&overall);
@@ -26,14 +44,15 @@ pub(super) fn overview(table: &Table, pictures: &[(String, String)]) -> String {
     page
 }
 
-fn rules() -> String {
+/// `points`: a link to all of them.
+fn rules(points: &str) -> String {
     format!(
         "\nTimes are medians over the steps after landing, in ms per step: CPU time of the process on one thread, wall \
          time on more. For each point of another engine that stands (finite, nothing fallen, no wall passed), at any \
          setting, its ratio is its time over the time of our cheapest setting whose error is no larger; 0 if we have \
          none. Errors below {ROUNDING:e} count as equal. Our plugin and Avian are measured by a whole update of their app; where \
          others are said to be in an app too, the time of an update without physics, measured beside, is added to \
-         theirs. All points: [points.md](points.md).\n"
+         theirs. All points: {points}.\n"
     )
 }
 
@@ -112,8 +131,31 @@ fn number(value: f64) -> String {
 
 /// Time and error of each engine with the setting that it ships with.
 fn as_shipped(table: &Table) -> String {
+    let head = "\n## As shipped\n\nms per step, error; *fallen* in italics.\n";
+    by_engine(table, head, |rows| {
+        let row = rows.iter().find(|r| r.is_default)?;
+        Some(shipped(row))
+    })
+}
+
+/// The point of each engine with the least error, at any setting.
+fn least_errors(table: &Table) -> String {
+    let head = "\n## Least errors\n\nSetting: ms per step, error.\n";
+    by_engine(table, head, |rows| {
+        let standing = rows.iter().filter(|r| r.stands());
+        let row = standing.min_by(|a, b| {
+            (a.err, a.cost())
+                .partial_cmp(&(b.err, b.cost()))
+                .expect("finite")
+        })?;
+        Some(format!("{}: {}", row.setting, shipped(row)))
+    })
+}
+
+/// Tables with a line for each scene and a column for each engine, of which `cell` gets the points.
+fn by_engine(table: &Table, head: &str, cell: impl Fn(&[&Row]) -> Option<String>) -> String {
     let engines = table.distinct(|row| row.engine.clone());
-    let mut text = String::from("\n## As shipped\n\nms per step, error; *fallen* in italics.\n");
+    let mut text = String::from(head);
     for threads in table.distinct(|row| row.threads) {
         writeln!(
             text,
@@ -123,15 +165,18 @@ fn as_shipped(table: &Table) -> String {
         .expect("a string");
         writeln!(text, "|---|---|{}", "---|".repeat(engines.len())).expect("a string");
         for scene in table.distinct(|row| row.scene.clone()) {
-            let here = |r: &&Row| r.scene == scene && r.threads == threads && r.is_default;
+            let here = |r: &&Row| r.scene == scene && r.threads == threads;
             let rows: Vec<&Row> = table.rows.iter().filter(here).collect();
             let Some(first) = rows.first() else { continue };
-            let cell = |engine: &String| {
-                rows.iter()
-                    .find(|r| r.engine == *engine)
-                    .map_or("-".into(), |r| shipped(r))
+            let of = |engine: &String| {
+                let its: Vec<&Row> = rows
+                    .iter()
+                    .copied()
+                    .filter(|r| r.engine == *engine)
+                    .collect();
+                cell(&its).unwrap_or("-".into())
             };
-            let cells: Vec<String> = engines.iter().map(cell).collect();
+            let cells: Vec<String> = engines.iter().map(of).collect();
             writeln!(
                 text,
                 "| {scene} | {} | {} |",
@@ -155,8 +200,12 @@ fn shipped(row: &Row) -> String {
 
 /// The second page: all points of all scenes, with what we have against each.
 pub(super) fn points(table: &Table) -> String {
-    let mut page =
-        String::from("# All points of the arena\n\nSee [README.md](README.md) for the rules.\n");
+    let head = "# All points of the arena\n\nSee [README.md](README.md) for the rules.\n";
+    String::from(head) + &all_points(table)
+}
+
+fn all_points(table: &Table) -> String {
+    let mut page = String::new();
     for scene in table.distinct(|row| row.scene.clone()) {
         for threads in table.distinct(|row| row.threads) {
             let here = |r: &&Row| r.scene == scene && r.threads == threads;

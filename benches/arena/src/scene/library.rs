@@ -1,7 +1,7 @@
 //! The scenes.
 
 use super::random::Rng;
-use super::{Hinge, Joint, Scene, Truth, sign};
+use super::{Scene, Truth, jointed, sign};
 use glam::{Quat, Vec3, vec3};
 use std::f32::consts::PI;
 
@@ -29,10 +29,28 @@ pub(crate) const LIBRARY: &[Recipe] = &[
     ("bounce", "-", 1, |_| bounce()),
     ("fall", "-", 1, |_| fall()),
     ("bullet", "-", 1, |_| wall("bullet", false)),
-    ("chain10", "load over link", 100, |n| chain(10, n)),
-    ("chain30", "load over link", 100, |n| chain(30, n)),
-    ("chain100", "load over link", 100, |n| chain(100, n)),
-    ("ragdolls", "ragdolls", 100, ragdolls),
+    ("chain10", "load over link", 100, |n| jointed::chain(10, n)),
+    ("chain30", "load over link", 100, |n| jointed::chain(30, n)),
+    ("chain100", "load over link", 100, |n| {
+        jointed::chain(100, n)
+    }),
+    ("pendulum", "-", 1, |_| jointed::pendulum_period()),
+    ("pendulum_energy", "-", 1, |_| jointed::pendulum_energy()),
+    ("double_pendulum", "angles, degrees", 30, |n| {
+        jointed::double_pendulum(n as f64)
+    }),
+    ("door", "weight over frame", 100, jointed::door),
+    ("bridge", "sag of 100 planks, mm", 1500, jointed::bridge),
+    (
+        "motor",
+        "torque, % of what the weight needs",
+        120,
+        jointed::motor,
+    ),
+    ("spring", "damping ratio, %", 10, jointed::spring),
+    ("gyroscope", "spin, rad/s", 40, jointed::gyroscope),
+    ("stairs", "ragdolls", 10, jointed::stairs),
+    ("ragdolls", "ragdolls", 100, jointed::ragdolls),
     ("bullet_ccd", "-", 1, |_| wall("bullet_ccd", true)),
 ];
 
@@ -190,90 +208,6 @@ fn slope(name: &str, offset: f32, truth: Truth) -> Scene {
     let shape = s.boxed(vec3(0.5, 0.2, 0.5));
     s.add(shape, vec3(0.0, 0.2, 0.0));
     s
-}
-
-/// Links of 1 m and 1 kg, level at first, by ball joints from a post; at the end a cube that weighs as much as `load` links.
-fn chain(links: usize, load: usize) -> Scene {
-    let mut s = Scene::new("chain", Truth::Joints);
-    s.fixed_box(Vec3::ZERO, Vec3::splat(0.05));
-    let (link, cube) = (s.boxed(vec3(0.5, 0.05, 0.05)), s.boxed(Vec3::splat(0.5)));
-    for i in 0..=links {
-        let is_load = i == links;
-        let shape = if is_load { cube } else { link };
-        let body = s.add(shape, vec3(i as f32 + 0.5, 0.0, 0.0));
-        body.density = if is_load { load as f32 } else { 100.0 };
-        let half = vec3(0.5, 0.0, 0.0);
-        s.joints.push(Joint {
-            bodies: [i, i + 1],
-            anchors: [if i == 0 { Vec3::ZERO } else { half }, -half],
-            hinge: None,
-        });
-    }
-    (s.steps, s.warmup) = (240, 20);
-    s
-}
-
-/// Half edges (m), place of the middle (m; sides in pairs) and mass (kg) of the parts of a ragdoll.
-const LIMBS: [([f32; 3], [f32; 2], f32); 7] = [
-    ([0.16, 0.10, 0.11], [0.0, 1.00], 12.0),
-    ([0.18, 0.22, 0.12], [0.0, 1.33], 30.0),
-    ([0.09, 0.12, 0.10], [0.0, 1.69], 5.0),
-    ([0.15, 0.045, 0.045], [0.34, 1.48], 2.5),
-    ([0.15, 0.04, 0.04], [0.65, 1.48], 1.5),
-    ([0.07, 0.21, 0.07], [0.09, 0.68], 6.5),
-    ([0.055, 0.22, 0.055], [0.09, 0.24], 3.5),
-];
-
-/// Ragdolls of eleven parts that fall in rows, half a metre above the ground and from each other: necks, waists, shoulders and hips
-/// are ball joints, elbows and knees bend one way.
-fn ragdolls(count: usize) -> Scene {
-    let side = (count as f32).sqrt().ceil() as usize;
-    let mut s = Scene::on_wide_ground("ragdolls", Truth::Joints, side as f32 + 50.0);
-    let shapes = LIMBS.map(|(half, ..)| s.boxed(Vec3::from_array(half)));
-    for i in 0..count {
-        let (x, z) = ((i % side) as f32, (i / side) as f32);
-        let middle = 0.5 * (side - 1) as f32;
-        // Each leans a little another way.
-        let lean = 0.2 * vec3((1.7 * i as f32).sin(), 0.0, (2.3 * i as f32).cos());
-        let feet = vec3(2.2 * (x - middle), 0.5, 1.5 * (z - middle));
-        add_ragdoll(&mut s, &shapes, feet, lean);
-    }
-    (s.steps, s.warmup, s.deep_every) = (240, 60, 240);
-    s
-}
-
-fn add_ragdoll(s: &mut Scene, shapes: &[usize; 7], feet: Vec3, velocity: Vec3) {
-    let mut add = |part: usize, side: f32| {
-        let ([x, y, z], [beside, above], mass) = LIMBS[part];
-        let at = feet + vec3(side * beside, above, 0.0);
-        let body = s.add(shapes[part], at);
-        (body.density, body.linvel) = (mass / (8.0 * x * y * z), velocity * above);
-        (s.bodies.len() - 1, at)
-    };
-    let [pelvis, chest, head] = [0, 1, 2].map(|part| add(part, 1.0));
-    let limbs = [-1.0, 1.0].map(|side| (side, [3, 4, 5, 6].map(|part| add(part, side))));
-    let mut join = |[a, b]: [(usize, Vec3); 2], at: Vec3, hinge: Option<Hinge>| {
-        s.joints.push(Joint {
-            bodies: [a.0, b.0],
-            anchors: [feet + at - a.1, feet + at - b.1],
-            hinge,
-        });
-    };
-    join([pelvis, chest], vec3(0.0, 1.10, 0.0), None);
-    join([chest, head], vec3(0.0, 1.56, 0.0), None);
-    for (side, [upper_arm, lower_arm, upper_leg, lower_leg]) in limbs {
-        let bend = |axis, range| Some(Hinge { axis, range });
-        join([chest, upper_arm], vec3(0.19 * side, 1.48, 0.0), None);
-        let elbow = vec3(0.495 * side, 1.48, 0.0);
-        join(
-            [upper_arm, lower_arm],
-            elbow,
-            bend(side * Vec3::Y, [-2.2, 0.0]),
-        );
-        join([pelvis, upper_leg], vec3(0.09 * side, 0.89, 0.0), None);
-        let knee = vec3(0.09 * side, 0.47, 0.0);
-        join([upper_leg, lower_leg], knee, bend(Vec3::X, [0.0, 2.3]));
-    }
 }
 
 /// Torque-free rotation about the unstable axis.

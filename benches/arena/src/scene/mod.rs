@@ -1,11 +1,15 @@
 //! Descriptions of scenes that know no engine. Units: metres, kilograms, seconds; y is up.
 
+mod joint;
+mod jointed;
 mod library;
 pub(crate) mod random;
+mod reference;
 
+pub(crate) use joint::{Joint, JointKind, Spring};
 pub(crate) use library::{LIBRARY, build};
 
-use glam::{Quat, Vec3, vec3};
+use glam::{DVec3, Quat, Vec3, vec3};
 use parry3d_f64::shape::SharedShape;
 use random::Rng;
 
@@ -28,25 +32,6 @@ pub(crate) struct Body {
     pub(crate) angvel: Vec3,
     /// Ask for continuous collision where the engine makes it optional.
     pub(crate) bullet: bool,
-}
-
-/// A joint: a ball joint, or a hinge.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Joint {
-    /// Indices into [`Scene::bodies`].
-    pub(crate) bodies: [usize; 2],
-    /// In the frames of the bodies.
-    pub(crate) anchors: [Vec3; 2],
-    pub(crate) hinge: Option<Hinge>,
-}
-
-/// What a hinge turns about, and how far.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Hinge {
-    /// In the frames of both bodies, which are not turned against each other at first.
-    pub(crate) axis: Vec3,
-    /// Least and largest angle of the second body as seen from the first, rad.
-    pub(crate) range: [f32; 2],
 }
 
 /// What the end state is judged against.
@@ -73,6 +58,12 @@ pub(crate) enum Truth {
     Wall,
     /// Joints hold. `err` = largest distance of the two anchors of a joint at the end of a step \[m\].
     Joints,
+    /// The center of `body` is at [`Scene::path`] at the end of each step. `err` = largest distance from there, over `scale` \[m\].
+    Path { body: usize, scale: f64 },
+    /// Body 1 swings about the origin. `err` = relative error of the mean period, which should be `period` \[s\].
+    Period { period: f64 },
+    /// Energy is kept. `err` = largest difference of the mechanical energy from that at first, over `scale` \[J\].
+    Energy { scale: f64 },
 }
 
 pub(crate) struct Scene {
@@ -92,6 +83,8 @@ pub(crate) struct Scene {
     /// Steps between penetration measurements.
     pub(crate) deep_every: usize,
     pub(crate) truth: Truth,
+    /// Exact places after each step, see [`Truth::Path`].
+    pub(crate) path: Vec<DVec3>,
 }
 
 impl Scene {
@@ -109,6 +102,7 @@ impl Scene {
             warmup: 60,
             deep_every: 20,
             truth,
+            path: vec![],
         }
     }
 

@@ -1,5 +1,8 @@
 //! Jolt 5.0 through JoltC. Knob of `jolt`: velocity iterations in one collision step. Knob of `jolt-steps`:
-//! collision steps, each with its own collision detection and the default iterations.
+//! collision steps, each with its own collision detection and the default iterations. Knob of `jolt-positions`: position iterations,
+//! with as many velocity iterations and at least the default.
+
+mod joints;
 
 use crate::engine::{Engine, Entry, Settings, State};
 use crate::scene::Scene;
@@ -28,10 +31,14 @@ struct Jolt {
     steps: i32,
 }
 
-pub(crate) fn entries() -> [Entry; 2] {
-    let iterations = |scene: &Scene, settings: &Settings| build(scene, settings, settings.value, 1);
+pub(crate) fn entries() -> [Entry; 3] {
+    let iterations =
+        |scene: &Scene, settings: &Settings| build(scene, settings, [settings.value, 0], 1);
     let steps =
-        |scene: &Scene, settings: &Settings| build(scene, settings, 0, settings.value as i32);
+        |scene: &Scene, settings: &Settings| build(scene, settings, [0, 0], settings.value as i32);
+    let positions = |scene: &Scene, settings: &Settings| {
+        build(scene, settings, [settings.value.max(10), settings.value], 1)
+    };
     [
         Entry::numbered(
             "jolt",
@@ -41,6 +48,14 @@ pub(crate) fn entries() -> [Entry; 2] {
             iterations,
         ),
         Entry::numbered("jolt-steps", "collision_steps", 1, &[1, 2, 4, 8], steps),
+        Entry::numbered(
+            "jolt-positions",
+            "position_iterations",
+            2,
+            &[2, 5, 10, 20, 40],
+            positions,
+        )
+        .for_joints(),
     ]
 }
 
@@ -57,7 +72,8 @@ fn vec(p: JPC_Vec3) -> Vec3 {
     Vec3::new(p.x, p.y, p.z)
 }
 
-fn build(scene: &Scene, settings: &Settings, iterations: u32, steps: i32) -> Box<dyn Engine> {
+/// `iterations`: of velocities and of positions; 0: as Jolt has it.
+fn build(scene: &Scene, settings: &Settings, iterations: [u32; 2], steps: i32) -> Box<dyn Engine> {
     static INIT: Once = Once::new();
     let g = scene.gravity;
     let level = g.x == 0.0 && g.z == 0.0;
@@ -164,7 +180,8 @@ fn build(scene: &Scene, settings: &Settings, iterations: u32, steps: i32) -> Box
                 AngularDamping: 0.0,
                 Friction: scene.friction,
                 Restitution: scene.restitution,
-                NumVelocityStepsOverride: iterations,
+                NumVelocityStepsOverride: iterations[0],
+                NumPositionStepsOverride: iterations[1],
                 Shape: out,
                 ..Default::default()
             };
@@ -176,6 +193,7 @@ fn build(scene: &Scene, settings: &Settings, iterations: u32, steps: i32) -> Box
             jolt.bodies
                 .push(JPC_BodyInterface_CreateAndAddBody(interface, &def, mode));
         }
+        joints::add(jolt.system, scene, &jolt.bodies, iterations);
         JPC_PhysicsSystem_OptimizeBroadPhase(jolt.system);
         Box::new(jolt)
     }
