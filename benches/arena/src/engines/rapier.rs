@@ -86,8 +86,9 @@ fn build(
                 world.insert_impulse_joint(a, b, made);
             }
             Joints::Coordinates => {
-                // What closes a loop goes on by impulses, as Rapier has it.
-                if world.insert_multibody_joint(a, b, made).is_none() {
+                // What closes a loop, also one through what is fixed, goes on by impulses, as Rapier has it.
+                let is_open = !scene.bodies[joint.bodies[1]].fixed;
+                if !is_open || world.insert_multibody_joint(a, b, made).is_none() {
                     world.insert_impulse_joint(a, b, made);
                 }
             }
