@@ -1,8 +1,8 @@
 //! Scenes of destruction by the names that other engines give to their samples: cantilever, bridge span, wall smash, demolition, and a pane
 //! that is broken as it is hit.
 //!
-//! `cargo run --release --example peers` prints for each how much broke, how long the steps took, and how far the books are off,
-//! and writes pictures under `target/peers/`; `docs/report/peers_destruction.md` holds a run. What stands is blue, what has come
+//! `cargo run --release --example peers` prints for each how much broke, how long the steps took (time of the thread), and how far the
+//! books are off, and writes pictures under `target/peers/`; `docs/report/peers_destruction.md` holds a run. What stands is blue, what has come
 //! loose is red. Where a beam's theory says what must happen, the figure is told as a ratio to it.
 #![expect(
     clippy::print_stdout,
@@ -14,10 +14,10 @@
 mod support;
 
 use bevy_cleave::prelude::*;
+use cpu_time::ThreadTime;
 use glam::Vec3;
 use std::path::Path;
 use std::process::ExitCode;
-use std::time::Instant;
 use support::film::on_floor;
 use support::masonry::{ball, picture, wall};
 use support::picture::contact_sheet;
@@ -64,7 +64,7 @@ fn run(name: &str, mut simulation: Simulation) -> Result<(), Error> {
             let time = step as f32 * H;
             pictures.push((format!("{name}, t = {time:.1} s"), picture(&simulation)));
         }
-        let start = Instant::now();
+        let start = ThreadTime::now();
         simulation.step(H);
         let time = start.elapsed().as_secs_f64() * 1e3;
         times.push(time);

@@ -11,7 +11,9 @@ use crate::fracture::cluster_loads::{LOOK_INTERVAL, StepLoads, judge_loads};
 use crate::fracture::debris::Debris;
 use crate::fracture::impact;
 use crate::fracture::inheritance::{ParentState, transfer_impulses};
-use crate::fracture::pending::{Division, PendingBreak, PendingCause, cut_triangles, divide, wait};
+use crate::fracture::pending::{
+    Division, PendingBreak, PendingCause, Progress, cut_triangles, divide, wait,
+};
 use crate::fracture::pieces::{PieceSet, replace};
 use crate::fracture::requests::collect_requests;
 use crate::fracture::{Bonds, BreakingImpact, CutError, Fractures, MIN_PIECES};
@@ -49,6 +51,11 @@ pub(super) struct FractureState {
 }
 
 impl FractureState {
+    /// Triangles of meshes that planes were held against since this was asked last.
+    pub(super) fn take_gone_through(&mut self) -> usize {
+        self.cutter.take_gone_through()
+    }
+
     /// Bodies that wait for their turn to break.
     pub(super) fn waiting(&self) -> usize {
         self.waiting.len()
@@ -139,30 +146,37 @@ fn break_waiting(
     budget: &FractureBudget,
 ) {
     let mut waiting = std::mem::take(&mut fractures.state.waiting);
-    waiting.retain(|entry| {
+    waiting.retain_mut(|entry| {
         let slot = entry.slot;
         if !(bodies.is_current(slot, entry.body) && bodies.is_active(slot)) {
             return false;
         }
         let left = fractures.state.left(budget);
-        let triangles = entry.triangles(bodies);
-        if left < MIN_PIECES || !budget.may_cut(fractures.state.cut, triangles) {
+        let is_gradual = entry.is_gradual(bodies, budget);
+        let triangles = match is_gradual {
+            true => budget.triangles_per_step.max(1),
+            false => entry.triangles(bodies),
+        };
+        let is_its_turn = budget.may_cut(fractures.state.cut, triangles)
+            || is_gradual && fractures.state.cut == 0;
+        if left < MIN_PIECES || !is_its_turn {
             return true;
         }
         fractures.state.cut += triangles;
         bodies.wake(slot);
-        // One that makes no pieces bears it.
         let cutter = &mut fractures.state.cutter;
-        let Some(division) = entry.divide(bodies, left, cutter) else {
-            return false;
+        let progress = match is_gradual {
+            true => entry.work(bodies, (left, budget), cutter),
+            false => Progress::of(entry.divide(bodies, left, cutter)),
+        };
+        let division = match progress {
+            Progress::Breaks(division) => division,
+            Progress::Waits => return true,
+            Progress::Bears => return false,
         };
         let is_joined = division.is_joined();
         if let Ok(fracture) = fractures.replace(bodies, bonds, slot, division, budget) {
-            let blow = match &entry.cause {
-                PendingCause::Blow { blow, .. } => Some(*blow),
-                PendingCause::Load(_) => None,
-                PendingCause::Rest(blow) => *blow,
-            };
+            let blow = entry.blow();
             (fracture.waited, fracture.is_load) = (blow, blow.is_none());
             if is_joined {
                 fractures.await_rest(bodies, blow);

@@ -22,9 +22,11 @@ pub struct FractureBudget {
     /// a piece that has just come to be has several times the contacts of other bodies, all of which move. A step may make 8
     /// pieces in any case, and as many as bring a small scene to 256 awake bodies. Infinite: no limit.
     pub growth: f32,
-    /// Triangles of meshes that blows may cut in one step. A body whose mesh has more than are left waits for another step, in which it is
-    /// the first; that one breaks whatever it has, so that nothing waits for ever. Bodies that are drawn as their hulls have none, nor
-    /// have clusters, which were cut before.
+    /// Triangles of meshes that blows may cut in one step. A body whose mesh has more than are left waits for another step. One that has
+    /// more than a step may cut is cut over as many steps as it takes, and breaks when that is done: whatever the mesh has, the steps in between are about
+    /// as long as each other. What is cut by a few planes ([`FracturePattern::Star`](crate::slice::FracturePattern::Star) and its like) and parts of
+    /// [`Compound`](crate::geometry::Compound)s wait too, but are cut in one go. Bodies that are drawn as their hulls have no triangles, nor have clusters,
+    /// which were cut before.
     pub triangles_per_step: usize,
     /// Pieces that there may be; no blow breaks anything while there are as many.
     pub max_alive_pieces: usize,
@@ -66,7 +68,7 @@ impl FractureBudget {
 
     /// Whether a blow may cut a mesh of so many triangles in a step in which blows have cut `cut` already.
     pub(super) fn may_cut(&self, cut: usize, triangles: usize) -> bool {
-        triangles == 0 || cut == 0 || cut + triangles <= self.triangles_per_step
+        triangles == 0 || cut.saturating_add(triangles) <= self.triangles_per_step
     }
 
     /// Pieces that blows may make in a step that begins with `awake` bodies.
@@ -105,12 +107,13 @@ mod tests {
     }
 
     #[test]
-    fn the_first_mesh_of_a_step_is_cut_whatever_it_has() {
+    fn a_step_cuts_no_more_than_it_may() {
         let budget = FractureBudget {
             triangles_per_step: 100,
             ..FractureBudget::default()
         };
-        assert!(budget.may_cut(0, 1000) && budget.may_cut(1000, 0));
+        assert!(budget.may_cut(0, 100) && budget.may_cut(1000, 0));
+        assert!(!budget.may_cut(0, 101));
         assert!(budget.may_cut(60, 40) && !budget.may_cut(60, 41));
     }
 

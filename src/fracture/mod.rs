@@ -13,6 +13,7 @@
 //! | file | holds |
 //! |---|---|
 //! | `breaking.rs` | when: on request, overloaded, or after waiting for the budget (`budget.rs`, `pending.rs`) |
+//! | `gradual.rs` | large meshes, which are cut over several steps |
 //! | `impact.rs` | impulses of a step by body: what they break, and what of them acts before |
 //! | `pieces.rs`, `conservation.rs`, `ledger.rs` | pieces as bodies; what rounding takes from them; before and after |
 //! | `holding.rs`, `hold_area.rs` | which pieces of what stood stay, and what falls with the others |
@@ -33,6 +34,7 @@ mod cluster;
 mod cluster_loads;
 mod conservation;
 mod debris;
+mod gradual;
 mod hold_area;
 mod holding;
 mod impact;
@@ -191,6 +193,12 @@ pub struct Fractures {
 }
 
 impl Fractures {
+    /// How often planes were held against triangles of meshes since this was asked last, for what blows and requests have cut: what cutting
+    /// costs, whatever the machine.
+    pub fn take_cut_work(&mut self) -> usize {
+        self.state.take_gone_through()
+    }
+
     /// Number of bodies that were hit with more than they bear and wait for a budget to break.
     pub fn waiting(&self) -> usize {
         self.state.waiting()

@@ -3,7 +3,9 @@
 use crate::bodies::breaking::Blow;
 use crate::bodies::store::Bodies;
 use crate::contact::body_id::BodyId;
+use crate::fracture::budget::FractureBudget;
 use crate::fracture::cluster::{BrokenBonds, Groups};
+use crate::fracture::gradual::GradualCut;
 use crate::fracture::impact;
 use crate::fracture::pieces::{BreakPlan, PieceSet};
 use crate::fracture::{BreakingImpact, MIN_PIECES};
@@ -16,6 +18,24 @@ pub(super) struct PendingBreak {
     pub(super) body: BodyId,
     pub(super) slot: u32,
     pub(super) cause: PendingCause,
+}
+
+/// How far a body is whose turn it is.
+#[derive(Debug)]
+pub(super) enum Progress {
+    /// It comes apart.
+    Breaks(Division),
+    /// It has to wait for another step.
+    Waits,
+    /// It makes no pieces, and stays as it is.
+    Bears,
+}
+
+impl Progress {
+    /// Of a body that is divided now; nothing if it bears it.
+    pub(super) fn of(division: Option<Division>) -> Self {
+        division.map_or(Self::Bears, Self::Breaks)
+    }
 }
 
 /// What is to break a body.
@@ -32,6 +52,8 @@ pub(super) enum PendingCause {
     },
     /// Bonds within it bore too much for too long.
     Load(BrokenBonds),
+    /// It was hit, and its mesh is large: what has been cut of it until now.
+    Gradual(Box<GradualCut>),
     /// It is several groups of parts, which came off together because there was no budget for all; of a blow, if that broke the bonds.
     Rest(Option<BreakingImpact>),
 }
@@ -132,6 +154,55 @@ impl PendingBreak {
             } if bonds.is_of(bodies, self.slot) => groups(&bonds.bonds),
             PendingCause::Load(_) | PendingCause::Blow { bonds: Some(_), .. } => None,
             PendingCause::Blow { impact, .. } => divide(bodies, self.slot, impact, left, cutter),
+            PendingCause::Gradual(_) => None,
+        }
+    }
+
+    /// Whether its mesh has more triangles than a step may cut, so that it is cut over several.
+    pub(super) fn is_gradual(&self, bodies: &Bodies, budget: &FractureBudget) -> bool {
+        matches!(self.cause, PendingCause::Gradual(_))
+            || self.triangles(bodies) > budget.triangles_per_step
+    }
+
+    /// Does a step's work of a body whose mesh is cut over several, which is to make at most `left` pieces.
+    pub(super) fn work(
+        &mut self,
+        bodies: &Bodies,
+        (left, budget): (usize, &FractureBudget),
+        cutter: &mut PieceCutter,
+    ) -> Progress {
+        if let PendingCause::Blow {
+            bonds: None,
+            impact,
+            blow,
+        } = &self.cause
+        {
+            match GradualCut::begin(bodies, self.slot, (impact, *blow), left) {
+                Some(cut) => self.cause = PendingCause::Gradual(Box::new(cut)),
+                None => return Progress::of(self.divide(bodies, left, cutter)),
+            }
+        }
+        match &mut self.cause {
+            PendingCause::Gradual(cut) => {
+                let is_done = cut.work(budget.triangles_per_step);
+                cutter.add_gone_through(cut.take_gone_through());
+                if is_done && cut.len() <= left.max(MIN_PIECES) {
+                    Progress::of(cut.finish(bodies).map(Division::Cut))
+                } else {
+                    Progress::Waits
+                }
+            }
+            _ => Progress::Bears,
+        }
+    }
+
+    /// The blow that it was hit with, if it was one.
+    pub(super) fn blow(&self) -> Option<BreakingImpact> {
+        match &self.cause {
+            PendingCause::Blow { blow, .. } => Some(*blow),
+            PendingCause::Gradual(cut) => Some(cut.blow),
+            PendingCause::Load(_) => None,
+            PendingCause::Rest(blow) => *blow,
         }
     }
 }

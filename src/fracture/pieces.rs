@@ -56,16 +56,31 @@ impl PieceSet {
             return Self::of_compound(bodies, plan, compound, cutter);
         }
         let mesh = bodies.convex(plan.slot).ok_or(CutError::NotConvex)?;
-        let fracturable = bodies.fracturable(plan.slot);
-        let looks = cut_looks(fracturable);
+        let looks = cut_looks(bodies.fracturable(plan.slot));
         let visual = looks.visual_of(mesh);
         let visual = visual.as_deref();
-        let mut pieces = pieces_of(mesh.hull(), visual, plan, (cutter, looks.options))?;
+        let pieces = pieces_of(mesh.hull(), visual, plan, (cutter, looks.options))?;
+        Self::of_pieces(bodies, plan, pieces, cutter)
+    }
+
+    /// The same of what its cuts have made.
+    pub(super) fn of_pieces(
+        bodies: &Bodies,
+        plan: &BreakPlan,
+        mut pieces: Vec<Piece>,
+        cutter: &mut PieceCutter,
+    ) -> Result<Self, CutError> {
+        let mesh = bodies.convex(plan.slot).ok_or(CutError::NotConvex)?;
+        let fracturable = bodies.fracturable(plan.slot);
+        let looks = cut_looks(fracturable);
         let surface: f64 = pieces.iter().map(|piece| piece.hull.area()).sum();
         let crack_area = 0.5 * (surface - mesh.hull().area());
         let mut halves = Vec::new();
         let is_seen = |mesh: Option<&TriMesh>| mesh.is_some_and(|m| !m.triangles().is_empty());
-        if is_seen(visual) {
+        if mesh
+            .visual()
+            .map_or(looks.relief.is_some(), |mesh| !mesh.triangles().is_empty())
+        {
             halves.extend(pieces.iter().map(|piece| piece.hull.clone()));
             let air = pieces.len();
             pieces.retain(|piece| is_seen(piece.visual.as_ref()));
@@ -162,7 +177,7 @@ fn pieces_of(
 }
 
 /// What the faces of cuts look like.
-fn cut_looks(fracturable: Option<&Fracturable>) -> CutLooks {
+pub(super) fn cut_looks(fracturable: Option<&Fracturable>) -> CutLooks {
     let Some(fracturable) = fracturable else {
         return CutLooks::default();
     };

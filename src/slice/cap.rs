@@ -179,7 +179,7 @@ impl Filler<'_> {
             });
         let farthest = low.abs().max(high.abs()).max_element();
         self.cap.collinear = COLLINEAR_RELATIVE * farthest.max((high - low).length());
-        self.cap.made.reset(self.cap.corners.len());
+        self.cap.made.clear();
     }
 
     pub(super) fn add_corner(&mut self, vertex: u32, number: u32) {

@@ -12,6 +12,7 @@ use crate::slice::cut::Cut;
 use crate::slice::{Piece, SliceOptions};
 use crate::tuning::{CELLS_OF_A_PART, TRIANGLES_OF_A_PART};
 use glam::Vec3;
+use std::sync::Arc;
 
 /// How far the cuts between parts stay off all cells, relative to the size of the mesh: far more than the thickness of a plane, so that also
 /// at the tip of a sharp cell all of a cap is cut away.
@@ -19,6 +20,36 @@ const MARGIN: f32 = 0.01;
 
 /// As many corners of a mesh, or some more, tell how much of it is above a wall.
 const SAMPLES: usize = 128;
+
+/// What is left to be cut out of a mesh, in an order that depends on the cells only.
+#[derive(Clone, Debug, Default)]
+pub(super) struct ClipQueue {
+    /// The next one last.
+    groups: Vec<CellGroup>,
+}
+
+/// Cells to be cut out of a part of the mesh.
+#[derive(Clone, Debug)]
+struct CellGroup {
+    /// The part; none for the whole mesh.
+    part: Option<Arc<TriMesh>>,
+    cells: Vec<u32>,
+}
+
+impl ClipQueue {
+    /// For this number of cells.
+    pub(super) fn new(cells: usize) -> Self {
+        let cells = (0..cells as u32).collect();
+        Self {
+            groups: vec![CellGroup { part: None, cells }],
+        }
+    }
+
+    /// Whether nothing is left.
+    pub(super) fn is_empty(&self) -> bool {
+        self.groups.is_empty()
+    }
+}
 
 impl PieceCutter {
     /// Gives each piece what of `mesh` is in its cell. Pieces are in the order in which their walls were found.
@@ -28,53 +59,53 @@ impl PieceCutter {
         pieces: &mut [Piece],
         options: SliceOptions,
     ) {
-        let mut cells: Vec<u32> = (0..pieces.len() as u32).collect();
-        self.clip_group(mesh, &mut cells, pieces, options);
+        let mut queue = ClipQueue::new(pieces.len());
+        while !queue.is_empty() {
+            self.clip_next(mesh, &mut queue, pieces, options);
+        }
     }
 
-    fn clip_group(
+    /// Cuts the next cell out of its part of `mesh`, or divides the part of the next group.
+    pub(super) fn clip_next(
         &mut self,
         mesh: &TriMesh,
-        cells: &mut [u32],
+        queue: &mut ClipQueue,
         pieces: &mut [Piece],
         options: SliceOptions,
     ) {
-        if cells.len() <= CELLS_OF_A_PART || mesh.triangles.len() <= TRIANGLES_OF_A_PART {
-            for &cell in &*cells {
-                let part = self.clip_visual(mesh, cell as usize, options);
-                pieces[cell as usize].visual = Some(part);
+        let Some(CellGroup { part, mut cells }) = queue.groups.pop() else {
+            return;
+        };
+        let whole = part.as_deref().unwrap_or(mesh);
+        if let [cell] = cells[..] {
+            let mut visual = self.clip_visual(whole, cell as usize, options);
+            self.merger.merge(&mut visual, None);
+            pieces[cell as usize].visual = Some(visual);
+            return;
+        }
+        let mut push = |part: Option<Arc<TriMesh>>, cells: &[u32]| {
+            let cells = cells.to_vec();
+            queue.groups.push(CellGroup { part, cells });
+        };
+        if cells.len() <= CELLS_OF_A_PART || whole.triangles.len() <= TRIANGLES_OF_A_PART {
+            for cell in cells.chunks(1).rev() {
+                push(part.clone(), cell);
             }
             return;
         }
-        let bounds = |cell: u32| pieces[cell as usize].hull.aabb();
-        let middles = cells.iter().map(|&cell| bounds(cell).center());
-        let (low, high) = middles.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| {
-            (low.min(p), high.max(p))
-        });
-        let axis = (high - low).max_position();
-        cells.sort_unstable_by(|&a, &b| {
-            let [near, far] = [a, b].map(|cell| bounds(cell).center()[axis]);
-            near.total_cmp(&far).then(a.cmp(&b))
-        });
-        let margin = MARGIN * length_scale(&mesh.aabb());
-        let (below, above) = cells.split_at_mut(cells.len() / 2);
-        let top = below.iter().map(|&cell| bounds(cell).max[axis]);
-        let bottom = above.iter().map(|&cell| -bounds(cell).min[axis]);
-        let reaches = [
-            top.fold(f32::NEG_INFINITY, f32::max),
-            bottom.fold(f32::NEG_INFINITY, f32::max),
-        ];
-        for (half, (sign, reach)) in [below, above]
-            .into_iter()
-            .zip([1.0, -1.0].into_iter().zip(reaches))
-        {
+        let margin = MARGIN * length_scale(&whole.aabb());
+        let (axis, reaches) = sort_halves(&mut cells, pieces);
+        let (below, above) = cells.split_at(cells.len() / 2);
+        let halves = [(below, 1.0), (above, -1.0)];
+        let parts = [0, 1].map(|half| {
             let mut normal = Vec3::ZERO;
-            normal[axis] = sign;
-            let offset = reach + margin;
-            match self.part_below(mesh, &Plane { normal, offset }, options) {
-                Some(part) => self.clip_group(&part, half, pieces, options),
-                None => self.clip_group(mesh, half, pieces, options),
-            }
+            normal[axis] = halves[half].1;
+            let offset = reaches[half] + margin;
+            let below = self.part_below(whole, &Plane { normal, offset }, options);
+            below.map(Arc::new).or(part.clone())
+        });
+        for ((cells, _), part) in halves.into_iter().zip(parts).rev() {
+            push(part, cells);
         }
     }
 
@@ -85,6 +116,7 @@ impl PieceCutter {
         plane: &Plane,
         options: SliceOptions,
     ) -> Option<TriMesh> {
+        self.gone_through += mesh.triangles.len();
         match self.meshes.divide(mesh, plane) {
             Cut::Below => None,
             Cut::Above => Some(TriMesh::default()),
@@ -106,6 +138,7 @@ impl PieceCutter {
         for index in self.walls_of(cell) {
             let plane = &self.walls[index];
             let whole = part.as_ref().unwrap_or(mesh);
+            self.gone_through += whole.triangles.len();
             match self.meshes.divide(whole, plane) {
                 Cut::Below => {}
                 Cut::Above => return TriMesh::default(),
@@ -138,4 +171,27 @@ impl PieceCutter {
             *wall = plane;
         }
     }
+}
+
+/// Sorts cells along the axis on which they lie farthest apart. Returns that axis, and how far (m) the first half reaches up it and the
+/// other half reaches down it.
+fn sort_halves(cells: &mut [u32], pieces: &[Piece]) -> (usize, [f32; 2]) {
+    let bounds = |cell: u32| pieces[cell as usize].hull.aabb();
+    let middles = cells.iter().map(|&cell| bounds(cell).center());
+    let (low, high) = middles.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| {
+        (low.min(p), high.max(p))
+    });
+    let axis = (high - low).max_position();
+    cells.sort_unstable_by(|&a, &b| {
+        let [near, far] = [a, b].map(|cell| bounds(cell).center()[axis]);
+        near.total_cmp(&far).then(a.cmp(&b))
+    });
+    let (below, above) = cells.split_at(cells.len() / 2);
+    let top = below.iter().map(|&cell| bounds(cell).max[axis]);
+    let bottom = above.iter().map(|&cell| -bounds(cell).min[axis]);
+    let reaches = [
+        top.fold(f32::NEG_INFINITY, f32::max),
+        bottom.fold(f32::NEG_INFINITY, f32::max),
+    ];
+    (axis, reaches)
 }

@@ -72,8 +72,10 @@ pub struct PieceCutter {
     /// Squared distance (m2) from the point in work to the others, and their numbers.
     nearest: Vec<(f64, u32)>,
     pub(super) spare: TriMesh,
-    merger: FaceMerger,
+    pub(super) merger: FaceMerger,
     pub(super) relief: ReliefMaker,
+    /// Triangles of meshes that planes were held against, since somebody asked last.
+    pub(super) gone_through: usize,
 }
 
 impl PieceCutter {
@@ -97,9 +99,8 @@ impl PieceCutter {
         if let Some(mesh) = visual.filter(|mesh| !mesh.triangles.is_empty()) {
             mesh.check_closed()?;
         }
-        let first_cap = visual.map_or(0, |mesh| mesh.faces.first_free(mesh.triangles.len()));
-        self.meshes.caps.begin(first_cap);
         if let Cutting::Planes(planes) = cutting {
+            self.begin_caps(visual);
             let mut pieces = vec![Piece {
                 hull: hull.clone(),
                 visual: visual.cloned(),
@@ -108,6 +109,27 @@ impl PieceCutter {
             self.cut_pieces(&mut pieces, planes, most, options)?;
             return Ok(pieces);
         }
+        let (mut pieces, marked) = self.begin_cells(hull, visual, cutting, most)?;
+        if let Some(mesh) = marked {
+            self.clip_visuals(&mesh, &mut pieces, options);
+        }
+        Ok(pieces)
+    }
+
+    fn begin_caps(&mut self, visual: Option<&TriMesh>) {
+        let first_cap = visual.map_or(0, |mesh| mesh.faces.first_free(mesh.triangles.len()));
+        self.meshes.caps.begin(first_cap);
+    }
+
+    /// The cells as pieces that have no meshes yet, and the mesh with its faces known.
+    pub(super) fn begin_cells<'m>(
+        &mut self,
+        hull: &ConvexHull,
+        visual: Option<&'m TriMesh>,
+        cutting: &Cutting,
+        most: usize,
+    ) -> Result<(Vec<Piece>, Option<Cow<'m, TriMesh>>), SliceError> {
+        self.begin_caps(visual);
         let marked = visual.map(|mesh| {
             let mut mesh = Cow::Borrowed(mesh);
             if mesh.faces.0.is_empty() {
@@ -118,7 +140,7 @@ impl PieceCutter {
         });
         self.walls.clear();
         self.wall_ends.clear();
-        let mut pieces = match cutting {
+        let pieces = match cutting {
             Cutting::Planes(_) => Vec::new(),
             Cutting::Cells(cells) => {
                 for plane in cells.iter().flatten() {
@@ -128,11 +150,7 @@ impl PieceCutter {
             }
             Cutting::Sites(sites) => self.clip_sites(hull, sites, most)?,
         };
-        if let Some(mesh) = marked {
-            self.clip_visuals(&mesh, &mut pieces, options);
-        }
-        self.merge_faces(&mut pieces);
-        Ok(pieces)
+        Ok((pieces, marked))
     }
 
     /// Merges the triangles of flat faces that cuts have divided.
@@ -229,6 +247,7 @@ impl PieceCutter {
         if mesh.triangles.is_empty() {
             return [Some(mesh.clone()), Some(mesh)];
         }
+        self.gone_through += mesh.triangles.len();
         match self.meshes.slice_closed(&mesh, plane, options) {
             Cut::Below => [Some(mesh), Some(TriMesh::default())],
             Cut::Above => [Some(TriMesh::default()), Some(mesh)],

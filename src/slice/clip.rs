@@ -53,6 +53,49 @@ struct EdgeOnPlane {
     is_below: bool,
 }
 
+/// Triangles on their way to the lists of their sides.
+struct Sorting<'a> {
+    /// Side of each vertex, as a bit.
+    sides: &'a [u8],
+    /// Room for the triangles below and above.
+    whole: [&'a mut [u32]; 2],
+    /// How many of each there are.
+    counts: [usize; 2],
+    /// All sides found.
+    found: u8,
+    mixed: &'a mut Vec<u32>,
+    touching: &'a mut Vec<u32>,
+}
+
+impl Sorting<'_> {
+    /// Sorts triangles, the first of which has number `first`; all are sheets or none is.
+    fn sort<const SHEETS: bool>(&mut self, first: u32, triangles: &[[u32; 3]]) {
+        let [below, above] = &mut self.whole;
+        let ([mut below_count, mut above_count], mut found) = (self.counts, self.found);
+        for (triangle, corners) in (first..).zip(triangles) {
+            let [a, b, c] = corners.map(|vertex| self.sides[vertex as usize]);
+            let all = a | b | c;
+            found |= all;
+            // A sheet on the plane bounds nothing; it goes below.
+            let parts = match all & (BELOW | ABOVE) {
+                0 if SHEETS => BELOW,
+                parts => parts,
+            };
+            // Written always and counted where it belongs, which no processor has to guess.
+            below[below_count] = triangle;
+            below_count += usize::from(parts == BELOW);
+            above[above_count] = triangle;
+            above_count += usize::from(parts == ABOVE);
+            if parts == 0 || parts == BELOW | ABOVE {
+                self.mixed.push(triangle);
+            } else if !SHEETS && (a & b | b & c | c & a) & ON != 0 {
+                self.touching.push(triangle);
+            }
+        }
+        (self.counts, self.found) = ([below_count, above_count], found);
+    }
+}
+
 /// The triangles of both sides, before the caps; keeps its working memory.
 ///
 /// Vertex numbers go on where those of the input end: the first of [`new`](Self::new) is number `old_vertices`. Pairs are
@@ -150,35 +193,19 @@ impl Clip {
             whole.clear();
             whole.resize(mesh.triangles.len(), 0);
         }
-        let sides = self.sides.as_slice();
-        let [below, above] = self.whole.each_mut().map(Vec::as_mut_slice);
-        let (mut below_count, mut above_count, mut found) = (0, 0, 0);
-        self.sheets = Default::default();
-        for (triangle, corners) in (0..).zip(&mesh.triangles) {
-            let [a, b, c] = corners.map(|vertex| sides[vertex as usize]);
-            let all = a | b | c;
-            found |= all;
-            let is_sheet = triangle < mesh.sheets;
-            // A sheet on the plane bounds nothing; it goes below.
-            let parts = match all & (BELOW | ABOVE) {
-                0 if is_sheet => BELOW,
-                parts => parts,
-            };
-            // Written always and counted where it belongs, which no processor has to guess.
-            below[below_count] = triangle;
-            below_count += usize::from(parts == BELOW);
-            above[above_count] = triangle;
-            above_count += usize::from(parts == ABOVE);
-            if is_sheet {
-                self.sheets[0].whole = below_count;
-                self.sheets[1].whole = above_count;
-            }
-            if parts == 0 || parts == BELOW | ABOVE {
-                self.mixed.push(triangle);
-            } else if (a & b | b & c | c & a) & ON != 0 && !is_sheet {
-                self.touching.push(triangle);
-            }
-        }
+        let mut sorting = Sorting {
+            sides: &self.sides,
+            whole: self.whole.each_mut().map(Vec::as_mut_slice),
+            counts: [0; 2],
+            found: 0,
+            mixed: &mut self.mixed,
+            touching: &mut self.touching,
+        };
+        let (sheets, solid) = mesh.triangles.split_at(mesh.sheets as usize);
+        sorting.sort::<true>(0, sheets);
+        self.sheets = sorting.counts.map(|whole| SheetCounts { whole, cut: 0 });
+        sorting.sort::<false>(mesh.sheets, solid);
+        let ([below_count, above_count], found) = (sorting.counts, sorting.found);
         self.whole[0].truncate(below_count);
         self.whole[1].truncate(above_count);
         found
@@ -193,11 +220,11 @@ impl Clip {
         self.old_topology_count = topology_count as u32;
         self.cut.iter_mut().for_each(Vec::clear);
         self.rim.clear();
-        self.on_edges.reset(topology_count);
+        self.on_edges.clear();
         self.on_triangles.clear();
         self.cut_points.clear();
-        self.cut_point_of.reset(topology_count);
-        self.cut_vertex_of.reset(mesh.positions.len());
+        self.cut_point_of.clear();
+        self.cut_vertex_of.clear();
         self.first_on_edges.clear();
     }
 

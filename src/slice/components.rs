@@ -8,7 +8,7 @@ use crate::disjoint_sets::DisjointSets;
 use crate::geometry::TriMesh;
 use crate::math::Aabb;
 use crate::slice::attributes;
-use crate::slice::edge_table::EdgeTable;
+use crate::slice::edge_lists::EdgeLists;
 use crate::slice::mesh_slicer::VertexNumbers;
 use glam::{DVec3, Vec3};
 
@@ -53,7 +53,7 @@ pub(super) fn meshes_of(mesh: &TriMesh, labels: &[u32]) -> Vec<TriMesh> {
 /// For each triangle the number of the surface that it is part of, counted in the order of first triangles.
 fn surfaces(mesh: &TriMesh) -> Vec<u32> {
     let mut sets = DisjointSets::new(mesh.triangles.len());
-    let mut first_on_edge = EdgeTable::default();
+    let mut first_on_edge = EdgeLists::default();
     first_on_edge.reset(mesh.topology_count());
     for (triangle, corners) in (0..).zip(&mesh.triangles) {
         let [a, b, c] = corners.map(|vertex| mesh.topology[vertex as usize]);

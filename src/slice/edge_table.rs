@@ -1,41 +1,54 @@
-//! A table from undirected edges to numbers, on dense arrays.
+//! A table from undirected edges to numbers.
 
 /// Marks the end of a list.
 const NONE: u32 = u32::MAX;
 
-/// One edge, in the list of its end with the smaller number.
+/// Lists that an empty table begins with, a power of two.
+const MIN_LISTS: usize = 64;
+
+/// Spreads the numbers of an edge's ends: 2^64 over the golden ratio (D. E. Knuth, The Art of Computer Programming, volume 3, 6.4).
+const SPREAD: u64 = 0x9e37_79b9_7f4a_7c15;
+
+/// One edge, in the list of those whose ends spread to the same number.
 #[derive(Clone, Copy, Debug)]
 struct Entry {
-    other: u32,
+    ends: [u32; 2],
     value: u32,
     next: u32,
 }
 
-/// A table from undirected edges between densely numbered vertices to a `u32`.
+/// A table from undirected edges between vertices to a `u32`.
 ///
-/// Each vertex heads a list of the edges to vertices of larger number. A plane meets few edges at one vertex, so the
-/// lists are short, and there is nothing to hash.
+/// Edges are spread over as many lists as there are edges. Lists by vertex would be long where many edges leave one vertex, as the
+/// diagonals of a cap that is a fan do, all of which the next plane may cut.
 #[derive(Clone, Debug, Default)]
 pub(super) struct EdgeTable {
+    /// First entry of each list; their number is a power of two.
     head: Vec<u32>,
     entries: Vec<Entry>,
 }
 
 impl EdgeTable {
-    /// Forgets all edges and makes room for vertices `0..vertices`; keeps the memory.
-    pub(super) fn reset(&mut self, vertices: usize) {
+    /// Forgets all edges; keeps the memory.
+    pub(super) fn clear(&mut self) {
         self.entries.clear();
-        self.head.clear();
-        self.head.resize(vertices, NONE);
+        self.head.fill(NONE);
+    }
+
+    /// The list of an edge, if there is one.
+    #[inline]
+    fn list(&self, [low, high]: [u32; 2]) -> usize {
+        let spread = (u64::from(low) << 32 | u64::from(high)).wrapping_mul(SPREAD);
+        (spread >> 32) as usize & self.head.len().wrapping_sub(1)
     }
 
     /// The value of the edge between `a` and `b`.
+    #[inline]
     pub(super) fn get(&self, a: u32, b: u32) -> Option<u32> {
-        let (low, high) = (a.min(b), a.max(b));
-        let mut at = self.head[low as usize];
-        while at != NONE {
-            let entry = self.entries[at as usize];
-            if entry.other == high {
+        let ends = [a.min(b), a.max(b)];
+        let mut at = *self.head.get(self.list(ends))?;
+        while let Some(entry) = self.entries.get(at as usize) {
+            if entry.ends == ends {
                 return Some(entry.value);
             }
             at = entry.next;
@@ -43,38 +56,31 @@ impl EdgeTable {
         None
     }
 
-    /// The value of the edge between `a` and `b`, to be changed.
-    pub(super) fn get_mut(&mut self, a: u32, b: u32) -> Option<&mut u32> {
-        let (low, high) = (a.min(b), a.max(b));
-        let mut at = self.head[low as usize];
-        while at != NONE {
-            let entry = self.entries[at as usize];
-            if entry.other == high {
-                return Some(&mut self.entries[at as usize].value);
-            }
-            at = entry.next;
-        }
-        None
-    }
-
-    /// Calls `each` with the other ends of all edges from `a` to vertices of larger number.
-    pub(super) fn for_each_above(&self, a: u32, mut each: impl FnMut(u32)) {
-        let mut at = self.head[a as usize];
-        while at != NONE {
-            each(self.entries[at as usize].other);
-            at = self.entries[at as usize].next;
-        }
-    }
-
     /// Adds the edge between `a` and `b`, which is not in the table yet.
     pub(super) fn insert(&mut self, a: u32, b: u32, value: u32) {
-        let (low, high) = (a.min(b), a.max(b));
-        let head = &mut self.head[low as usize];
+        if self.entries.len() == self.head.len() {
+            self.spread_out();
+        }
+        let ends = [a.min(b), a.max(b)];
+        let list = self.list(ends);
         self.entries.push(Entry {
-            other: high,
+            ends,
             value,
-            next: *head,
+            next: self.head[list],
         });
-        *head = self.entries.len() as u32 - 1;
+        self.head[list] = self.entries.len() as u32 - 1;
+    }
+
+    /// Doubles the number of lists.
+    #[cold]
+    fn spread_out(&mut self) {
+        let lists = (2 * self.head.len()).max(MIN_LISTS);
+        self.head.clear();
+        self.head.resize(lists, NONE);
+        for place in 0..self.entries.len() {
+            let list = self.list(self.entries[place].ends);
+            self.entries[place].next = self.head[list];
+            self.head[list] = place as u32;
+        }
     }
 }

@@ -11,7 +11,7 @@ mod fill;
 
 use crate::geometry::TriMesh;
 use crate::geometry::predicates::{length_scale, plane_tolerance};
-use crate::slice::edge_table::EdgeTable;
+use crate::slice::edge_lists::EdgeLists;
 use crate::slice::rim_fill::RimFill;
 use glam::DVec3;
 
@@ -34,7 +34,7 @@ pub(crate) struct FaceMerger {
     points: Vec<Point>,
     /// Border edges after straight corners were left out, face by face.
     outline: Vec<[u32; 2]>,
-    edges: EdgeTable,
+    edges: EdgeLists,
     /// By position, for the face in work: its border edge from there.
     next: Vec<u32>,
     scratch: Vec<([u32; 2], u32)>,

@@ -184,11 +184,10 @@ impl MeshSlicer {
             .reserve(whole.len() + cut.len() + self.cap.triangles.len());
         let numbers = &mut self.numbers;
         numbers.reset(mesh.positions.len());
-        part.triangles.extend(
-            whole
-                .iter()
-                .map(|&t| mesh.triangles[t as usize].map(|corner| numbers.of(corner))),
-        );
+        part.triangles.extend(whole.iter().map(|&t| {
+            let [a, b, c] = mesh.triangles[t as usize];
+            [numbers.of(a), numbers.of(b), numbers.of(c)]
+        }));
         let old_vertices = self.clip.old_vertices;
         for corner in cut.iter().flat_map(|cut| cut.corners) {
             if corner < old_vertices {

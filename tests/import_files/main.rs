@@ -1,5 +1,7 @@
 //! Models from files: glTF documents made here, of the kinds that exporters write, and OBJ.
 
+mod well_known;
+
 use bevy_cleave::import::{ImportOptions, Model, ModelFileError};
 use bevy_cleave::prelude::*;
 use glam::{Mat4, Quat, Vec3};

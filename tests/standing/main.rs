@@ -7,5 +7,6 @@ mod common;
 mod anchors;
 mod debris;
 mod in_app;
+mod large_meshes;
 mod loads;
 mod scenes;

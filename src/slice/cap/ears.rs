@@ -105,9 +105,13 @@ impl Filler<'_> {
         let (low, high) = (a.min(b).min(c), a.max(b).max(c));
         let side = |p: DVec2, q: DVec2, r: DVec2| orientation * (q - p).perp_dot(r - p);
         !polygon.iter().any(|other| {
+            // First, because most corners of most loops are convex.
+            if other.turn > 0 {
+                return false;
+            }
             let p = other.point;
             let is_near = p.x >= low.x && p.x <= high.x && p.y >= low.y && p.y <= high.y;
-            if !is_near || other.turn > 0 || ear.contains(&other.corner) {
+            if !is_near || ear.contains(&other.corner) {
                 return false;
             }
             let inner = side(a, b, p).min(side(b, c, p)).min(side(c, a, p));

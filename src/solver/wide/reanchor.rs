@@ -277,10 +277,10 @@ impl<L: Lanes> AnchorMotion<L> {
                 normal.times(zero - L::load(&curvatures[0])),
                 normal.times(L::load(&curvatures[1])),
             ];
-            let center = |side: usize, from: V3<L>| {
-                turned(&self.turns[side], from.plus(inward[side])).minus(inward[side])
-            };
-            [center(0, from_a), center(1, from_b)]
+            [
+                rolled(&self.turns[0], from_a, inward[0]),
+                rolled(&self.turns[1], from_b, inward[1]),
+            ]
         } else {
             [
                 turned(&self.turns[0], from_a),
@@ -321,6 +321,13 @@ impl<L: Lanes> AnchorMotion<L> {
                 .store(&mut constraint.slide[k]);
         }
     }
+}
+
+/// Where a point of a curved surface is after a turn about the center of curvature, `inward` of it. No closure: those are not always
+/// put in line, and lanes are wide only in line.
+#[inline(always)]
+fn rolled<L: Lanes>(turn: &[V3<L>; 3], from: V3<L>, inward: V3<L>) -> V3<L> {
+    turned(turn, from.plus(inward)).minus(inward)
 }
 
 /// `yes` in lanes where `mask` is 1, `no` where it is 0.
