@@ -10,6 +10,9 @@ use glam::{DVec2, DVec3};
 /// Width of the rim that stays flat, in spacings. More than one, so that all triangles of a moved node are inside of the face.
 const RIM: f64 = 1.25;
 
+/// Share of a square of a distance that it has in spite of rounding.
+const CERTAIN: f64 = 1.0 - 1e-9;
+
 /// The heights over the nodes of a lattice.
 #[derive(Clone, Debug)]
 pub(super) struct Heights {
@@ -39,13 +42,23 @@ impl Heights {
         if low > self.reach || high < -self.reach {
             return;
         }
+        // How far the plane is from all of the triangle.
+        let apart = low.max(-high).max(0.0);
         let flat = corners.map(|p| lattice.flat(p));
+        let low = flat[0].min(flat[1]).min(flat[2]);
+        let high = flat[0].max(flat[1]).max(flat[2]);
         let around = DVec2::splat(self.reach);
-        let low = flat[0].min(flat[1]).min(flat[2]) - around;
-        let high = flat[0].max(flat[1]).max(flat[2]) + around;
-        for node in lattice.nodes_within(low, high) {
-            let place = lattice.place(node, 0.0);
+        let rim = RIM * lattice.spacing;
+        for node in lattice.nodes_within(low - around, high + around) {
             let room = &mut self.room[node as usize];
+            let flat = lattice.flat_node(node);
+            let beside = (low - flat).max(flat - high).max(DVec2::ZERO);
+            // Nothing nearer than the triangle's box is; and what is on the rim does not move, however near something is.
+            let least = beside.length_squared() + apart * apart;
+            if *room <= rim || least * CERTAIN > *room * *room {
+                continue;
+            }
+            let place = lattice.place(node, 0.0);
             *room = room.min(place.distance(nearest_on_triangle(corners, place)));
         }
     }
