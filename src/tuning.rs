@@ -156,7 +156,7 @@ pub(crate) const NEAREST_SITES: usize = 32;
 pub(crate) const TRIANGLES_OF_A_PART: usize = 2000;
 
 /// As many cells are cut out of one part of a mesh: with 2 or 5 a body of 28 800 triangles takes 3 % and 4 % more instructions to be cut into
-/// 50 cells (callgrind, Intel Xeon, 2026-11-27).
+/// 50 cells (callgrind, AMD EPYC, 2026-11-27).
 pub(crate) const CELLS_OF_A_PART: usize = 3;
 
 /// Planes that a triangle of a mesh is held against, on the mean, when the mesh is cut into many cells: counted for 28 800 triangles
