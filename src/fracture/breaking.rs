@@ -170,7 +170,7 @@ fn break_waiting(
             false => Progress::of(entry.divide(bodies, left, cutter)),
         };
         let division = match progress {
-            Progress::Breaks(division) => division,
+            Progress::Breaks(division) => *division,
             Progress::Waits => return true,
             Progress::Bears => return false,
         };

@@ -24,7 +24,7 @@ pub(super) struct PendingBreak {
 #[derive(Debug)]
 pub(super) enum Progress {
     /// It comes apart.
-    Breaks(Division),
+    Breaks(Box<Division>),
     /// It has to wait for another step.
     Waits,
     /// It makes no pieces, and stays as it is.
@@ -34,7 +34,7 @@ pub(super) enum Progress {
 impl Progress {
     /// Of a body that is divided now; nothing if it bears it.
     pub(super) fn of(division: Option<Division>) -> Self {
-        division.map_or(Self::Bears, Self::Breaks)
+        division.map_or(Self::Bears, |division| Self::Breaks(Box::new(division)))
     }
 }
 

@@ -1,4 +1,4 @@
-//! A large mesh is cut over several steps: the work of a step, counted and not timed, stays within what the budget says, and the pieces
+//! A large mesh is cut over several steps: the work of a step, counted and not timed, stays within what the budget says and a cell more, and the pieces
 //! are the same as in one go.
 
 use crate::scenes::*;
@@ -57,12 +57,12 @@ fn a_large_mesh_is_cut_over_steps_of_about_the_same_work_into_the_pieces_of_one_
         let (work, pieces, waited) = drop_ball(triangles);
         assert_eq!(work.iter().sum::<usize>(), total, "{work:?}");
         assert!(waited + 1 >= work.len(), "{waited} steps for {work:?}");
-        // The last part of a step may be the whole mesh, which two planes divide.
-        let most = 40 * triangles + 2 * 5_120;
+        // The last cell of a step may be the one that has most of the mesh.
+        let most = 40 * triangles + total / 5;
         assert!(work.iter().all(|&w| w <= most), "{work:?}");
         let steps = total / (40 * triangles) + 1;
         assert!(
-            work.len() <= steps && work.len() >= steps / 2,
+            work.len() <= steps && work.len() >= steps / 4,
             "{steps}: {work:?}"
         );
         assert_eq!(pieces.len(), whole.len());
