@@ -49,7 +49,7 @@ fn drop_ball(triangles_per_step: usize) -> (Vec<usize>, Vec<f64>, usize) {
 }
 
 #[test]
-fn a_large_mesh_is_cut_over_steps_of_about_the_same_work_into_the_pieces_of_one_go() {
+fn a_large_mesh_is_cut_over_several_steps_into_the_pieces_of_one_go() {
     let (at_once, whole, waited) = drop_ball(100_000);
     assert_eq!((at_once.len(), waited), (1, 0), "in the step of the blow");
     let total = at_once[0];
