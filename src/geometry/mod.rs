@@ -14,7 +14,7 @@
 //! | `compound.rs`, `compound_part.rs`, `compound_cover.rs` | a shape of several convex parts, and what of them is covered by others |
 //! | `part_bond.rs`, `compound_bonds.rs`, `shared_area.rs` | what holds parts together, and which of them hang together; faces that two shapes share |
 //! | `constant_shapes.rs` | shapes of constant sizes, as macros |
-//! | `static_mesh.rs`, `bvh.rs`, `wide_tree.rs` | a level of triangles, and walks through trees |
+//! | `static_mesh.rs`, `level_triangle.rs`, `level_edges.rs`, `flat_ground.rs`, `bvh.rs`, `wide_tree.rs` | a level of triangles, where it is a plane, and walks through trees |
 //! | `support.rs`, `distance.rs`, `simplex.rs` | distances and casts of convex shapes |
 //! | `kd_code.rs` | cells of a box, for the contact cache |
 //!
@@ -36,11 +36,14 @@ pub(crate) mod distance;
 pub(crate) mod edge_tables;
 pub(crate) mod face;
 mod face_numbers;
+pub(crate) mod flat_ground;
 pub(crate) mod frustum;
 pub(crate) mod hull;
 pub(crate) mod hull_error;
 pub(crate) mod hull_lanes;
 pub(crate) mod kd_code;
+mod level_edges;
+pub(crate) mod level_triangle;
 pub(crate) mod mesh;
 mod mesh_error;
 mod mesh_join;
@@ -75,9 +78,10 @@ pub(crate) use face_numbers::FaceNumbers;
 pub use hull::convex_hull_triangles;
 pub use hull_error::{HullDefect, HullError};
 pub use kd_code::{KdBox, KdCode};
+pub use level_triangle::EdgeKind;
 pub use mesh::TriMesh;
 pub use mesh_error::MeshError;
 pub use part_bond::PartBond;
 pub use predicates::{PlaneError, Side};
 pub use round_polyhedron::RESOLUTIONS;
-pub use static_mesh::{EdgeKind, StaticMesh};
+pub use static_mesh::StaticMesh;

@@ -1,6 +1,9 @@
 //! `StaticMesh`: a level of triangles, shared and immutable, with a tree over them and what their edges are.
 
 use crate::geometry::bvh::{tree_box, tree_of};
+use crate::geometry::flat_ground::{FlatGround, FlatNodes};
+use crate::geometry::level_edges::find_edges;
+use crate::geometry::level_triangle::{EdgeKind, LevelTriangle};
 use crate::geometry::mesh::check_vertices;
 use crate::geometry::weld::weld;
 use crate::geometry::wide_tree::WideTree;
@@ -11,36 +14,8 @@ use glam::Vec3;
 use obvhs::ploc::PlocSearchDistance;
 use std::sync::Arc;
 
-/// Sine of the angle up to which two triangles at an edge are one plane.
-const FLAT: f32 = 1e-3;
-
 /// A triangle is degenerate whose height is less than this share of its longest edge.
 const DEGENERATE: f64 = 1e-6;
-
-/// What lies beyond an edge of a triangle.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum EdgeKind {
-    /// A triangle in the same plane.
-    Flat,
-    /// A triangle that falls away.
-    Convex,
-    /// A triangle that rises.
-    Concave,
-    /// Nothing.
-    #[default]
-    Open,
-}
-
-impl EdgeKind {
-    /// The same edge seen from the other side.
-    pub(crate) fn mirrored(self) -> Self {
-        match self {
-            Self::Convex => Self::Concave,
-            Self::Concave => Self::Convex,
-            other => other,
-        }
-    }
-}
 
 /// A mesh of triangles that stand still or are moved by their velocity only: the ground, a house, a cave. Not for dynamic bodies.
 ///
@@ -51,21 +26,12 @@ impl EdgeKind {
 #[component(summary_tick)]
 pub struct StaticMesh(Arc<MeshLevel>);
 
-/// A triangle as collision tests and questions read it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct LevelTriangle {
-    pub(crate) corners: [Vec3; 3],
-    pub(crate) plane: Plane,
-    /// Beyond the edges from each corner to the next.
-    pub(crate) edges: [EdgeKind; 3],
-    /// Its number in the list that the mesh was made from.
-    pub(crate) index: u32,
-}
-
 #[derive(Clone)]
 struct MeshLevel {
     triangles: Vec<LevelTriangle>,
     tree: WideTree,
+    /// Where it is a plane.
+    flat: FlatNodes,
     aabb: Aabb,
     radius: f32,
     left_out: usize,
@@ -118,10 +84,9 @@ impl StaticMesh {
         if found != triangles {
             return Err(MeshError::MaterialLength { found, triangles });
         }
-        Ok(Self(Arc::new(MeshLevel {
-            materials,
-            ..MeshLevel::clone(&self.0)
-        })))
+        let mut level = MeshLevel::clone(&self.0);
+        level.set_materials(materials);
+        Ok(Self(Arc::new(level)))
     }
 
     /// Whether its triangles have material slots.
@@ -191,7 +156,7 @@ impl StaticMesh {
         }
         scaled.left_out += self.0.left_out;
         scaled.is_two_sided = self.0.is_two_sided;
-        scaled.materials.clone_from(&self.0.materials);
+        scaled.set_materials(self.0.materials.clone());
         Ok(Self(level))
     }
 
@@ -227,6 +192,7 @@ impl StaticMesh {
             left_out: indices.len() - triangles.len(),
             is_two_sided: false,
             materials: Vec::new(),
+            flat: FlatNodes::of(&triangles, &tree, |_| None),
             triangles,
             tree,
         })))
@@ -290,9 +256,28 @@ impl StaticMesh {
         &self.0.triangles
     }
 
+    /// The plane that a box sees of the level, if it sees nothing else; `is_by_slot`: and if it is of one material.
+    pub(crate) fn flat_ground(&self, b: &Aabb, is_by_slot: bool) -> Option<FlatGround> {
+        let level = &*self.0;
+        let slot = |triangle: &LevelTriangle| match is_by_slot {
+            true => self.material_of(triangle.index),
+            false => None,
+        };
+        level.flat.ground(&level.triangles, &level.tree, b, slot)
+    }
+
     /// Leaves are places in [`triangles`](Self::triangles).
     pub(crate) fn tree(&self) -> &WideTree {
         &self.0.tree
+    }
+}
+
+impl MeshLevel {
+    /// By number in the list that the mesh was made from.
+    fn set_materials(&mut self, materials: Vec<u16>) {
+        let slot = |triangle: &LevelTriangle| materials.get(triangle.index as usize).copied();
+        self.flat = FlatNodes::of(&self.triangles, &self.tree, slot);
+        self.materials = materials;
     }
 }
 
@@ -312,76 +297,4 @@ fn plane_of(corners: [Vec3; 3]) -> Option<Plane> {
             offset,
         }
     })
-}
-
-/// The sides of all triangles, sorted by the numbers of their ends, the smaller one first, and then by triangle: the larger end, and
-/// four times the triangle and the side. Those whose smaller end is `v` begin at the `v`th number.
-fn sides(corners: &[[u32; 3]]) -> (Vec<u32>, Vec<(u32, u32)>) {
-    let ends = |of: &[u32; 3], side: usize| {
-        let [from, to] = [of[side], of[(side + 1) % 3]];
-        (from.min(to), from.max(to))
-    };
-    let vertices = corners
-        .iter()
-        .flatten()
-        .max()
-        .map_or(0, |&most| most as usize + 1);
-    let mut starts = vec![0; vertices + 1];
-    for of in corners {
-        (0..3).for_each(|side| starts[ends(of, side).0 as usize + 1] += 1);
-    }
-    for v in 0..vertices {
-        starts[v + 1] += starts[v];
-    }
-    let mut next = starts.clone();
-    let mut sorted = vec![(0, 0); 3 * corners.len()];
-    for (triangle, of) in (0..).zip(corners) {
-        for side in 0..3 {
-            let (low, high) = ends(of, side);
-            let place = &mut next[low as usize];
-            sorted[*place as usize] = (high, 4 * triangle + side as u32);
-            *place += 1;
-        }
-    }
-    for run in starts.windows(2) {
-        sorted[run[0] as usize..run[1] as usize].sort_unstable();
-    }
-    (starts, sorted)
-}
-
-/// Finds out what lies beyond each edge. `corners` are numbers of positions.
-fn find_edges(triangles: &mut [LevelTriangle], corners: &[[u32; 3]]) {
-    let (starts, sides) = sides(corners);
-    let runs = starts
-        .windows(2)
-        .map(|run| &sides[run[0] as usize..run[1] as usize]);
-    for run in runs.flat_map(|run| run.chunk_by(|a, b| a.0 == b.0)) {
-        for &(_, own) in run {
-            let (triangle, edge) = ((own / 4) as usize, (own % 4) as usize);
-            let opposite = corners[triangle][(edge + 2) % 3];
-            let plane = triangles[triangle].plane;
-            let mut kind = EdgeKind::Open;
-            for &(_, other) in run.iter().filter(|other| other.1 / 4 != own / 4) {
-                let (other, across) = ((other / 4) as usize, (other % 4) as usize);
-                // The same triangle again, or one folded back, is no neighbor.
-                if corners[other][(across + 2) % 3] == opposite {
-                    continue;
-                }
-                let tip = triangles[other].corners[(across + 2) % 3];
-                let ends = [across, (across + 1) % 3].map(|k| triangles[other].corners[k]);
-                let length = (tip - ends[0]).length().max((tip - ends[1]).length());
-                let rise = plane.distance(tip);
-                kind = if rise > FLAT * length {
-                    EdgeKind::Concave
-                } else if rise >= -FLAT * length && kind != EdgeKind::Concave {
-                    EdgeKind::Flat
-                } else if kind == EdgeKind::Open {
-                    EdgeKind::Convex
-                } else {
-                    kind
-                };
-            }
-            triangles[triangle].edges[edge] = kind;
-        }
-    }
 }

@@ -35,6 +35,17 @@ struct Node {
     count: u32,
 }
 
+/// What a walk that looks at nodes too does after one child.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Visit {
+    /// It goes on with what is below the child; for a leaf as [`Next`](Self::Next).
+    Below,
+    /// It leaves out what is below the child.
+    Next,
+    /// It ends.
+    End,
+}
+
 /// The tree.
 #[derive(Clone, Default)]
 pub(crate) struct WideTree {
@@ -52,9 +63,30 @@ impl Node {
         }
     }
 
+    /// The box around a child, m.
+    fn bounds(&self, child: usize) -> Aabb {
+        let [min, max] = [self.min, self.max].map(|corner| corner.map(|axis| axis[child]));
+        Aabb {
+            min: min.into(),
+            max: max.into(),
+        }
+    }
+
     /// Bits of the children that are there.
     fn used(&self) -> u32 {
         (1 << self.count) - 1
+    }
+
+    /// Bits of the children whose boxes overlap one with these corners.
+    #[inline(always)]
+    fn met(&self, low: Vec3A, high: Vec3A) -> u32 {
+        let mut met = self.used();
+        for axis in 0..3 {
+            let begins = self.min[axis].cmple(Vec4::splat(high[axis]));
+            let ends = self.max[axis].cmpge(Vec4::splat(low[axis]));
+            met &= (begins & ends).bitmask();
+        }
+        met
     }
 }
 
@@ -149,10 +181,7 @@ impl WideTree {
 
     /// As [`within`](crate::geometry::bvh::within).
     pub(crate) fn within(&self, b: &Aabb, mut visit: impl FnMut(u32)) {
-        let [low, high] = [b.min, b.max].map(Vec3A::from);
-        let slack = ROUNDING * largest([low, high, self.bounds[0], self.bounds[1]]);
-        let slack = Vec3A::splat(slack.min(f32::MAX));
-        let (low, high) = (low - slack, high + slack);
+        let [low, high] = self.with_slack(b);
         let mut stack: SmallVec<[u32; 96]> = SmallVec::new();
         if !self.nodes.is_empty() {
             stack.push(0);
@@ -163,15 +192,72 @@ impl WideTree {
                 continue;
             }
             let node = &self.nodes[child as usize];
-            let mut met = node.used();
-            for axis in 0..3 {
-                let begins = node.min[axis].cmple(Vec4::splat(high[axis]));
-                let ends = node.max[axis].cmpge(Vec4::splat(low[axis]));
-                met &= (begins & ends).bitmask();
-            }
+            let met = node.met(low, high);
             let met = (0..WIDTH).rev().filter(|child| met >> child & 1 != 0);
             stack.extend(met.map(|child| node.children[child]));
         }
+    }
+
+    /// As [`within`](Self::within), but it asks at each child on its way: with the number of the node, of the child in it, and of the leaf
+    /// if the child is one.
+    pub(crate) fn visit_within(
+        &self,
+        b: &Aabb,
+        mut visit: impl FnMut(usize, usize, Option<u32>) -> Visit,
+    ) {
+        let [low, high] = self.with_slack(b);
+        let mut stack: SmallVec<[u32; 96]> = SmallVec::new();
+        if !self.nodes.is_empty() {
+            stack.push(0);
+        }
+        while let Some(number) = stack.pop() {
+            let node = &self.nodes[number as usize];
+            let met = node.met(low, high);
+            for child in (0..WIDTH).filter(|child| met >> child & 1 != 0) {
+                let below = node.children[child];
+                let leaf = (below & LEAF != 0).then_some(below & !LEAF);
+                match visit(number as usize, child, leaf) {
+                    Visit::Below if leaf.is_none() => stack.push(below),
+                    Visit::Below | Visit::Next => {}
+                    Visit::End => return,
+                }
+            }
+        }
+    }
+
+    /// What is below each child of each node, from what leaves are, and the parts of a node, with their boxes, as one.
+    pub(crate) fn fold_up<T: Copy + Default>(
+        &self,
+        leaf: impl Fn(u32) -> T,
+        join: impl Fn(&[(Aabb, T)]) -> T,
+    ) -> Vec<[T; WIDTH]> {
+        let mut below = vec![[T::default(); WIDTH]; self.nodes.len()];
+        let mut parts: SmallVec<[(Aabb, T); WIDTH]> = SmallVec::new();
+        // Nodes stand before those below them.
+        for number in (0..self.nodes.len()).rev() {
+            let node = &self.nodes[number];
+            for child in 0..node.count as usize {
+                let of = node.children[child];
+                below[number][child] = if of & LEAF != 0 {
+                    leaf(of & !LEAF)
+                } else {
+                    let inner = &self.nodes[of as usize];
+                    let children = 0..inner.count as usize;
+                    parts.clear();
+                    parts.extend(children.map(|k| (inner.bounds(k), below[of as usize][k])));
+                    join(&parts)
+                };
+            }
+        }
+        below
+    }
+
+    /// The corners of a box, so far out that rounding hides nothing.
+    fn with_slack(&self, b: &Aabb) -> [Vec3A; 2] {
+        let [low, high] = [b.min, b.max].map(Vec3A::from);
+        let slack = ROUNDING * largest([low, high, self.bounds[0], self.bounds[1]]);
+        let slack = Vec3A::splat(slack.min(f32::MAX));
+        [low - slack, high + slack]
     }
 
     /// As [`around`](crate::geometry::bvh::around).

@@ -7,9 +7,10 @@
 //! S. Woop, C. Benthin, I. Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013: edges are judged by one product for both
 //! triangles.
 
+use crate::geometry::StaticMesh;
 use crate::geometry::bvh::RayWalk;
 use crate::geometry::distance::{Separation, distance};
-use crate::geometry::static_mesh::{LevelTriangle, StaticMesh};
+use crate::geometry::level_triangle::LevelTriangle;
 use crate::geometry::support::{Core, PlacedCore};
 use crate::geometry::triangle_distance::{nearest_on_triangle, rough_square};
 use crate::math::Aabb;

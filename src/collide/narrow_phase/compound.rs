@@ -4,6 +4,7 @@ use crate::bodies::body::Shape;
 use crate::collide::narrow_phase::compound_near::{
     PartScratch, examine_on_plane, find_near, gap_of_boxes, part_pair,
 };
+use crate::collide::narrow_phase::level::examine_level;
 use crate::collide::narrow_phase::part::{OVERLAP, PairRun, Scene, touch_of};
 use crate::collide::narrow_phase::relative_pose;
 use crate::collide::proxies::CONTACT_MARGIN;
@@ -341,13 +342,11 @@ impl<'s> BodyPair<'s> {
                 hull_in_mesh: pose,
                 travel,
                 reach,
+                reach_over_plane: reach + travel.length(),
+                slide: 0.0,
                 is_by_slot,
             };
-            if side.shape.is_round() {
-                pair.examine_round(others.level, others.round);
-            } else {
-                pair.examine(others.level);
-            }
+            examine_level(&pair, pair.ground_below().as_ref(), others);
             for patch in &others.level.patches {
                 self.take(&side, patch, is_second, scratch);
             }

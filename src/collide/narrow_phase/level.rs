@@ -1,12 +1,17 @@
 //! Pairs of a hull and a level of triangles: several manifolds, one for each direction.
 
+use crate::collide::narrow_phase::compound_near::PartScratch;
 use crate::collide::narrow_phase::part::{PairRun, Scene, touch_of};
 use crate::collide::narrow_phase::relative_pose;
 use crate::contact::local_manifold::LocalManifold;
 use crate::contact::narrow::level::LevelPair;
 use crate::contact::pairs::broad_phase::Pair;
-use crate::contact::pairs::recycle::{Recycle, haste, min_approach, reach_of_test};
+use crate::contact::pairs::recycle::{
+    PairView, Recycle, SLIDE, haste, min_approach, reach_of_test, smaller_extent,
+};
 use crate::contact::pairs::touches::NO_TOUCH;
+use crate::geometry::flat_ground::FlatGround;
+use crate::geometry::{ConvexMesh, StaticMesh};
 
 impl PairRun {
     /// Looks closer at a pair, and tests it if that does not help; false if it is none of a hull and a level.
@@ -20,50 +25,44 @@ impl PairRun {
             _ => return false,
         };
         let mut view = self.known.view(index, scene.pair(pair), scene.paces(pair));
-        let [a, b] = view.bodies;
         let margin = scene.margin_of(&view);
-        let ahead = view.paces[0].ahead + view.paces[1].ahead;
-        let (is_slow, fall) = (ahead <= min_approach(view.paces), scene.fall);
-        if is_slow && view.verdict(margin, fall, scene.widest(margin)) == Recycle::Holds {
+        let is_slow = is_slow(&view);
+        let widest = scene.widest(margin);
+        if is_slow && view.verdict(margin, scene.fall, widest) == Recycle::Holds {
             return true;
         }
-        let [first, second] = if is_hull_first {
+        let slots = if is_hull_first {
             [pair.a, pair.b]
         } else {
             [pair.b, pair.a]
         };
-        let (on_hull, on_mesh) = if is_hull_first { (a, b) } else { (b, a) };
-        let hull_in_mesh = relative_pose(bodies, second, first);
-        let travel = haste([a, b], fall) * (on_hull.travel - on_mesh.travel);
-        let reach = if is_slow {
-            reach_of_test(view.paces, margin)
-        } else {
-            scene.margin(view.paces, a.turning + b.turning)
-        };
-        let level = LevelPair {
-            shape: hull,
-            mesh,
-            hull_in_mesh,
-            travel: on_mesh.place.turn.transpose() * travel,
-            reach,
-            is_by_slot: bodies.info(second).surfaces.is_some(),
-        };
-        if hull.is_round() {
-            level.examine_round(&mut self.level_scratch, &mut self.round_scratch);
-        } else {
-            level.examine(&mut self.level_scratch);
+        let level = level_pair(scene, slots, (hull, mesh), &view, margin);
+        let ground = level.ground_below();
+        if ground.is_some()
+            && !is_slow
+            && view.verdict(margin, scene.fall, widest) == Recycle::Holds
+        {
+            return true;
         }
         let b_in_a = relative_pose(bodies, pair.a, pair.b);
         let touch = |patch: &LocalManifold| {
             let patch = if is_hull_first {
                 *patch
             } else {
-                patch.swapped(&hull_in_mesh.inverse())
+                patch.swapped(&level.hull_in_mesh.inverse())
             };
             touch_of(bodies, pair, &patch, b_in_a.rotation)
         };
-        let patches = self.level_scratch.patches.iter();
-        view.set_near_all(patches.map(touch), reach, is_slow);
+        let mut others = PartScratch {
+            hulls: &mut self.scratch,
+            round: &mut self.round_scratch,
+            level: &mut self.level_scratch,
+        };
+        examine_level(&level, ground.as_ref(), &mut others);
+        match self.level_scratch.patches.as_slice() {
+            [patch] if ground.is_some() => view.set_near(touch(patch), level.reach_over_plane),
+            patches => view.set_near_all(patches.iter().map(touch), level.reach, is_slow),
+        }
         true
     }
 
@@ -78,5 +77,61 @@ impl PairRun {
             at = self.known.touches.after(at);
         }
         listed
+    }
+}
+
+/// Whether a pair moves so little that what a test finds holds for a while.
+fn is_slow(view: &PairView) -> bool {
+    view.paces[0].ahead + view.paces[1].ahead <= min_approach(view.paces)
+}
+
+/// A shape over a level, whose bodies are in these slots, as a pair where gaps up to `margin` (m) matter.
+fn level_pair<'s>(
+    scene: &Scene,
+    [on_top, below]: [u32; 2],
+    (shape, mesh): (&'s ConvexMesh, &'s StaticMesh),
+    view: &PairView,
+    margin: f32,
+) -> LevelPair<'s> {
+    let [a, b] = view.bodies;
+    let [top, ground] = [on_top, below].map(|slot| &scene.seen[slot as usize]);
+    let travel = haste([a, b], scene.fall) * (top.travel - ground.travel);
+    let reach_over_plane = reach_of_test(view.paces, margin);
+    LevelPair {
+        shape,
+        mesh,
+        hull_in_mesh: relative_pose(scene.bodies, below, on_top),
+        travel: ground.place.turn.transpose() * travel,
+        reach: if is_slow(view) {
+            reach_over_plane
+        } else {
+            scene.margin(view.paces, a.turning + b.turning)
+        },
+        reach_over_plane,
+        slide: SLIDE * smaller_extent(view.paces),
+        is_by_slot: scene.bodies.info(below).surfaces.is_some(),
+    }
+}
+
+/// Fills the level's buffer with the contacts of a shape with it, where it may be a plane.
+pub(super) fn examine_level(
+    pair: &LevelPair,
+    ground: Option<&FlatGround>,
+    others: &mut PartScratch,
+) {
+    let PartScratch {
+        hulls,
+        round,
+        level,
+    } = others;
+    if let Some(ground) = ground {
+        level.patches.clear();
+        level
+            .patches
+            .extend(pair.examine_ground(ground, hulls, round));
+    } else if pair.shape.is_round() {
+        pair.examine_round(level, round);
+    } else {
+        pair.examine(level);
     }
 }

@@ -15,9 +15,10 @@ use crate::contact::narrow::scratch::MERGE;
 use crate::contact::reduce::{Candidate, CornerKind, reduce};
 use crate::geometry::ConvexMesh;
 use crate::geometry::distance::CoreCast;
-use crate::geometry::hull_lanes::{box_of, lowest_height, move_points, point};
-use crate::geometry::static_mesh::{EdgeKind, LevelTriangle, StaticMesh};
+use crate::geometry::hull_lanes::{box_of, lowest_height, move_points};
+use crate::geometry::level_triangle::LevelTriangle;
 use crate::geometry::support::{Core, PlacedCore};
+use crate::geometry::{EdgeKind, StaticMesh};
 use crate::math::{Aabb, Pose};
 use glam::{Mat3, Vec3};
 
@@ -28,11 +29,15 @@ pub(in crate::contact::narrow) const SHALLOW: f32 = 1e-3;
 /// reach farther.
 const GRAZING: f32 = 1e-4;
 
+/// How far a hull may go in the step and is on one face, as a share of its diagonal: one that is faster turns over to others when it hits
+/// something.
+const STEADY: f32 = 0.02;
+
 /// How often a hull is followed to what it touches within a step.
 const MAX_STOPS: usize = 4;
 
 /// Gap that counts as none for a hull that moves, as a share of its diagonal.
-const TOUCH: f32 = 3e-6;
+pub(super) const TOUCH: f32 = 3e-6;
 
 /// A hull or a round shape (A) over a level (B).
 #[derive(Clone, Copy, Debug)]
@@ -45,6 +50,10 @@ pub(crate) struct LevelPair<'h> {
     pub(crate) travel: Vec3,
     /// How far they may be apart and touch, m.
     pub(crate) reach: f32,
+    /// The same over a plane, where how fast the hull is does not tell where it gets to, m.
+    pub(crate) reach_over_plane: f32,
+    /// How far it may slide along a plane until it is looked at anew, m.
+    pub(crate) slide: f32,
     /// Whether triangles of different material slots make contacts of their own.
     pub(crate) is_by_slot: bool,
 }
@@ -226,6 +235,16 @@ impl LevelPair<'_> {
             if height <= TOUCH * size && ground.is_over(foot) {
                 return Some((0.0, ground.normal));
             }
+            // What comes down beside it does not get there either.
+            let is_beside = (0..3).any(|edge| {
+                let (from, outward) = ground.border(edge);
+                let nearest = hull.support(-outward.as_dvec3()).as_vec3();
+                let beyond = outward.dot(nearest - from) + outward.dot(way).min(0.0);
+                beyond > radius + TOUCH * (size + from.abs().max_element())
+            });
+            if is_beside {
+                continue;
+            }
             let core = Core::of_triangle(triangle.corners.map(|corner| corner - place));
             if let Some(touch) = cast.first_touch(&core, &hull) {
                 cast.length = touch.distance;
@@ -276,50 +295,9 @@ impl LevelPair<'_> {
         }
     }
 
-    /// Fills `scratch.over` with the points of the hull's underside over a triangle, after a shift.
-    fn find_over(&self, ground: &Ground, shift: Vec3, turn: &Mat3, scratch: &mut LevelScratch) {
-        let LevelScratch {
-            points,
-            polygon,
-            clipped,
-            over,
-            ..
-        } = scratch;
-        // What comes down to it in the rest of the step counts too.
-        let rest = -ground.normal.dot(self.travel - shift);
-        let reach = self.reach + rest.max(0.0);
-        over.clear();
-        let size = self.shape.aabb().diagonal();
-        let borders = [0, 1, 2].map(|edge| ground.border(edge));
-        let is_beside = borders.iter().any(|&(from, outward)| {
-            let border = outward.dot(from - shift);
-            lowest_height(points, outward) > border + TOUCH * (size + border.abs())
-        });
-        if is_beside {
-            return;
-        }
-        for face in self.shape.hull().faces() {
-            if (*turn * face.plane.normal).dot(ground.normal) >= 0.0 {
-                continue;
-            }
-            let outline = self.shape.hull().face_loop(face).iter();
-            polygon.clear();
-            polygon.extend(outline.map(|&v| point(points, v as usize) + shift));
-            if polygon.iter().all(|&at| ground.height(at) > reach) {
-                continue;
-            }
-            for (from, outward) in borders {
-                clip(polygon, from, outward, clipped);
-                std::mem::swap(polygon, clipped);
-            }
-            let heights = polygon.iter().map(|&at| (at, ground.height(at)));
-            over.extend(heights.filter(|&(_, height)| height <= reach));
-        }
-    }
-
     /// Takes what lies over a triangle into the manifold of its direction, unless the hull came from the side.
     fn take_over(&self, ground: &Ground, shift: Vec3, scratch: &mut LevelScratch) {
-        let lowest = scratch.over.iter().map(|(_, height)| *height);
+        let lowest = scratch.over.iter().map(|over| over.height);
         let depth = -lowest.fold(f32::INFINITY, f32::min);
         if depth > SHALLOW * self.shape.aabb().diagonal() {
             for edge in 0..3 {
@@ -327,28 +305,49 @@ impl LevelPair<'_> {
                     continue;
                 }
                 let (from, outward) = ground.border(edge);
-                let inward = scratch.over.iter().map(|(at, _)| -outward.dot(*at - from));
+                let inward = scratch.over.iter().map(|over| -outward.dot(over.at - from));
                 if inward.fold(0.0, f32::max) < depth {
                     return;
                 }
             }
         }
         let group = scratch.group_of(ground.normal, ground.slot);
-        let found = scratch.over.iter().map(|&(at, _)| Found {
+        let found = scratch.over.iter().map(|over| Found {
             group,
-            at: at - shift,
-            separation: ground.height(at - shift),
+            face: over.face,
+            at: over.at - shift,
+            separation: ground.height(over.at - shift),
             curvature: 0.0,
         });
         scratch.found.extend(found);
     }
 
+    /// The face that the hull stands on or lands on in one direction, seen in its own frame: of those at the deepest point the most
+    /// opposed one. Points off it do not count, however near, or they would stand in for those that bear the hull.
+    fn face_down(&self, group: u32, normal: Vec3, scratch: &LevelScratch) -> u32 {
+        let found = || scratch.found.iter().filter(|found| found.group == group);
+        let deepest = found().fold(f32::INFINITY, |d, found| d.min(found.separation));
+        let merge = MERGE * self.shape.aabb().diagonal();
+        let slope = |face: u32| {
+            let face = &self.shape.hull().faces()[face as usize];
+            face.plane.normal.dot(normal)
+        };
+        let lowest = found().filter(|found| found.separation <= deepest + merge);
+        let faces = lowest.map(|found| (slope(found.face), found.face));
+        let face = faces.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        face.map_or(0, |(_, face)| face)
+    }
+
     /// Makes the manifold of one direction.
     fn add_patch(&self, group: u32, turn: &Mat3, scratch: &mut LevelScratch) {
         let Group { normal, slot } = scratch.groups[group as usize];
+        let is_steady = self.travel.length() <= STEADY * self.shape.aabb().diagonal();
+        let face = is_steady.then(|| self.face_down(group, turn.transpose() * normal, scratch));
         let candidates = &mut scratch.candidates;
         candidates.clear();
-        let found = scratch.found.iter().filter(|found| found.group == group);
+        let found = scratch.found.iter();
+        let found = found
+            .filter(|found| found.group == group && face.is_none_or(|face| found.face == face));
         candidates.extend(found.map(|found| Candidate {
             at: found.at,
             separation: found.separation,
@@ -372,26 +371,5 @@ impl LevelPair<'_> {
             });
         }
         scratch.patches.push(patch);
-    }
-}
-
-/// What of a polygon lies behind the plane through `from` with the normal `outward`.
-fn clip(polygon: &[Vec3], from: Vec3, outward: Vec3, result: &mut Vec<Vec3>) {
-    result.clear();
-    let Some(&last) = polygon.last() else {
-        return;
-    };
-    let height = |at: Vec3| outward.dot(at - from);
-    let (mut before, mut before_height) = (last, height(last));
-    for &at in polygon {
-        let at_height = height(at);
-        if (before_height > 0.0) != (at_height > 0.0) {
-            let share = before_height / (before_height - at_height);
-            result.push(before + share * (at - before));
-        }
-        if at_height <= 0.0 {
-            result.push(at);
-        }
-        (before, before_height) = (at, at_height);
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::contact::local_manifold::LocalManifold;
 use crate::contact::reduce::Candidate;
-use crate::geometry::hull_lanes::Points4;
+use crate::geometry::hull_lanes::{LANES, Points4};
 use glam::Vec3;
 
 /// Cosine of the angle between normals that make one manifold.
@@ -12,11 +12,23 @@ const SAME: f32 = 0.9999;
 #[derive(Clone, Copy, Debug)]
 pub(in crate::contact::narrow) struct Found {
     pub(in crate::contact::narrow) group: u32,
+    /// Of a hull: which face it is on.
+    pub(in crate::contact::narrow) face: u32,
     /// On the surface at the start of the step, axes of the level, from the origin of the shape's frame, m.
     pub(in crate::contact::narrow) at: Vec3,
     pub(in crate::contact::narrow) separation: f32,
     /// Radius of curvature of the surface, m.
     pub(in crate::contact::narrow) curvature: f32,
+}
+
+/// A point of a hull over a triangle.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::contact::narrow) struct Over {
+    pub(in crate::contact::narrow) at: Vec3,
+    /// Above the triangle, m.
+    pub(in crate::contact::narrow) height: f32,
+    /// Which face it is on.
+    pub(in crate::contact::narrow) face: u32,
 }
 
 /// What makes one manifold: a direction, and of a level of several materials one of these.
@@ -36,8 +48,10 @@ pub(crate) struct LevelScratch {
     pub(in crate::contact::narrow) stops: Vec<Vec3>,
     pub(in crate::contact::narrow) polygon: Vec<Vec3>,
     pub(in crate::contact::narrow) clipped: Vec<Vec3>,
-    /// Points over one triangle, and their heights.
-    pub(in crate::contact::narrow) over: Vec<(Vec3, f32)>,
+    /// By vertex of the hull: on which sides of a triangle it is out.
+    pub(in crate::contact::narrow) sides: Vec<[u32; LANES]>,
+    /// Points over one triangle.
+    pub(in crate::contact::narrow) over: Vec<Over>,
     /// Of the manifolds.
     pub(in crate::contact::narrow) groups: Vec<Group>,
     pub(in crate::contact::narrow) found: Vec<Found>,

@@ -6,7 +6,7 @@
 //!
 //! `cast.rs` follows a pair that moves far within the step (`course.rs`) to what it touches first.
 //!
-//! `round/` is for what is curved, `level.rs` and `level_scratch.rs` for levels of triangles, `compound.rs` for parts of one body and
+//! `round/` is for what is curved, `level*.rs` for levels of triangles, `compound.rs` for parts of one body and
 //! `flush.rs` for what they touch.
 //!
 //! A test of another shape goes here: it gives a `LocalManifold`, or an axis and a distance. Must not know the world: no bodies, no
@@ -20,6 +20,8 @@ mod edge_search;
 pub(crate) mod flush;
 pub(crate) mod half_space;
 pub(crate) mod level;
+mod level_over;
+mod level_plane;
 pub(crate) mod level_scratch;
 pub(crate) mod round;
 pub(crate) mod sat;

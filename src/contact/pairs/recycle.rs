@@ -20,7 +20,7 @@ const RECYCLE_UNSTEADY: f32 = 1e-4;
 
 /// How far a pair may slide along a face on which the smaller body's corners stand, as a share of the least extent of
 /// the smaller body. The points are exact all that way; it is the contact code of the face that is left behind.
-const SLIDE: f32 = 0.1;
+pub(crate) const SLIDE: f32 = 0.1;
 
 /// Approach within a step, as a share of the least extent of the smaller body, from which it is found out what the pair will touch:
 /// what rests shakes by less. Contact generation of a pyramid at rest takes 759 instructions a pair, half as many again with a tenth of this

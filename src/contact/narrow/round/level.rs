@@ -12,8 +12,8 @@ use crate::contact::narrow::round::patch::{PatchRule, RoundScratch, clip_places,
 use crate::contact::narrow::round::solid::Solid;
 use crate::contact::narrow::scratch::MERGE;
 use crate::contact::reduce::{Candidate, CornerKind, reduce};
+use crate::geometry::EdgeKind;
 use crate::geometry::distance::{Nearest, Separation, distance};
-use crate::geometry::static_mesh::EdgeKind;
 use crate::geometry::support::{Core, PlacedCore};
 use crate::math::Pose;
 use glam::{DVec3, Mat3, Quat, Vec3};
@@ -105,6 +105,7 @@ impl LevelPair<'_> {
                     let own_place = placed.turn.transpose() * at;
                     scratch.found.push(Found {
                         group,
+                        face: 0,
                         at: at + radius * down,
                         separation: ground.height(at) - radius,
                         curvature: if is_one {
@@ -168,6 +169,7 @@ impl LevelPair<'_> {
                 let at = placed.turn * point.on_b;
                 scratch.found.push(Found {
                     group,
+                    face: 0,
                     at,
                     separation: point.separation - axis.normal.dot(shift),
                     curvature: point.radii[1],

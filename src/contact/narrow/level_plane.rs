@@ -1,0 +1,69 @@
+//! Where all that a shape may touch of a level is one plane, it is over a half-space.
+
+use crate::contact::local_manifold::LocalManifold;
+use crate::contact::narrow::half_space::examine_half_space;
+use crate::contact::narrow::level::LevelPair;
+use crate::contact::narrow::round::pair::examine_round_half_space;
+use crate::contact::narrow::round::patch::RoundScratch;
+use crate::contact::narrow::scratch::{NarrowScratch, SatResult};
+use crate::geometry::flat_ground::FlatGround;
+use crate::math::{Aabb, Plane, Pose, rotate};
+use glam::{Mat3, Vec3};
+
+impl LevelPair<'_> {
+    /// The plane that the shape is over, if it sees nothing else of the level in the step, nor until it has slid as far as it may.
+    pub(crate) fn ground_below(&self) -> Option<FlatGround> {
+        if !self.is_usable() || !self.reach_over_plane.is_finite() {
+            return None;
+        }
+        let turn = Mat3::from_quat(self.hull_in_mesh.rotation);
+        let tight = self.shape.bounds(&turn, self.hull_in_mesh.position);
+        let swept = Aabb {
+            min: tight.min + self.travel.min(Vec3::ZERO),
+            max: tight.max + self.travel.max(Vec3::ZERO),
+        };
+        let seen = swept.fattened(self.reach + self.slide);
+        let ground = self.mesh.flat_ground(&seen, self.is_by_slot)?;
+        // What is behind a triangle does not touch it, or touches the other side.
+        let middle = self
+            .hull_in_mesh
+            .transform_point(self.shape.aabb().center());
+        (ground.normal.dot(middle - ground.at) > 0.0).then_some(ground)
+    }
+
+    /// The contact with that plane; none if it is out of reach.
+    pub(crate) fn examine_ground(
+        &self,
+        ground: &FlatGround,
+        hulls: &mut NarrowScratch,
+        round: &mut RoundScratch,
+    ) -> Option<LocalManifold> {
+        let Pose { position, rotation } = self.hull_in_mesh;
+        let back = rotation.inverse();
+        // Triangles may be far from each other and from the origin.
+        let height = ground
+            .normal
+            .as_dvec3()
+            .dot(ground.at.as_dvec3() - position.as_dvec3());
+        let plane = Plane {
+            normal: rotate(back, ground.normal),
+            offset: height as f32,
+        };
+        // The level with the origin of the shape as its own.
+        let (pose, reach) = (Pose::new(Vec3::ZERO, back), self.reach_over_plane);
+        let found = if self.shape.is_round() {
+            examine_round_half_space(self.shape, plane, pose, reach, round)
+        } else {
+            examine_half_space(self.shape.hull(), plane, pose, reach, hulls)
+        };
+        let SatResult::Touching(mut patch) = found else {
+            return None;
+        };
+        patch.slot = ground.slot;
+        patch.normal_in_b = Some(-ground.normal);
+        for point in &mut patch.points {
+            point.on_b += position;
+        }
+        (patch.count > 0).then_some(patch)
+    }
+}
