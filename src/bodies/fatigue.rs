@@ -62,6 +62,6 @@ pub(crate) struct Wearing {
     pub(crate) slot: u32,
     pub(crate) id: BodyId,
     pub(crate) fatigue: Fatigue,
-    /// Whether the last step did damage.
-    pub(crate) has_changed: bool,
+    /// Energy of the blows of the last step that did damage, J.
+    pub(crate) blows: f32,
 }

@@ -28,7 +28,7 @@ impl Bodies {
                     slot,
                     id,
                     fatigue,
-                    has_changed: false,
+                    blows: 0.0,
                 },
             ),
             (Err(_), None) => {}
@@ -64,22 +64,32 @@ impl Bodies {
     }
 
     /// Adds the damage of what bodies (by slot) bore in a step.
-    pub(crate) fn wear_out(&mut self, loads: impl Iterator<Item = (u32, ImpactLoad)> + Clone) {
-        for at in 0..self.wearing.len() {
-            let Wearing { slot, fatigue, .. } = self.wearing[at];
+    pub(crate) fn wear_out(&mut self, loads: impl Iterator<Item = (u32, ImpactLoad)>) {
+        self.wearing
+            .iter_mut()
+            .for_each(|wearing| wearing.blows = 0.0);
+        for (slot, load) in loads {
+            let Ok(at) = self.find_wearing(slot) else {
+                continue;
+            };
             let strength = self.fracturable(slot).map_or(0.0, |f| f.strength);
-            let of_body = loads.clone().filter(|&(hit, _)| hit == slot);
-            let blows = of_body.filter(|(_, load)| load.impulse > fatigue.endurance * strength);
-            let energy: f32 = blows.map(|(_, load)| load.energy).sum();
             let wearing = &mut self.wearing[at];
-            wearing.has_changed = energy > 0.0 && fatigue.damage < 1.0;
-            wearing.fatigue.damage = (fatigue.damage + energy / fatigue.energy).min(1.0);
+            if load.impulse > wearing.fatigue.endurance * strength {
+                wearing.blows += load.energy;
+            }
+        }
+        for Wearing { fatigue, blows, .. } in &mut self.wearing {
+            if *blows > 0.0 && fatigue.damage < 1.0 {
+                fatigue.damage = (fatigue.damage + *blows / fatigue.energy).min(1.0);
+            } else {
+                *blows = 0.0;
+            }
         }
     }
 
     /// Bodies to which the last step did damage.
     pub(crate) fn damaged(&self) -> impl Iterator<Item = &Wearing> {
-        self.wearing.iter().filter(|wearing| wearing.has_changed)
+        self.wearing.iter().filter(|wearing| wearing.blows > 0.0)
     }
 
     /// Forgets that a body wears out.

@@ -7,6 +7,7 @@ use crate::collide::narrow_phase::compound_sense::examine_compound_pair;
 use crate::collide::narrow_phase::part::examine_pair;
 use crate::collide::narrow_phase::relative_pose;
 use crate::collide::narrow_phase::round::examine_round_pair;
+use crate::contact::body_id::BodyId;
 use crate::contact::local_manifold::LocalManifold;
 use crate::contact::narrow::level_scratch::LevelScratch;
 use crate::contact::narrow::round::patch::RoundScratch;
@@ -26,6 +27,8 @@ const NEAR: f32 = 1e-4;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Overlap {
     pub(crate) pair: Pair,
+    /// Ids of the two, the smaller one first.
+    pub(crate) name: [BodyId; 2],
     /// Unit vector along which they are least apart, from A to B, world axes.
     pub(crate) normal: Vec3,
     /// A point that both have, world, m.
@@ -44,6 +47,8 @@ struct SenseScratch {
 pub(crate) struct Sensing {
     /// Sorted by the ids of the pair.
     pub(crate) overlaps: Vec<Overlap>,
+    /// Those of the step before.
+    before: Vec<Overlap>,
     scratch: SenseScratch,
     found: Vec<u32>,
     boxes: Vec<(u32, Option<Aabb>)>,
@@ -52,6 +57,7 @@ pub(crate) struct Sensing {
 impl Sensing {
     /// Finds who is inside a sensor, after a step has moved the bodies.
     pub(crate) fn find(&mut self, bodies: &Bodies, broadphase: &Broadphase) {
+        std::mem::swap(&mut self.before, &mut self.overlaps);
         self.overlaps.clear();
         self.boxes.clear();
         let active = bodies
@@ -80,15 +86,45 @@ impl Sensing {
             self.found.extend(near.map(|&(slot, _)| slot));
             for &other in &self.found {
                 let pair = pair_of(bodies, sensor, other);
-                let overlap = may_sense(bodies, pair)
-                    .then(|| overlap_of(bodies, pair, &mut self.scratch))
-                    .flatten();
-                self.overlaps.extend(overlap);
+                if may_sense(bodies, pair) {
+                    let overlap = self.still_inside(bodies, pair);
+                    let overlap = overlap.or_else(|| overlap_of(bodies, pair, &mut self.scratch));
+                    self.overlaps.extend(overlap);
+                }
             }
         }
-        let name = |overlap: &Overlap| [overlap.pair.a, overlap.pair.b].map(|slot| bodies.id(slot));
-        self.overlaps.sort_unstable_by_key(name);
+        self.overlaps.sort_unstable_by_key(|overlap| overlap.name);
     }
+
+    /// The overlap of a pair that had one, if a corner of the one is still in the other. How they are apart is asked when a contact
+    /// starts only.
+    fn still_inside(&self, bodies: &Bodies, pair: Pair) -> Option<Overlap> {
+        let name = name_of(bodies, pair);
+        let at = self.before.binary_search_by_key(&name, |known| known.name);
+        let normal = self.before[at.ok()?].normal;
+        let Pair { a, b } = pair;
+        let point = corner_inside(bodies, a, b).or_else(|| corner_inside(bodies, b, a))?;
+        Some(Overlap {
+            pair,
+            name,
+            normal,
+            point,
+        })
+    }
+}
+
+fn name_of(bodies: &Bodies, pair: Pair) -> [BodyId; 2] {
+    [pair.a, pair.b].map(|slot| bodies.id(slot))
+}
+
+/// The first corner of a hull if it is in another one, world, m.
+fn corner_inside(bodies: &Bodies, around: u32, inner: u32) -> Option<Vec3> {
+    let sharp = |slot: u32| bodies.convex(slot).filter(|mesh| !mesh.is_round());
+    let (hull, corner) = (sharp(around)?.hull(), sharp(inner)?.hull().vertices()[0]);
+    let inside = relative_pose(bodies, around, inner).transform_point(corner);
+    let mut planes = hull.lanes.planes.iter();
+    let holds = planes.all(|planes| planes.heights(inside).iter().all(|&height| height <= 0.0));
+    holds.then(|| bodies.pose(inner).transform_point(corner))
 }
 
 fn takes_part(bodies: &Bodies, slot: u32) -> bool {
@@ -207,6 +243,7 @@ fn overlap_at(bodies: &Bodies, pair: Pair, patch: &LocalManifold) -> Overlap {
     let normal = rotate(pose.rotation, patch.normal);
     Overlap {
         pair,
+        name: name_of(bodies, pair),
         normal: normal.try_normalize().unwrap_or(Vec3::Y),
         point,
     }
