@@ -191,9 +191,7 @@ pub enum BodyError {
         length: f32,
     },
     /// No shape comes of this scale of the entity's `Transform`.
-    #[error(
-        "a shape cannot be scaled by {0}: factors must be finite and positive, and leave it solid"
-    )]
+    #[error("a shape cannot be scaled by {0}: it must be finite, positive and not too small")]
     Scaled(Vec3),
     /// Parents that are scaled and turned shear the shape.
     #[error("parents with unequal scales shear the shape; scale it instead (ConvexMesh::scaled)")]
@@ -235,6 +233,9 @@ pub enum BodyError {
     /// Anchors mean nothing, or are on a body that falls anyway.
     #[error("Anchors do nothing: {0}")]
     Anchors(&'static str),
+    /// More than one shape on an entity.
+    #[error("an entity has one shape: ConvexMesh comes before Compound and HalfSpaceShape")]
+    SeveralShapes,
     /// A shape without a body.
     #[error("a shape without RigidBody does nothing")]
     NoRigidBody,

@@ -302,7 +302,7 @@ fn insert(
     let parts = parts.ok_or(BodyError::Incomplete)?;
     let (pose, scale) = parents.place(parts.transform, parts.child_of)?;
     let desc = describe(parts, pose, scale)?;
-    let breaking = idle_part(&desc);
+    let breaking = idle_part(parts, &desc);
     let motion = idle_velocity(desc.kind, desc.linear_velocity, desc.angular_velocity);
     let slot = bodies.insert(desc)?;
     let is_child = parts.child_of.is_some();
@@ -365,11 +365,10 @@ fn redescribe(
         let parts = parts.as_ref().ok_or(BodyError::Incomplete);
         let desc = parts.and_then(|parts| {
             let (_, scale) = readings.parents.place(parts.transform, parts.child_of)?;
-            describe(parts, Pose::IDENTITY, scale)
+            let desc = describe(parts, Pose::IDENTITY, scale)?;
+            issues.note(warnings, entity, Source::Breaking, idle_part(parts, &desc));
+            Ok(desc)
         });
-        if let Ok(desc) = &desc {
-            issues.note(warnings, entity, Source::Breaking, idle_part(desc));
-        }
         let taken = desc.and_then(|desc| bodies.redescribe(slot, desc));
         issues.note(warnings, entity, Source::Description, taken);
     }

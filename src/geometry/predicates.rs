@@ -116,7 +116,9 @@ pub fn side(plane: &Plane, point: Vec3, tolerance: f32) -> Side {
 #[non_exhaustive]
 pub enum PlaneError {
     /// A number is NaN or infinite; [`Plane::through`] makes this of a zero normal.
-    #[error("the plane is not finite: normal {normal}, offset {offset} m")]
+    #[error(
+        "the plane is not finite, or was made from a zero normal: normal {normal}, offset {offset} m"
+    )]
     NotFinite {
         /// Normal.
         normal: Vec3,

@@ -74,6 +74,26 @@ fn issues(app: &App, entity: Entity) -> Vec<String> {
 }
 
 #[test]
+fn a_second_shape_and_a_normal_of_zero_are_named_until_they_are_mended() {
+    let mut app = app();
+    let entity = body(&mut app, 9.0 * Vec3::Y);
+    let level = StaticMesh::from_heights(&[0.0; 4], 2, 1.0).expect("usable");
+    app.world_mut().entity_mut(entity).insert(level);
+    let none = HalfSpaceShape { normal: Vec3::ZERO };
+    let floor = app.world_mut().spawn((RigidBody::Static, none)).id();
+    steps(&mut app, 2);
+    let named = [issues(&app, entity), issues(&app, floor)].map(|named| named.join(" "));
+    assert!(named[0].contains("has one shape"), "{}", named[0]);
+    assert!(named[1].contains("zero normal"), "{}", named[1]);
+    app.world_mut().entity_mut(entity).remove::<StaticMesh>();
+    let below = HalfSpaceShape { normal: Vec3::Y };
+    app.world_mut().entity_mut(floor).insert(below);
+    steps(&mut app, 2);
+    assert_eq!(issues(&app, entity), Vec::<String>::new());
+    assert_eq!(issues(&app, floor), Vec::<String>::new());
+}
+
+#[test]
 fn a_body_spawned_disabled_takes_part_once_it_is_enabled() {
     for steps_before in [0, 1, 5] {
         let mut app = app();

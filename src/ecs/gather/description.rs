@@ -132,7 +132,17 @@ fn scaled_normal(normal: Vec3, scale: Vec3) -> Result<Vec3, BodyError> {
 }
 
 /// What does nothing on a body of this description.
-pub(super) fn idle_part(desc: &BodyDesc) -> Result<(), BodyError> {
+pub(super) fn idle_part(parts: &BodyPartsItem, desc: &BodyDesc) -> Result<(), BodyError> {
+    let (half_space, level) = (parts.half_space.is_some(), parts.level.is_some());
+    let shapes = [
+        parts.convex.is_some(),
+        parts.compound.is_some(),
+        half_space,
+        level,
+    ];
+    if shapes.into_iter().filter(|&is_there| is_there).count() > 1 {
+        return Err(BodyError::SeveralShapes);
+    }
     if desc.surfaces.is_some() && !desc.shape.level().is_some_and(StaticMesh::has_materials) {
         return Err(BodyError::IdleSurfaces);
     }
