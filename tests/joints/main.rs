@@ -11,6 +11,7 @@ mod entities;
 mod hard;
 mod kinds;
 mod lives;
+mod loaded;
 mod pendulums;
 mod scene;
 mod scenes;

@@ -251,7 +251,7 @@ impl Batch {
     }
 
     /// Whether bodies that contacts do not move, but that move, may give energy.
-    fn is_driven(&self, member: &Member) -> bool {
+    pub(super) fn is_driven(&self, member: &Member) -> bool {
         let moves = |body: &SolverBody| body.linear != Vec3::ZERO || body.angular != Vec3::ZERO;
         // Contacts move those in leaves.
         let leaves = self.layout.cuts.leaves();
@@ -331,7 +331,7 @@ fn inertia_over_mass(body: &BodyMass) -> f32 {
 
 /// Mass, kg; zero where contacts give nothing.
 #[inline(always)]
-fn mass_of(body: &SolverBody) -> f32 {
+pub(super) fn mass_of(body: &SolverBody) -> f32 {
     if body.inverse_mass > 0.0 {
         body.inverse_mass.recip()
     } else {

@@ -32,6 +32,7 @@ impl Batch {
         if std::mem::take(&mut self.joints.is_disturbed) {
             self.solve_joints();
         }
+        self.calm_open_islands();
         self.joints.system.end_substep();
     }
 

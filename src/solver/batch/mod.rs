@@ -19,6 +19,7 @@ mod joints;
 pub(crate) mod layout;
 mod load;
 mod motion;
+mod open_joints;
 mod overload;
 mod parallel_pass;
 mod pass;

@@ -8,14 +8,15 @@ use crate::bodies::free_rotation::{FreeRotation, FreeRotations, SPINS};
 use crate::math::rotate_by;
 use crate::simd::lanes::LaneWidth;
 use crate::solver::joint::measure::{Frames, Place};
+use crate::solver::joint::rounds::Move;
 use crate::solver::joint::row::{EPSILON, RowState};
-use crate::solver::joint::rows::position_of;
+use crate::solver::joint::rows::{measure_of, position_of};
 use crate::solver::joint::system::{JointEndpoint, JointSystem};
 use crate::solver::joint::vector6::{Vector6, split};
 use glam::Vec3;
 
-/// Most rounds: two or three as a rule; limbs that are thrown at a wall ask for ten.
-const ROUNDS: usize = 12;
+/// Most rounds: two or three as a rule; limbs that are thrown at a wall ask for ten, and what searches along the rows of the end for more.
+const ROUNDS: usize = 24;
 
 /// What may be amiss, as a share of the joint's levers, or rad: a few roundings of a rotation.
 const TOLERANCE: f64 = 2e-7;
@@ -53,24 +54,39 @@ impl JointSystem {
         width: LaneWidth,
     ) {
         self.pushes.clear();
+        self.rounds.begin(self.sparsity.component_count.max(1));
+        let mut has_retreated = false;
         for round in 0..ROUNDS {
             drift.follow(self, h, width);
-            if round + 1 == ROUNDS || !self.find_misses(drift, h) {
+            self.find_misses(drift, h);
+            let [goes_on, retreats] = self.rounds.judge();
+            has_retreated = retreats;
+            if retreats {
+                self.retreat();
+            }
+            if round + 1 == ROUNDS || !goes_on {
                 break;
             }
+            self.remember();
             self.apply_missing();
         }
-        if self.rows.iter().any(|row| row.push != 0.0) {
+        let is_pushed = self.rows.iter().any(|row| row.push != 0.0);
+        if is_pushed {
             self.find_pushes(h, push_out_speed);
+        }
+        if is_pushed || has_retreated {
             drift.follow(self, h, width);
         }
     }
 
-    /// Finds the impulses that rows miss for what is amiss after a motion; whether that is worth it.
-    fn find_misses(&mut self, drift: &Drift, h: f64) -> bool {
+    /// Finds the impulses that rows miss for what is amiss after a motion.
+    fn find_misses(&mut self, drift: &Drift, h: f64) {
         self.missing.clear();
-        let mut is_worth = false;
         for joint in &self.joints {
+            let Some(progress) = self.rounds.going_on(joint.component(&self.sparsity)) else {
+                self.missing.resize(joint.rows.end, 0.0);
+                continue;
+            };
             let places = joint.ends.map(|end| match end {
                 JointEndpoint::Jointed(body) => drift.bodies[body as usize].place,
                 JointEndpoint::Fixed(body) => self.fixed[body as usize].after(h),
@@ -84,26 +100,95 @@ impl JointSystem {
                 } else {
                     TOLERANCE * joint.levers() + joint.slack
                 };
+                if row.push != 0.0 {
+                    progress.note_push();
+                }
                 // What is pushed is followed nowhere: an angle that is far off may jump to the other side.
-                let position = if row.is_position() && row.push == 0.0 {
-                    position_of(&joint.joint, &measures, row)
+                let measure = if row.is_position() && row.push == 0.0 {
+                    measure_of(&measures, row)
                 } else {
                     None
                 };
-                let amiss = position.map_or(0.0, |position| row.goal - position);
+                let amiss = measure.map_or(0.0, |measure| {
+                    row.goal - position_of(&joint.joint, measure, row)
+                });
                 let is_off = amiss.abs() > tolerance;
                 if row.state != RowState::Free && is_off && row.side * amiss > 0.0 {
                     // A limit that turns out to be reached.
                     row.state = RowState::Free;
                     self.is_factored = false;
+                    progress.forget();
                 }
-                let acts = row.state == RowState::Free;
-                is_worth |= acts && is_off;
-                let missing = if acts { row.stiffness * amiss / h } else { 0.0 };
-                self.missing.push(missing);
+                if row.state != RowState::Free {
+                    self.missing.push(0.0);
+                    continue;
+                }
+                if let Some(measure) = measure.filter(|_| progress.is_along_end()) {
+                    row.jacobian = measure.jacobian;
+                    self.is_factored = false;
+                }
+                progress.note(amiss.abs() / tolerance);
+                self.missing.push(row.stiffness * amiss / h);
             }
         }
-        is_worth
+    }
+
+    /// Takes note of velocities and impulses of the components that take a step; the others take none.
+    fn remember(&mut self) {
+        let Self {
+            rounds,
+            sparsity,
+            velocities,
+            rows,
+            joints,
+            missing,
+            ..
+        } = self;
+        rounds.velocities.resize(velocities.len(), [0.0; 6]);
+        rounds.impulses.resize(rows.len(), 0.0);
+        for (body, component) in sparsity.components.iter().enumerate() {
+            if rounds.next(*component) == Move::Step {
+                rounds.velocities[body] = velocities[body];
+            }
+        }
+        for joint in joints.iter() {
+            let takes_step = rounds.next(joint.component(sparsity)) == Move::Step;
+            for row in joint.rows.clone() {
+                if takes_step {
+                    rounds.impulses[row] = rows[row].impulse;
+                } else {
+                    missing[row] = 0.0;
+                }
+            }
+        }
+    }
+
+    /// Takes their last step back from the components that retreat, or a share of it.
+    fn retreat(&mut self) {
+        let Self {
+            rounds,
+            sparsity,
+            velocities,
+            rows,
+            joints,
+            ..
+        } = self;
+        for (body, component) in sparsity.components.iter().enumerate() {
+            if let Move::Retreat(share) = rounds.next(*component) {
+                let (now, before) = (&mut velocities[body], &rounds.velocities[body]);
+                for (now, before) in now.iter_mut().zip(before) {
+                    *now = step_back(*now, *before, share);
+                }
+            }
+        }
+        for joint in joints.iter() {
+            if let Move::Retreat(share) = rounds.next(joint.component(sparsity)) {
+                for row in joint.rows.clone() {
+                    let now = &mut rows[row].impulse;
+                    *now = step_back(*now, rounds.impulses[row], share);
+                }
+            }
+        }
     }
 
     /// Finds velocities that push the bodies to where they belong and move no other joint.
@@ -132,6 +217,15 @@ impl JointSystem {
         let changes = position.iter().map(|&at| &self.changes[at as usize]);
         self.pushes
             .extend(changes.map(|change| change.map(|x| share * x)));
+    }
+}
+
+/// Goes back by a share of the way from `before`; by all of it, to the bit.
+fn step_back(now: f64, before: f64, share: f64) -> f64 {
+    if share < 1.0 {
+        now + share * (before - now)
+    } else {
+        before
     }
 }
 

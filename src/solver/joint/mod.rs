@@ -11,12 +11,16 @@
 //! | `system.rs` | the bodies and joints of a batch, and their rows |
 //! | `solve.rs` | which rows act; velocities that satisfy them |
 //! | `drift.rs` | where the bodies go, and the impulses that keep the joints together there |
+//! | `energy.rs` | which joints stay open, and what drives give |
+//! | `rounds.rs` | how long the search for these goes on, in each component of connected bodies |
 //!
 //! Must not know contacts, batches and threads. Read `row.rs` first, then `system.rs`.
 
 pub(crate) mod drift;
+mod energy;
 mod factor;
 pub(crate) mod measure;
+mod rounds;
 pub(crate) mod row;
 pub(crate) mod rows;
 mod solve;

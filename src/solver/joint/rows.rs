@@ -125,17 +125,23 @@ fn add_drive(
     }
 }
 
-/// How far a row is from where it should be, by other measures of its joint.
-pub(crate) fn position_of(joint: &Joint, measures: &[Measure], row: &JointRow) -> Option<f64> {
-    let (number, part) = (usize::from(row.slot) / 4, usize::from(row.slot) % 4);
-    let is_its = |measure: &&Measure| measure.axis == number && measure.has_range;
-    let measure = measures.iter().find(is_its)?;
-    let place = match axis_of(joint, number).range {
+/// What keeps a row's place, among other measures of its joint.
+pub(crate) fn measure_of<'m>(measures: &'m [Measure], row: &JointRow) -> Option<&'m Measure> {
+    let number = usize::from(row.slot) / 4;
+    measures
+        .iter()
+        .find(|measure| measure.axis == number && measure.has_range)
+}
+
+/// How far a row is from where it should be, by another measure of it.
+pub(crate) fn position_of(joint: &Joint, measure: &Measure, row: &JointRow) -> f64 {
+    let part = usize::from(row.slot) % 4;
+    let place = match axis_of(joint, measure.axis).range {
         AxisRange::Limited { min, .. } if part == HOLD && !measure.is_cone => min,
         AxisRange::Limited { max, .. } if !measure.is_cone => max,
         _ => 0.0,
     };
-    Some(measure.value - f64::from(place))
+    measure.value - f64::from(place)
 }
 
 /// Stiffness and damping of a spring on a row.

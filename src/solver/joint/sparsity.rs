@@ -40,6 +40,10 @@ pub(crate) struct Sparsity {
     pub(crate) updates: Vec<u32>,
     /// By edge.
     pub(crate) edge_blocks: Vec<EdgeBlock>,
+    /// By body: number of the component, of bodies that joints connect, that it is in.
+    pub(crate) components: Vec<u32>,
+    /// Number of components.
+    pub(crate) component_count: usize,
 }
 
 impl Sparsity {
@@ -60,6 +64,26 @@ impl Sparsity {
             let block = self.block_of(at[0].min(at[1]), at[0].max(at[1]));
             self.edge_blocks.push(EdgeBlock { block, is_flipped });
         }
+        self.find_components();
+    }
+
+    /// Bodies whose elimination ends with the same one are connected.
+    fn find_components(&mut self) {
+        let mut components = std::mem::take(&mut self.components);
+        components.clear();
+        components.resize(self.order.len(), 0);
+        self.component_count = 0;
+        for at in (0..self.order.len()).rev() {
+            let body = self.order[at] as usize;
+            components[body] = match self.columns_of(at).first() {
+                Some(column) => components[self.order[column.to as usize] as usize],
+                None => {
+                    self.component_count += 1;
+                    self.component_count as u32 - 1
+                }
+            };
+        }
+        self.components = components;
     }
 
     /// Finds the order; by body, those that it is coupled with when its turn comes.

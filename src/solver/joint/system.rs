@@ -4,6 +4,7 @@ use crate::bodies::free_rotation::FreeRotation;
 use crate::joints::joint::Joint;
 use crate::solver::joint::factor::Factor;
 use crate::solver::joint::measure::{Frames, Place};
+use crate::solver::joint::rounds::Rounds;
 use crate::solver::joint::row::JointRow;
 use crate::solver::joint::rows::{HalfSettings, add_rows};
 use crate::solver::joint::sparsity::{EdgeBlock, Sparsity};
@@ -108,6 +109,8 @@ pub(crate) struct JointSystem {
     pub(crate) pushes: Vec<Vector6>,
     /// Impulses that rows miss.
     pub(super) missing: Vec<f64>,
+    /// The search for where bodies are to go.
+    pub(super) rounds: Rounds,
 }
 
 impl JointSystem {
@@ -342,6 +345,12 @@ impl BatchJoint {
             JointEndpoint::Jointed(body) => Some(body as usize),
             JointEndpoint::Fixed(_) => None,
         })
+    }
+
+    /// The component of connected bodies that it belongs to.
+    pub(super) fn component(&self, sparsity: &Sparsity) -> u32 {
+        let body = self.jointed().next();
+        body.map_or(0, |body| sparsity.components[body])
     }
 
     /// Its bodies, if joints move both.

@@ -1,0 +1,28 @@
+//! Which joints stay open in a sub-step, and what drives have given in it.
+
+use crate::solver::joint::row::RowKind;
+use crate::solver::joint::system::{BatchJoint, JointSystem};
+use std::ops::Range;
+
+impl JointSystem {
+    /// Whether some of these joints are among components that do not hold at the end of the motion.
+    pub(crate) fn stay_open(&self, joints: Range<usize>) -> bool {
+        let mut joints = self.joints[joints].iter();
+        joints.any(|joint| self.rounds.leave_open(joint.component(&self.sparsity)))
+    }
+
+    /// What motors and springs of these joints have given in the sub-step, J, those that have taken some not counted.
+    pub(crate) fn given_by_drives(&self, joints: Range<usize>) -> f64 {
+        let of_joint = |joint: &BatchJoint| -> f64 {
+            let rows = self.rows[joint.rows.clone()].iter();
+            let drives =
+                rows.filter(|row| matches!(row.kind, RowKind::Velocity(_) | RowKind::Spring(_)));
+            let given = drives.map(|row| {
+                let now = row.velocity(joint.velocities(&self.velocities));
+                0.5 * (row.spent + row.impulse) * (row.velocity_before + now)
+            });
+            given.map(|given| given.max(0.0)).sum()
+        };
+        self.joints[joints].iter().map(of_joint).sum()
+    }
+}
