@@ -8,8 +8,7 @@ use crate::joints::Joints;
 use glam::Vec3;
 
 impl Joints {
-    /// Gives the joints of bodies that broke since this was last asked to the pieces that their anchors are in, or nearest to, with
-    /// their multipliers.
+    /// Gives the joints of bodies that broke since this was last asked to the pieces that their anchors are in, or nearest to.
     pub(crate) fn inherit(&mut self, bodies: &mut Bodies, fractures: &Fractures) {
         if self.is_empty() {
             return;

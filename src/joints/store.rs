@@ -12,12 +12,6 @@ use glam::Vec3;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct JointId(pub u32);
 
-/// Rows that a joint may have: per axis two ends of the range, drive, friction; six axes and the distance.
-pub(crate) const ROWS: usize = 4 * 7;
-
-/// Forces of the rows, N or N m.
-pub(crate) type RowForces = [f32; ROWS];
-
 /// A body of a joint, or the world.
 pub(crate) type JointEnd = Option<(u32, BodyId)>;
 
@@ -58,7 +52,6 @@ pub(crate) struct JointRecord {
     pub(crate) id: JointId,
     pub(crate) joint: Joint,
     pub(crate) ends: [JointEnd; 2],
-    pub(crate) forces: RowForces,
     pub(crate) load: JointLoad,
     /// Energy in its springs, J.
     pub(crate) stored_energy: f32,
@@ -108,7 +101,6 @@ impl Joints {
             id,
             joint,
             ends,
-            forces: [0.0; ROWS],
             load: JointLoad::default(),
             stored_energy: 0.0,
             is_inherited: false,
@@ -262,7 +254,6 @@ impl Joints {
             else {
                 continue;
             };
-            known.forces = record.forces;
             known.load = record.load;
             known.stored_energy = record.stored_energy;
         }

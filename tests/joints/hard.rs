@@ -220,6 +220,90 @@ fn a_bridge_whose_ends_are_too_near_comes_together() {
     assert!(largest < 1e-4, "{largest}");
 }
 
+/// So many sub-steps, whatever they leave amiss.
+fn substeps(simulation: &mut Simulation, count: u32) {
+    let fixed = SoftStep {
+        min_substeps: count,
+        max_substeps: count,
+        tolerance: None,
+        ..SoftStep::default()
+    };
+    simulation.config = SolverConfig {
+        sleep: simulation.config.sleep,
+        ..fixed.into()
+    };
+}
+
+/// Nothing that is straight between two fixed ends can bear a load across: it opens as far as it must, and stays together.
+#[test]
+fn a_straight_bridge_under_a_load_stays_together() {
+    for (count, bound) in [
+        (None, 0.05),
+        (Some(16), 0.05),
+        (Some(4), 0.3),
+        (Some(1), 3.0),
+    ] {
+        let (mut simulation, ids) = bridge(40, 0.0, 0.0);
+        if let Some(count) = count {
+            substeps(&mut simulation, count);
+        }
+        let load = heavy(Vec3::new(2.0, 1.0, 1.6), Vec3::new(10.0, 0.6, 0.0), 5000.0);
+        let load = simulation.bodies.insert(load).expect("usable");
+        let (mut largest, mut highest) = (0.0_f64, 0.0_f32);
+        for _ in 0..300 {
+            simulation.step(H);
+            largest = largest.max(largest_gap(&simulation, &ids));
+            highest = highest.max(simulation.bodies.center_of_mass(load).y);
+        }
+        let at = simulation.bodies.center_of_mass(load);
+        println!(
+            "straight bridge, {count:?} sub-steps: {largest:e} m, load up to {highest} m, at {at}"
+        );
+        assert!(largest < bound, "{count:?}: {largest}");
+        assert!(highest < 3.0, "{count:?}: {highest}");
+    }
+}
+
+/// With fewer sub-steps than a heavy load at the end of a chain asks for, joints open; nothing gains energy.
+#[test]
+fn few_substeps_open_a_chain_and_do_not_blow_it_up() {
+    for (count, ratio) in [1, 2, 3, 4]
+        .into_iter()
+        .flat_map(|n| [(n, 100.0), (n, 1000.0)])
+    {
+        let mut simulation = awake();
+        substeps(&mut simulation, count);
+        let mut last = None;
+        let mut slots = Vec::new();
+        for i in 0..=10_u8 {
+            let is_load = i == 10;
+            let mass = if is_load { ratio } else { 1.0 };
+            let side = if is_load { 1.0 } else { 0.1 };
+            let at = Vec3::new(f32::from(i) + 0.5, 0.0, 0.0);
+            let link = heavy(Vec3::new(1.0, side, side), at, mass);
+            let slot = simulation.bodies.insert(link).expect("usable");
+            let seam = Vec3::new(f32::from(i), 0.0, 0.0);
+            let anchors = [last, Some(slot)].map(|slot| local(&simulation, slot, seam));
+            let joint = Joint::ball().with_anchors(anchors[0], anchors[1]);
+            simulation.join(last, slot, joint).expect("usable");
+            slots.push((slot, f64::from(mass)));
+            last = Some(slot);
+        }
+        let mut most = 0.0_f64;
+        for _ in 0..240 {
+            simulation.step(H);
+            let of = |&(slot, mass): &(u32, f64)| {
+                let height = f64::from(simulation.bodies.center_of_mass(slot).y);
+                simulation.bodies.kinetic_energy(slot) + mass * 9.81 * height
+            };
+            most = most.max(slots.iter().map(of).sum());
+        }
+        let height = most / (9.81 * (f64::from(ratio) + 10.0));
+        println!("{count} sub-steps, load {ratio}: energy of {height:e} m at most");
+        assert!(height < 0.5, "{count}, {ratio}: {height}");
+    }
+}
+
 #[test]
 fn a_box_on_a_chain_rests_on_the_floor_and_on_the_chain() {
     // Contacts and joints of one island: the load lies on the floor, and a kinematic body drags it by a chain.

@@ -193,7 +193,7 @@ fn loaded_bridges_and_ropes_do_not_fly_apart_with_any_effort() {
     for _ in 0..14 {
         let bridge = Bridge::random(&mut dice);
         let rate = [30.0, 60.0, 120.0][dice.below(3)];
-        for ((name, config), worst) in efforts().iter().zip(&mut worst) {
+        for ((_, config), worst) in efforts().iter().zip(&mut worst) {
             let mut simulation = simulation_with(config);
             let ids = bridge.add(&mut simulation);
             let outcome = watch(&mut simulation, &ids, 1.0 / rate, 2.0);

@@ -83,7 +83,7 @@ impl Batch {
     /// Takes back what the joints bore; `joints`: those of the step.
     pub(crate) fn store_joints(&self, joints: &mut [JointRecord]) {
         let system = &self.joints.system;
-        let (step_dt, h) = (self.settings.step_dt(), self.settings.substep_dt);
+        let step_dt = self.settings.step_dt();
         for ((index, _), joint) in self.layout.joints.iter().zip(&system.joints) {
             let record = &mut joints[*index as usize];
             let [force, torque] = joint.impulse.map(|impulse| impulse.as_vec3() / step_dt);
@@ -93,11 +93,8 @@ impl Batch {
             record.load.angle = joint.angle as f32;
             let translation = joint.now.as_ref().map(|now| now.translation().as_vec3());
             record.load.translation = translation.unwrap_or_default();
-            record.forces.fill(0.0);
             record.stored_energy = 0.0;
             for row in &system.rows[joint.rows.clone()] {
-                let force = (row.impulse + row.spent) as f32 / h;
-                record.forces[usize::from(row.slot)] = force;
                 record.stored_energy += row.stored_energy() as f32;
             }
         }

@@ -130,7 +130,6 @@ impl Batch {
         self.joints.ends.resize(self.bodies.velocities.len(), None);
         // The world.
         self.joints.system.fixed.push(FixedBody::default());
-        let h = self.settings.substep_dt;
         for at in 0..self.layout.joints.len() {
             let (index, numbers) = self.layout.joints[at];
             let record = &joints[index as usize];
@@ -144,11 +143,9 @@ impl Batch {
                 let center = centers[side].map_or(Vec3::ZERO, |slot| bodies.mass(slot).center);
                 frames[side].position.as_dvec3() - center.as_dvec3()
             });
-            let forces = (0..).zip(record.forces).filter(|(_, force)| *force != 0.0);
-            let rows = forces.map(|(slot, force)| (slot, f64::from(h * force)));
             let angle = record.load.angle.into();
             let system = &mut self.joints.system;
-            system.add_joint(record.joint, ends, anchors, angle, rows);
+            system.add_joint(record.joint, ends, anchors, angle);
             let far = centers.map(|slot| {
                 slot.map_or(0.0, |slot| bodies.center[slot as usize].abs().max_element())
             });
@@ -260,7 +257,7 @@ impl Batch {
         if is_first {
             system.linearise();
         }
-        system.begin_ahead(&half, self.joints.has_contacts);
+        system.begin_ahead(&half);
         self.return_velocities();
     }
 
@@ -280,10 +277,9 @@ impl Batch {
             return;
         }
         self.fetch_velocities();
-        let settings = &self.settings;
-        let (h, speed) = (settings.substep_dt.into(), settings.push_out_speed.into());
+        let (h, width) = (self.settings.substep_dt.into(), self.settings.lane_width);
         let BatchJoints { system, drift, .. } = &mut self.joints;
-        system.keep_together(drift, h, speed, settings.lane_width);
+        system.keep_together(drift, h, width);
         self.return_velocities();
     }
 

@@ -79,6 +79,8 @@ impl Batch {
         }
         self.warm_start(team);
         self.begin_joints(is_first);
+        // Contacts see bodies that joints hold.
+        self.solve_joints();
         let sweeps = self.settings.sweeps;
         self.sweep(sweeps, targets.solve, targets.tolerance, team);
     }

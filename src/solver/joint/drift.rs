@@ -25,8 +25,8 @@ const TOLERANCE: f64 = 2e-7;
 /// that is to be shorter, rigid rows would move them by any amount.
 const PUSH_EPSILON: f64 = 1e-2;
 
-/// Fastest motion of a body that is pushed, over the speed at which what is apart is brought together.
-const MOST_PUSH: f64 = 4.0;
+/// Farthest way of a body that is pushed, over that by which what is apart comes together.
+const MOST_PUSH: f64 = 2.0;
 
 /// Where bodies are after a motion.
 #[derive(Debug, Default)]
@@ -45,14 +45,8 @@ pub(crate) struct Moved {
 
 impl JointSystem {
     /// Changes velocities and impulses so that the joints hold where the bodies are `h` seconds later, which `drift` says then. Pushes
-    /// together what is apart for another reason than motion, at a speed of at most some `push_out_speed`, m/s.
-    pub(crate) fn keep_together(
-        &mut self,
-        drift: &mut Drift,
-        h: f64,
-        push_out_speed: f64,
-        width: LaneWidth,
-    ) {
+    /// together what is apart for another reason than motion.
+    pub(crate) fn keep_together(&mut self, drift: &mut Drift, h: f64, width: LaneWidth) {
         self.pushes.clear();
         self.rounds.begin(self.sparsity.component_count.max(1));
         let mut has_retreated = false;
@@ -72,7 +66,7 @@ impl JointSystem {
         }
         let is_pushed = self.rows.iter().any(|row| row.push != 0.0);
         if is_pushed {
-            self.find_pushes(h, push_out_speed);
+            self.find_pushes(h);
         }
         if is_pushed || has_retreated {
             drift.follow(self, h, width);
@@ -192,9 +186,12 @@ impl JointSystem {
     }
 
     /// Finds velocities that push the bodies to where they belong and move no other joint.
-    fn find_pushes(&mut self, h: f64, push_out_speed: f64) {
+    fn find_pushes(&mut self, h: f64) {
         self.missing.clear();
+        let mut farthest = 0.0_f64;
         for row in &mut self.rows {
+            // An angle goes by its arc at a lever of 1 m.
+            farthest = farthest.max(row.push.abs());
             if row.is_rigid() {
                 row.stiffness *= EPSILON / PUSH_EPSILON;
             }
@@ -211,8 +208,8 @@ impl JointSystem {
         self.find_changes();
         let speed = |change: &Vector6| split(change)[0].length();
         let fastest = self.changes.iter().map(speed).fold(0.0, f64::max);
-        // A chain that is straight cannot become shorter but by much to the side.
-        let share = (MOST_PUSH * push_out_speed / fastest).min(1.0);
+        // A chain that is straight cannot become shorter but by much to the side, where others stand.
+        let share = (MOST_PUSH * farthest / (h * fastest)).min(1.0);
         let position = &self.sparsity.position;
         let changes = position.iter().map(|&at| &self.changes[at as usize]);
         self.pushes

@@ -2,29 +2,12 @@
 
 use crate::solver::joint::row::RowState;
 use crate::solver::joint::system::{JointEndpoint, JointSystem};
-use crate::solver::joint::vector6::{add_scaled, join, split};
+use crate::solver::joint::vector6::add_scaled;
 
 /// Most rounds in which it is found out which rows act; in the second half of them none that has been found idle acts again.
 const ROUNDS: usize = 12;
 
 impl JointSystem {
-    /// Gives the bodies what the impulses of the rows are worth.
-    pub(super) fn apply_impulses(&mut self) {
-        for joint in &self.joints {
-            for row in &self.rows[joint.rows.clone()] {
-                for (side, end) in joint.ends.into_iter().enumerate() {
-                    let JointEndpoint::Jointed(body) = end else {
-                        continue;
-                    };
-                    let [linear, angular] = split(&row.jacobian[side]);
-                    let body_now = &self.bodies[body as usize];
-                    let gain = join(linear / body_now.mass, body_now.inverse_inertia * angular);
-                    add_scaled(&mut self.velocities[body as usize], row.impulse, &gain);
-                }
-            }
-        }
-    }
-
     /// Rows that have not been asked yet act if they would alone.
     pub(super) fn guess_states(&mut self) {
         for joint in &self.joints {

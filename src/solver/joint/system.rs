@@ -123,28 +123,21 @@ impl JointSystem {
         self.rows.clear();
     }
 
-    /// Adds a joint; `rows`: those that it had in the step before, by their slots, with their impulses.
+    /// Adds a joint.
     pub(crate) fn add_joint(
         &mut self,
         joint: Joint,
         ends: [JointEndpoint; 2],
         anchors: [DVec3; 2],
         angle: f64,
-        rows: impl Iterator<Item = (u8, f64)>,
     ) {
-        let first = self.rows.len();
-        self.rows.extend(rows.map(|(slot, impulse)| JointRow {
-            slot,
-            impulse,
-            ..JointRow::default()
-        }));
         let frames = [joint.frame_a, joint.frame_b].map(|frame| frame.rotation.as_dquat());
         self.joints.push(BatchJoint {
             joint: joint.with_directions(),
             ends,
             anchors,
             frames: frames.map(DQuat::normalize),
-            rows: first..self.rows.len(),
+            rows: 0..0,
             edge: None,
             now: None,
             angle,
@@ -245,8 +238,9 @@ impl JointSystem {
         of(0) + of(1)
     }
 
-    /// Begins the first half of a sub-step: rows aim at where the bodies are to be. The impulses that they have act.
-    pub(crate) fn begin_ahead(&mut self, half: &HalfSettings, keeps_impulses: bool) {
+    /// Begins the first half of a sub-step: rows aim at where the bodies are to be. Impulses of the sub-step before do not act: they may
+    /// be any where a chain is as good as straight between fixed ends, and along rows that have turned since they would throw it.
+    pub(crate) fn begin_ahead(&mut self, half: &HalfSettings) {
         self.find_swings(half.substep_dt);
         if self.factored_kick != half.kick && self.has_springs() {
             self.is_factored = false;
@@ -270,13 +264,8 @@ impl JointSystem {
                     [joint.slack, joint.levers()]
                 };
                 row.aim_ahead(half, swing, tolerances);
-                if !keeps_impulses {
-                    row.impulse = 0.0;
-                }
+                row.impulse = 0.0;
             }
-        }
-        if keeps_impulses {
-            self.apply_impulses();
         }
         self.guess_states();
     }
