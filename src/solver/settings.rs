@@ -1,12 +1,17 @@
 //! What the sub-steps of a step are told: the user's configuration as numbers that every method has.
 
 use crate::simd::lanes::LaneWidth;
-use crate::solver::adaptivity::IslandRequirements;
+use crate::solver::adaptivity::{IslandRequirements, JointPresence};
 use crate::solver::config::{FrictionModel, Method, Pgs, SoftStep, SolverConfig};
 use crate::solver::graph::contact_order::ContactOrder;
 use crate::solver::rows::soft_step::{Bias, RowSoftness, Softness};
 use crate::solver::wide::bond::{BOND_DAMPING, BOND_RATE};
 use glam::Vec3;
+
+/// How many times the natural frequency and the damping ratio of contacts are larger in an island that has joints too: they are pushed
+/// out as fast, and give way 16 times less. What hangs on a body by joints is not in the effective mass of its contacts, so a foot
+/// would give way like a foot under a load of many times its mass, or ask for that many more sub-steps (`docs/decisions/joints.md`).
+const STIFFNESS_AMONG_JOINTS: f32 = 4.0;
 
 /// Which of the [`Method`]s solves, without its settings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -55,6 +60,8 @@ pub struct SubstepSettings {
     pub contact_frequency: f32,
     /// Damping ratio of soft contacts: the field of [`SoftStep`] or what it stands for.
     pub damping_ratio: f32,
+    /// Times which frequency and damping ratio of contacts are larger than these in this island.
+    pub stiffness: f32,
     /// See [`Pgs::baumgarte`].
     pub baumgarte: f32,
     /// See [`Pgs::slop`].
@@ -117,6 +124,7 @@ impl SubstepSettings {
             relax_sweeps: soft_step.relax_sweeps,
             contact_frequency: soft_step.contact_frequency,
             damping_ratio: soft_step.damping_ratio(),
+            stiffness: 1.0,
             baumgarte: 0.0,
             slop: 0.0,
             push_out_speed: 0.0,
@@ -170,6 +178,7 @@ impl SubstepSettings {
         Self {
             substeps,
             substep_dt: self.step_dt() / substeps as f32,
+            stiffness: self.stiffness_for(requirements),
             ..*self
         }
     }
@@ -180,10 +189,19 @@ impl SubstepSettings {
             return self.substeps;
         }
         let step_dt = self.step_dt();
-        let per_radian = step_dt / (std::f32::consts::TAU * self.contact_frequency);
+        let frequency = self.stiffness_for(requirements) * self.contact_frequency;
+        let per_radian = step_dt / (std::f32::consts::TAU * frequency);
         let parts = per_radian * (requirements.load / (step_dt * self.sag)).sqrt();
         // A number that is not finite becomes one end of the range.
         (parts.ceil() as u32).clamp(self.substeps, self.max_substeps.max(self.substeps))
+    }
+
+    /// See [`stiffness`](Self::stiffness); 1 where the user has fixed the number of sub-steps.
+    fn stiffness_for(&self, requirements: &IslandRequirements) -> f32 {
+        match requirements.joints {
+            JointPresence::AmongContacts if self.depends_on_load() => STIFFNESS_AMONG_JOINTS,
+            _ => 1.0,
+        }
     }
 
     /// Whether the number of parts depends on the load.
@@ -196,10 +214,13 @@ impl SubstepSettings {
         if self.method != MethodKind::SoftStep {
             return RowSoftness::HARD;
         }
-        let of = |ratio| Softness::new(self.contact_frequency, ratio, self.substep_dt);
+        let of = |times: f32, ratio: f32| {
+            let frequency = times * self.contact_frequency;
+            Softness::new(frequency, times * ratio, self.substep_dt)
+        };
         RowSoftness {
-            contacts: of(self.damping_ratio),
-            bonds: of(BOND_DAMPING),
+            contacts: of(self.stiffness, self.damping_ratio),
+            bonds: of(1.0, BOND_DAMPING),
         }
     }
 
