@@ -110,7 +110,7 @@ fn report(
         .sum();
     let removed = simulation.fractures.removed;
     let all = 125.0 * blocks as f64;
-    let minute = (60.0 / H) as usize;
+    let minute = (60.0 / H).round() as usize;
     let of_minute = |number: usize| times.chunks(minute).nth(number).unwrap_or(times);
     let last = times.len().div_ceil(minute).saturating_sub(1);
     println!("blocks: {blocks}");

@@ -52,7 +52,8 @@ fn instructions(counts: &Result<Counts, Error>) -> String {
         "## Instructions\n\n\
          Counted by callgrind within the kernel only, in the second run of each, on one thread. The baseline is \
          [counts.csv](counts.csv); `cargo run --release --example performance -- --compare` says what is more than 2 % off it, and \
-         `-- --publish` renews it together with this page. Counts of another compiler differ.\n\n",
+         `-- --publish` renews it together with this page. Counts of another compiler differ. The C library is kept from filling and \
+         copying memory by one instruction that repeats itself, of which callgrind counts each byte.\n\n",
     );
     match counts {
         Ok(counts) => {

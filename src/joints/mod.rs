@@ -5,7 +5,7 @@
 //! | `axis.rs` | what one direction of motion may do: range, softness, drive, friction |
 //! | `joint.rs` | `Joint`: two frames and six axes, and the kinds that are made of them |
 //! | `error.rs` | why a joint is not usable |
-//! | `store.rs` | `Joints`: who is joined to whom, multipliers, loads, what broke |
+//! | `store.rs` | `Joints`: who is joined to whom, loads, what broke |
 //!
 //! Must not know rows or how anything is solved: that is `solver/joint`. Read `joint.rs` first.
 
