@@ -29,32 +29,29 @@ impl EdgeLists {
         self.head.resize(vertices, NONE);
     }
 
-    /// The value of the edge between `a` and `b`.
-    pub(super) fn get(&self, a: u32, b: u32) -> Option<u32> {
+    /// The entry of the edge between `a` and `b`.
+    #[inline]
+    fn find(&self, a: u32, b: u32) -> Option<usize> {
         let (low, high) = (a.min(b), a.max(b));
         let mut at = self.head[low as usize];
         while at != NONE {
             let entry = self.entries[at as usize];
             if entry.other == high {
-                return Some(entry.value);
+                return Some(at as usize);
             }
             at = entry.next;
         }
         None
     }
 
+    /// The value of the edge between `a` and `b`.
+    pub(super) fn get(&self, a: u32, b: u32) -> Option<u32> {
+        self.find(a, b).map(|at| self.entries[at].value)
+    }
+
     /// The value of the edge between `a` and `b`, to be changed.
     pub(super) fn get_mut(&mut self, a: u32, b: u32) -> Option<&mut u32> {
-        let (low, high) = (a.min(b), a.max(b));
-        let mut at = self.head[low as usize];
-        while at != NONE {
-            let entry = self.entries[at as usize];
-            if entry.other == high {
-                return Some(&mut self.entries[at as usize].value);
-            }
-            at = entry.next;
-        }
-        None
+        self.find(a, b).map(|at| &mut self.entries[at].value)
     }
 
     /// Calls `each` with the other ends of all edges from `a` to vertices of larger number.

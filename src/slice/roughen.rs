@@ -24,6 +24,12 @@ impl CutLooks {
         }
     }
 
+    /// Whether [`visual_of`](Self::visual_of) a shape has anything to see.
+    pub(crate) fn has_visual(&self, shape: &ConvexMesh) -> bool {
+        let visual = shape.visual();
+        visual.map_or(self.relief.is_some(), |mesh| !mesh.triangles().is_empty())
+    }
+
     /// Farthest that a face is from where it was cut, m.
     pub(crate) fn amplitude(&self) -> f64 {
         self.relief

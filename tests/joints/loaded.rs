@@ -3,25 +3,17 @@
 use crate::common::dice::Dice;
 use crate::common::ragdoll::add_ragdoll;
 use crate::common::scenes::awake;
-use crate::scene::{gap, heavy};
+use crate::scene::{Bridge, fixed_substeps, heavy, largest_gap};
 use bevy_cleave::prelude::*;
-use glam::{Quat, Vec3};
+use glam::Vec3;
 
 /// Efforts, from the least: sub-steps, or what the presets have.
 fn efforts() -> [(&'static str, SolverConfig); 6] {
-    let fixed = |substeps: u32| {
-        SolverConfig::from(SoftStep {
-            min_substeps: substeps,
-            max_substeps: substeps,
-            tolerance: None,
-            ..SoftStep::default()
-        })
-    };
     [
-        ("1 sub-step", fixed(1)),
-        ("2 sub-steps", fixed(2)),
+        ("1 sub-step", fixed_substeps(1)),
+        ("2 sub-steps", fixed_substeps(2)),
         ("fast", SolverConfig::fast()),
-        ("8 sub-steps", fixed(8)),
+        ("8 sub-steps", fixed_substeps(8)),
         ("default", SolverConfig::default()),
         ("paper", SolverConfig::paper()),
     ]
@@ -39,17 +31,8 @@ const MOST_ENERGY: f64 = 1.05;
 
 /// A hanging bridge, or with one end a rope, and what falls on it.
 #[derive(Clone, Copy, Debug)]
-struct Bridge {
-    planks: u8,
-    /// m
-    plank: Vec3,
-    /// kg
-    mass: f32,
-    /// Below the ends, as a share of the length.
-    sag: f32,
-    /// Ball joints of a seam.
-    per_seam: u8,
-    has_far_end: bool,
+struct LoadedBridge {
+    bridge: Bridge,
     loads: u8,
     /// Mass of a load over that of a plank.
     ratio: f32,
@@ -57,11 +40,11 @@ struct Bridge {
     height: f32,
 }
 
-impl Bridge {
+impl LoadedBridge {
     fn random(dice: &mut Dice) -> Self {
         let length = dice.in_range(0.1, 1.0);
         let root_of_ratio = dice.in_range(1.0, 10.0);
-        Self {
+        let mut bridge = Bridge {
             planks: 4 + dice.below(60) as u8,
             plank: Vec3::new(
                 length,
@@ -69,65 +52,42 @@ impl Bridge {
                 dice.in_range(1.0, 4.0),
             ),
             mass: dice.in_range(1.0, 60.0),
-            sag: dice.in_range(0.005, 0.2),
-            per_seam: 1 + dice.below(2) as u8,
-            has_far_end: dice.below(4) > 0,
+            height: 0.0,
+            sag: 0.0,
+            per_seam: 1,
+            has_far_end: true,
+        };
+        bridge.sag = 2.0 * bridge.half() * dice.in_range(0.005, 0.2);
+        bridge.per_seam += dice.below(2) as u8;
+        bridge.has_far_end = dice.below(4) > 0;
+        Self {
+            bridge,
             loads: 1 + dice.below(4) as u8,
             ratio: root_of_ratio * root_of_ratio,
             height: dice.in_range(0.0, 2.0),
         }
     }
 
-    fn seam(&self, i: u8) -> Vec3 {
-        let half = 0.5 * f32::from(self.planks) * self.plank.x;
-        let x = f32::from(i) * self.plank.x - half;
-        let share = x / half;
-        Vec3::new(x, -2.0 * half * self.sag * (1.0 - share * share), 0.0)
-    }
-
-    /// Puts it up; its joints.
+    /// Puts it up, and its loads above it; its joints.
     fn add(&self, simulation: &mut Simulation) -> Vec<JointId> {
-        let mut ids = Vec::new();
-        let mut last: Option<u32> = None;
-        for i in 0..=self.planks {
-            let plank = (i < self.planks).then(|| {
-                let (from, to) = (self.seam(i), self.seam(i + 1));
-                let size = Vec3::new(0.95 * from.distance(to), self.plank.y, self.plank.z);
-                let mut plank = heavy(size, 0.5 * (from + to), self.mass);
-                plank.pose.rotation = Quat::from_rotation_arc(Vec3::X, (to - from).normalize());
-                simulation.bodies.insert(plank).expect("usable")
-            });
-            if plank.is_none() && !self.has_far_end {
-                break;
-            }
-            for k in 0..self.per_seam {
-                let across =
-                    0.9 * self.plank.z * (f32::from(k) - 0.5 * f32::from(self.per_seam - 1));
-                let at = self.seam(i) + across * Vec3::Z;
-                let local = |slot: Option<u32>| {
-                    let pose = slot.map_or(Pose::IDENTITY, |slot| simulation.bodies.pose(slot));
-                    pose.inverse_transform_point(at)
-                };
-                let (a, b) = match plank {
-                    Some(plank) => (last, plank),
-                    None => (None, last.expect("there are planks")),
-                };
-                let joint = Joint::ball().with_anchors(local(a), local(Some(b)));
-                ids.push(simulation.join(a, b, joint).expect("usable"));
-            }
-            last = plank;
-        }
-        let spacing = f32::from(self.planks) * self.plank.x / f32::from(self.loads);
-        let edge = (0.6 * self.plank.z).min(0.7 * spacing);
+        let Bridge {
+            planks,
+            plank,
+            mass,
+            ..
+        } = self.bridge;
+        let ids = self.bridge.add(simulation);
+        let spacing = f32::from(planks) * plank.x / f32::from(self.loads);
+        let edge = (0.6 * plank.z).min(0.7 * spacing);
         for k in 0..self.loads {
             let share = (f32::from(k) + 0.5) / f32::from(self.loads);
-            let under = self.seam((share * f32::from(self.planks)) as u8);
+            let under = self.bridge.seam((share * f32::from(planks)) as u8);
             // Clear of planks that rise to the ends.
-            let up = edge + self.plank.y + self.height;
+            let up = edge + plank.y + self.height;
             let load = heavy(
                 Vec3::splat(edge),
                 Vec3::new(under.x, under.y.max(-edge) + up, 0.0),
-                self.ratio * self.mass,
+                self.ratio * mass,
             );
             simulation.bodies.insert(load).expect("usable");
         }
@@ -177,9 +137,7 @@ fn watch(simulation: &mut Simulation, ids: &[JointId], h: f32, seconds: f32) -> 
         outcome.gain = outcome
             .gain
             .max(if gain.is_nan() { f64::INFINITY } else { gain });
-        for &id in ids {
-            outcome.gap = outcome.gap.max(gap(simulation, id));
-        }
+        outcome.gap = outcome.gap.max(largest_gap(simulation, ids));
     }
     outcome
 }
@@ -189,13 +147,13 @@ fn loaded_bridges_and_ropes_do_not_fly_apart_with_any_effort() {
     let mut dice = Dice::new(31);
     let mut worst = [(0.0_f64, 0.0_f64, 0); 6];
     for _ in 0..14 {
-        let bridge = Bridge::random(&mut dice);
+        let loaded = LoadedBridge::random(&mut dice);
         let rate = [30.0, 60.0, 120.0][dice.below(3)];
         for ((_, config), worst) in efforts().iter().zip(&mut worst) {
             let mut simulation = simulation_with(config);
-            let ids = bridge.add(&mut simulation);
+            let ids = loaded.add(&mut simulation);
             let outcome = watch(&mut simulation, &ids, 1.0 / rate, 2.0);
-            let size = f64::from(bridge.plank.x);
+            let size = f64::from(loaded.bridge.plank.x);
             *worst = (
                 worst.0.max(outcome.gap / size),
                 worst.1.max(outcome.gain),

@@ -97,6 +97,92 @@ impl Chain {
     }
 }
 
+/// The largest gap of some joints, m.
+pub(crate) fn largest_gap(simulation: &Simulation, ids: &[JointId]) -> f64 {
+    ids.iter()
+        .map(|&id| gap(simulation, id))
+        .fold(0.0, f64::max)
+}
+
+/// A point of the world in the frame of a body, or of the world.
+pub(crate) fn local(simulation: &Simulation, slot: Option<u32>, at: Vec3) -> Vec3 {
+    let pose = slot.map_or(Pose::IDENTITY, |slot| simulation.bodies.pose(slot));
+    pose.inverse_transform_point(at)
+}
+
+/// So many sub-steps, whatever they leave amiss.
+pub(crate) fn fixed_substeps(count: u32) -> SolverConfig {
+    SolverConfig::from(SoftStep {
+        min_substeps: count,
+        max_substeps: count,
+        tolerance: None,
+        ..SoftStep::default()
+    })
+}
+
+/// A bridge of planks that hangs between two fixed ends, or a rope of them with one.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bridge {
+    pub(crate) planks: u8,
+    /// m
+    pub(crate) plank: Vec3,
+    /// Of a plank, kg.
+    pub(crate) mass: f32,
+    /// Height of the ends, m.
+    pub(crate) height: f32,
+    /// How far the middle is below the ends, m: what is straight between two fixed ends cannot bear anything across.
+    pub(crate) sag: f32,
+    /// Ball joints of a seam.
+    pub(crate) per_seam: u8,
+    pub(crate) has_far_end: bool,
+}
+
+impl Bridge {
+    /// Half of its length, m.
+    pub(crate) fn half(&self) -> f32 {
+        0.5 * f32::from(self.planks) * self.plank.x
+    }
+
+    /// Where a seam is: on a parabola.
+    pub(crate) fn seam(&self, i: u8) -> Vec3 {
+        let half = self.half();
+        let x = f32::from(i) * self.plank.x - half;
+        let share = x / half;
+        Vec3::new(x, self.height - self.sag * (1.0 - share * share), 0.0)
+    }
+
+    /// Puts it up; its joints.
+    pub(crate) fn add(&self, simulation: &mut Simulation) -> Vec<JointId> {
+        let mut ids = Vec::new();
+        let mut last: Option<u32> = None;
+        for i in 0..=self.planks {
+            let plank = (i < self.planks).then(|| {
+                let (from, to) = (self.seam(i), self.seam(i + 1));
+                let size = Vec3::new(0.95 * from.distance(to), self.plank.y, self.plank.z);
+                let mut plank = heavy(size, 0.5 * (from + to), self.mass);
+                plank.pose.rotation = Quat::from_rotation_arc(Vec3::X, (to - from).normalize());
+                simulation.bodies.insert(plank).expect("usable")
+            });
+            if plank.is_none() && !self.has_far_end {
+                break;
+            }
+            for k in 0..self.per_seam {
+                let from_middle = f32::from(k) - 0.5 * f32::from(self.per_seam - 1);
+                let at = self.seam(i) + 0.9 * self.plank.z * from_middle * Vec3::Z;
+                let (a, b) = match plank {
+                    Some(plank) => (last, plank),
+                    None => (None, last.expect("there are planks")),
+                };
+                let anchors = [a, Some(b)].map(|slot| local(simulation, slot, at));
+                let joint = Joint::ball().with_anchors(anchors[0], anchors[1]);
+                ids.push(simulation.join(a, b, joint).expect("usable"));
+            }
+            last = plank;
+        }
+        ids
+    }
+}
+
 /// Random numbers that are the same everywhere.
 pub(crate) struct Random(rand_pcg::Pcg32);
 

@@ -2,7 +2,7 @@
 
 use crate::common::ragdoll::add_ragdoll;
 use crate::common::scenes::awake;
-use crate::scene::{Random, gap, heavy};
+use crate::scene::{Bridge, Random, heavy, largest_gap};
 use bevy_cleave::prelude::*;
 use glam::{Quat, Vec3};
 
@@ -19,12 +19,6 @@ fn fixed(size: Vec3, at: Vec3) -> BodyDesc {
 
 fn floor() -> BodyDesc {
     BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y })
-}
-
-fn largest_gap(simulation: &Simulation, ids: &[JointId]) -> f64 {
-    ids.iter()
-        .map(|&id| gap(simulation, id))
-        .fold(0.0, f64::max)
 }
 
 fn fastest(simulation: &Simulation) -> f32 {
@@ -196,50 +190,25 @@ fn a_heavy_door_swings_on_a_light_frame() {
     assert!((angle - 1.2).abs() < 0.01, "{angle}");
 }
 
-/// How far the middle of the bridge hangs below its ends, m.
-const SAG: f32 = 1.5;
-
 /// A truck of 2 t with 3 t on it rolls over a bridge of 100 planks of 50 kg between two banks.
 #[test]
 fn a_truck_drives_over_a_suspension_bridge() {
     let mut simulation = awake();
-    let (planks, length) = (100_u8, 0.4_f32);
-    let half = 0.5 * f32::from(planks) * length;
+    let bridge = Bridge {
+        planks: 100,
+        plank: Vec3::new(0.4, 0.1, 4.0),
+        mass: 50.0,
+        height: -0.05,
+        sag: 1.5,
+        per_seam: 2,
+        has_far_end: true,
+    };
+    let half = bridge.half();
     for side in [-1.0, 1.0] {
         let at = Vec3::new(side * (half + 5.0), -0.5, 0.0);
         insert(&mut simulation, fixed(Vec3::new(10.0, 1.0, 6.0), at));
     }
-    let mut ids = Vec::new();
-    let mut last: Option<u32> = None;
-    // Seams on a parabola: what is straight between two fixed ends cannot bear anything across.
-    let seam = |i: u8| {
-        let x = -half + f32::from(i) * length;
-        let share = x / half;
-        Vec3::new(x, -0.05 - SAG * (1.0 - share * share), 0.0)
-    };
-    for i in 0..=planks {
-        let plank = (i < planks).then(|| {
-            let (from, to) = (seam(i), seam(i + 1));
-            let size = Vec3::new(0.95 * from.distance(to), 0.1, 4.0);
-            let mut plank = heavy(size, 0.5 * (from + to), 50.0);
-            plank.pose.rotation = Quat::from_rotation_arc(Vec3::X, (to - from).normalize());
-            insert(&mut simulation, plank)
-        });
-        for z in [-1.8, 1.8] {
-            let at = seam(i) + z * Vec3::Z;
-            let local = |slot: Option<u32>| {
-                let pose = slot.map_or(Pose::IDENTITY, |slot| simulation.bodies.pose(slot));
-                pose.inverse_transform_point(at)
-            };
-            let (a, b) = match plank {
-                Some(plank) => (last, plank),
-                None => (None, last.expect("there are planks")),
-            };
-            let joint = Joint::ball().with_anchors(local(a), local(Some(b)));
-            ids.push(simulation.join(a, b, joint).expect("usable"));
-        }
-        last = plank;
-    }
+    let mut ids = bridge.add(&mut simulation);
     let chassis = heavy(
         Vec3::new(4.0, 0.4, 2.0),
         Vec3::new(-half - 4.0, 1.0, 0.0),

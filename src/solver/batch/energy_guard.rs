@@ -24,7 +24,7 @@ use crate::solver::batch::Batch;
 use crate::solver::batch::layout::Member;
 use crate::threads::team::Team;
 use crate::tuning::{MAX_LEAVES, MAX_PARTS, MIN_MEASURED_BODIES};
-use glam::Vec3;
+use glam::{Mat3, Vec3};
 use std::ops::{Add, Range};
 
 /// A closer look is taken where bodies may have more than this share of the energy that is allowed for linear motion alone.
@@ -224,9 +224,8 @@ impl Batch {
             let gain = &self.bodies.contact_velocity_changes[i];
             let mut cross =
                 f64::from(mass_of(&self.bodies.velocities[i]) * gain.linear.dot(linear));
-            let inverse = self.bodies.masses[i].inverse_inertia();
-            if inverse.determinant() > 0.0 {
-                cross += f64::from((inverse.inverse() * gain.angular).dot(angular));
+            if let Some(inertia) = inertia_of(&self.bodies.masses[i]) {
+                cross += f64::from((inertia * gain.angular).dot(angular));
             }
             sums.work -= cross;
             sums.square += cross;
@@ -283,10 +282,7 @@ impl Batch {
             sums.mass += f64::from(mass);
             let velocities = [gain.linear, now.linear];
             sums.add_body(velocities.map(|v| mass * v), velocities);
-            let inverse = solid.inverse_inertia();
-            // Bodies that contacts do not turn have no inverse.
-            if inverse.determinant() > 0.0 {
-                let inertia = inverse.inverse();
+            if let Some(inertia) = inertia_of(solid) {
                 let velocities = [gain.angular, now.angular];
                 sums.add_body(velocities.map(|v| inertia * v), velocities);
             }
@@ -327,6 +323,13 @@ fn inertia_over_mass(body: &BodyMass) -> f32 {
     } else {
         0.0
     }
+}
+
+/// Inertia tensor, kg m2; none of bodies that contacts do not turn.
+#[inline(always)]
+pub(super) fn inertia_of(body: &BodyMass) -> Option<Mat3> {
+    let inverse = body.inverse_inertia();
+    (inverse.determinant() > 0.0).then(|| inverse.inverse())
 }
 
 /// Mass, kg; zero where contacts give nothing.

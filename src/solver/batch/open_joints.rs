@@ -8,7 +8,7 @@
 
 use crate::bodies::solver_body::SolverBody;
 use crate::solver::batch::Batch;
-use crate::solver::batch::energy_guard::mass_of;
+use crate::solver::batch::energy_guard::{inertia_of, mass_of};
 use crate::solver::batch::layout::Member;
 
 impl Batch {
@@ -69,15 +69,12 @@ impl Batch {
         }
         (allowed / after).sqrt() as f32
     }
+
     /// Twice the kinetic energy of a body at a velocity, J.
     fn twice_energy(&self, body: usize, at: &SolverBody) -> f64 {
         let linear = mass_of(at) * at.linear.length_squared();
-        let inverse = self.bodies.masses[body].inverse_inertia();
-        let angular = if inverse.determinant() > 0.0 {
-            (inverse.inverse() * at.angular).dot(at.angular)
-        } else {
-            0.0
-        };
+        let inertia = inertia_of(&self.bodies.masses[body]);
+        let angular = inertia.map_or(0.0, |inertia| (inertia * at.angular).dot(at.angular));
         f64::from(linear) + f64::from(angular)
     }
 }

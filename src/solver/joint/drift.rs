@@ -55,13 +55,12 @@ impl JointSystem {
             self.find_misses(drift, h);
             let [goes_on, retreats] = self.rounds.judge();
             has_retreated = retreats;
-            if retreats {
-                self.retreat();
+            if goes_on || retreats {
+                self.step_back_or_remember();
             }
             if round + 1 == ROUNDS || !goes_on {
                 break;
             }
-            self.remember();
             self.apply_missing();
         }
         let is_pushed = self.rows.iter().any(|row| row.push != 0.0);
@@ -127,8 +126,9 @@ impl JointSystem {
         }
     }
 
-    /// Takes note of velocities and impulses of the components that take a step; the others take none.
-    fn remember(&mut self) {
+    /// Takes note of velocities and impulses of the components that take a step, and goes back by a share of the last one with those that
+    /// retreat; only the first are given what they miss.
+    fn step_back_or_remember(&mut self) {
         let Self {
             rounds,
             sparsity,
@@ -140,46 +140,30 @@ impl JointSystem {
         } = self;
         rounds.velocities.resize(velocities.len(), [0.0; 6]);
         rounds.impulses.resize(rows.len(), 0.0);
-        for (body, component) in sparsity.components.iter().enumerate() {
-            if rounds.next(*component) == Move::Step {
-                rounds.velocities[body] = velocities[body];
+        for (body, &component) in sparsity.components.iter().enumerate() {
+            let next = rounds.next(component);
+            let (now, before) = (&mut velocities[body], &mut rounds.velocities[body]);
+            match next {
+                Move::Step => *before = *now,
+                Move::Retreat(share) => {
+                    for (now, before) in now.iter_mut().zip(before) {
+                        *now = step_back(*now, *before, share);
+                    }
+                }
+                Move::Stop => {}
             }
         }
         for joint in joints.iter() {
-            let takes_step = rounds.next(joint.component(sparsity)) == Move::Step;
+            let next = rounds.next(joint.component(sparsity));
             for row in joint.rows.clone() {
-                if takes_step {
-                    rounds.impulses[row] = rows[row].impulse;
-                } else {
+                let (now, before) = (&mut rows[row].impulse, &mut rounds.impulses[row]);
+                match next {
+                    Move::Step => *before = *now,
+                    Move::Retreat(share) => *now = step_back(*now, *before, share),
+                    Move::Stop => {}
+                }
+                if next != Move::Step {
                     missing[row] = 0.0;
-                }
-            }
-        }
-    }
-
-    /// Takes their last step back from the components that retreat, or a share of it.
-    fn retreat(&mut self) {
-        let Self {
-            rounds,
-            sparsity,
-            velocities,
-            rows,
-            joints,
-            ..
-        } = self;
-        for (body, component) in sparsity.components.iter().enumerate() {
-            if let Move::Retreat(share) = rounds.next(*component) {
-                let (now, before) = (&mut velocities[body], &rounds.velocities[body]);
-                for (now, before) in now.iter_mut().zip(before) {
-                    *now = step_back(*now, *before, share);
-                }
-            }
-        }
-        for joint in joints.iter() {
-            if let Move::Retreat(share) = rounds.next(joint.component(sparsity)) {
-                for row in joint.rows.clone() {
-                    let now = &mut rows[row].impulse;
-                    *now = step_back(*now, rounds.impulses[row], share);
                 }
             }
         }

@@ -14,8 +14,6 @@
 
 using namespace JPH;
 
-extern "C" {
-
 enum ArenaKind : int { FIXED, BALL, HINGE, SLIDER, CONE_TWIST };
 
 /// A joint's frame on a body: where it is, its x axis and its y axis.
@@ -38,15 +36,25 @@ static Vec3 vec(const float (&p)[3]) {
 	return Vec3(p[0], p[1], p[2]);
 }
 
-static TwoBodyConstraint *hinge(const ArenaJoint &j, Body &a, Body &b) {
-	HingeConstraintSettings s;
+template <class Settings>
+static void place_points(Settings &s, const ArenaJoint &j) {
 	s.mSpace = EConstraintSpace::LocalToBodyCOM;
 	s.mPoint1 = RVec3(vec(j.frames[0].point));
 	s.mPoint2 = RVec3(vec(j.frames[1].point));
-	s.mHingeAxis1 = vec(j.frames[0].x);
-	s.mHingeAxis2 = vec(j.frames[1].x);
+}
+
+template <class Settings>
+static void place_normals(Settings &s, const ArenaJoint &j) {
 	s.mNormalAxis1 = vec(j.frames[0].y);
 	s.mNormalAxis2 = vec(j.frames[1].y);
+}
+
+static TwoBodyConstraint *hinge(const ArenaJoint &j, Body &a, Body &b) {
+	HingeConstraintSettings s;
+	place_points(s, j);
+	s.mHingeAxis1 = vec(j.frames[0].x);
+	s.mHingeAxis2 = vec(j.frames[1].x);
+	place_normals(s, j);
 	if (j.has_range) {
 		s.mLimitsMin = j.range[0];
 		s.mLimitsMax = j.range[1];
@@ -63,13 +71,10 @@ static TwoBodyConstraint *hinge(const ArenaJoint &j, Body &a, Body &b) {
 
 static TwoBodyConstraint *slider(const ArenaJoint &j, Body &a, Body &b) {
 	SliderConstraintSettings s;
-	s.mSpace = EConstraintSpace::LocalToBodyCOM;
-	s.mPoint1 = RVec3(vec(j.frames[0].point));
-	s.mPoint2 = RVec3(vec(j.frames[1].point));
+	place_points(s, j);
 	s.mSliderAxis1 = vec(j.frames[0].x);
 	s.mSliderAxis2 = vec(j.frames[1].x);
-	s.mNormalAxis1 = vec(j.frames[0].y);
-	s.mNormalAxis2 = vec(j.frames[1].y);
+	place_normals(s, j);
 	if (j.has_drive)
 		s.mMotorSettings = MotorSettings(j.drive[0], j.drive[1]);
 	auto *made = static_cast<SliderConstraint *>(s.Create(a, b));
@@ -97,9 +102,7 @@ static TwoBodyConstraint *cone_twist(const ArenaJoint &j, Body &a, Body &b) {
 
 static TwoBodyConstraint *fixed(const ArenaJoint &j, Body &a, Body &b) {
 	FixedConstraintSettings s;
-	s.mSpace = EConstraintSpace::LocalToBodyCOM;
-	s.mPoint1 = RVec3(vec(j.frames[0].point));
-	s.mPoint2 = RVec3(vec(j.frames[1].point));
+	place_points(s, j);
 	s.mAxisX1 = vec(j.frames[0].x);
 	s.mAxisX2 = vec(j.frames[1].x);
 	s.mAxisY1 = vec(j.frames[0].y);
@@ -109,11 +112,11 @@ static TwoBodyConstraint *fixed(const ArenaJoint &j, Body &a, Body &b) {
 
 static TwoBodyConstraint *ball(const ArenaJoint &j, Body &a, Body &b) {
 	PointConstraintSettings s;
-	s.mSpace = EConstraintSpace::LocalToBodyCOM;
-	s.mPoint1 = RVec3(vec(j.frames[0].point));
-	s.mPoint2 = RVec3(vec(j.frames[1].point));
+	place_points(s, j);
 	return s.Create(a, b);
 }
+
+extern "C" {
 
 /// Whether this file was compiled with the layout and features of the library.
 bool arena_jolt_fits() {
