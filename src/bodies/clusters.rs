@@ -102,6 +102,26 @@ impl Bodies {
         self.cracked.push((slot, self.id(slot)));
     }
 
+    /// Wears bonds (by index, with the most that each bore as a share of what it can) by a blow that takes a share of a bond's strength that
+    /// bears all it can: from the others as much less as they have held energy. Those of them that are worn out.
+    pub(crate) fn wear_bonds(&mut self, slot: u32, worn: &[(u32, f32)], share: f32) -> Vec<u32> {
+        let Some(compound) = self.compound(slot) else {
+            return Vec::new();
+        };
+        let compound = compound.worn(worn, share);
+        if let Some(state) = self.cluster_mut(slot) {
+            Arc::make_mut(&mut state.network).wear(compound.bonds());
+            // What bears it is weaker than it was.
+            state.judged = None;
+        }
+        let gone = worn.iter().map(|&(bond, _)| bond);
+        let gone = gone.filter(|&bond| compound.bonds()[bond as usize].is_worn_out());
+        let gone = gone.collect();
+        self.set_compound(slot, compound);
+        self.cracked.push((slot, self.id(slot)));
+        gone
+    }
+
     /// Leaves of a body only some of its parts (ascending), whose bonds are those of `cracked`; its frame, id and slot stay, and so does
     /// what is known of its contacts.
     pub(crate) fn keep_parts(

@@ -4,6 +4,7 @@ use crate::bodies::body::BodyError;
 use crate::bodies::breaking::ImpactLoad;
 use crate::bodies::fatigue::{Fatigue, Wearing};
 use crate::bodies::store::Bodies;
+use crate::geometry::Compound;
 
 impl Bodies {
     /// How blows wear the body out, and how far it is.
@@ -36,18 +37,23 @@ impl Bodies {
         Ok(())
     }
 
-    /// Lets those of the pieces that may break again be worn out as what they were, from the beginning.
+    /// Lets those of the pieces that may break again be worn out as what they were, from the beginning but for bonds.
     pub(crate) fn wear_pieces(&mut self, fatigue: Fatigue, pieces: &[u32]) {
         let unworn = Fatigue {
             damage: 0.0,
             ..fatigue
         };
         for &piece in pieces {
-            if self.fracturable(piece).is_some() {
+            if self.fracturable(piece).is_some() || self.is_bonded(piece) {
                 // What the parent had is usable.
                 let _ = self.set_fatigue(piece, Some(unworn));
             }
         }
+    }
+
+    /// Whether bonds hold the parts of a body.
+    pub(crate) fn is_bonded(&self, slot: u32) -> bool {
+        self.compound(slot).is_some_and(Compound::is_bonded)
     }
 
     /// What blows have left of the strength of the body, N s; 0 of one that does not break.
@@ -72,7 +78,10 @@ impl Bodies {
             let Ok(at) = self.find_wearing(slot) else {
                 continue;
             };
-            let strength = self.fracturable(slot).map_or(0.0, |f| f.strength);
+            // Bonds tell by themselves how worn they are.
+            let Some(strength) = self.fracturable(slot).map(|f| f.strength) else {
+                continue;
+            };
             let wearing = &mut self.wearing[at];
             if load.impulse > wearing.fatigue.endurance * strength {
                 wearing.blows += load.energy;

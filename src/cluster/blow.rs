@@ -10,6 +10,7 @@
 //! Only parts near the blow take part, as long as those behind them have not heard of it; else more of them.
 
 use crate::cluster::instant::{Instant, Striker};
+use crate::cluster::link::strain_energy;
 use crate::cluster::network::Network;
 
 /// Parts that take part at first; those around them stay where they are. If those are pulled at, four times as many do.
@@ -27,22 +28,49 @@ pub(crate) struct BlowOutcome {
 impl Network {
     /// What a blow makes of the bonds. `is_held`: parts that hold on to the world.
     pub(crate) fn blow(&self, strikers: &[Striker], is_held: impl Fn(u32) -> bool) -> BlowOutcome {
-        let near = |most| neighborhood(self, strikers, &is_held, most);
-        let mut most = FIRST_PARTS;
-        let mut instant = Instant::new(self, strikers, &is_held, &near(most));
-        while !instant.run() {
-            most *= 4;
-            instant = Instant::new(self, strikers, &is_held, &near(most));
-        }
-        let mut broken: Vec<u32> = (instant.links.iter())
-            .filter(|link| link.is_broken)
-            .map(|link| link.bond)
-            .collect();
+        let instant = self.follow((strikers, f32::INFINITY), is_held);
+        let links = instant.links.iter().filter(|link| link.is_broken);
+        let mut broken: Vec<u32> = links.map(|link| link.bond).collect();
         broken.sort_unstable();
         BlowOutcome {
             broken,
             work: instant.work,
         }
+    }
+
+    /// Bonds that a blow loads with at least a share of their strengths, as long as it leaves them whole; the most that each bore, as a share
+    /// of what it can. Ascending.
+    pub(crate) fn strained(
+        &self,
+        strikers: &[Striker],
+        endurance: f32,
+        is_held: impl Fn(u32) -> bool,
+    ) -> Vec<(u32, f32)> {
+        let instant = self.follow((strikers, endurance), is_held);
+        let links = instant.links.iter();
+        let strained = links.filter(|link| link.is_strained() && !link.is_broken);
+        let mut bonds: Vec<(u32, f32)> = strained.map(|link| (link.bond, link.peak)).collect();
+        bonds.sort_unstable_by_key(|&(bond, _)| bond);
+        bonds
+    }
+
+    /// Energy that a blow must have to load a bond with this share of its strength, J.
+    pub(crate) fn least_strain(&self, endurance: f32) -> f32 {
+        let bonds = self.bonds.iter().zip(&self.openings);
+        let energies = bonds.map(|(bond, &opening)| strain_energy(bond, opening, endurance));
+        energies.fold(f32::INFINITY, f32::min)
+    }
+
+    /// The instant of a blow, with as many parts as hear of it.
+    fn follow(&self, blow: (&[Striker], f32), is_held: impl Fn(u32) -> bool) -> Instant {
+        let near = |most| neighborhood(self, blow.0, &is_held, most);
+        let mut most = FIRST_PARTS;
+        let mut instant = Instant::new(self, blow, &is_held, &near(most));
+        while !instant.run() {
+            most *= 4;
+            instant = Instant::new(self, blow, &is_held, &near(most));
+        }
+        instant
     }
 }
 

@@ -95,7 +95,7 @@ impl Cluster {
     }
 
     /// The next level: each part is cut anew, in its own frame, and its pieces are held together with `strength` (Pa). What held two parts
-    /// together holds their pieces with the strengths that it had. Parts that the pattern does not divide stay whole.
+    /// together holds their pieces with the strengths that it had, as far as it is worn. Parts that the pattern does not divide stay whole.
     ///
     /// # Errors
     /// As [`Cluster::cut`], but for `NoPieces`.
@@ -128,6 +128,7 @@ impl Cluster {
             Some(PartBond {
                 strength: coarse.strength,
                 shear_strength: coarse.shear_strength,
+                damage: coarse.damage,
                 ..bond
             })
         });

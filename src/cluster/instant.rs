@@ -4,7 +4,7 @@ use crate::cluster::link::{Body, Link};
 use crate::cluster::network::Network;
 use glam::{Mat3, Vec3};
 
-/// Share of what it bears up to which a bond to parts that stay where they are may be loaded.
+/// Share of what it bears up to which a bond to parts that stay where they are may be loaded, at most.
 const HEARD: f32 = 0.25;
 
 /// Time steps at most: several times as long as a vibration goes from the blow to the outermost part and back.
@@ -55,6 +55,8 @@ pub(super) struct Instant {
     pub(super) links: Vec<Link>,
     hitting: Vec<Hitting>,
     friction: f32,
+    /// Share of what it bears up to which a bond to parts that stay where they are may be loaded.
+    heard: f32,
     step: f32,
     /// Taken by the bonds, J.
     pub(super) work: f32,
@@ -63,10 +65,10 @@ pub(super) struct Instant {
 }
 
 impl Instant {
-    /// Of these parts; all others stay where they are.
+    /// Of these parts; all others stay where they are. `endurance`: see [`Link::of`].
     pub(super) fn new(
         network: &Network,
-        strikers: &[Striker],
+        (strikers, endurance): (&[Striker], f32),
         is_held: &impl Fn(u32) -> bool,
         members: &[u32],
     ) -> Self {
@@ -86,7 +88,7 @@ impl Instant {
                 let other = place(network.other(bond, part));
                 // Each once: from the member that comes first.
                 if place(part) < other {
-                    links.push(Link::of(network, bond, place));
+                    links.push(Link::of(network, bond, endurance, place));
                 }
             }
         }
@@ -113,6 +115,7 @@ impl Instant {
             links,
             hitting: hitting.collect(),
             friction: network.friction,
+            heard: HEARD.min(endurance),
             work: 0.0,
             standing,
         };
@@ -154,7 +157,7 @@ impl Instant {
         let outer = outer.filter(|link| !link.is_broken && link.bodies.contains(&outside));
         outer.into_iter().any(|link| {
             let [a, b] = link.bodies.map(|body| &self.bodies[body as usize]);
-            let heard = HEARD * link.limits[0].min(link.limits[1]) / link.stiffness;
+            let heard = self.heard * link.limits[0].min(link.limits[1]) / link.stiffness;
             link.corners.iter().any(|corner| {
                 let moved = (b.displacement + b.turn.cross(corner.arms[1]))
                     - (a.displacement + a.turn.cross(corner.arms[0]));
@@ -170,7 +173,8 @@ impl Instant {
         let (mut force, mut torque_a, mut torque_b) = (Vec3::ZERO, Vec3::ZERO, Vec3::ZERO);
         let mut work = 0.0;
         let mut is_torn = false;
-        for corner in &mut link.corners {
+        let mut borne = [(0.0, Vec3::ZERO); 4];
+        for (number, corner) in link.corners.iter_mut().enumerate() {
             let moved = (b.displacement + b.turn.cross(corner.arms[1]))
                 - (a.displacement + a.turn.cross(corner.arms[0]));
             let open = moved.dot(link.normal);
@@ -182,6 +186,7 @@ impl Instant {
                 });
                 work += done;
                 is_torn |= corner.opened.max(corner.slid.length()) > link.way;
+                borne[number] = pulled;
                 pulled.0 * link.normal + pulled.1
             };
             // On A; B gets the opposite.
@@ -190,6 +195,8 @@ impl Instant {
             torque_a += corner.arms[0].cross(pull);
             torque_b -= corner.arms[1].cross(pull);
         }
+        let friction = self.friction;
+        (borne.into_iter()).for_each(|pulled| link.note_load(friction, pulled));
         link.is_broken |= is_torn;
         self.work += work;
         let [a, b] = link.bodies.map(|body| body as usize);
@@ -221,9 +228,10 @@ impl Instant {
         }
     }
 
-    /// Whether what is left of the energy is too little to break a bond.
+    /// Whether what is left of the energy is too little to break a bond, or to strain another one.
     fn is_over(&self, held: f32) -> bool {
-        let whole = self.links.iter().filter(|link| !link.is_broken);
+        let whole = self.links.iter();
+        let whole = whole.filter(|link| !(link.is_broken || link.is_strained()));
         let least = whole.map(|link| link.energy).fold(f32::INFINITY, f32::min);
         least == f32::INFINITY || self.kinetic_energy() + held < least
     }

@@ -1,6 +1,7 @@
 //! A part and a bond in the instant of a blow.
 
 use crate::cluster::network::Network;
+use crate::geometry::PartBond;
 use glam::{Mat3, Vec3};
 
 /// Share of the way to breaking up to which a bond is elastic; it yields for the rest, so that the work is force times way.
@@ -42,9 +43,13 @@ pub(super) struct Link {
     pub(super) stiffness: f32,
     /// What a corner bears in tension and in shear, N.
     pub(super) limits: [f32; 2],
+    /// Share of what it bears from which on it is strained; infinite if nobody asks.
+    pub(super) strained_from: f32,
+    /// The most that a corner bore, as a share of what it can, if somebody asks.
+    pub(super) peak: f32,
     /// How far it may yield, m.
     pub(super) way: f32,
-    /// Energy that breaking it takes, J.
+    /// Energy that breaking it takes, or straining it if somebody asks for that, J.
     pub(super) energy: f32,
     pub(super) is_broken: bool,
 }
@@ -88,14 +93,42 @@ impl Body {
     }
 }
 
+/// What a corner of a bonded face bears in tension and in shear, N, and its stiffness, N/m. `opening`: how far the bond opens before it is
+/// broken, m.
+fn corner(bond: &PartBond, opening: f32) -> ([f32; 2], f32) {
+    let limits = bond.strengths().map(|s| 0.25 * s * bond.area);
+    (limits, limits[0].max(limits[1]) / (ELASTIC * opening))
+}
+
+/// Share of what is left of a bond's strength with which it is strained: `endurance` is one of its whole strength.
+fn strained_share(bond: &PartBond, endurance: f32) -> f32 {
+    let left = 1.0 - bond.damage;
+    endurance.min(left) / left
+}
+
+/// Energy that it takes at least to strain a bond: that of one corner, as a spring, J.
+pub(super) fn strain_energy(bond: &PartBond, opening: f32, endurance: f32) -> f32 {
+    let (limits, stiffness) = corner(bond, opening);
+    let force = strained_share(bond, endurance) * limits[0].min(limits[1]);
+    0.5 * force * force / stiffness
+}
+
 impl Link {
-    pub(super) fn of(network: &Network, bond: u32, place: impl Fn(u32) -> u32) -> Self {
+    /// `endurance`: share of its whole strength from which on it is strained, infinite if nobody asks; what makes it yield strains it too.
+    pub(super) fn of(
+        network: &Network,
+        bond: u32,
+        endurance: f32,
+        place: impl Fn(u32) -> u32,
+    ) -> Self {
         let shape = &network.bonds[bond as usize];
         let opening = network.openings[bond as usize];
         let centers = shape
             .parts
             .map(|part| network.nodes[part as usize].center.as_vec3());
-        let limits = [shape.strength, shape.shear_strength].map(|s| 0.25 * s * shape.area);
+        let (limits, stiffness) = corner(shape, opening);
+        let is_asked = endurance.is_finite();
+        let breaking = limits[0].min(limits[1]) * opening;
         Self {
             bond,
             bodies: shape.parts.map(place),
@@ -105,12 +138,40 @@ impl Link {
                 opened: 0.0,
                 slid: Vec3::ZERO,
             }),
-            stiffness: limits[0].max(limits[1]) / (ELASTIC * opening),
+            stiffness,
             limits,
+            strained_from: if is_asked {
+                strained_share(shape, endurance)
+            } else {
+                f32::INFINITY
+            },
+            peak: 0.0,
             way: (1.0 - 0.5 * ELASTIC) * opening,
-            energy: limits[0].min(limits[1]) * opening,
+            energy: if is_asked {
+                strain_energy(shape, opening, endurance)
+            } else {
+                breaking
+            },
             is_broken: false,
         }
+    }
+}
+
+impl Link {
+    /// Whether it has been loaded beyond its endurance.
+    pub(super) fn is_strained(&self) -> bool {
+        self.peak > 0.0 && self.peak >= self.strained_from
+    }
+
+    /// Notes what a corner pulls with, along the normal and across, N.
+    pub(super) fn note_load(&mut self, friction: f32, (pull, shear): (f32, Vec3)) {
+        if self.strained_from == f32::INFINITY {
+            return;
+        }
+        let across = self.limits[1] + friction * (-pull).max(0.0);
+        let share = (pull / self.limits[0]).max(shear.length() / across);
+        // Rounding of a corner that yields.
+        self.peak = self.peak.max(if share > 0.999 { 1.0 } else { share });
     }
 }
 

@@ -133,11 +133,10 @@ impl Network {
             axis,
             half_extents,
             area,
-            strength,
-            shear_strength,
             parts,
             ..
         } = &self.bonds[bond];
+        let [strength, shear_strength] = self.bonds[bond].strengths().map(f64::from);
         let moved = parts.map(|part| motion[part as usize]);
         let split = |six: Six| {
             (
@@ -159,7 +158,7 @@ impl Network {
         let tension = mean + 3.0 * bent / area;
         let twisted = 3.0 * moment.dot(normal).abs() / (area * sides.length());
         let shear = force.reject_from_normalized(normal).length() / area + twisted;
-        let bears = f64::from(*shear_strength) + f64::from(self.friction) * (-mean).max(0.0);
-        (tension / f64::from(*strength)).max(shear / bears)
+        let bears = shear_strength + f64::from(self.friction) * (-mean).max(0.0);
+        (tension / strength).max(shear / bears)
     }
 }

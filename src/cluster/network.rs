@@ -22,7 +22,7 @@ pub(crate) struct Node {
 }
 
 /// The parts of a cluster and what holds them together.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Network {
     pub(crate) nodes: Vec<Node>,
     pub(crate) bonds: Vec<PartBond>,
@@ -33,6 +33,8 @@ pub(crate) struct Network {
     bonds_of: Vec<u32>,
     /// Coefficient of friction between its parts.
     pub(crate) friction: f32,
+    /// The longest lever there is, m.
+    reach: f64,
     /// Energy that it takes to break the bond that takes least, J. What has less breaks nothing.
     pub(crate) least_energy: f32,
     /// Forces that together are less than this one break no bond, N: along the longest lever there is.
@@ -71,26 +73,47 @@ impl Network {
             BREAKING_SHARE * a.min(b)
         };
         let openings: Vec<f32> = bonds.iter().map(opening).collect();
-        let weaker = |bond: &PartBond| bond.strength.min(bond.shear_strength) * bond.area;
-        let energies = bonds.iter().zip(&openings);
-        let energies = energies.map(|(bond, opening)| weaker(bond) * opening);
         let reach = f64::from(compound.aabb().diagonal());
-        let force = |bond: &PartBond| {
-            let side = f64::from(bond.half_extents.min_element());
-            let per_area = 1.0 + 6.0 * reach / side;
-            f64::from(weaker(bond)) / per_area
-        };
         let (starts, bonds_of) = adjacency(nodes.len(), &bonds);
-        Ok(Self {
-            least_energy: energies.fold(f32::INFINITY, f32::min),
-            least_force: bonds.iter().map(force).fold(f64::INFINITY, f64::min),
+        let mut network = Self {
             nodes,
             bonds,
             openings,
             starts,
             bonds_of,
             friction,
-        })
+            reach,
+            least_energy: 0.0,
+            least_force: 0.0,
+        };
+        network.find_weakest();
+        Ok(network)
+    }
+
+    /// Takes over how far its bonds are worn, which are as many as they were.
+    pub(crate) fn wear(&mut self, bonds: &[PartBond]) {
+        self.bonds.copy_from_slice(bonds);
+        self.find_weakest();
+    }
+
+    /// What it takes at least to break a bond.
+    fn find_weakest(&mut self) {
+        let weaker = |bond: &PartBond| {
+            let [tension, shear] = bond.strengths();
+            tension.min(shear) * bond.area
+        };
+        let energies = self.bonds.iter().zip(&self.openings);
+        let energies = energies.map(|(bond, opening)| weaker(bond) * opening);
+        let force = |bond: &PartBond| {
+            let side = f64::from(bond.half_extents.min_element());
+            let per_area = 1.0 + 6.0 * self.reach / side;
+            f64::from(weaker(bond)) / per_area
+        };
+        let forces = self.bonds.iter().map(force);
+        (self.least_energy, self.least_force) = (
+            energies.fold(f32::INFINITY, f32::min),
+            forces.fold(f64::INFINITY, f64::min),
+        );
     }
 
     /// The bonds of a part.

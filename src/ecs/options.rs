@@ -117,7 +117,8 @@ fn read_option(
     let held = read_anchors(bodies, slot, item.anchors, scale);
     issues.note(warnings, entity, Source::Anchors, held);
     let worn = bodies.set_fatigue(slot, item.fatigue.copied());
-    let is_idle = item.fatigue.is_some() && bodies.fracturable(slot).is_none();
+    let can_wear = bodies.fracturable(slot).is_some() || bodies.is_bonded(slot);
+    let is_idle = item.fatigue.is_some() && !can_wear;
     let is_idle = is_idle.then_some(Err(BodyError::IdleFatigue));
     let worn = worn.and(is_idle.unwrap_or(Ok(())));
     issues.note(warnings, entity, Source::Fatigue, worn);

@@ -261,6 +261,7 @@ fn spawn_piece(
     let piece = world.spawn_empty().id();
     let bodies = world.resource::<Bodies>();
     let (id, seen) = (bodies.id(slot), seen_at(bodies.pose(slot)));
+    let wears_out = keeps_breaking || bodies.is_bonded(slot);
     let is_child = world.get::<ChildOf>(parent).is_some();
     let state = &mut *world.resource_mut::<PluginState>();
     state.entities.set(slot, id, piece, seen);
@@ -287,7 +288,7 @@ fn spawn_piece(
         staged.complete(world, piece);
     }
     if let Some(mut fatigue) = world.get_mut::<Fatigue>(piece) {
-        if keeps_breaking {
+        if wears_out {
             fatigue.damage = 0.0;
         } else {
             world.entity_mut(piece).remove::<Fatigue>();

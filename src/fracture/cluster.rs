@@ -1,6 +1,7 @@
 //! Clusters that break: the groups of parts that bonds still hold together, and which of them goes on as the body.
 
 use crate::bodies::body::{BodyDesc, RigidBody};
+use crate::bodies::fatigue::Fatigue;
 use crate::bodies::store::Bodies;
 use crate::fracture::budget::FractureBudget;
 use crate::fracture::conservation::keep_momentum;
@@ -197,49 +198,78 @@ pub(crate) fn find_holds(bodies: &mut Bodies) {
     bodies.unheld_clusters = unheld;
 }
 
-/// Takes the bonds away that broke in the step without anything coming off, of the batches from this number on; what comes off after
-/// all, because several blows cracked it.
+/// Takes the bonds away that broke in the step without anything coming off, or were worn out, of the batches from this number on; what comes
+/// off after all, because several blows cracked it.
 pub(super) fn apply_cracks(
     bodies: &mut Bodies,
     solver: &ContactSolver,
     first_batch: usize,
 ) -> Vec<(u32, BrokenBonds)> {
-    let mut cracks: Vec<(u32, BrokenBonds)> = Vec::new();
+    let mut broken = wear_bonds(bodies, solver, first_batch);
     for crack in solver.cracks(first_batch) {
-        let known = cracks.iter_mut().find(|(slot, _)| *slot == crack.slot);
-        match known {
-            Some((_, broken)) if broken.of == crack.of => {
-                broken.bonds.extend_from_slice(&crack.bonds);
-                broken.bonds.sort_unstable();
-                broken.bonds.dedup();
-            }
-            Some(_) => {}
-            None => cracks.push((
-                crack.slot,
-                BrokenBonds {
-                    of: crack.of,
-                    bonds: crack.bonds.clone(),
-                },
-            )),
-        }
+        add_broken(&mut broken, crack.slot, crack.of, &crack.bonds);
     }
-    cracks.retain(|(slot, broken)| broken.is_of(bodies, *slot));
-    cracks.retain(|(slot, broken)| {
+    broken.retain(|(slot, broken)| broken.is_of(bodies, *slot));
+    broken.retain(|(slot, broken)| {
         if Groups::of(bodies, *slot, &broken.bonds).is_some() {
             return true;
         }
         bodies.crack(*slot, &broken.bonds);
         false
     });
-    cracks
+    broken
+}
+
+/// Wears the bonds that blows have strained, and left whole, by the energies of the blows; those of which nothing is left.
+fn wear_bonds(
+    bodies: &mut Bodies,
+    solver: &ContactSolver,
+    first_batch: usize,
+) -> Vec<(u32, BrokenBonds)> {
+    let mut worn_out = Vec::new();
+    for strain in solver.strains(first_batch) {
+        let slot = strain.slot;
+        let fatigue = bodies.contains(slot).then(|| bodies.fatigue(slot));
+        let Some(&Fatigue { energy, .. }) = fatigue.flatten() else {
+            continue;
+        };
+        if bond_count(bodies, slot) == Some(strain.of) {
+            let gone = bodies.wear_bonds(slot, &strain.bonds, strain.energy / energy);
+            add_broken(&mut worn_out, slot, strain.of, &gone);
+        }
+    }
+    worn_out
+}
+
+/// Adds bonds of a body to those that are to break.
+fn add_broken(broken: &mut Vec<(u32, BrokenBonds)>, slot: u32, of: usize, bonds: &[u32]) {
+    if bonds.is_empty() {
+        return;
+    }
+    let known = broken.iter_mut().find(|(body, _)| *body == slot);
+    match known {
+        Some((_, broken)) if broken.of == of => {
+            broken.bonds.extend_from_slice(bonds);
+            broken.bonds.sort_unstable();
+            broken.bonds.dedup();
+        }
+        Some(_) => {}
+        None => {
+            let bonds = bonds.to_vec();
+            broken.push((slot, BrokenBonds { of, bonds }));
+        }
+    }
+}
+
+/// Number of bonds within the body in `slot`, if there is one and bonds hold its parts.
+fn bond_count(bodies: &Bodies, slot: u32) -> Option<usize> {
+    let state = bodies.contains(slot).then(|| bodies.cluster(slot));
+    state.flatten().map(|state| state.network.bonds.len())
 }
 
 impl BrokenBonds {
     /// Whether they are bonds of the body in `slot` as it is.
     pub(super) fn is_of(&self, bodies: &Bodies, slot: u32) -> bool {
-        let state = bodies.contains(slot).then(|| bodies.cluster(slot));
-        state
-            .flatten()
-            .is_some_and(|state| state.network.bonds.len() == self.of)
+        bond_count(bodies, slot) == Some(self.of)
     }
 }

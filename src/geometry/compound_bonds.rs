@@ -3,7 +3,7 @@
 use crate::disjoint_sets::DisjointSets;
 use crate::geometry::compound::{Compound, CompoundError, CompoundShape};
 use crate::geometry::compound_part::CompoundPart;
-use crate::geometry::part_bond::{BOND_GAP, PartBond};
+use crate::geometry::part_bond::{BOND_GAP, PartBond, WORN_OUT};
 use crate::math::{Aabb, Pose};
 use glam::Vec3;
 use std::sync::Arc;
@@ -113,6 +113,17 @@ impl Compound {
         let left = bonds.filter(|(index, _)| !broken.contains(index));
         let left = left.map(|(_, bond)| *bond).collect();
         self.clone().holding(left)
+    }
+
+    /// The same with some of its bonds (by index, with the most that each bore as a share of what it can) worn by `share` times the square of
+    /// that.
+    pub(crate) fn worn(&self, worn: &[(u32, f32)], share: f32) -> Self {
+        let mut bonds = self.bonds().to_vec();
+        for &(index, peak) in worn {
+            let bond = &mut bonds[index as usize];
+            bond.damage = (bond.damage + share * peak * peak).min(WORN_OUT);
+        }
+        self.clone().holding(bonds)
     }
 
     /// Some of its parts (ascending) with the bonds between them, in the same frame. The mesh that was drawn for all of them is gone.

@@ -13,6 +13,9 @@ pub(crate) const BOND_GAP: f32 = 0.01;
 /// edges that touch.
 const MIN_AREA: f32 = 1e-3;
 
+/// Damage of a bond that is worn out. The little that is left keeps its numbers usable until it is taken away.
+pub(crate) const WORN_OUT: f32 = 0.999;
+
 /// A bond between two parts of a compound: the face that they share, and what it bears.
 ///
 /// The face counts as a rectangle with the same area, center and second moments. All is plain data, in the frame of the compound.
@@ -35,6 +38,8 @@ pub struct PartBond {
     pub strength: f32,
     /// Shear strength without pressure, Pa; pressure adds friction to it.
     pub shear_strength: f32,
+    /// Share of both strengths that blows have worn away, from 0 to less than 1; see [`Fatigue`](crate::bodies::Fatigue).
+    pub damage: f32,
 }
 
 impl PartBond {
@@ -63,6 +68,16 @@ impl PartBond {
             .then(|| moments.bond([a, b], &first.pose, strength))?
     }
 
+    /// Whether blows have left nothing of it.
+    pub(crate) fn is_worn_out(&self) -> bool {
+        self.damage >= WORN_OUT
+    }
+
+    /// What is left of its tensile and its shear strength, Pa.
+    pub(crate) fn strengths(&self) -> [f32; 2] {
+        [self.strength, self.shear_strength].map(|strength| strength * (1.0 - self.damage))
+    }
+
     /// Whether its numbers mean something.
     pub(crate) fn is_usable(&self) -> bool {
         let positive = [self.area, self.strength, self.shear_strength];
@@ -72,6 +87,7 @@ impl PartBond {
             && positive.into_iter().all(is_positive)
             && is_positive(self.half_extents.min_element())
             && self.half_extents.is_finite()
+            && (0.0..1.0).contains(&self.damage)
             && self.center.is_finite()
             && (self.normal.length() - 1.0).abs() < 1e-3
             && (self.axis.length() - 1.0).abs() < 1e-3
@@ -158,6 +174,7 @@ impl FaceMoments {
             area: self.area as f32,
             strength,
             shear_strength: strength,
+            damage: 0.0,
         })
     }
 }

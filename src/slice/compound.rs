@@ -175,6 +175,7 @@ fn inherited(
             let shared = PartBond::between(parts, names, bond.strength);
             bonds.extend(shared.map(|shared| PartBond {
                 shear_strength: bond.shear_strength,
+                damage: bond.damage,
                 ..shared
             }));
         }

@@ -6,7 +6,7 @@ use crate::bodies::store::Bodies;
 use crate::math::rotate_by;
 use crate::solver::adaptivity::SweepBudget;
 use crate::solver::batch::Batch;
-use crate::solver::batch::cluster_blow::Crack;
+use crate::solver::batch::cluster_blow::{Crack, Strain};
 use crate::solver::batch::layout::Member;
 use crate::solver::contact_solver::{ContactSolver, Progress};
 use crate::solver::rows::contact_rows::PointRows;
@@ -93,6 +93,13 @@ impl ContactSolver {
         let batches = self.batches[first..self.earlier + self.ranges.len()].iter();
         let solved = batches.filter(|batch| !batch.impacts.is_broken);
         solved.flat_map(|batch| &batch.impacts.cracks)
+    }
+
+    /// What blows wear in the islands that have been solved, of the batches from this number on.
+    pub(crate) fn strains(&self, first: usize) -> impl Iterator<Item = &Strain> {
+        let batches = self.batches[first..self.earlier + self.ranges.len()].iter();
+        let solved = batches.filter(|batch| !batch.impacts.is_broken);
+        solved.flat_map(|batch| &batch.impacts.strains)
     }
 
     /// Blows that ended the solve of their islands in the last round.

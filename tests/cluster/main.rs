@@ -12,3 +12,4 @@ mod levels;
 mod loads;
 mod shapes;
 mod threads;
+mod wear;

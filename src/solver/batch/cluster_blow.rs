@@ -23,7 +23,47 @@ pub(crate) struct Crack {
     pub(crate) bonds: Vec<u32>,
 }
 
+/// Bonds of a cluster that a blow left whole, and wears.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Strain {
+    pub(crate) slot: u32,
+    /// How many bonds it had, which of them were loaded beyond their endurance, and the most that each bore, as a share of what it can.
+    pub(crate) of: usize,
+    pub(crate) bonds: Vec<(u32, f32)>,
+    /// Of the blow, J.
+    pub(crate) energy: f32,
+}
+
 impl Batch {
+    /// At the end of the step: which bonds of clusters that wear out its blows have strained.
+    pub(super) fn note_strains(&mut self, manifolds: &Manifolds, bodies: &Bodies) {
+        if bodies.wearing.is_empty() {
+            return;
+        }
+        for index in 0..self.impacts.limits.len() {
+            let number = self.impacts.limits[index].body;
+            let energy = self.impacts.loads[number as usize].energy;
+            let slot = self.layout.slots[number as usize];
+            let (Some(state), Some(fatigue)) = (bodies.cluster(slot), bodies.fatigue(slot)) else {
+                continue;
+            };
+            let network = &state.network;
+            if energy <= network.least_strain(fatigue.endurance) {
+                continue;
+            }
+            let strikers = self.strikers(number, manifolds, bodies);
+            let bonds = network.strained(&strikers, fatigue.endurance, |part| state.holds(part));
+            if !bonds.is_empty() {
+                self.impacts.strains.push(Strain {
+                    slot,
+                    of: network.bonds.len(),
+                    bonds,
+                    energy,
+                });
+            }
+        }
+    }
+
     /// What a load does to the bonds of a body: a blow if something comes off, or a note of what cracked. `limit`: by index.
     pub(crate) fn judge_bonds(
         &mut self,

@@ -118,6 +118,7 @@ impl Batch {
         self.impacts.limits.clear();
         self.impacts.overloaded.clear();
         self.impacts.cracks.clear();
+        self.impacts.strains.clear();
         self.impacts.is_broken = false;
     }
 

@@ -42,7 +42,7 @@ use crate::bodies::free_rotation::FreeRotation;
 use crate::bodies::solver_body::{BodyMass, SolverBody};
 use crate::simd::lanes::F8;
 use crate::solver::adaptivity::SweepBudget;
-use crate::solver::batch::cluster_blow::Crack;
+use crate::solver::batch::cluster_blow::{Crack, Strain};
 use crate::solver::rows::acceleration::AccelerationWeight;
 use crate::solver::settings::SubstepSettings;
 use crate::solver::wide::block::PointImpact;
@@ -138,6 +138,8 @@ pub struct Impacts {
     pub(crate) overloaded: Vec<Blow>,
     /// Bonds within bodies that broke without anything coming off.
     pub(crate) cracks: Vec<Crack>,
+    /// Bonds within bodies that blows wear.
+    pub(crate) strains: Vec<Strain>,
     /// Whether the solve is to be given up when a body is overloaded.
     pub may_break: bool,
     /// Whether the solve was given up because a body breaks; velocities and motions mean nothing then.

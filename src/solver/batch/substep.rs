@@ -28,9 +28,10 @@ impl Batch {
                 self.impacts.is_broken = self.impacts.may_break;
             }
             if self.impacts.is_broken {
-                break;
+                return;
             }
         }
+        self.note_strains(manifolds, bodies);
     }
 
     /// One sub-step of `h` seconds; `is_first` of the step.
