@@ -228,9 +228,7 @@ pub enum BodyError {
     #[error("Fatigue needs a positive energy, and endurance and damage from 0 to 1")]
     Fatigue,
     /// A body that does not break is to wear out.
-    #[error(
-        "Fatigue does nothing to a body that is not Fracturable, and has no bonds between its parts"
-    )]
+    #[error("Fatigue does nothing to a body that is neither Fracturable nor held by bonds")]
     IdleFatigue,
     /// Anchors mean nothing, or are on a body that falls anyway.
     #[error("Anchors do nothing: {0}")]
