@@ -90,7 +90,7 @@ impl Batch {
             record.load.force = force;
             record.load.torque = torque;
             record.load.error = joint.error.map(|error| error as f32);
-            record.load.angle = joint.angle as f32;
+            record.load.angle = system.angle(joint) as f32;
             let translation = joint.now.as_ref().map(|now| now.translation().as_vec3());
             record.load.translation = translation.unwrap_or_default();
             record.stored_energy = 0.0;

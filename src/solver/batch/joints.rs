@@ -128,6 +128,7 @@ impl Batch {
         self.joints.numbers.clear();
         self.joints.ends.clear();
         self.joints.ends.resize(self.bodies.velocities.len(), None);
+        self.joints.system.width = self.settings.lane_width;
         // The world.
         self.joints.system.fixed.push(FixedBody::default());
         for at in 0..self.layout.joints.len() {

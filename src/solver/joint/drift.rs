@@ -85,26 +85,23 @@ impl JointSystem {
                 JointEndpoint::Fixed(body) => self.fixed[body as usize].after(h),
             });
             let [a, b] = &places;
-            let frames = Frames::of([a, b], joint.anchors, joint.frames);
-            let measures = frames.measure(&joint.joint, joint.angle);
+            let frames = Frames::of([a, b], joint.anchors, joint.frames, joint.has_angles);
+            let [linear, angular] = [TOLERANCE * joint.levers() + joint.slack, TOLERANCE];
+            let along_end = progress
+                .is_along_end()
+                .then(|| frames.measure(&joint.joint, joint.angle));
             for row in &mut self.rows[joint.rows.clone()] {
-                let tolerance = if row.is_angular {
-                    TOLERANCE
-                } else {
-                    TOLERANCE * joint.levers() + joint.slack
-                };
+                let tolerance = if row.is_angular { angular } else { linear };
                 if row.push != 0.0 {
                     progress.note_push();
                 }
                 // What is pushed is followed nowhere: an angle that is far off may jump to the other side.
-                let measure = if row.is_position() && row.push == 0.0 {
-                    measure_of(&measures, row)
+                let position = if row.is_position() && row.push == 0.0 {
+                    position_of(&joint.joint, &frames, joint.angle, row)
                 } else {
                     None
                 };
-                let amiss = measure.map_or(0.0, |measure| {
-                    row.goal - position_of(&joint.joint, measure, row)
-                });
+                let amiss = position.map_or(0.0, |position| row.goal - position);
                 let is_off = amiss.abs() > tolerance;
                 if row.state != RowState::Free && is_off && row.side * amiss > 0.0 {
                     // A limit that turns out to be reached.
@@ -116,7 +113,9 @@ impl JointSystem {
                     self.missing.push(0.0);
                     continue;
                 }
-                if let Some(measure) = measure.filter(|_| progress.is_along_end()) {
+                if let (Some(measures), Some(_)) = (&along_end, position)
+                    && let Some(measure) = measure_of(measures, row)
+                {
                     row.jacobian = measure.jacobian;
                     self.is_factored = false;
                 }

@@ -1,6 +1,8 @@
-//! `A = M + J^T K J`, symmetric and positive definite, as `L L^T` by blocks of one body each.
+//! `A = M + J^T K J`, symmetric and positive definite, factored body by body: by the rows that hold a body where it hangs on one other, else
+//! as `L L^T` by blocks.
 
-use crate::solver::joint::sparsity::{EdgeBlock, Sparsity};
+use crate::solver::joint::links::Links;
+use crate::solver::joint::sparsity::{EdgeBlock, Elimination, Sparsity};
 use crate::solver::joint::vector6::{Block6, Vector6, add_outer, add_scaled, dot};
 
 const ZERO: Block6 = [[0.0; 6]; 6];
@@ -8,10 +10,13 @@ const ZERO: Block6 = [[0.0; 6]; 6];
 /// The matrix, and then its factor in its place.
 #[derive(Debug, Default)]
 pub(crate) struct Factor {
-    /// By place in the order: on the diagonal; of the factor the lower triangle, with the inverses of its diagonal.
+    /// By place in the order: on the diagonal. Then of a body that is eliminated by rows the inverse of what hangs on it, of others the lower
+    /// triangle of the factor, with the inverses of its diagonal.
     diagonal: Vec<Block6>,
     /// By number of a block.
     beside: Vec<Block6>,
+    /// What is eliminated by rows.
+    links: Links,
 }
 
 impl Factor {
@@ -21,6 +26,7 @@ impl Factor {
         self.diagonal.resize(sparsity.order.len(), ZERO);
         self.beside.clear();
         self.beside.resize(sparsity.columns.len(), ZERO);
+        self.links.clear();
     }
 
     /// The block of the body at a place.
@@ -48,10 +54,19 @@ impl Factor {
         );
     }
 
-    /// Makes the factor.
-    pub(crate) fn factorise(&mut self, sparsity: &Sparsity) {
+    /// Makes the factor. `add_rows` adds the rows of the body at a place that is eliminated by them.
+    #[inline(always)]
+    pub(crate) fn factorise(&mut self, sparsity: &Sparsity, add_rows: impl Fn(usize, &mut Links)) {
         let mut updates = sparsity.updates.iter();
         for at in 0..self.diagonal.len() {
+            if let Elimination::Rows(parent) = sparsity.eliminations[at] {
+                add_rows(at, &mut self.links);
+                let (done, later) = self.diagonal.split_at_mut(at + 1);
+                let parent = parent.map(|place| (place, &mut later[place as usize - at - 1]));
+                self.links.eliminate(&mut done[at], parent);
+                continue;
+            }
+            self.links.end_block();
             cholesky(&mut self.diagonal[at]);
             let triangle = self.diagonal[at];
             let columns = sparsity.columns_of(at);
@@ -76,9 +91,15 @@ impl Factor {
         }
     }
 
-    /// Solves `A x = b`, by places, in the place of `b`.
-    pub(crate) fn solve(&self, sparsity: &Sparsity, x: &mut [Vector6]) {
+    /// Solves `A x = b`, by places, in the place of `b`, which is without the rows that bodies are eliminated by: `impulses` has what these miss,
+    /// and then what they get.
+    #[inline(always)]
+    pub(crate) fn solve(&mut self, sparsity: &Sparsity, x: &mut [Vector6], impulses: &mut [f64]) {
         for (at, triangle) in self.diagonal.iter().enumerate() {
+            if let Elimination::Rows(_) = sparsity.eliminations[at] {
+                self.links.pass_on(at, triangle, impulses, x);
+                continue;
+            }
             let now = forward(triangle, &x[at]);
             x[at] = now;
             for column in sparsity.columns_of(at) {
@@ -90,6 +111,10 @@ impl Factor {
             }
         }
         for (at, triangle) in self.diagonal.iter().enumerate().rev() {
+            if let Elimination::Rows(_) = sparsity.eliminations[at] {
+                self.links.resolve(at, x, impulses);
+                continue;
+            }
             let mut now = x[at];
             for column in sparsity.columns_of(at) {
                 let block = &self.beside[column.block as usize];
@@ -104,6 +129,7 @@ impl Factor {
 }
 
 /// The lower triangle of a factor, with the inverses of its diagonal.
+#[inline(always)]
 fn cholesky(a: &mut Block6) {
     for i in 0..6 {
         for j in 0..i {
@@ -116,6 +142,7 @@ fn cholesky(a: &mut Block6) {
     }
 }
 
+#[inline(always)]
 fn dot_of_first(count: usize, a: &Vector6, b: &Vector6) -> f64 {
     let products = a[..count].iter().zip(&b[..count]).map(|(a, b)| a * b);
     products.sum()

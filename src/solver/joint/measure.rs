@@ -71,21 +71,35 @@ pub(crate) struct Frames {
 }
 
 impl Frames {
-    /// `anchors`: from centers of mass, body's axes; `frames`: `body_from_joint`.
-    pub(crate) fn of(places: [&Place; 2], anchors: [DVec3; 2], frames: [DQuat; 2]) -> Self {
-        let turned = [0, 1].map(|i| (places[i].rotation * frames[i]).normalize());
-        let r = [0, 1].map(|i| DMat3::from_quat(places[i].rotation) * anchors[i]);
-        let relative = turned[0].inverse() * turned[1];
-        Self {
+    /// `anchors`: from centers of mass, body's axes; `frames`: `body_from_joint`. Without `has_angles` nothing is to be asked about angles.
+    #[inline]
+    pub(crate) fn of(
+        places: [&Place; 2],
+        anchors: [DVec3; 2],
+        frames: [DQuat; 2],
+        has_angles: bool,
+    ) -> Self {
+        let arm = |i: usize| DMat3::from_quat(places[i].rotation) * anchors[i];
+        let r = [arm(0), arm(1)];
+        let on_a = places[0].rotation * frames[0];
+        let axes = DMat3::from_quat(on_a);
+        let mut all = Self {
             r,
             d: (places[1].center - places[0].center) + (r[1] - r[0]),
-            axes: turned.map(DMat3::from_quat),
-            relative: if relative.w < 0.0 {
+            axes: [axes; 2],
+            relative: DQuat::IDENTITY,
+        };
+        if has_angles {
+            let on_b = places[1].rotation * frames[1];
+            let relative = on_a.conjugate() * on_b;
+            all.axes[1] = DMat3::from_quat(on_b);
+            all.relative = if relative.w < 0.0 {
                 -relative
             } else {
                 relative
-            },
+            };
         }
+        all
     }
 
     /// How far B's anchor is from A's, axes of A's frame, m.
@@ -124,13 +138,51 @@ impl Frames {
         measures
     }
 
+    /// What the axis of a row that keeps a place has come to, as [`measure`](Self::measure) says; whether that is what is left of a cone.
+    pub(crate) fn value(&self, joint: &Joint, axis: usize, last: f64) -> Option<(f64, bool)> {
+        let value = match axis {
+            DISTANCE => self.d.length(),
+            0..3 => self.axes[0].col(axis).dot(self.d),
+            _ if is_fixed(joint) => self.small_angles()[axis - 3],
+            3 => self.twist(last),
+            _ => match cone_of(joint) {
+                Some(_) if axis > 4 => return None,
+                Some(half_angles) => {
+                    let measure = self.cone(self.swing(), half_angles)?;
+                    return Some((measure.value, true));
+                }
+                None if self.is_hinge(joint, axis - 3) => {
+                    let (across, sign) = self.across(axis - 3);
+                    sign * self.axes[1].x_axis.dot(across)
+                }
+                None => self.swing()[axis - 4],
+            },
+        };
+        Some((value, false))
+    }
+
+    /// Angles about A's axes, of a joint that lets none move.
+    fn small_angles(&self) -> [f64; 3] {
+        [self.relative.x, self.relative.y, self.relative.z].map(|error| 2.0 * error)
+    }
+
+    /// Whether a swing, about axis 1 or 2, is held near where it is none.
+    fn is_hinge(&self, joint: &Joint, i: usize) -> bool {
+        let is_locked = joint.angular[i].range == AxisRange::Locked;
+        is_locked && self.axes[0].x_axis.dot(self.axes[1].x_axis) > 0.0
+    }
+
+    /// The other one of A's axes 1 and 2, towards which the x axis of B's frame swings about one of them, and in which direction.
+    fn across(&self, i: usize) -> (DVec3, f64) {
+        let e = &self.axes[0];
+        ([e.y_axis, e.z_axis][2 - i], [-1.0, 1.0][i - 1])
+    }
+
     fn measure_angles(&self, joint: &Joint, last: f64, measures: &mut Measures) {
-        let is_locked = |i: usize| joint.angular[i].range == AxisRange::Locked;
-        if [0, 1, 2].into_iter().all(is_locked) {
-            let error = [self.relative.x, self.relative.y, self.relative.z];
-            for (i, error) in error.into_iter().enumerate() {
+        if is_fixed(joint) {
+            for (i, angle) in self.small_angles().into_iter().enumerate() {
                 let jacobian = about(self.axes[0].col(i));
-                measures.push(both(3 + i, 2.0 * error, jacobian));
+                measures.push(both(3 + i, angle, jacobian));
             }
             return;
         }
@@ -140,29 +192,27 @@ impl Frames {
             let jacobian = about((e.x_axis + f) / share);
             measures.push(both(3, self.twist(last), jacobian));
         }
-        let swing = self.swing();
-        let has_cone = cone_of(joint).is_some();
+        let cone = cone_of(joint);
         for i in [1, 2] {
             let axis = &joint.angular[i];
             if !does_anything(axis) {
                 continue;
             }
-            let measure = if is_locked(i) && e.x_axis.dot(f) > 0.0 {
-                let across = [e.y_axis, e.z_axis][2 - i];
-                let sign = [-1.0, 1.0][i - 1];
+            let measure = if self.is_hinge(joint, i) {
+                let (across, sign) = self.across(i);
                 let value = sign * f.dot(across);
                 both(3 + i, value, about(sign * f.cross(across)))
             } else {
-                both(3 + i, swing[i - 1], about(e.col(i)))
+                both(3 + i, self.swing()[i - 1], about(e.col(i)))
             };
-            let has_range = measure.has_range && !has_cone;
+            let has_range = measure.has_range && cone.is_none();
             measures.push(Measure {
                 has_range,
                 ..measure
             });
         }
-        if let Some(half_angles) = cone_of(joint) {
-            measures.extend(self.cone(swing, half_angles));
+        if let Some(half_angles) = cone {
+            measures.extend(self.cone(self.swing(), half_angles));
         }
     }
 
@@ -210,6 +260,17 @@ fn cone_of(joint: &Joint) -> Option<[f64; 2]> {
         _ => None,
     };
     Some([half(&joint.angular[1])?, half(&joint.angular[2])?])
+}
+
+/// Whether no angle may change.
+fn is_fixed(joint: &Joint) -> bool {
+    let mut axes = joint.angular.iter();
+    axes.all(|axis| axis.range == AxisRange::Locked)
+}
+
+/// Whether angles make rows.
+pub(crate) fn has_angles(joint: &Joint) -> bool {
+    joint.angular.iter().any(does_anything)
 }
 
 /// Whether an axis makes rows.

@@ -7,7 +7,8 @@
 //! | `row.rs` | one constraint: stiffness, target, bounds |
 //! | `rows.rs` | which rows a joint has, and what they aim at in each half of a sub-step |
 //! | `sparsity.rs` | in which order bodies are eliminated, and what fills in |
-//! | `factor.rs` | `M + J^T K J` as a product of triangles |
+//! | `links.rs` | bodies that hang on one other, eliminated by the rows of their joints |
+//! | `factor.rs` | `M + J^T K J`, factored body by body |
 //! | `system.rs` | the bodies and joints of a batch, and their rows |
 //! | `solve.rs` | which rows act; velocities that satisfy them |
 //! | `drift.rs` | where the bodies go, and the impulses that keep the joints together there |
@@ -19,6 +20,7 @@
 pub(crate) mod drift;
 mod energy;
 mod factor;
+mod links;
 pub(crate) mod measure;
 mod rounds;
 pub(crate) mod row;

@@ -76,7 +76,7 @@ pub(crate) struct JointRow {
     pub(crate) push: f64,
     /// Share of the speed that comes back from a limit.
     pub(crate) restitution: f64,
-    /// Velocity before the sub-step, m/s or rad/s.
+    /// Velocity before the sub-step, m/s or rad/s; not of rows that always act.
     pub(crate) velocity_before: f64,
     /// Velocity along it of bodies that joints do not move, m/s or rad/s.
     pub(crate) fixed_velocity: f64,
@@ -99,6 +99,11 @@ impl JointRow {
     /// Whether its impulse adds up.
     pub(crate) fn is_rigid(&self) -> bool {
         !matches!(self.kind, RowKind::Spring(_))
+    }
+
+    /// Whether it acts, whatever the velocity.
+    pub(crate) fn always_acts(&self) -> bool {
+        matches!(self.kind, RowKind::Equality)
     }
 
     /// Whether it keeps a place exactly.
@@ -147,7 +152,7 @@ impl JointRow {
 
     /// The state that goes with a velocity; of a row that acts, with the impulse that it has got.
     pub(crate) fn state_at(&self, velocity: f64) -> RowState {
-        if matches!(self.kind, RowKind::Equality) {
+        if self.always_acts() {
             return RowState::Free;
         }
         let wanted = if self.state == RowState::Free {

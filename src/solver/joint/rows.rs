@@ -10,7 +10,7 @@
 
 use crate::joints::axis::{AxisRange, DriveTarget, JointAxis, JointSpring};
 use crate::joints::joint::Joint;
-use crate::solver::joint::measure::{DISTANCE, Measure};
+use crate::solver::joint::measure::{DISTANCE, Frames, Measure};
 use crate::solver::joint::row::{EPSILON, JointRow, RowKind, RowState};
 
 /// Which rows of an axis there are: what holds it or its lower end, its upper end, drive, friction.
@@ -127,21 +127,26 @@ fn add_drive(
 
 /// What keeps a row's place, among other measures of its joint.
 pub(crate) fn measure_of<'m>(measures: &'m [Measure], row: &JointRow) -> Option<&'m Measure> {
-    let number = usize::from(row.slot) / 4;
     measures
         .iter()
-        .find(|measure| measure.axis == number && measure.has_range)
+        .find(|measure| measure.axis == row.axis() && measure.has_range)
 }
 
-/// How far a row is from where it should be, by another measure of it.
-pub(crate) fn position_of(joint: &Joint, measure: &Measure, row: &JointRow) -> f64 {
+/// How far a row that keeps a place is from where it should be, elsewhere than where it was written.
+pub(crate) fn position_of(
+    joint: &Joint,
+    frames: &Frames,
+    last: f64,
+    row: &JointRow,
+) -> Option<f64> {
+    let (value, is_cone) = frames.value(joint, row.axis(), last)?;
     let part = usize::from(row.slot) % 4;
-    let place = match axis_of(joint, measure.axis).range {
-        AxisRange::Limited { min, .. } if part == HOLD && !measure.is_cone => min,
-        AxisRange::Limited { max, .. } if !measure.is_cone => max,
+    let place = match axis_of(joint, row.axis()).range {
+        AxisRange::Limited { min, .. } if part == HOLD && !is_cone => min,
+        AxisRange::Limited { max, .. } if !is_cone => max,
         _ => 0.0,
     };
-    measure.value - f64::from(place)
+    Some(value - f64::from(place))
 }
 
 /// Stiffness and damping of a spring on a row.
@@ -163,6 +168,11 @@ fn coefficients(spring: JointSpring, mobility: f64) -> [f64; 2] {
 }
 
 impl JointRow {
+    /// Number of its axis.
+    fn axis(&self) -> usize {
+        usize::from(self.slot) / 4
+    }
+
     /// Aims at where the bodies are to be at the end of the sub-step. `swing`: `h^2 k J M^-1 J^T` of all springs of the two bodies;
     /// `slack`: what rounding of places leaves open, m or rad; `size`: the joint's levers, m, or 1 rad.
     ///

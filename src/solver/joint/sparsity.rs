@@ -24,6 +24,15 @@ pub(crate) struct EdgeBlock {
     pub(crate) is_flipped: bool,
 }
 
+/// How a body is eliminated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Elimination {
+    /// As a block, with what fills in.
+    Block,
+    /// By the rows that hold it to the one at this place, the only one that it is coupled with, and that by joints alone; or to none.
+    Rows(Option<u32>),
+}
+
 /// The order, and what it makes.
 #[derive(Debug, Default)]
 pub(crate) struct Sparsity {
@@ -38,6 +47,8 @@ pub(crate) struct Sparsity {
     pub(crate) columns: Vec<Column>,
     /// By place, for each pair of its columns, of which the first is the earlier one: the block that both couple.
     pub(crate) updates: Vec<u32>,
+    /// By place.
+    pub(crate) eliminations: Vec<Elimination>,
     /// By edge.
     pub(crate) edge_blocks: Vec<EdgeBlock>,
     /// By body: number of the component, of bodies that joints connect, that it is in.
@@ -64,7 +75,19 @@ impl Sparsity {
             let block = self.block_of(at[0].min(at[1]), at[0].max(at[1]));
             self.edge_blocks.push(EdgeBlock { block, is_flipped });
         }
+        self.find_eliminations();
         self.find_components();
+    }
+
+    fn find_eliminations(&mut self) {
+        let mut eliminations = std::mem::take(&mut self.eliminations);
+        eliminations.clear();
+        eliminations.extend((0..self.order.len()).map(|at| match self.columns_of(at) {
+            [] => Elimination::Rows(None),
+            [column] if !self.updates.contains(&column.block) => Elimination::Rows(Some(column.to)),
+            _ => Elimination::Block,
+        }));
+        self.eliminations = eliminations;
     }
 
     /// Bodies whose elimination ends with the same one are connected.

@@ -2,12 +2,13 @@
 
 use crate::bodies::free_rotation::FreeRotation;
 use crate::joints::joint::Joint;
+use crate::simd::lanes::LaneWidth;
 use crate::solver::joint::factor::Factor;
-use crate::solver::joint::measure::{Frames, Place};
+use crate::solver::joint::measure::{Frames, Place, has_angles};
 use crate::solver::joint::rounds::Rounds;
 use crate::solver::joint::row::JointRow;
 use crate::solver::joint::rows::{HalfSettings, add_rows};
-use crate::solver::joint::sparsity::{EdgeBlock, Sparsity};
+use crate::solver::joint::sparsity::{EdgeBlock, Elimination, Sparsity};
 use crate::solver::joint::vector6::{Vector6, split};
 use glam::{DMat3, DQuat, DVec3};
 use std::ops::Range;
@@ -71,10 +72,14 @@ pub(crate) struct BatchJoint {
     pub(crate) anchors: [DVec3; 2],
     /// `body_from_joint`.
     pub(crate) frames: [DQuat; 2],
+    /// Whether angles make rows of it.
+    pub(crate) has_angles: bool,
     /// Its rows.
     pub(crate) rows: Range<usize>,
     /// The block that couples its bodies.
     pub(super) edge: Option<EdgeBlock>,
+    /// Which of its ends is eliminated by its rows, if one is.
+    pub(super) link: Option<usize>,
     /// Where it is now.
     pub(crate) now: Option<Frames>,
     /// Twist, counted on over full turns, rad.
@@ -97,6 +102,11 @@ pub(crate) struct JointSystem {
     pub(crate) rows: Vec<JointRow>,
     old_rows: Vec<JointRow>,
     edges: Vec<[u32; 2]>,
+    /// By place: where the joints begin by whose rows the body is eliminated, and the end of all; and these.
+    pub(super) link_starts: Vec<u32>,
+    pub(super) link_joints: Vec<u32>,
+    /// Registers of loops over bodies and rows.
+    pub(crate) width: LaneWidth,
     pub(super) sparsity: Sparsity,
     pub(super) factor: Factor,
     /// Whether the factor is that of the rows as they are.
@@ -133,12 +143,14 @@ impl JointSystem {
     ) {
         let frames = [joint.frame_a, joint.frame_b].map(|frame| frame.rotation.as_dquat());
         self.joints.push(BatchJoint {
+            has_angles: has_angles(&joint),
             joint: joint.with_directions(),
             ends,
             anchors,
             frames: frames.map(DQuat::normalize),
             rows: 0..0,
             edge: None,
+            link: None,
             now: None,
             angle,
             impulse: [DVec3::ZERO; 2],
@@ -156,6 +168,48 @@ impl JointSystem {
         let mut blocks = self.sparsity.edge_blocks.iter();
         for joint in &mut self.joints {
             joint.edge = joint.pair().and_then(|_| blocks.next().copied());
+        }
+        self.find_links();
+    }
+
+    /// Finds by the rows of which joints each body is eliminated: those with what comes later, and with what joints do not move.
+    fn find_links(&mut self) {
+        let Self {
+            sparsity,
+            joints,
+            link_starts,
+            link_joints,
+            ..
+        } = self;
+        let place = |end| match end {
+            JointEndpoint::Jointed(body) => sparsity.position[body as usize],
+            JointEndpoint::Fixed(_) => u32::MAX,
+        };
+        let place_of = |joint: &BatchJoint| joint.link.map(|side| place(joint.ends[side]) as usize);
+        link_starts.clear();
+        link_starts.resize(sparsity.order.len() + 1, 0);
+        for joint in joints.iter_mut() {
+            let [a, b] = joint.ends.map(place);
+            let (side, first) = if a < b { (0, a) } else { (1, b) };
+            let elimination = sparsity.eliminations.get(first as usize);
+            let is_link = matches!(elimination, Some(Elimination::Rows(_)));
+            joint.link = is_link.then_some(side);
+            if is_link {
+                link_starts[first as usize] += 1;
+            }
+        }
+        let mut end = 0;
+        for start in link_starts.iter_mut() {
+            end += *start;
+            *start = end;
+        }
+        link_joints.clear();
+        link_joints.resize(end as usize, 0);
+        for (number, joint) in joints.iter().enumerate().rev() {
+            if let Some(at) = place_of(joint) {
+                link_starts[at] -= 1;
+                link_joints[link_starts[at] as usize] = number as u32;
+            }
         }
     }
 
@@ -179,7 +233,11 @@ impl JointSystem {
         for body in &mut self.bodies {
             let rotation = body.spin.rotation.as_dquat().normalize() * body.frame;
             let axes = DMat3::from_quat(rotation);
-            let tensor = |moments: DVec3| axes * DMat3::from_diagonal(moments) * axes.transpose();
+            let across = axes.transpose();
+            let tensor = |moments: DVec3| {
+                let [x, y, z] = [0, 1, 2].map(|i| axes.col(i) * moments[i]);
+                DMat3::from_cols(x, y, z) * across
+            };
             body.inertia = tensor(body.principal);
             body.inverse_inertia = tensor(body.principal.recip());
         }
@@ -188,11 +246,11 @@ impl JointSystem {
         for at in 0..self.joints.len() {
             let joint = &self.joints[at];
             let [a, b] = joint.ends.map(|end| self.place(end));
-            let frames = Frames::of([&a, &b], joint.anchors, joint.frames);
+            let frames = Frames::of([&a, &b], joint.anchors, joint.frames, joint.has_angles);
             let (first, old) = (self.rows.len(), joint.rows.clone());
-            for measure in frames.measure(&joint.joint, joint.angle) {
+            for measure in &frames.measure(&joint.joint, joint.angle) {
                 let mobility = self.mobility(joint, &measure.jacobian);
-                add_rows(&mut self.rows, &joint.joint, &measure, mobility);
+                add_rows(&mut self.rows, &joint.joint, measure, mobility);
             }
             let old = &self.old_rows[old];
             let rows = &mut self.rows[first..];
@@ -213,9 +271,21 @@ impl JointSystem {
             }
             let joint = &mut self.joints[at];
             joint.rows = first..self.rows.len();
-            joint.angle = frames.twist(joint.angle);
+            if joint.has_angles {
+                joint.angle = frames.twist(joint.angle);
+            }
             joint.now = Some(frames);
         }
+    }
+
+    /// Twist of a joint, rad; of one without rows of angles it is counted on from step to step only.
+    pub(crate) fn angle(&self, joint: &BatchJoint) -> f64 {
+        if joint.has_angles {
+            return joint.angle;
+        }
+        let [a, b] = joint.ends.map(|end| self.place(end));
+        let frames = Frames::of([&a, &b], joint.anchors, joint.frames, true);
+        frames.twist(joint.angle)
     }
 
     fn fixed_velocity(&self, end: JointEndpoint) -> Option<Vector6> {
@@ -256,7 +326,9 @@ impl JointSystem {
         for joint in joints.iter() {
             let swing = joint.swing(bodies);
             for row in &mut rows[joint.rows.clone()] {
-                row.velocity_before = row.velocity(joint.velocities(velocities));
+                if !row.always_acts() {
+                    row.velocity_before = row.velocity(joint.velocities(velocities));
+                }
                 row.spent = 0.0;
                 let tolerances = if row.is_angular {
                     [0.0, 1.0]

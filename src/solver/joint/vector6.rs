@@ -23,8 +23,9 @@ pub(crate) fn split(v: &Vector6) -> [DVec3; 2] {
 /// Inner product.
 #[inline(always)]
 pub(crate) fn dot(a: &Vector6, b: &Vector6) -> f64 {
-    let products: Vector6 = std::array::from_fn(|i| a[i] * b[i]);
-    products.iter().sum()
+    let p: Vector6 = std::array::from_fn(|i| a[i] * b[i]);
+    // As two lanes add up.
+    ((p[0] + p[2]) + p[4]) + ((p[1] + p[3]) + p[5])
 }
 
 /// `to += s v`
@@ -40,5 +41,34 @@ pub(crate) fn add_scaled(to: &mut Vector6, s: f64, v: &Vector6) {
 pub(crate) fn add_outer(to: &mut Block6, s: f64, a: &Vector6, b: &Vector6) {
     for (row, a) in to.iter_mut().zip(a) {
         add_scaled(row, s * a, b);
+    }
+}
+
+/// `A v` with a symmetric `A`.
+#[inline(always)]
+pub(crate) fn product(a: &Block6, v: &Vector6) -> Vector6 {
+    let mut sum = [0.0; 6];
+    for (row, v) in a.iter().zip(v) {
+        add_scaled(&mut sum, *v, row);
+    }
+    sum
+}
+
+/// `A^-1` of a symmetric and positive definite `A` in its place, by Gauss-Jordan elimination.
+#[inline(always)]
+pub(crate) fn invert(a: &mut Block6) {
+    for k in 0..6 {
+        // Positive but for rounding: what is left of it then does not move.
+        let inverse = if a[k][k] > 0.0 { a[k][k].recip() } else { 0.0 };
+        let mut pivot = a[k].map(|x| x * inverse);
+        pivot[k] = inverse;
+        for (i, row) in a.iter_mut().enumerate() {
+            if i != k {
+                let share = row[k];
+                row[k] = 0.0;
+                add_scaled(row, -share, &pivot);
+            }
+        }
+        a[k] = pivot;
     }
 }
