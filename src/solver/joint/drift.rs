@@ -6,7 +6,8 @@
 
 use crate::bodies::free_rotation::{FreeRotation, FreeRotations, SPINS};
 use crate::math::rotate_by;
-use crate::simd::lanes::LaneWidth;
+use crate::simd::dispatch::run;
+use crate::simd::lanes::{Kernel, LaneWidth, Lanes};
 use crate::solver::joint::measure::{Frames, Place};
 use crate::solver::joint::rounds::Move;
 use crate::solver::joint::row::{EPSILON, RowState};
@@ -52,7 +53,8 @@ impl JointSystem {
         let mut has_retreated = false;
         for round in 0..ROUNDS {
             drift.follow(self, h, width);
-            self.find_misses(drift, h);
+            let system = &mut *self;
+            run(width, FindMisses { system, drift, h });
             let [goes_on, retreats] = self.rounds.judge();
             has_retreated = retreats;
             if goes_on || retreats {
@@ -73,6 +75,7 @@ impl JointSystem {
     }
 
     /// Finds the impulses that rows miss for what is amiss after a motion.
+    #[inline(always)]
     fn find_misses(&mut self, drift: &Drift, h: f64) {
         self.missing.clear();
         for joint in &self.joints {
@@ -197,6 +200,23 @@ impl JointSystem {
         let changes = position.iter().map(|&at| &self.changes[at as usize]);
         self.pushes
             .extend(changes.map(|change| change.map(|x| share * x)));
+    }
+}
+
+/// Finds what rows miss.
+struct FindMisses<'a> {
+    system: &'a mut JointSystem,
+    drift: &'a Drift,
+    h: f64,
+}
+
+impl Kernel for FindMisses<'_> {
+    type Output = ();
+    const NEEDS_32_REGISTERS: bool = false;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        self.system.find_misses(self.drift, self.h);
     }
 }
 

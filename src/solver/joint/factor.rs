@@ -1,7 +1,7 @@
 //! `A = M + J^T K J`, symmetric and positive definite, factored body by body: by the rows that hold a body where it hangs on one other, else
 //! as `L L^T` by blocks.
 
-use crate::solver::joint::links::Links;
+use crate::solver::joint::links::{AddRows, Links};
 use crate::solver::joint::sparsity::{EdgeBlock, Elimination, Sparsity};
 use crate::solver::joint::vector6::{Block6, Vector6, add_outer, add_scaled, dot};
 
@@ -54,13 +54,13 @@ impl Factor {
         );
     }
 
-    /// Makes the factor. `add_rows` adds the rows of the body at a place that is eliminated by them.
+    /// Makes the factor; `rows`: those by which bodies are eliminated.
     #[inline(always)]
-    pub(crate) fn factorise(&mut self, sparsity: &Sparsity, add_rows: impl Fn(usize, &mut Links)) {
+    pub(crate) fn factorise(&mut self, sparsity: &Sparsity, rows: &impl AddRows) {
         let mut updates = sparsity.updates.iter();
         for at in 0..self.diagonal.len() {
             if let Elimination::Rows(parent) = sparsity.eliminations[at] {
-                add_rows(at, &mut self.links);
+                rows.add_rows(at, &mut self.links);
                 let (done, later) = self.diagonal.split_at_mut(at + 1);
                 let parent = parent.map(|place| (place, &mut later[place as usize - at - 1]));
                 self.links.eliminate(&mut done[at], parent);

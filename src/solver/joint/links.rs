@@ -38,13 +38,20 @@ pub(super) struct LinkRow {
     impulse: f64,
 }
 
+/// Says by which rows bodies are eliminated.
+pub(super) trait AddRows {
+    /// Adds those of the body at a place.
+    fn add_rows(&self, at: usize, links: &mut Links);
+}
+
 impl LinkRow {
-    pub(super) fn new(row: usize, stiffness: f64, [own, other]: [&Vector6; 2]) -> Self {
+    #[inline(always)]
+    pub(super) fn new(row: usize, stiffness: f64, [own, other]: [Vector6; 2]) -> Self {
         Self {
             row: row as u32,
             softness: stiffness.recip(),
-            own: *own,
-            other: *other,
+            own,
+            other,
             inverse: 0.0,
             impulse: 0.0,
         }

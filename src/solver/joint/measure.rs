@@ -72,7 +72,7 @@ pub(crate) struct Frames {
 
 impl Frames {
     /// `anchors`: from centers of mass, body's axes; `frames`: `body_from_joint`. Without `has_angles` nothing is to be asked about angles.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn of(
         places: [&Place; 2],
         anchors: [DVec3; 2],

@@ -129,13 +129,14 @@ impl JointRow {
         given.is_finite().then_some(error + given)
     }
 
-    /// Impulse that it is to have more, at a velocity of the row and before that changes. At a bound it is all that is left.
+    /// Impulse that it is to have more, at a velocity of the row and before that changes. At a bound it is all that is left, whatever the
+    /// velocity.
     #[inline(always)]
-    pub(crate) fn missing_impulse(&self, velocity: f64) -> f64 {
+    pub(crate) fn missing_impulse(&self, velocity: impl FnOnce() -> f64) -> f64 {
         match self.state {
             RowState::AtLeast => self.bounds[0] - self.impulse,
             RowState::AtMost => self.bounds[1] - self.impulse,
-            _ => self.unbounded(velocity) - self.impulse,
+            _ => self.unbounded(velocity()) - self.impulse,
         }
     }
 
@@ -151,14 +152,15 @@ impl JointRow {
     }
 
     /// The state that goes with a velocity; of a row that acts, with the impulse that it has got.
-    pub(crate) fn state_at(&self, velocity: f64) -> RowState {
+    #[inline(always)]
+    pub(crate) fn state_at(&self, velocity: impl FnOnce() -> f64) -> RowState {
         if self.always_acts() {
             return RowState::Free;
         }
         let wanted = if self.state == RowState::Free {
             self.impulse
         } else {
-            self.unbounded(velocity)
+            self.unbounded(velocity())
         };
         // A rigid row that leaves one bound would reach the other at once, were it not asked in between.
         match self.state {

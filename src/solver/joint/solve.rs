@@ -2,9 +2,9 @@
 
 use crate::simd::dispatch::run;
 use crate::simd::lanes::{Kernel, Lanes};
-use crate::solver::joint::links::LinkRow;
+use crate::solver::joint::links::{AddRows, LinkRow, Links};
 use crate::solver::joint::row::{JointRow, RowState};
-use crate::solver::joint::system::{JointEndpoint, JointSystem};
+use crate::solver::joint::system::{BatchJoint, JointEndpoint, JointSystem};
 use crate::solver::joint::vector6::add_scaled;
 
 /// Most rounds in which it is found out which rows act; in the second half of them none that has been found idle acts again.
@@ -14,10 +14,10 @@ impl JointSystem {
     /// Rows that have not been asked yet act if they would alone.
     pub(super) fn guess_states(&mut self) {
         for joint in &self.joints {
+            let velocities = joint.velocities(&self.velocities);
             for row in &mut self.rows[joint.rows.clone()] {
                 if row.state != RowState::Free {
-                    let velocity = row.velocity(joint.velocities(&self.velocities));
-                    let state = row.state_at(velocity);
+                    let state = row.state_at(|| row.velocity(velocities));
                     self.is_factored &= state == row.state;
                     row.state = state;
                 }
@@ -28,16 +28,22 @@ impl JointSystem {
     /// Finds impulses and velocities that satisfy all rows.
     pub(crate) fn solve(&mut self) {
         for round in 0..ROUNDS {
-            self.missing.clear();
-            for joint in &self.joints {
-                let velocities = joint.velocities(&self.velocities);
-                let rows = self.rows[joint.rows.clone()].iter();
-                let missing = rows.map(|row| row.missing_impulse(row.velocity(velocities)));
-                self.missing.extend(missing);
-            }
+            run(self.width, FindMissing(self));
             self.apply_missing();
             if !self.renew_states(round >= ROUNDS / 2) {
                 break;
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn find_missing(&mut self) {
+        self.missing.resize(self.rows.len(), 0.0);
+        for joint in &self.joints {
+            let velocities = joint.velocities(&self.velocities);
+            let rows = self.rows[joint.rows.clone()].iter();
+            for (missing, row) in self.missing[joint.rows.clone()].iter_mut().zip(rows) {
+                *missing = row.missing_impulse(|| row.velocity(velocities));
             }
         }
     }
@@ -93,16 +99,20 @@ impl JointSystem {
         self.changes.resize(self.bodies.len(), [0.0; 6]);
         let position = &self.sparsity.position;
         for joint in &self.joints {
-            let acts_alone = |row: &JointRow| joint.link.is_some() && row.acts_in_link();
-            for (side, end) in joint.ends.into_iter().enumerate() {
-                let JointEndpoint::Jointed(body) = end else {
+            let is_link = joint.link.is_some();
+            let places = joint.ends.map(|end| match end {
+                JointEndpoint::Jointed(body) => Some(position[body as usize] as usize),
+                JointEndpoint::Fixed(_) => None,
+            });
+            for at in joint.rows.clone() {
+                let (row, missing) = (&self.rows[at], self.missing[at]);
+                // Most rows that do not act miss nothing.
+                if missing == 0.0 || is_link && row.acts_in_link() {
                     continue;
-                };
-                let change = &mut self.changes[position[body as usize] as usize];
-                for at in joint.rows.clone() {
-                    let row = &self.rows[at];
-                    if !acts_alone(row) {
-                        add_scaled(change, self.missing[at], &row.jacobian[side]);
+                }
+                for (place, jacobian) in places.into_iter().zip(&row.jacobian) {
+                    if let Some(place) = place {
+                        add_scaled(&mut self.changes[place], missing, jacobian);
                     }
                 }
             }
@@ -120,7 +130,7 @@ impl JointSystem {
                 if row.always_acts() {
                     continue;
                 }
-                let state = row.state_at(row.velocity(velocities));
+                let state = row.state_at(|| row.velocity(velocities));
                 let begins = state == RowState::Free || row.state != RowState::Free;
                 if state != row.state && !(only_less && begins) {
                     row.state = state;
@@ -161,27 +171,45 @@ impl JointSystem {
                 }
             }
         }
-        let (joints, rows) = (&self.joints, &self.rows);
-        let (starts, numbers) = (&self.link_starts, &self.link_joints);
-        self.factor.factorise(&self.sparsity, |at, links| {
-            let own = starts[at] as usize..starts[at + 1] as usize;
-            for &number in &numbers[own] {
-                let joint = &joints[number as usize];
-                let side = joint.link.unwrap_or_default();
-                for number in joint.rows.clone() {
-                    let row = &rows[number];
-                    if row.acts_in_link() {
-                        let other = match joint.ends[1 - side] {
-                            JointEndpoint::Jointed(_) => &row.jacobian[1 - side],
-                            JointEndpoint::Fixed(_) => &[0.0; 6],
-                        };
-                        let jacobians = [&row.jacobian[side], other];
-                        links.push(LinkRow::new(number, row.stiffness, jacobians));
+        let rows = RowsOfLinks {
+            joints: &self.joints,
+            rows: &self.rows,
+            starts: &self.link_starts,
+            numbers: &self.link_joints,
+        };
+        self.factor.factorise(&self.sparsity, &rows);
+        self.is_factored = true;
+    }
+}
+
+/// The rows by which bodies are eliminated.
+struct RowsOfLinks<'a> {
+    joints: &'a [BatchJoint],
+    rows: &'a [JointRow],
+    /// By place: where its joints begin, and the end of all; and these.
+    starts: &'a [u32],
+    numbers: &'a [u32],
+}
+
+impl AddRows for RowsOfLinks<'_> {
+    #[inline(always)]
+    fn add_rows(&self, at: usize, links: &mut Links) {
+        let own = self.starts[at] as usize..self.starts[at + 1] as usize;
+        for &number in &self.numbers[own] {
+            let joint = &self.joints[number as usize];
+            let side = joint.link.unwrap_or_default();
+            let is_alone = matches!(joint.ends[1 - side], JointEndpoint::Fixed(_));
+            for number in joint.rows.clone() {
+                let row = &self.rows[number];
+                if row.acts_in_link() {
+                    let mut jacobians = [row.jacobian[side], row.jacobian[1 - side]];
+                    if is_alone {
+                        jacobians[1] = [0.0; 6];
                     }
+                    links.push(LinkRow::new(number, row.stiffness, jacobians));
                 }
             }
-        });
-        self.is_factored = true;
+        }
     }
 }
 
@@ -190,6 +218,19 @@ impl JointRow {
     #[inline(always)]
     fn acts_in_link(&self) -> bool {
         self.state == RowState::Free && self.stiffness >= f64::MIN_POSITIVE
+    }
+}
+
+/// Finds what rows miss.
+struct FindMissing<'a>(&'a mut JointSystem);
+
+impl Kernel for FindMissing<'_> {
+    type Output = ();
+    const NEEDS_32_REGISTERS: bool = false;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        self.0.find_missing();
     }
 }
 

@@ -2,7 +2,8 @@
 
 use crate::bodies::free_rotation::FreeRotation;
 use crate::joints::joint::Joint;
-use crate::simd::lanes::LaneWidth;
+use crate::simd::dispatch::run;
+use crate::simd::lanes::{Kernel, LaneWidth, Lanes};
 use crate::solver::joint::factor::Factor;
 use crate::solver::joint::measure::{Frames, Place, has_angles};
 use crate::solver::joint::rounds::Rounds;
@@ -18,6 +19,8 @@ use std::ops::Range;
 pub(crate) struct JointedBody {
     /// Its rotation.
     pub(crate) spin: FreeRotation,
+    /// The same in double precision, of length 1.
+    pub(crate) rotation: DQuat,
     /// Where its center of mass is, m.
     pub(crate) center: DVec3,
     /// kg
@@ -213,14 +216,14 @@ impl JointSystem {
         }
     }
 
-    /// Where an end of a joint is.
+    /// Where an end of a joint is, as its rows are written.
     pub(crate) fn place(&self, end: JointEndpoint) -> Place {
         match end {
             JointEndpoint::Jointed(body) => {
                 let body = &self.bodies[body as usize];
                 Place {
                     center: body.center,
-                    rotation: body.spin.rotation.as_dquat().normalize(),
+                    rotation: body.rotation,
                 }
             }
             JointEndpoint::Fixed(body) => self.fixed[body as usize].place,
@@ -229,10 +232,15 @@ impl JointSystem {
 
     /// Writes the rows anew for where the bodies are now; those that were there keep their impulses.
     pub(crate) fn linearise(&mut self) {
+        run(self.width, Linearise(self));
+    }
+
+    #[inline(always)]
+    fn write_rows(&mut self) {
         self.is_factored = false;
         for body in &mut self.bodies {
-            let rotation = body.spin.rotation.as_dquat().normalize() * body.frame;
-            let axes = DMat3::from_quat(rotation);
+            body.rotation = body.spin.rotation.as_dquat().normalize();
+            let axes = DMat3::from_quat(body.rotation * body.frame);
             let across = axes.transpose();
             let tensor = |moments: DVec3| {
                 let [x, y, z] = [0, 1, 2].map(|i| axes.col(i) * moments[i]);
@@ -264,10 +272,12 @@ impl JointSystem {
                     row.velocity_before = before.velocity_before;
                 }
             }
-            let fixed = joint.ends.map(|end| self.fixed_velocity(end));
-            for row in &mut self.rows[first..] {
-                let still = [fixed[0].as_ref(), fixed[1].as_ref()];
-                row.fixed_velocity = row.velocity(still);
+            if joint.pair().is_none() {
+                let fixed = joint.ends.map(|end| self.fixed_velocity(end));
+                for row in &mut self.rows[first..] {
+                    let still = [fixed[0].as_ref(), fixed[1].as_ref()];
+                    row.fixed_velocity = row.velocity(still);
+                }
             }
             let joint = &mut self.joints[at];
             joint.rows = first..self.rows.len();
@@ -395,6 +405,19 @@ impl JointSystem {
                 }
             }
         }
+    }
+}
+
+/// Writes the rows anew.
+struct Linearise<'a>(&'a mut JointSystem);
+
+impl Kernel for Linearise<'_> {
+    type Output = ();
+    const NEEDS_32_REGISTERS: bool = false;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        self.0.write_rows();
     }
 }
 
