@@ -58,7 +58,7 @@ impl JointSystem {
             let [goes_on, retreats] = self.rounds.judge();
             has_retreated = retreats;
             if goes_on || retreats {
-                self.step_back_or_remember();
+                self.step_back_or_remember(h);
             }
             if round + 1 == ROUNDS || !goes_on {
                 break;
@@ -83,13 +83,13 @@ impl JointSystem {
                 self.missing.resize(joint.rows.end, 0.0);
                 continue;
             };
-            let places = joint.ends.map(|end| match end {
+            let place = |side: usize| match joint.ends[side] {
                 JointEndpoint::Jointed(body) => drift.bodies[body as usize].place,
                 JointEndpoint::Fixed(body) => self.fixed[body as usize].after(h),
-            });
-            let [a, b] = &places;
-            let frames = Frames::of([a, b], joint.anchors, joint.frames, joint.has_angles);
-            let [linear, angular] = [TOLERANCE * joint.levers() + joint.slack, TOLERANCE];
+            };
+            let (a, b) = (place(0), place(1));
+            let frames = Frames::of([&a, &b], joint.anchors, joint.frames, joint.has_angles);
+            let [linear, angular] = [TOLERANCE * joint.levers + joint.slack, TOLERANCE];
             let along_end = progress
                 .is_along_end()
                 .then(|| frames.measure(&joint.joint, joint.angle));
@@ -130,7 +130,7 @@ impl JointSystem {
 
     /// Takes note of velocities and impulses of the components that take a step, and goes back by a share of the last one with those that
     /// retreat; only the first are given what they miss.
-    fn step_back_or_remember(&mut self) {
+    fn step_back_or_remember(&mut self, h: f64) {
         let Self {
             rounds,
             sparsity,
@@ -156,16 +156,26 @@ impl JointSystem {
             }
         }
         for joint in joints.iter() {
-            let next = rounds.next(joint.component(sparsity));
-            for row in joint.rows.clone() {
-                let (now, before) = (&mut rows[row].impulse, &mut rounds.impulses[row]);
+            let component = joint.component(sparsity);
+            let (next, is_along_end) = (rounds.next(component), rounds.is_along_end(component));
+            for number in joint.rows.clone() {
+                let (row, missing) = (&mut rows[number], &mut missing[number]);
+                let (now, before) = (&mut row.impulse, &mut rounds.impulses[number]);
                 match next {
                     Move::Step => *before = *now,
                     Move::Retreat(share) => *now = step_back(*now, *before, share),
                     Move::Stop => {}
                 }
                 if next != Move::Step {
-                    missing[row] = 0.0;
+                    *missing = 0.0;
+                }
+                if next != Move::Stop && row.always_acts() {
+                    let is_curve = !is_along_end && row.stiffness > 0.0;
+                    row.curve = if is_curve {
+                        row.curve + *missing / (row.stiffness * h)
+                    } else {
+                        0.0
+                    };
                 }
             }
         }

@@ -139,6 +139,7 @@ impl Frames {
     }
 
     /// What the axis of a row that keeps a place has come to, as [`measure`](Self::measure) says; whether that is what is left of a cone.
+    #[inline]
     pub(crate) fn value(&self, joint: &Joint, axis: usize, last: f64) -> Option<(f64, bool)> {
         let value = match axis {
             DISTANCE => self.d.length(),

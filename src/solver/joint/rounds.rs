@@ -164,6 +164,11 @@ impl Rounds {
         progress.is_open || !progress.has_stopped
     }
 
+    /// Whether a component searches along the rows of where the bodies would be.
+    pub(super) fn is_along_end(&self, component: u32) -> bool {
+        self.progress[component as usize].is_along_end()
+    }
+
     /// What a component does next.
     pub(super) fn next(&self, component: u32) -> Move {
         self.progress[component as usize].next

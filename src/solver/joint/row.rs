@@ -72,6 +72,9 @@ pub(crate) struct JointRow {
     pub(crate) position: f64,
     /// How far it should be at the end of the sub-step, but for what it is pushed.
     pub(crate) goal: f64,
+    /// How fast a motion with the velocities that it had would leave its place, by the sub-step before, m/s2 or rad/s2: what turns is pulled
+    /// inward.
+    pub(crate) curve: f64,
     /// How far it is pushed in the sub-step, which leaves no velocity.
     pub(crate) push: f64,
     /// Share of the speed that comes back from a limit.

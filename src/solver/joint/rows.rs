@@ -133,6 +133,7 @@ pub(crate) fn measure_of<'m>(measures: &'m [Measure], row: &JointRow) -> Option<
 }
 
 /// How far a row that keeps a place is from where it should be, elsewhere than where it was written.
+#[inline]
 pub(crate) fn position_of(
     joint: &Joint,
     frames: &Frames,
@@ -198,7 +199,10 @@ impl JointRow {
                 } else {
                     0.0
                 };
-                self.target = (self.goal - self.position) / h;
+                if is_far {
+                    self.curve = 0.0;
+                }
+                self.target = (self.goal - self.position) / h + self.curve * h;
                 self.stiffness = rigid(self.mobility);
             }
             RowKind::Velocity(velocity) => {

@@ -75,6 +75,8 @@ pub(crate) struct BatchJoint {
     pub(crate) anchors: [DVec3; 2],
     /// `body_from_joint`.
     pub(crate) frames: [DQuat; 2],
+    /// Length of its levers, m.
+    pub(super) levers: f64,
     /// Whether angles make rows of it.
     pub(crate) has_angles: bool,
     /// Its rows.
@@ -114,6 +116,8 @@ pub(crate) struct JointSystem {
     pub(super) factor: Factor,
     /// Whether the factor is that of the rows as they are.
     pub(super) is_factored: bool,
+    /// Whether there are springs among the rows.
+    has_springs: bool,
     /// Time for which springs act in the factor, s.
     factored_kick: f64,
     /// Changes of velocities, by place in the order.
@@ -146,6 +150,7 @@ impl JointSystem {
     ) {
         let frames = [joint.frame_a, joint.frame_b].map(|frame| frame.rotation.as_dquat());
         self.joints.push(BatchJoint {
+            levers: anchors[0].length() + anchors[1].length(),
             has_angles: has_angles(&joint),
             joint: joint.with_directions(),
             ends,
@@ -217,7 +222,8 @@ impl JointSystem {
     }
 
     /// Where an end of a joint is, as its rows are written.
-    pub(crate) fn place(&self, end: JointEndpoint) -> Place {
+    #[inline(always)]
+    fn place(&self, end: JointEndpoint) -> Place {
         match end {
             JointEndpoint::Jointed(body) => {
                 let body = &self.bodies[body as usize];
@@ -253,7 +259,7 @@ impl JointSystem {
         self.rows.clear();
         for at in 0..self.joints.len() {
             let joint = &self.joints[at];
-            let [a, b] = joint.ends.map(|end| self.place(end));
+            let (a, b) = (self.place(joint.ends[0]), self.place(joint.ends[1]));
             let frames = Frames::of([&a, &b], joint.anchors, joint.frames, joint.has_angles);
             let (first, old) = (self.rows.len(), joint.rows.clone());
             for measure in &frames.measure(&joint.joint, joint.angle) {
@@ -268,6 +274,7 @@ impl JointSystem {
                     row.state = before.state;
                     row.impulse = before.impulse;
                     row.spent = before.spent;
+                    row.curve = before.curve;
                     row.bounds = before.bounds;
                     row.velocity_before = before.velocity_before;
                 }
@@ -286,6 +293,7 @@ impl JointSystem {
             }
             joint.now = Some(frames);
         }
+        self.has_springs = self.rows.iter().any(|row| !row.is_rigid());
     }
 
     /// Twist of a joint, rad; of one without rows of angles it is counted on from step to step only.
@@ -306,6 +314,7 @@ impl JointSystem {
     }
 
     /// `J M^-1 J^T`, 1/kg.
+    #[inline(always)]
     fn mobility(&self, joint: &BatchJoint, jacobian: &[Vector6; 2]) -> f64 {
         let of = |side: usize| {
             let JointEndpoint::Jointed(body) = joint.ends[side] else {
@@ -322,7 +331,7 @@ impl JointSystem {
     /// be any where a chain is as good as straight between fixed ends, and along rows that have turned since they would throw it.
     pub(crate) fn begin_ahead(&mut self, half: &HalfSettings) {
         self.find_swings(half.substep_dt);
-        if self.factored_kick != half.kick && self.has_springs() {
+        if self.factored_kick != half.kick && self.has_springs {
             self.is_factored = false;
         }
         self.factored_kick = half.kick;
@@ -343,7 +352,7 @@ impl JointSystem {
                 let tolerances = if row.is_angular {
                     [0.0, 1.0]
                 } else {
-                    [joint.slack, joint.levers()]
+                    [joint.slack, joint.levers]
                 };
                 row.aim_ahead(half, swing, tolerances);
                 row.impulse = 0.0;
@@ -371,11 +380,10 @@ impl JointSystem {
         self.guess_states();
     }
 
-    fn has_springs(&self) -> bool {
-        self.rows.iter().any(|row| !row.is_rigid())
-    }
-
     fn find_swings(&mut self, substep_dt: f64) {
+        if !self.has_springs {
+            return;
+        }
         for body in &mut self.bodies {
             body.swing = 0.0;
         }
@@ -443,11 +451,6 @@ impl BatchJoint {
             [JointEndpoint::Jointed(a), JointEndpoint::Jointed(b)] => Some([a, b]),
             _ => None,
         }
-    }
-
-    /// Length of its levers, m.
-    pub(crate) fn levers(&self) -> f64 {
-        self.anchors[0].length() + self.anchors[1].length()
     }
 
     fn swing(&self, bodies: &[JointedBody]) -> f64 {
