@@ -10,6 +10,7 @@
 //! | `links.rs` | bodies that hang on one other, eliminated by the rows of their joints |
 //! | `factor.rs` | `M + J^T K J`, factored body by body |
 //! | `system.rs` | the bodies and joints of a batch, and their rows |
+//! | `linearise.rs` | these rows anew where the bodies are now |
 //! | `solve.rs` | which rows act; velocities that satisfy them |
 //! | `drift.rs` | where the bodies go, and the impulses that keep the joints together there |
 //! | `energy.rs` | which joints stay open, and what drives give |
@@ -20,6 +21,7 @@
 pub(crate) mod drift;
 mod energy;
 mod factor;
+mod linearise;
 mod links;
 pub(crate) mod measure;
 mod rounds;
