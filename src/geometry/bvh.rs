@@ -170,19 +170,29 @@ pub(crate) fn within(tree: &Bvh2, b: &Aabb, mut visit: impl FnMut(u32)) {
     let [low, high] = [b.min, b.max].map(Vec3A::from);
     let slack = ROUNDING * largest([low, high, top[0], top[1]]).min(f32::MAX);
     let (low, high) = (low - Vec3A::splat(slack), high + Vec3A::splat(slack));
+    let meets = |index: u32| {
+        let [min, max] = corners(&tree.nodes[index as usize]);
+        (min.cmple(high) & max.cmpge(low)).all()
+    };
     let mut stack: SmallVec<[u32; 96]> = SmallVec::new();
-    stack.push(0);
-    while let Some(index) = stack.pop() {
+    let mut next = meets(0).then_some(0);
+    while let Some(index) = next {
         let node = &tree.nodes[index as usize];
-        let [min, max] = corners(node);
-        if !(min.cmple(high) & max.cmpge(low)).all() {
-            continue;
-        }
         if node.is_leaf() {
             primitives(tree, node).iter().for_each(|&p| visit(p));
-        } else {
-            stack.extend([node.first_index + 1, node.first_index]);
+            next = stack.pop();
+            continue;
         }
+        let [first, second] = [node.first_index, node.first_index + 1];
+        next = match [meets(first), meets(second)] {
+            [true, true] => {
+                stack.push(second);
+                Some(first)
+            }
+            [true, false] => Some(first),
+            [false, true] => Some(second),
+            [false, false] => stack.pop(),
+        };
     }
 }
 
@@ -206,9 +216,10 @@ pub(crate) fn around(
         apart.length_squared()
     };
     let mut stack = Stack::new();
-    stack.push((away(top), 0));
-    while let Some((square, index)) = stack.pop() {
+    let mut next = Some((away(top), 0));
+    while let Some((square, index)) = next {
         if square > limit * limit {
+            next = stack.pop();
             continue;
         }
         let node = &tree.nodes[index as usize];
@@ -216,14 +227,19 @@ pub(crate) fn around(
             for &primitive in primitives(tree, node) {
                 limit = visit(primitive, limit);
             }
+            next = stack.pop();
             continue;
         }
-        let children = [node.first_index, node.first_index + 1];
-        let [near, far] = children.map(|child| (away(corners(&tree.nodes[child as usize])), child));
-        stack.extend(if far.0 < near.0 {
-            [near, far]
+        let of_child = |child: u32| (away(corners(&tree.nodes[child as usize])), child);
+        let [first, second] = [of_child(node.first_index), of_child(node.first_index + 1)];
+        let (near, far) = if second.0 < first.0 {
+            (second, first)
         } else {
-            [far, near]
-        });
+            (first, second)
+        };
+        if far.0 <= limit * limit {
+            stack.push(far);
+        }
+        next = Some(near);
     }
 }

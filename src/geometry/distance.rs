@@ -11,7 +11,7 @@
 //! - B. Mirtich, "Impulse-based Dynamic Simulation of Rigid Body Systems", 1996: conservative advancement.
 
 use crate::geometry::simplex::{Corner, Simplex};
-use crate::geometry::support::{Core, PlacedCore};
+use crate::geometry::support::{Core, PlacedCore, Support};
 use glam::DVec3;
 
 /// Most corners that are tried. Hulls of a thousand faces take some ten.
@@ -55,7 +55,7 @@ pub(crate) fn distance(a: &Core, b: &PlacedCore, limit: f64) -> Separation {
 
 /// The same by a search that begins with the corners along `start`, which points from A to B: the nearer it is to the normal where
 /// the cores are nearest, the sooner it ends.
-pub(crate) fn distance_from(a: &Core, b: &PlacedCore, start: DVec3, limit: f64) -> Separation {
+pub(crate) fn distance_from(a: &Core, b: &impl Support, start: DVec3, limit: f64) -> Separation {
     let axis = unit_or_x(start);
     let first = corner(a, b, axis);
     if axis.dot(first.apart) > limit {
@@ -69,7 +69,7 @@ fn unit_or_x(v: DVec3) -> DVec3 {
 }
 
 /// The corner of B - A that is farthest against an axis.
-fn corner(a: &Core, b: &PlacedCore, axis: DVec3) -> Corner {
+fn corner(a: &Core, b: &impl Support, axis: DVec3) -> Corner {
     Corner::new(a.exact_support(axis), b.support(-axis))
 }
 
@@ -77,7 +77,7 @@ fn corner(a: &Core, b: &PlacedCore, axis: DVec3) -> Corner {
 /// and ends the search.
 fn search(
     a: &Core,
-    b: &PlacedCore,
+    b: &impl Support,
     simplex: &mut Simplex,
     is_far: impl Fn(DVec3, f64) -> bool,
 ) -> Separation {

@@ -90,6 +90,27 @@ impl<'s> Core<'s> {
     }
 }
 
+/// What is known by how far it reaches along a direction.
+pub(crate) trait Support {
+    /// The corner farthest along `axis`.
+    fn support(&self, axis: DVec3) -> DVec3;
+}
+
+/// A point.
+impl Support for DVec3 {
+    #[inline]
+    fn support(&self, _: DVec3) -> DVec3 {
+        *self
+    }
+}
+
+impl Support for PlacedCore<'_> {
+    #[inline]
+    fn support(&self, axis: DVec3) -> DVec3 {
+        PlacedCore::support(self, axis)
+    }
+}
+
 /// A core in the frame of another one.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PlacedCore<'s> {
@@ -113,6 +134,14 @@ impl<'s> PlacedCore<'s> {
     /// The box around the core.
     pub(crate) fn bounds(&self) -> Aabb {
         self.core.bounds(&self.turn, self.shift.as_vec3())
+    }
+
+    /// The middle, axes and half of the edges of a core that is a box.
+    pub(crate) fn as_box(&self) -> Option<(Vec3, Mat3, Vec3)> {
+        match &self.core {
+            Core::Box(b) => Some((self.middle().as_vec3(), self.turn, 0.5 * b.extents())),
+            _ => None,
+        }
     }
 
     /// The same, moved from where it was placed.

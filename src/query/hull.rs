@@ -8,9 +8,9 @@ use crate::geometry::ConvexHull;
 use crate::geometry::distance::{CoreCast, Separation, distance_from};
 use crate::geometry::hull_lanes::LANES;
 use crate::geometry::support::{Core, PlacedCore};
-use crate::math::Pose;
+use crate::query::cuboid::{Cuboid, Told, box_of, nearest_of_box};
 use crate::query::local::{LocalCast, LocalHit, LocalRay};
-use glam::{Quat, Vec3};
+use glam::Vec3;
 
 /// Rounding of a point's height over a plane, as a share of coordinates.
 const FOOT: f32 = 3e-7;
@@ -89,17 +89,16 @@ pub(crate) fn cast_ray(hull: &ConvexHull, ray: &LocalRay) -> Option<LocalHit> {
 /// The face that a point on the hull's surface lies on; of several, the one that looks most along `normal`.
 fn face_at(hull: &ConvexHull, point: Vec3, normal: Vec3) -> Option<u32> {
     let slack = 1e-5 * hull.aabb().diagonal();
-    let near = hull.faces().iter().enumerate();
-    let near = near.filter(|(_, face)| face.plane.distance(point) >= -slack);
-    let along = |face: usize| hull.faces()[face].plane.normal.dot(normal);
-    let best = near.map(|(face, _)| (face, along(face)));
-    let best = best.fold(
-        None,
-        |best: Option<(usize, f32)>, (face, along)| match best {
-            Some((_, most)) if most >= along => best,
-            _ => Some((face, along)),
-        },
-    );
+    let mut best: Option<(usize, f32)> = None;
+    for (group, planes) in hull.lanes.planes.iter().enumerate() {
+        let (heights, along) = (planes.heights(point), planes.normals.along(normal));
+        for l in 0..LANES {
+            let is_more = best.is_none_or(|(_, most)| along[l] > most);
+            if heights[l] >= -slack && is_more {
+                best = Some((group * LANES + l, along[l]));
+            }
+        }
+    }
     best.map(|(face, _)| face as u32)
 }
 
@@ -131,7 +130,16 @@ pub(crate) fn cast_against_core(core: &Core, cast: &LocalCast) -> Option<LocalHi
 /// Whether a core comes within `radius` (m) of the hull.
 pub(crate) fn overlaps(hull: &ConvexHull, core: &PlacedCore, radius: f32) -> bool {
     let radius = f64::from(radius);
-    let start = core.middle() - hull.aabb().center().as_dvec3();
+    let mut start = core.middle() - hull.aabb().center().as_dvec3();
+    if radius == 0.0
+        && let Some(cuboid) = Cuboid::of(core)
+    {
+        match cuboid.against(hull) {
+            Told::Apart => return false,
+            Told::Overlap => return true,
+            Told::Nothing(axis) => start = axis.as_dvec3(),
+        }
+    }
     match distance_from(&Core::of_hull(hull), core, start, radius) {
         Separation::Overlap => true,
         Separation::Near(nearest) => nearest.distance <= radius,
@@ -176,11 +184,16 @@ pub(crate) fn closest(hull: &ConvexHull, point: Vec3, limit: f32) -> Option<Loca
     if height <= 0.0 || holds(hull, foot) {
         return on_face();
     }
-    let at = Pose::new(point, Quat::IDENTITY);
-    let there = PlacedCore::new(Core::of_point(Vec3::ZERO), &at);
+    if let Some(b) = box_of(hull) {
+        let (on_hull, normal, distance) = nearest_of_box(&b, point);
+        return (distance <= limit).then(|| LocalHit {
+            face: face_at(hull, on_hull, normal),
+            ..LocalHit::at(on_hull, normal, distance)
+        });
+    }
     match distance_from(
         &Core::of_hull(hull),
-        &there,
+        &point.as_dvec3(),
         plane.normal.as_dvec3(),
         f64::from(limit),
     ) {

@@ -14,6 +14,7 @@ use crate::geometry::level_triangle::LevelTriangle;
 use crate::geometry::support::{Core, PlacedCore};
 use crate::geometry::triangle_distance::{nearest_on_triangle, rough_square};
 use crate::math::Aabb;
+use crate::query::cuboid::Cuboid;
 use crate::query::hull::cast_against_core;
 use crate::query::local::{LocalCast, LocalHit, LocalRay};
 use glam::{DVec3, Vec3};
@@ -134,14 +135,18 @@ fn stays_off(triangle: &LevelTriangle, is_behind: bool, cast: &LocalCast, end: f
 
 pub(crate) fn overlaps(mesh: &StaticMesh, core: &PlacedCore, radius: f32) -> bool {
     let mut is_met = false;
+    let cuboid = Cuboid::of(core).filter(|_| radius == 0.0);
     mesh.tree().within(&core.bounds().fattened(radius), |leaf| {
-        let triangle = core_of(&mesh.triangles()[leaf as usize]);
-        is_met = is_met
-            || match distance(&triangle, core, f64::from(radius)) {
-                Separation::Overlap => true,
-                Separation::Near(nearest) => nearest.distance <= f64::from(radius),
-                Separation::Far => false,
-            };
+        let triangle = &mesh.triangles()[leaf as usize];
+        if is_met || cuboid.is_some_and(|cuboid| cuboid.is_off(&triangle.plane)) {
+            return;
+        }
+        let triangle = core_of(triangle);
+        is_met = match distance(&triangle, core, f64::from(radius)) {
+            Separation::Overlap => true,
+            Separation::Near(nearest) => nearest.distance <= f64::from(radius),
+            Separation::Far => false,
+        };
     });
     is_met
 }

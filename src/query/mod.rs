@@ -9,7 +9,7 @@
 //! | `hit.rs` | what is found |
 //! | `target.rs` | one body: its shape where it lies now |
 //! | `slide.rs`, `walk.rs`, `walker.rs` | a shape that slides along what it meets; a character that walks |
-//! | `nearness.rs`, `convex.rs`, `compound.rs`, `hull.rs`, `round.rs`, `half_space.rs`, `level.rs`, `local.rs` | the exact tests, in the frame of the body |
+//! | `nearness.rs`, `convex.rs`, `cuboid.rs`, `compound.rs`, `hull.rs`, `round.rs`, `half_space.rs`, `level.rs`, `local.rs` | the exact tests, in the frame of the body |
 //!
 //! Bodies are seen where they are now; the tree holds boxes that they have not left, and what has left its box since the last step, or
 //! has come, is in a small tree of its own. Nothing here changes a scene or is remembered by it. Must not know contacts, the solver
@@ -19,6 +19,7 @@ mod ball;
 mod blade;
 mod compound;
 mod convex;
+mod cuboid;
 pub(crate) mod error;
 pub(crate) mod filter;
 mod half_space;

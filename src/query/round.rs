@@ -8,6 +8,7 @@ use crate::geometry::round::RoundShape;
 use crate::geometry::round_core::RoundCore;
 use crate::geometry::support::{Core, PlacedCore};
 use crate::math::Pose;
+use crate::query::cuboid::Cuboid;
 use crate::query::hull::{self, cast_against_core};
 use crate::query::local::{LocalCast, LocalHit, LocalRay};
 use glam::{DVec3, Quat, Vec3};
@@ -91,6 +92,9 @@ pub(crate) fn cast_shape(shape: &RoundShape, cast: &LocalCast) -> Option<LocalHi
 
 pub(crate) fn overlaps(shape: &RoundShape, core: &PlacedCore, radius: f32) -> bool {
     let limit = f64::from(radius) + f64::from(shape.radius);
+    if let (RoundCore::Point, Some(cuboid)) = (&shape.core, Cuboid::of(core)) {
+        return cuboid.reaches(Vec3::ZERO, limit);
+    }
     match distance(&shape.core(), core, limit) {
         Separation::Overlap => true,
         Separation::Near(nearest) => nearest.distance <= limit,

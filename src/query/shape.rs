@@ -3,6 +3,7 @@
 use crate::geometry::support::Core;
 use crate::geometry::{Compound, CompoundPart, ConvexHull, ConvexMesh};
 use crate::math::{Aabb, Pose, rotate};
+use crate::query::ball::Ball;
 use crate::query::error::QueryError;
 use glam::{Mat3, Vec3};
 
@@ -141,6 +142,17 @@ impl<'s> QueryShape<'s> {
     pub(crate) fn reach(&self, pose: &Pose, axis: Vec3) -> f32 {
         let reaches = self.parts(pose).map(|part| part.reach(axis));
         reaches.fold(f32::NEG_INFINITY, f32::max)
+    }
+
+    /// A ball around the shape at a pose; `bounds`: the box around it.
+    pub(crate) fn ball(&self, pose: &Pose, bounds: &Aabb) -> Ball {
+        match self.form {
+            Form::Convex(Core::Box(b)) => Ball {
+                center: pose.transform_point(b.center()),
+                radius: 0.5 * b.diagonal() + self.radius,
+            },
+            _ => Ball::around(bounds),
+        }
     }
 
     /// The box around the shape at a pose.

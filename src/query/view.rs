@@ -116,7 +116,7 @@ impl<'q> Queries<'q> {
         check_pose(pose)?;
         found.clear();
         let bounds = shape.bounds(pose);
-        let ball = Ball::around(&bounds);
+        let ball = shape.ball(pose, &bounds);
         self.inside(&bounds, |slot| {
             if let Some(target) = self.target(slot, filter, ball, NOWHERE)
                 && target.overlaps(shape, pose)
