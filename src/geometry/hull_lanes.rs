@@ -90,6 +90,7 @@ impl Planes4 {
     }
 
     /// Heights of a point above the planes, m.
+    #[inline(always)]
     pub(crate) fn heights(&self, point: Vec3) -> [f32; LANES] {
         let mut heights = self.normals.along(point);
         #[allow(clippy::needless_range_loop, reason = "three arrays side by side")]

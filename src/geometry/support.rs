@@ -80,6 +80,15 @@ impl<'s> Core<'s> {
 
     /// The box around the core in another frame.
     pub(crate) fn bounds(&self, turn: &Mat3, shift: Vec3) -> Aabb {
+        if let Self::Box(b) = self {
+            let (middle, half) = (*turn * b.center() + shift, 0.5 * b.extents());
+            let half =
+                Mat3::from_cols(turn.x_axis.abs(), turn.y_axis.abs(), turn.z_axis.abs()) * half;
+            return Aabb {
+                min: middle - half,
+                max: middle + half,
+            };
+        }
         let rows = turn.transpose();
         let along = |axis: Vec3| axis.dot(self.support(axis));
         let [x, y, z] = [rows.x_axis, rows.y_axis, rows.z_axis];

@@ -6,7 +6,7 @@
 
 use crate::geometry::ConvexHull;
 use crate::geometry::distance::{CoreCast, Separation, distance_from};
-use crate::geometry::hull_lanes::LANES;
+use crate::geometry::hull_lanes::{LANES, Planes4};
 use crate::geometry::support::{Core, PlacedCore};
 use crate::query::cuboid::{Cuboid, Told, box_of, nearest_of_box};
 use crate::query::local::{LocalCast, LocalHit, LocalRay};
@@ -86,20 +86,43 @@ pub(crate) fn cast_ray(hull: &ConvexHull, ray: &LocalRay) -> Option<LocalHit> {
     })
 }
 
+/// The largest of what planes come to, and the first face of which it is.
+#[inline]
+fn largest(hull: &ConvexHull, of: impl Fn(&Planes4) -> [f32; LANES]) -> (f32, usize) {
+    let (mut most, mut groups) = ([f32::NEG_INFINITY; LANES], [0_u32; LANES]);
+    for (group, planes) in (0..).zip(&hull.lanes.planes) {
+        let of_group = of(planes);
+        for l in 0..LANES {
+            let is_more = of_group[l] > most[l];
+            most[l] = if is_more { of_group[l] } else { most[l] };
+            groups[l] = if is_more { group } else { groups[l] };
+        }
+    }
+    let mut best = (f32::NEG_INFINITY, 0);
+    for l in 0..LANES {
+        let face = groups[l] as usize * LANES + l;
+        if most[l] > best.0 || most[l] == best.0 && face < best.1 {
+            best = (most[l], face);
+        }
+    }
+    best
+}
+
 /// The face that a point on the hull's surface lies on; of several, the one that looks most along `normal`.
 fn face_at(hull: &ConvexHull, point: Vec3, normal: Vec3) -> Option<u32> {
     let slack = 1e-5 * hull.aabb().diagonal();
-    let mut best: Option<(usize, f32)> = None;
-    for (group, planes) in hull.lanes.planes.iter().enumerate() {
-        let (heights, along) = (planes.heights(point), planes.normals.along(normal));
+    let (most, face) = largest(hull, |planes| {
+        let (heights, mut along) = (planes.heights(point), planes.normals.along(normal));
         for l in 0..LANES {
-            let is_more = best.is_none_or(|(_, most)| along[l] > most);
-            if heights[l] >= -slack && is_more {
-                best = Some((group * LANES + l, along[l]));
-            }
+            along[l] = if heights[l] >= -slack {
+                along[l]
+            } else {
+                f32::NEG_INFINITY
+            };
         }
-    }
-    best.map(|(face, _)| face as u32)
+        along
+    });
+    (most > f32::NEG_INFINITY).then_some(face as u32)
 }
 
 pub(crate) fn cast_shape(hull: &ConvexHull, cast: &LocalCast) -> Option<LocalHit> {
@@ -156,15 +179,7 @@ fn holds(hull: &ConvexHull, point: Vec3) -> bool {
 
 /// The point of the surface that is nearest to a point, if it is within `limit` (m).
 pub(crate) fn closest(hull: &ConvexHull, point: Vec3, limit: f32) -> Option<LocalHit> {
-    let mut deepest = (f32::NEG_INFINITY, 0);
-    for (group, planes) in hull.lanes.planes.iter().enumerate() {
-        for (l, height) in planes.heights(point).into_iter().enumerate() {
-            if height > deepest.0 {
-                deepest = (height, group * LANES + l);
-            }
-        }
-    }
-    let (height, face) = deepest;
+    let (height, face) = largest(hull, |planes| planes.heights(point));
     if height > limit {
         return None;
     }

@@ -3,6 +3,7 @@
 use crate::common::scenes::awake_on_floor;
 use crate::scene::{H, Random, chain, heavy};
 use bevy_cleave::prelude::*;
+use bevy_cleave::testing::simd::LaneWidth;
 use glam::Vec3;
 
 /// Chains that fall on a floor and on each other, with hinges and motors among them.
@@ -71,6 +72,23 @@ fn a_heap_of_chains_ends_the_same_twice() {
         .skip(1)
         .map(|slot| first.bodies.center_of_mass(slot).y);
     assert!(lowest.fold(f32::INFINITY, f32::min) > 0.05);
+}
+
+/// Loops over bodies and rows give the same bits with the registers of any processor.
+#[test]
+fn a_heap_of_chains_ends_the_same_with_any_lanes() {
+    let run = |width: LaneWidth| {
+        let mut simulation = heap();
+        simulation.overrides.lane_width = width;
+        for _ in 0..120 {
+            simulation.step(H);
+        }
+        state(&simulation)
+    };
+    let widest = run(LaneWidth::Widest);
+    for width in [LaneWidth::Four, LaneWidth::One] {
+        assert_eq!(run(width), widest, "{width:?}");
+    }
 }
 
 #[test]
