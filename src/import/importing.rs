@@ -40,8 +40,9 @@ impl Model {
         options.check()?;
         let mut soup = Soup::gather(self)?;
         soup.drop_doubled();
-        orient::face_alike(&mut soup);
         let size = soup.size();
+        seams::divide_at_corners(&mut soup, options.weld_distance * size);
+        orient::face_alike(&mut soup);
         pairing::pair(&mut soup);
         seams::close(&mut soup, options.weld_distance * size);
         pairing::number_fans(&mut soup);

@@ -7,6 +7,7 @@
 //! | step | file |
 //! |---|---|
 //! | objects become one list of triangles; equal positions are one; triangles without area and doubled ones go | `soup.rs` |
+//! | corners on the middle of another triangle's edge divide it, where that is unpaired | `seams.rs` |
 //! | triangles that face against their neighbors are turned | `orient.rs` |
 //! | the two sides of each edge find each other; four faces at an edge are two pairs | `pairing.rs` |
 //! | border points that nearly meet are joined; corners on the middle of a border edge divide it | `seams.rs` |

@@ -36,6 +36,19 @@ pub(super) fn pair(soup: &mut Soup) {
     }
 }
 
+/// Leaves those half-edges without another side along whose edge not as many run one way as the other; the others get some side or other.
+pub(super) fn find_unbalanced(soup: &mut Soup) {
+    soup.twins.clear();
+    soup.twins.resize(3 * soup.mesh.triangles.len(), NONE);
+    for run in soup.sorted_edges().chunk_by(|a, b| a.0 == b.0) {
+        let is_along = |half_edge: u32| soup.ends(half_edge)[0] == run[0].0[0];
+        let along = run.iter().filter(|&&(_, h)| is_along(h)).count();
+        if 2 * along == run.len() {
+            run.iter().for_each(|&(_, h)| soup.twins[h as usize] = h);
+        }
+    }
+}
+
 fn pair_group(soup: &mut Soup, group: &[u32]) {
     match *group {
         [] | [_] => {}

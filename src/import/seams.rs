@@ -27,6 +27,19 @@ pub(super) fn close(soup: &mut Soup, distance: f32) {
     }
 }
 
+/// Divides edges at corners of others that lie on them within `distance` (m), where not as many triangles run along an edge as against it: so that
+/// neighbors have whole edges in common before anything is made of that. Faces that were merged into strips have hardly one that is.
+pub(super) fn divide_at_corners(soup: &mut Soup, distance: f32) {
+    for _ in 0..ROUNDS {
+        pairing::find_unbalanced(soup);
+        let border = Border::of(soup);
+        if border.points.is_empty() || !divide_edges(soup, &border, distance) {
+            return;
+        }
+        soup.drop_vanished();
+    }
+}
+
 /// The half-edges without another side, and the places at their ends, in the order of x.
 struct Border {
     half_edges: Vec<u32>,

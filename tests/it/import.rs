@@ -9,7 +9,7 @@ use bevy_cleave::import::{
 };
 use bevy_cleave::math::Plane;
 use bevy_cleave::slice::{Cut, SliceOptions, slice_mesh};
-use glam::{Vec2, Vec3};
+use glam::{IVec3, Vec2, Vec3};
 
 fn object(mesh: &TriMesh) -> ModelObject {
     ModelObject {
@@ -534,4 +534,63 @@ fn bad_input_is_named() {
             ..
         }
     ));
+}
+
+/// The surface of random cells, faces side by side merged into rectangles of random lengths along a random axis of each plane, each with
+/// corners of its own; and the number of cells.
+fn random_strips(dice: &mut Dice) -> (ModelObject, usize) {
+    const SIZE: i32 = 5;
+    let share = dice.in_range(0.2, 0.8);
+    let is_solid: Vec<bool> = (0..SIZE.pow(3)).map(|_| dice.unit() < share).collect();
+    let at = |p: IVec3| {
+        let is_inside = p.cmpge(IVec3::ZERO).all() && p.cmplt(IVec3::splat(SIZE)).all();
+        is_inside && is_solid[(p.x + SIZE * (p.y + SIZE * p.z)) as usize]
+    };
+    let mut strips = ModelObject::default();
+    for (axis, sign, depth) in (0..6 * SIZE).map(|i| (i / 2 % 3, i % 2 * 2 - 1, i / 6)) {
+        let normal = IVec3::AXES[axis as usize];
+        let turn = 1 + dice.below(2);
+        let [u, v] = [turn, 3 - turn].map(|k| IVec3::AXES[(axis as usize + k) % 3]);
+        let is_face = |p: IVec3| at(p) && !at(p + sign * normal);
+        for row in 0..SIZE {
+            let mut start = 0;
+            while start < SIZE {
+                let cell = |k: i32| depth * normal + k * u + row * v;
+                let most = 1 + dice.below(SIZE as usize) as i32;
+                let end = (start..SIZE.min(start + most)).take_while(|&k| is_face(cell(k)));
+                let length = end.count() as i32;
+                if length > 0 {
+                    let base = cell(start) + if sign > 0 { normal } else { IVec3::ZERO };
+                    let along = length * u;
+                    let first = strips.positions.len() as u32;
+                    let corners = [base, base + along, base + along + v, base + v];
+                    strips
+                        .positions
+                        .extend(corners.map(|corner| 0.3 * corner.as_vec3()));
+                    // Counter-clockwise from outside.
+                    let is_turned = (sign > 0) == (turn == 1);
+                    let quad = [[0, 1, 2], [0, 2, 3]].map(|t| t.map(|k: u32| first + k));
+                    let seen = |[a, b, c]: [u32; 3]| if is_turned { [a, b, c] } else { [a, c, b] };
+                    strips.triangles.extend(quad.map(seen));
+                }
+                start += length.max(1);
+            }
+        }
+    }
+    (strips, is_solid.iter().filter(|&&solid| solid).count())
+}
+
+#[test]
+fn faces_merged_into_strips_are_divided_until_they_have_whole_edges_in_common() {
+    let mut dice = Dice::new(346);
+    for round in 0..60 {
+        let (strips, cells) = random_strips(&mut dice);
+        let model = Model::from_object(strips);
+        let import = model.import(&ImportOptions::default());
+        let import = import.unwrap_or_else(|error| panic!("round {round}: {error}"));
+        let volume = cells as f64 * 0.027;
+        let error = (import.mesh.volume() - volume).abs();
+        assert!(error < 1e-5 * volume, "round {round}: {error} of {volume}");
+        check_cuts(&import.mesh, &mut dice, &format!("round {round}"));
+    }
 }
