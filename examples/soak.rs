@@ -55,7 +55,7 @@ fn soak() -> Result<(), support::Error> {
         fade: 0.5,
         ..DebrisRules::default()
     };
-    let (mut times, mut counts) = (Vec::new(), Vec::new());
+    let (mut times, mut counts, mut breaks) = (Vec::new(), Vec::new(), Vec::new());
     let (mut dropped, mut blocks) = (0.0, 0);
     for step in 0..(minutes * 60.0 / f64::from(H)) as usize {
         if step % EVERY == 0 {
@@ -66,10 +66,12 @@ fn soak() -> Result<(), support::Error> {
         simulation.step(H);
         times.push(start.elapsed().as_secs_f64() * 1e3);
         counts.push(simulation.bodies.len() as f64);
+        breaks.push(!simulation.fractures.done.is_empty());
         let ledgers = simulation.fractures.done.iter().map(|f| f.ledger);
         dropped += ledgers.map(|l| l.dropped.mass).sum::<f64>();
     }
     report(&simulation, &times, dropped, blocks)?;
+    report_breaks(&times, &breaks);
     plot(&times, &counts)
 }
 
@@ -129,6 +131,21 @@ fn report(
         );
     }
     Ok(())
+}
+
+/// Steps in which something broke, and the others.
+fn report_breaks(times: &[f64], breaks: &[bool]) {
+    for (name, broke) in [("breaking", true), ("other", false)] {
+        let steps = times.iter().zip(breaks).filter(|(_, b)| **b == broke);
+        let times: Vec<f64> = steps.map(|(time, _)| *time).collect();
+        println!("{name}_steps: {}", times.len());
+        println!("{name}_steps_ms_median: {:.3}", stats::median(&times));
+        println!(
+            "{name}_steps_ms_p99: {:.3}",
+            stats::percentile(&times, 0.99)
+        );
+        println!("{name}_steps_ms_longest: {:.3}", stats::max(&times));
+    }
 }
 
 fn plot(times: &[f64], counts: &[f64]) -> Result<(), support::Error> {
