@@ -259,9 +259,8 @@ fn mass_properties(
     );
     let has_forces = readings.has_forces();
     step::mass_properties(&mut bodies, &mut report);
-    if has_forces || !state.explosions.is_empty() {
-        let forces = &mut queries.p1();
-        forces::apply_forces(&mut bodies, &mut state, &mut warnings, has_forces, forces);
+    if has_forces {
+        forces::apply_forces(&mut bodies, &mut warnings, &mut queries.p1());
     }
     gather::publish_mass(&bodies, &state.entities, &mut masses);
 }

@@ -6,6 +6,7 @@
 //! | `body.rs` | what a body is made from, and why one is refused |
 //! | `solver_body.rs` | the rows of eight numbers that sweeps touch: velocity, mass, motion |
 //! | `drive.rs`, `driving.rs`, `sensor.rs` | forces, damping, locked axes of the few bodies that have some; bodies that only sense |
+//! | `explosion.rs`, `exploding.rs` | blasts, on bodies and on the parts of clusters |
 //! | `kind.rs` | a body becomes dynamic, kinematic or static |
 //! | `free_rotation.rs` | rotation without torque that keeps angular momentum and energy |
 //! | `integrate.rs` | phase 7: bodies are put where the solver has moved them |
@@ -25,6 +26,8 @@ pub(crate) mod cluster_state;
 mod clusters;
 pub(crate) mod drive;
 mod driving;
+mod exploding;
+pub(crate) mod explosion;
 pub(crate) mod fatigue;
 pub(crate) mod free_rotation;
 mod holding;
@@ -44,5 +47,6 @@ mod wearing;
 pub use anchors::{AnchorRegion, Anchors};
 pub use body::{BodyDesc, BodyError, RigidBody, Shape};
 pub use drive::{BodyDrive, LockedAxes, StepForces};
+pub use explosion::Explosion;
 pub use fatigue::Fatigue;
 pub use store::Bodies;

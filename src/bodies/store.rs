@@ -13,6 +13,7 @@ use crate::bodies::anchors::Hold;
 use crate::bodies::body::{BodyInfo, check_pose, check_velocity};
 use crate::bodies::cluster_state::ClusterState;
 use crate::bodies::drive::Drives;
+use crate::bodies::explosion::Explosion;
 use crate::bodies::fatigue::Wearing;
 use crate::bodies::free_rotation::FreeRotation;
 use crate::bodies::sleep_state::Sleep;
@@ -72,6 +73,8 @@ pub struct Bodies {
     pub(crate) unheld_clusters: Vec<u32>,
     /// Those that have lost bonds since the entities were last told, and go on.
     pub(crate) cracked: Vec<(u32, BodyId)>,
+    /// Blasts that act in the next step.
+    pub(crate) explosions: Vec<Explosion>,
     /// Those that blows wear out, by slot.
     pub(crate) wearing: Vec<Wearing>,
     /// Whether there was ever a body that is a level of triangles.

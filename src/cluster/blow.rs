@@ -9,7 +9,8 @@
 //!
 //! Only parts near the blow take part, as long as those behind them have not heard of it; else more of them.
 
-use crate::cluster::instant::{Instant, Striker};
+use crate::cluster::hit::Hit;
+use crate::cluster::instant::Instant;
 use crate::cluster::link::strain_energy;
 use crate::cluster::network::Network;
 
@@ -27,8 +28,8 @@ pub(crate) struct BlowOutcome {
 
 impl Network {
     /// What a blow makes of the bonds. `is_held`: parts that hold on to the world.
-    pub(crate) fn blow(&self, strikers: &[Striker], is_held: impl Fn(u32) -> bool) -> BlowOutcome {
-        let instant = self.follow((strikers, f32::INFINITY), is_held);
+    pub(crate) fn blow(&self, hit: Hit, is_held: impl Fn(u32) -> bool) -> BlowOutcome {
+        let instant = self.follow((hit, f32::INFINITY), is_held);
         let links = instant.links.iter().filter(|link| link.is_broken);
         let mut broken: Vec<u32> = links.map(|link| link.bond).collect();
         broken.sort_unstable();
@@ -42,11 +43,11 @@ impl Network {
     /// of what it can. Ascending.
     pub(crate) fn strained(
         &self,
-        strikers: &[Striker],
+        hit: Hit,
         endurance: f32,
         is_held: impl Fn(u32) -> bool,
     ) -> Vec<(u32, f32)> {
-        let instant = self.follow((strikers, endurance), is_held);
+        let instant = self.follow((hit, endurance), is_held);
         let links = instant.links.iter();
         let strained = links.filter(|link| link.is_strained() && !link.is_broken);
         let mut bonds: Vec<(u32, f32)> = strained.map(|link| (link.bond, link.peak)).collect();
@@ -62,7 +63,7 @@ impl Network {
     }
 
     /// The instant of a blow, with as many parts as hear of it.
-    fn follow(&self, blow: (&[Striker], f32), is_held: impl Fn(u32) -> bool) -> Instant {
+    fn follow(&self, blow: (Hit, f32), is_held: impl Fn(u32) -> bool) -> Instant {
         let near = |most| neighborhood(self, blow.0, &is_held, most);
         let mut most = FIRST_PARTS;
         let mut instant = Instant::new(self, blow, &is_held, &near(most));
@@ -77,11 +78,12 @@ impl Network {
 /// The parts around a blow, nearest first: by the number of bonds between, then by index.
 fn neighborhood(
     network: &Network,
-    strikers: &[Striker],
+    hit: Hit,
     is_held: &impl Fn(u32) -> bool,
     most: usize,
 ) -> Vec<u32> {
-    let mut members: Vec<u32> = strikers.iter().map(|striker| striker.part).collect();
+    let struck = hit.strikers.iter().map(|striker| striker.part);
+    let mut members: Vec<u32> = struck.chain(hit.pushes.iter().map(|it| it.part)).collect();
     members.sort_unstable();
     members.dedup();
     let mut is_member = vec![false; network.nodes.len()];

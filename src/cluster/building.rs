@@ -4,7 +4,8 @@ use crate::geometry::{
     Compound, CompoundError, CompoundPart, ConvexMesh, MAX_PARTS, PartBond, groups_of,
 };
 use crate::slice::compound::shape_of;
-use crate::slice::{FracturePattern, Impact, Piece, PieceCutter, SliceError, SliceOptions};
+use crate::slice::roughen::CutLooks;
+use crate::slice::{FracturePattern, Impact, Piece, PieceCutter, Relief, SliceError};
 use glam::Vec3;
 
 /// Parts and the bonds between them, from which a [`Compound`] is made that breaks along its bonds.
@@ -47,6 +48,9 @@ pub enum ClusterError {
         /// Pa.
         strength: f32,
     },
+    /// A length of the relief is not positive, infinite or NaN.
+    #[error("amplitude and wavelength of the relief must be positive and finite, got {} and {} m", .0.amplitude, .0.wavelength)]
+    Relief(Relief),
     /// The pattern does not divide the body.
     #[error("the pattern makes no two pieces")]
     NoPieces,
@@ -86,8 +90,35 @@ impl Cluster {
         seed: u64,
         strength: f32,
     ) -> Result<Self, ClusterError> {
+        Self::cut_with(mesh, pattern, seed, (strength, None))
+    }
+
+    /// As [`cut`](Self::cut), with a relief on the faces of the cuts, which is seen when they come apart. A body without a mesh of its own gets
+    /// that of its hull to be drawn. Parts are what they would be without it.
+    ///
+    /// # Errors
+    /// As [`cut`](Self::cut), and [`ClusterError::Relief`] if the lengths of the relief are not positive and finite.
+    pub fn cut_rough(
+        mesh: &ConvexMesh,
+        pattern: &FracturePattern,
+        seed: u64,
+        strength: f32,
+        relief: Relief,
+    ) -> Result<Self, ClusterError> {
+        if !relief.is_usable() {
+            return Err(ClusterError::Relief(relief));
+        }
+        Self::cut_with(mesh, pattern, seed, (strength, Some(relief)))
+    }
+
+    fn cut_with(
+        mesh: &ConvexMesh,
+        pattern: &FracturePattern,
+        seed: u64,
+        (strength, relief): (f32, Option<Relief>),
+    ) -> Result<Self, ClusterError> {
         check(strength)?;
-        let parts = divided(&CompoundPart::from(mesh.clone()), pattern, seed)?;
+        let parts = divided(&CompoundPart::from(mesh.clone()), pattern, (seed, relief))?;
         if parts.len() < 2 {
             return Err(ClusterError::NoPieces);
         }
@@ -113,7 +144,7 @@ impl Cluster {
             let seed = seed
                 .wrapping_mul(0x9e37_79b9_7f4a_7c15)
                 .wrapping_add(index as u64);
-            let pieces = divided(part, pattern, seed)?;
+            let pieces = divided(part, pattern, (seed, None))?;
             origins.extend(pieces.iter().map(|_| index as u32));
             parts.extend(pieces);
         }
@@ -190,13 +221,13 @@ fn check(strength: f32) -> Result<(), ClusterError> {
         .ok_or(ClusterError::Strength { strength })
 }
 
-/// The pieces of a part, in its own frame.
+/// The pieces of a part, in its own frame; a relief for the faces of the cuts.
 fn divided(
     part: &CompoundPart,
     pattern: &FracturePattern,
-    seed: u64,
+    (seed, relief): (u64, Option<Relief>),
 ) -> Result<Vec<CompoundPart>, ClusterError> {
-    let (hull, visual) = (part.shape.hull(), part.shape.visual());
+    let hull = part.shape.hull();
     let impact = Impact {
         point: hull.aabb().center(),
         normal: Vec3::Y,
@@ -206,9 +237,15 @@ fn divided(
     let Some(cutting) = pattern.cutting(&impact, hull, seed, MAX_PARTS as u32) else {
         return Ok(vec![part.clone()]);
     };
+    let looks = CutLooks {
+        relief: relief.map(|relief| (relief, seed)),
+        ..CutLooks::default()
+    };
+    let visual = looks.visual_of(&part.shape);
+    let visual = visual.as_deref();
     let mut cutter = PieceCutter::default();
-    let mut pieces = cutter.cut(hull, visual, &cutting, MAX_PARTS, SliceOptions::default())?;
-    if visual.is_some() {
+    let mut pieces = cutter.cut(hull, visual, &cutting, MAX_PARTS, looks.options)?;
+    if part.shape.visual().is_some() {
         let is_seen = |piece: &Piece| {
             let mesh = piece.visual.as_ref();
             mesh.is_some_and(|mesh| !mesh.triangles().is_empty())
@@ -216,6 +253,10 @@ fn divided(
         pieces.retain(is_seen);
         cutter.separate(&mut pieces)?;
         PieceCutter::fit_hulls(&mut pieces)?;
+    }
+    if let Some(relief) = &relief {
+        // Last: hulls are what they would be without it.
+        cutter.roughen(&mut pieces, relief, seed);
     }
     if pieces.len() < 2 {
         return Ok(vec![part.clone()]);

@@ -1,5 +1,6 @@
 //! The instant of a blow: bodies, bonds and what hits, followed in time.
 
+use crate::cluster::hit::{Hit, Striker};
 use crate::cluster::link::{Body, Link};
 use crate::cluster::network::Network;
 use glam::{Mat3, Vec3};
@@ -21,21 +22,6 @@ const CALM_LOOKS: usize = 8;
 const STEP_SHARE: f32 = 1.0;
 
 const NONE: u32 = u32::MAX;
-
-/// One point where something hits the cluster, or stands against it; frame of the compound.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Striker {
-    /// The part that it is at.
-    pub(crate) part: u32,
-    /// m.
-    pub(crate) point: Vec3,
-    /// Unit vector along which it pushes the cluster.
-    pub(crate) direction: Vec3,
-    /// How fast it comes, relative to the cluster as a rigid body, m/s; negative if it goes.
-    pub(crate) speed: f32,
-    /// As seen along the direction, 1/kg; 0 for what stands.
-    pub(crate) inverse_mass: f32,
-}
 
 /// What hits.
 #[derive(Debug)]
@@ -68,7 +54,7 @@ impl Instant {
     /// Of these parts; all others stay where they are. `endurance`: see [`Link::of`].
     pub(super) fn new(
         network: &Network,
-        (strikers, endurance): (&[Striker], f32),
+        (hit, endurance): (Hit, f32),
         is_held: &impl Fn(u32) -> bool,
         members: &[u32],
     ) -> Self {
@@ -77,9 +63,13 @@ impl Instant {
             number[part as usize] = index;
         }
         let outside = members.len() as u32;
-        let mut bodies: Vec<Body> = (members.iter())
-            .map(|&part| Body::of(network, part, is_held(part)))
+        let parts = members.iter().map(|&part| (part, is_held(part)));
+        let mut bodies: Vec<Body> = parts
+            .map(|(part, is_held)| Body::of(network, part, is_held))
             .collect();
+        for push in hit.pushes {
+            bodies[number[push.part as usize] as usize].take(push);
+        }
         bodies.push(Body::FIXED);
         let place = |part: u32| number[part as usize].min(outside);
         let mut links: Vec<Link> = Vec::new();
@@ -92,7 +82,7 @@ impl Instant {
                 }
             }
         }
-        let hitting = strikers.iter().map(|striker| Hitting {
+        let hitting = hit.strikers.iter().map(|striker| Hitting {
             striker: *striker,
             body: place(striker.part),
             arm: striker.point - network.nodes[striker.part as usize].center.as_vec3(),
@@ -100,10 +90,10 @@ impl Instant {
             gap: 0.0,
         });
         let is_free = members.len() == network.nodes.len();
-        let any_fixed = bodies[..members.len()]
-            .iter()
-            .any(|body| body.inverse_mass == 0.0);
-        let wall = strikers.iter().find(|striker| striker.inverse_mass == 0.0);
+        let mut taking = bodies[..members.len()].iter();
+        let any_fixed = taking.any(|body| body.inverse_mass == 0.0);
+        let mut strikers = hit.strikers.iter();
+        let wall = strikers.find(|striker| striker.inverse_mass == 0.0);
         let standing = if any_fixed || !is_free {
             Some(Vec3::ZERO)
         } else {

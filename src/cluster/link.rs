@@ -1,5 +1,6 @@
 //! A part and a bond in the instant of a blow.
 
+use crate::cluster::hit::Push;
 use crate::cluster::network::Network;
 use crate::geometry::PartBond;
 use glam::{Mat3, Vec3};
@@ -81,6 +82,12 @@ impl Body {
             inverse_inertia: node.inverse_inertia,
             ..Self::FIXED
         }
+    }
+
+    /// Is pushed.
+    pub(super) fn take(&mut self, push: &Push) {
+        self.velocity += self.inverse_mass * push.impulse;
+        self.angular += self.inverse_inertia * push.angular_impulse;
     }
 
     /// Symplectic Euler.

@@ -14,7 +14,7 @@ use crate::cluster::network::Network;
 use crate::cluster::skyline::Six;
 use crate::geometry::PartBond;
 use crate::geometry::groups_of;
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
 /// Bonds break together that bear more than this share of what the one bears that bears most over its strength.
 const TOGETHER: f64 = 0.98;
@@ -90,27 +90,10 @@ impl Network {
         })
     }
 
-    /// Mass, center of mass and inertia about it.
-    fn whole(&self) -> (f64, DVec3, DMat3) {
-        let mass: f64 = self.nodes.iter().map(|node| node.mass).sum();
-        let first: DVec3 = self.nodes.iter().map(|node| node.mass * node.center).sum();
-        let center = first / mass;
-        let inertia = self.nodes.iter().map(|node| {
-            let arm = node.center - center;
-            let outer = DMat3::from_cols(arm * arm.x, arm * arm.y, arm * arm.z);
-            node.inertia
-                + (DMat3::from_diagonal(DVec3::splat(arm.length_squared())) - outer) * node.mass
-        });
-        (
-            mass,
-            center,
-            inertia.fold(DMat3::ZERO, |sum, own| sum + own),
-        )
-    }
-
     /// Adds what inertia does to each part of a body that the loads move.
     fn add_inertia(&self, loads: &mut [Wrench], spin: DVec3) {
-        let (mass, center, inertia) = self.whole();
+        let all: Vec<u32> = (0..self.nodes.len() as u32).collect();
+        let (mass, center, inertia) = self.sum(&all);
         let mut sum = Wrench::default();
         for (load, node) in loads.iter().zip(&self.nodes) {
             sum.force += load.force;

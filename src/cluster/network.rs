@@ -116,6 +116,22 @@ impl Network {
         );
     }
 
+    /// Mass, center of mass and inertia about it of some of the parts.
+    pub(super) fn sum(&self, parts: &[u32]) -> (f64, DVec3, DMat3) {
+        let nodes = || parts.iter().map(|&part| &self.nodes[part as usize]);
+        let mass: f64 = nodes().map(|node| node.mass).sum();
+        let first: DVec3 = nodes().map(|node| node.mass * node.center).sum();
+        let center = first / mass;
+        let inertia = nodes().map(|node| {
+            let arm = node.center - center;
+            let outer = DMat3::from_cols(arm * arm.x, arm * arm.y, arm * arm.z);
+            node.inertia
+                + (DMat3::from_diagonal(DVec3::splat(arm.length_squared())) - outer) * node.mass
+        });
+        let inertia = inertia.fold(DMat3::ZERO, |sum, own| sum + own);
+        (mass, center, inertia)
+    }
+
     /// The bonds of a part.
     pub(crate) fn bonds_of(&self, part: u32) -> &[u32] {
         let [first, end] = [0, 1].map(|next| self.starts[part as usize + next] as usize);

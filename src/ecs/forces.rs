@@ -1,11 +1,9 @@
 //! What pushes bodies: forces of a step, forces that last, damping, locked axes, explosions.
 
-use crate::bodies::body::RigidBody;
 use crate::bodies::drive::StepForces;
+use crate::bodies::explosion::Explosion;
 use crate::bodies::store::Bodies;
 use crate::ecs::components::*;
-use crate::ecs::explosion::Explosion;
-use crate::ecs::state::PluginState;
 use crate::mass::MassProperties;
 use crate::math::rotate;
 use bevy_ecs::prelude::*;
@@ -245,17 +243,11 @@ pub trait ForceCommands {
 impl ForceCommands for Commands<'_, '_> {
     fn explode(&mut self, explosion: Explosion) {
         self.queue(move |world: &mut World| {
-            let Explosion {
-                center,
-                radius,
-                impulse,
-            } = explosion;
-            let is_usable =
-                center.is_finite() && impulse.is_finite() && radius.is_finite() && radius > 0.0;
-            if !is_usable {
+            let Some(mut bodies) = world.get_resource_mut::<Bodies>() else {
+                return;
+            };
+            if bodies.explode(explosion).is_err() {
                 log::warn!("an explosion with unusable numbers does nothing: {explosion:?}");
-            } else if let Some(mut state) = world.get_resource_mut::<PluginState>() {
-                state.explosions.push(explosion);
             }
         });
     }
@@ -269,29 +261,12 @@ pub(crate) type ForceQuery<'w, 's> = Query<
     Changed<AppliedForces>,
 >;
 
-/// Lets what was gathered act, once masses are known: forces, if any entity `has_forces`, and explosions.
+/// Lets what was gathered act, once masses are known.
 pub(crate) fn apply_forces(
     bodies: &mut Bodies,
-    state: &mut PluginState,
     warnings: &mut Messages<BodyWarning>,
-    has_forces: bool,
     forces: &mut ForceQuery,
 ) {
-    for explosion in state.explosions.drain(..) {
-        for slot in 0..bodies.slots() as u32 {
-            let is_there = bodies.is_active(slot) || bodies.is_asleep(slot);
-            if is_there
-                && bodies.kind(slot) == RigidBody::Dynamic
-                && let Some(forces) = explosion.forces_on(bodies, slot)
-            {
-                // Of finite numbers, but their product may not be.
-                let _ = bodies.apply(slot, &forces);
-            }
-        }
-    }
-    if !has_forces {
-        return;
-    }
     for (entity, handle, mut applied) in forces {
         let Some((slot, _)) = handle.0.filter(|&(slot, id)| bodies.is_current(slot, id)) else {
             continue;

@@ -12,7 +12,7 @@
 //! | `walker.rs` | characters that walk |
 //! | `joint.rs` | joints as entities |
 //! | `collisions.rs`, `collision_news.rs` | events of contacts, sensors, `Collisions` |
-//! | `forces.rs`, `explosion.rs` | `Forces`, constant forces, damping, explosions |
+//! | `forces.rs` | `Forces`, constant forces, damping, explosions |
 //! | `options.rs` | reads what only some bodies have: events and drives |
 //! | `issues.rs`, `issue_sync.rs` | what is wrong with an entity, as a component |
 //! | `kinematic.rs`, `parents.rs` | bodies that are moved by their `Transform`, and that are children |
@@ -30,7 +30,6 @@ pub(crate) mod collision_news;
 pub(crate) mod collisions;
 pub(crate) mod components;
 pub(crate) mod cut;
-pub(crate) mod explosion;
 mod families;
 pub(crate) mod forces;
 pub(crate) mod gather;
@@ -54,6 +53,7 @@ pub(crate) mod state;
 mod uncloned;
 pub(crate) mod walker;
 
+pub use crate::bodies::Explosion;
 pub use bond::BondCommands;
 pub use collisions::{
     Collision, CollisionEnd, CollisionEvents, CollisionStart, Collisions, ContactForce,
@@ -64,7 +64,6 @@ pub use components::{
     FractureCause, Fractured, LinearVelocity, MassOverride, Sleeping,
 };
 pub use cut::SliceCommands;
-pub use explosion::Explosion;
 pub use forces::{
     AngularDamping, AppliedForces, ConstantForce, ConstantTorque, ForceCommands, Forces,
     ForcesItem, GravityScale, LinearDamping, Mass, MaxSpeed,

@@ -2,7 +2,6 @@
 
 use crate::contact::body_id::BodyId;
 use crate::ecs::components::BodyEntities;
-use crate::ecs::explosion::Explosion;
 use crate::ecs::issues::Issues;
 use crate::ecs::kinematic::KinematicTarget;
 use crate::fracture::bond::Bond;
@@ -29,8 +28,6 @@ pub(crate) struct PluginState {
     pub(crate) children: Vec<Entity>,
     /// Kinematic bodies that are moved by their `Transform` in this step.
     pub(crate) kinematic: Vec<KinematicTarget>,
-    /// Blasts that commands asked for since the last step.
-    pub(crate) explosions: Vec<Explosion>,
     /// Whether there may be news of contacts.
     pub(crate) is_watching: bool,
     /// Bodies that left since the last news, if there are any, and their entities.

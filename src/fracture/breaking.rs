@@ -1,12 +1,11 @@
 //! When bodies break: on request at the start of a step, and under a blow while it is solved.
 
-use crate::bodies::breaking::Blow;
 use crate::bodies::store::Bodies;
 use crate::contact::body_id::BodyId;
 use crate::contact::impulses::ContactCache;
 use crate::contact::manifolds::Manifolds;
 use crate::fracture::budget::FractureBudget;
-use crate::fracture::cluster::{Groups, apply_cracks, replace_groups};
+use crate::fracture::cluster::{BrokenBonds, Groups, apply_cracks, replace_groups};
 use crate::fracture::cluster_loads::{LOOK_INTERVAL, StepLoads, judge_loads};
 use crate::fracture::debris::Debris;
 use crate::fracture::impact;
@@ -70,6 +69,19 @@ impl FractureState {
         bodies.borne_impulse[slot as usize] = impulse;
     }
 
+    /// Breaks bonds of a body: at once if nothing comes off, else when its turn comes, unless it waits for something already.
+    pub(super) fn break_later(&mut self, bodies: &mut Bodies, slot: u32, bonds: BrokenBonds) {
+        let body = bodies.id(slot);
+        if bonds.bonds.is_empty() || self.waiting.iter().any(|entry| entry.body == body) {
+            return;
+        }
+        if Groups::of(bodies, slot, &bonds.bonds).is_none() {
+            return bodies.crack(slot, &bonds.bonds);
+        }
+        let cause = PendingCause::Load(bonds);
+        self.waiting.push(PendingBreak { body, slot, cause });
+    }
+
     /// Pieces that blows may still make in this step.
     pub(super) fn left(&self, budget: &FractureBudget) -> usize {
         budget.left(self.made, self.debris.len(), self.awake)
@@ -85,7 +97,7 @@ pub(crate) struct Inherited<'f> {
     pub bonds: &'f mut Bonds,
 }
 
-/// Makes the cuts that were asked for and breaks what has waited for its turn; removes pieces whose time is over.
+/// Makes the cuts that were asked for, breaks what has waited for its turn, and lets explosions act; removes pieces whose time is over.
 ///
 /// Pieces get slots, parents lose theirs, and the parents' multipliers and bonds go to the pieces. Results are in `fractures`.
 /// `step_dt`: length of the step, s.
@@ -117,7 +129,8 @@ pub(crate) fn make_cuts(
     (state.debris).pass(bodies, &budget.debris, step_dt, (expired, fading));
     removed.remove(expired, bodies, cache);
     fractures.state.debris.take_stock(bodies);
-    if fractures.requests.is_empty() && fractures.state.waiting.is_empty() {
+    let is_quiet = fractures.requests.is_empty() && fractures.state.waiting.is_empty();
+    if is_quiet && bodies.explosions.is_empty() {
         return;
     }
     for (plan, requests) in
@@ -134,6 +147,7 @@ pub(crate) fn make_cuts(
         }
     }
     break_waiting(fractures, bodies, bonds, budget);
+    fractures.explode(bodies, bonds, budget);
     bodies.resume_woken(cache);
     fractures.hand_on_impulses(bodies, cache);
 }
@@ -204,7 +218,7 @@ pub(crate) fn break_overloaded(
     state.debris.take_stock(bodies);
     let mut left = state.left(budget);
     let (mut divisions, mut shares) = (Vec::new(), Vec::new());
-    for blow in hardest_blows(bodies, solver) {
+    for blow in impact::hardest_blows(bodies, solver) {
         // If it cannot be broken now, it has to bear everything.
         state.spare(bodies, blow.slot, f32::INFINITY);
         let impact = blow.bonds.is_empty().then(|| blow.impact(bodies));
@@ -245,18 +259,6 @@ pub(crate) fn break_overloaded(
         }
     }
     fractures.hand_on_impulses(bodies, cache);
-}
-
-/// The blows that break something, by the bodies' ids. Of a body that contacts do not move, and that was hit in several places at once, the
-/// hardest one counts.
-fn hardest_blows<'s>(bodies: &Bodies, solver: &'s ContactSolver) -> Vec<&'s Blow> {
-    let mut blows: Vec<&Blow> = solver.breaking().collect();
-    blows.sort_by(|a, b| {
-        let by_impulse = b.load.impulse.total_cmp(&a.load.impulse);
-        bodies.id(a.slot).cmp(&bodies.id(b.slot)).then(by_impulse)
-    });
-    blows.dedup_by_key(|blow| blow.slot);
-    blows
 }
 
 /// After the last round: lets those break later that would have, had there been a budget or a round for them. Of the batches from
@@ -302,20 +304,7 @@ pub(crate) fn break_under_loads(fractures: &mut Fractures, bodies: &mut Bodies, 
     }
     fractures.state.load_time = 0.0;
     for (slot, bonds) in judge_loads(bodies, step, elapsed) {
-        let body = bodies.id(slot);
-        let waits = fractures.state.waiting.iter();
-        if waits.into_iter().any(|entry| entry.body == body) {
-            continue;
-        }
-        if Groups::of(bodies, slot, &bonds.bonds).is_none() {
-            bodies.crack(slot, &bonds.bonds);
-            continue;
-        }
-        fractures.state.waiting.push(PendingBreak {
-            body,
-            slot,
-            cause: PendingCause::Load(bonds),
-        });
+        fractures.state.break_later(bodies, slot, bonds);
     }
 }
 
@@ -345,7 +334,7 @@ pub(crate) fn end_loads(fractures: &mut Fractures, bodies: &mut Bodies, solver: 
 
 impl Fractures {
     /// Replaces a body by its pieces and takes note of it.
-    fn replace(
+    pub(super) fn replace(
         &mut self,
         bodies: &mut Bodies,
         bonds: &mut Bonds,
@@ -376,7 +365,7 @@ impl Fractures {
 
     /// Lets the last piece of what broke last, which came off as one for want of budget, wait until it comes apart. Of a blow, if that
     /// broke its bonds.
-    fn await_rest(&mut self, bodies: &Bodies, blow: Option<BreakingImpact>) {
+    pub(super) fn await_rest(&mut self, bodies: &Bodies, blow: Option<BreakingImpact>) {
         let last = self.done.last().and_then(|fracture| fracture.pieces.last());
         let joined = last.filter(|&&slot| Groups::of(bodies, slot, &[]).is_some());
         self.state.waiting.extend(joined.map(|&slot| PendingBreak {

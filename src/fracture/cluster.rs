@@ -113,7 +113,7 @@ pub(super) fn replace_groups(
         None => vec![None; pieces.len()],
     };
     let pieces: Vec<(BodyDesc, _)> = pieces.into_iter().zip(holds).collect();
-    let kept = insert(bodies, slot, pieces, budget, &mut ledger, &reference);
+    let (kept, numbers) = insert(bodies, slot, pieces, budget, &mut ledger, &reference);
     if groups.rest.is_none() && kept.is_empty() {
         return Err(CutError::TooSmall);
     }
@@ -131,6 +131,7 @@ pub(super) fn replace_groups(
         parent_slot: slot,
         ids: kept.iter().map(|&piece| bodies.id(piece)).collect(),
         pieces: kept,
+        numbers,
         planes: Default::default(),
         ledger,
         fallen: Vec::new(),

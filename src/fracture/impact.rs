@@ -9,6 +9,7 @@ use crate::fracture::pieces::PieceSet;
 use crate::geometry::Compound;
 use crate::math::rotate;
 use crate::slice::{Cutting, Fracturable, Impact};
+use crate::solver::contact_solver::ContactSolver;
 use glam::Vec3;
 
 impl Blow {
@@ -65,6 +66,18 @@ impl Blow {
             energy: self.load.energy,
         }
     }
+}
+
+/// The blows that break something, by the bodies' ids. Of a body that contacts do not move, and that was hit in several places at once, the
+/// hardest one counts.
+pub(super) fn hardest_blows<'s>(bodies: &Bodies, solver: &'s ContactSolver) -> Vec<&'s Blow> {
+    let mut blows: Vec<&Blow> = solver.breaking().collect();
+    blows.sort_by(|a, b| {
+        let by_impulse = b.load.impulse.total_cmp(&a.load.impulse);
+        bodies.id(a.slot).cmp(&bodies.id(b.slot)).then(by_impulse)
+    });
+    blows.dedup_by_key(|blow| blow.slot);
+    blows
 }
 
 /// How a blow divides the body in `slot`, into at most `most` pieces; nothing if it does not pay for a crack.

@@ -17,6 +17,7 @@
 //! | `impact.rs` | impulses of a step by body: what they break, and what of them acts before |
 //! | `pieces.rs`, `conservation.rs`, `ledger.rs` | pieces as bodies; what rounding takes from them; before and after |
 //! | `holding.rs`, `hold_area.rs` | which pieces of what stood stay, and what falls with the others |
+//! | `blast.rs` | explosions, which push bodies, and clusters part by part |
 //! | `cluster.rs`, `cluster_loads.rs` | bodies whose parts are held by bonds: what comes off, and what sustained loads break |
 //! | `debris.rs` | which pieces go again |
 //! | `inheritance.rs`, `bond_inheritance.rs`, `joint_inheritance.rs` | which piece gets multipliers, bonds and joints of the parent |
@@ -25,6 +26,7 @@
 //! Must not know entities. How an impact divides a shape is decided in `slice`, whether it is too much in `bodies/breaking.rs` while
 //! the island is solved. Read `breaking.rs` first.
 
+mod blast;
 pub(crate) mod bond;
 mod bond_inheritance;
 pub(crate) mod bonds;
@@ -140,6 +142,8 @@ pub struct Fracture {
     pub pieces: SmallVec<[u32; 8]>,
     /// Their ids. A piece that broke in the same step is gone, and is the parent of a later fracture.
     pub ids: SmallVec<[BodyId; 8]>,
+    /// By piece: its number among what the body came apart into, some of which may have been too small.
+    pub(crate) numbers: SmallVec<[u32; 8]>,
     /// The planes, world frame; of a body that broke into cells, only those of cuts on request.
     pub planes: SmallVec<[Plane; 8]>,
     /// Before and after.
@@ -165,7 +169,7 @@ pub struct BreakingImpact {
     pub energy: f32,
     /// Share of the impulses that acted on the body, and on what hit it, before it broke. The rest was for the pieces.
     pub withstood: f32,
-    /// Slot and id of the body that gave most of it.
+    /// Slot and id of the body that gave most of it; none of an explosion.
     pub by: Option<(u32, BodyId)>,
     /// Where it acted: the mean of the contact points, weighted by their impulses; world, m.
     pub point: Vec3,

@@ -218,7 +218,7 @@ pub(super) fn replace(
         None => vec![None; pieces.len()],
     };
     let pieces: Vec<_> = pieces.into_iter().zip(holds).collect();
-    let kept = insert(bodies, slot, pieces, budget, &mut ledger, &reference);
+    let (kept, numbers) = insert(bodies, slot, pieces, budget, &mut ledger, &reference);
     if kept.len() < 2 {
         kept.iter().for_each(|&s| bodies.remove(s));
         return Err(CutError::TooSmall);
@@ -231,6 +231,7 @@ pub(super) fn replace(
         parent_slot: slot,
         ids: kept.iter().map(|&piece| bodies.id(piece)).collect(),
         pieces: kept,
+        numbers,
         planes: planes.map(|p| p.in_frame_of(&to_world)).collect(),
         ledger,
         fallen: Vec::new(),
@@ -248,7 +249,7 @@ pub(super) fn replace(
     Ok(fracture)
 }
 
-/// Adds the pieces of `parent` that are large enough to the bodies, and all to the ledger.
+/// Adds the pieces of `parent` that are large enough to the bodies, and all to the ledger; their slots, and which of them they are.
 pub(super) fn insert(
     bodies: &mut Bodies,
     parent: u32,
@@ -256,12 +257,12 @@ pub(super) fn insert(
     budget: &FractureBudget,
     ledger: &mut Ledger,
     reference: &Reference,
-) -> SmallVec<[u32; 8]> {
+) -> (SmallVec<[u32; 8]>, SmallVec<[u32; 8]>) {
     let fracturable = bodies.fracturable(parent).cloned();
     let min_volume = fracturable.as_ref().map_or(0.0, |f| f.min_volume);
     let min_volume = f64::from(min_volume.max(budget.min_volume));
-    let mut kept = SmallVec::new();
-    for (mut desc, hold) in pieces {
+    let (mut kept, mut numbers) = (SmallVec::new(), SmallVec::new());
+    for (number, (mut desc, hold)) in (0..).zip(pieces) {
         let inherited = fracturable.as_ref().and_then(|f| f.for_piece(kept.len()));
         let own = desc.fracturable.take();
         let inherited = inherited.map(|f| Fracturable {
@@ -282,6 +283,7 @@ pub(super) fn insert(
                     *bodies.hold_mut(slot) = hold;
                 }
                 kept.push(slot);
+                numbers.push(number);
             }
             Some(Err(_)) | None => {
                 ledger.dropped.add(&dropped);
@@ -289,7 +291,7 @@ pub(super) fn insert(
             }
         }
     }
-    kept
+    (kept, numbers)
 }
 
 /// What the hulls of pieces held between the parts that came apart: air that had counted as material.

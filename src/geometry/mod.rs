@@ -11,7 +11,7 @@
 //! | `moments.rs` | volume integrals from faces |
 //! | `convex_mesh.rs`, `primitives.rs` | the shapes that a body can have |
 //! | `round.rs`, `round_core.rs`, `round_moments.rs`, `round_polyhedron.rs`, `frustum.rs` | spheres, capsules, cylinders, cones, rounded hulls |
-//! | `compound.rs`, `compound_part.rs`, `compound_cover.rs` | a shape of several convex parts, and what of them is covered by others |
+//! | `compound.rs`, `compound_part.rs`, `compound_cover.rs`, `compound_seen.rs` | a shape of several convex parts, what of them is covered by others, and how much something sees |
 //! | `part_bond.rs`, `compound_bonds.rs`, `shared_area.rs` | what holds parts together, and which of them hang together; faces that two shapes share |
 //! | `constant_shapes.rs` | shapes of constant sizes, as macros |
 //! | `static_mesh.rs`, `level_triangle.rs`, `level_edges.rs`, `flat_ground.rs`, `bvh.rs`, `wide_tree.rs` | a level of triangles, where it is a plane, and walks through trees |
@@ -28,6 +28,7 @@ pub(crate) mod compound;
 mod compound_bonds;
 pub(crate) mod compound_cover;
 pub(crate) mod compound_part;
+mod compound_seen;
 mod constant_shapes;
 pub(crate) mod convex;
 pub(crate) mod convex_mesh;

@@ -1,5 +1,6 @@
 //! Levels, cuts, and what a cluster is built from.
 
+use crate::common::dice::Dice;
 use crate::common::scenes::{awake, awake_on_floor};
 use crate::shapes::{parts_of, row, wall};
 use bevy_cleave::prelude::*;
@@ -129,4 +130,38 @@ fn bad_input_is_told() {
     let far = FracturePattern::Planes([Plane::through(9.0 * Vec3::X, Vec3::X)].into());
     let uncut = Cluster::cut(&cube, &far, 0, 1e5).map(|it| it.parts.len());
     assert_eq!(uncut, Err(ClusterError::NoPieces));
+}
+
+#[test]
+fn a_relief_is_seen_on_the_faces_of_the_cuts_and_changes_nothing_else() {
+    let mut dice = Dice::new(347);
+    for round in 0..6 {
+        let size = dice.vector(0.5, 1.5);
+        let whole = ConvexMesh::cuboid(size.x, size.y, size.z).expect("a box");
+        let cells = dice.in_range(4.0, 16.0) as u16;
+        let pattern = FracturePattern::Voronoi { cells, focus: 0.0 };
+        let relief = Relief::of_size(dice.in_range(0.1, 0.2));
+        let flat = Cluster::cut(&whole, &pattern, round, 1e5).expect("cells");
+        let rough = Cluster::cut_rough(&whole, &pattern, round, 1e5, relief).expect("cells");
+        assert_eq!(flat.bonds, rough.bonds);
+        let (mut seen, mut triangles) = (0.0, [0, 0]);
+        for (flat, rough) in flat.parts.iter().zip(&rough.parts) {
+            assert_eq!(flat.shape.hull().vertices(), rough.shape.hull().vertices());
+            let mesh = rough.shape.visual().expect("drawn");
+            assert!(mesh.is_closed());
+            seen += mesh.volume();
+            triangles[0] += flat.shape.render_mesh().triangles().len();
+            triangles[1] += mesh.triangles().len();
+        }
+        let volume = f64::from(size.element_product());
+        assert!((seen - volume).abs() < 1e-5 * volume, "{seen} of {volume}");
+        assert!(triangles[1] > 2 * triangles[0], "{triangles:?}");
+        let compound = rough.compound().expect("one body");
+        assert_eq!(compound.len(), flat.parts.len());
+    }
+    let whole = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("a box");
+    let flat = Relief::of_size(0.0);
+    let halves = FracturePattern::Slabs { count: 2 };
+    let refused = Cluster::cut_rough(&whole, &halves, 1, 1e5, flat);
+    assert!(matches!(refused, Err(ClusterError::Relief(_))));
 }

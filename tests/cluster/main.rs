@@ -5,6 +5,7 @@ mod app;
 #[path = "../common/mod.rs"]
 mod common;
 
+mod blasts;
 mod blows;
 mod family;
 mod in_app;

@@ -3,7 +3,7 @@
 use crate::bodies::breaking::{Blow, ImpactLoad};
 use crate::bodies::store::Bodies;
 use crate::cluster::blow::BlowOutcome;
-use crate::cluster::instant::Striker;
+use crate::cluster::hit::{Hit, Striker};
 use crate::contact::manifolds::{ManifoldRef, Manifolds};
 use crate::geometry::groups_of;
 use crate::math::rotate;
@@ -52,7 +52,8 @@ impl Batch {
                 continue;
             }
             let strikers = self.strikers(number, manifolds, bodies);
-            let bonds = network.strained(&strikers, fatigue.endurance, |part| state.holds(part));
+            let hit = Hit::of(&strikers);
+            let bonds = network.strained(hit, fatigue.endurance, |part| state.holds(part));
             if !bonds.is_empty() {
                 self.impacts.strains.push(Strain {
                     slot,
@@ -76,7 +77,9 @@ impl Batch {
         let slot = self.layout.slots[number as usize];
         let state = bodies.cluster(slot)?;
         let strikers = self.strikers(number, manifolds, bodies);
-        let outcome: BlowOutcome = state.network.blow(&strikers, |part| state.holds(part));
+        let outcome: BlowOutcome = state
+            .network
+            .blow(Hit::of(&strikers), |part| state.holds(part));
         if outcome.broken.is_empty() {
             self.impacts.limits[limit].bond_energy = RETRIED * load.energy;
             return None;

@@ -1,0 +1,109 @@
+//! What blasts do to bodies, and to the parts of clusters.
+
+use crate::bodies::body::BodyError;
+use crate::bodies::drive::StepForces;
+use crate::bodies::explosion::Explosion;
+use crate::bodies::store::Bodies;
+use crate::cluster::hit::Push;
+use crate::math::rotate;
+use glam::Vec3;
+
+impl Explosion {
+    /// What it does to the body in `slot`.
+    pub(crate) fn forces_on(&self, bodies: &Bodies, slot: u32) -> Option<StepForces> {
+        let nearest = self.nearest_of(bodies, slot)?;
+        let center = bodies.center_of_mass(slot);
+        let share = self.share_at(nearest);
+        let impulse = share * self.impulse * self.away(nearest, center);
+        (share > 0.0).then(|| StepForces {
+            impulse,
+            angular_impulse: (nearest - center).cross(impulse),
+            ..StepForces::default()
+        })
+    }
+
+    /// What it does to the parts of the cluster in `slot`; nothing if it does not reach it.
+    pub(crate) fn pushes_on(&self, bodies: &Bodies, slot: u32) -> Vec<Push> {
+        let nearest = self.nearest_of(bodies, slot).map(|it| self.share_at(it));
+        let whole = nearest.unwrap_or(0.0).max(0.0) * self.impulse;
+        let (Some(compound), Some(state)) = (bodies.compound(slot), bodies.cluster(slot)) else {
+            return Vec::new();
+        };
+        let body = bodies.pose(slot);
+        let local = Self {
+            center: body.inverse_transform_point(self.center),
+            ..*self
+        };
+        let reached = |part: u32, is_open: bool| {
+            let at = &compound.parts()[part as usize];
+            let own = at.pose.inverse_transform_point(local.center);
+            let aabb = at.shape.aabb();
+            let point = (at.pose).transform_point(own.clamp(aabb.min, aabb.max));
+            let share = local.share_at(point);
+            if share <= 0.0 {
+                return None;
+            }
+            let area = compound.area_seen(part as usize, local.center, is_open);
+            (area > 0.0).then_some((part, point, share * area))
+        };
+        let parts = 0..compound.len() as u32;
+        let mut found: Vec<_> = parts.clone().filter_map(|it| reached(it, true)).collect();
+        if found.is_empty() {
+            // It is inside of the material.
+            found = parts.filter_map(|it| reached(it, false)).collect();
+        }
+        let total: f32 = found.iter().map(|(.., weight)| weight).sum();
+        let pushes = found.into_iter().map(|(part, point, weight)| {
+            let center = state.network.nodes[part as usize].center.as_vec3();
+            let impulse = (whole * weight / total) * local.away(point, center);
+            Push {
+                part,
+                impulse,
+                angular_impulse: (point - center).cross(impulse),
+            }
+        });
+        pushes.filter(|push| push.impulse != Vec3::ZERO).collect()
+    }
+
+    /// Point of the box around a body that is nearest to it, world.
+    fn nearest_of(&self, bodies: &Bodies, slot: u32) -> Option<Vec3> {
+        let pose = bodies.pose(slot);
+        let aabb = bodies.info(slot).shape.solid_aabb()?;
+        let local = pose.inverse_transform_point(self.center);
+        Some(pose.transform_point(local.clamp(aabb.min, aabb.max)))
+    }
+}
+
+impl Bodies {
+    /// Lets a blast act in the next step, before its contacts.
+    ///
+    /// # Errors
+    /// [`BodyError::Drive`] if its numbers mean nothing; none acts then.
+    pub fn explode(&mut self, explosion: Explosion) -> Result<(), BodyError> {
+        explosion.validate()?;
+        self.explosions.push(explosion);
+        Ok(())
+    }
+
+    /// All that pushes on parts of a cluster do to it as a whole.
+    pub(crate) fn push_whole(&mut self, slot: u32, pushes: &[Push]) {
+        let Some(state) = self.cluster(slot) else {
+            return;
+        };
+        let center = self.mass(slot).center;
+        let (mut impulse, mut angular_impulse) = (Vec3::ZERO, Vec3::ZERO);
+        for push in pushes {
+            let arm = state.network.nodes[push.part as usize].center.as_vec3() - center;
+            impulse += push.impulse;
+            angular_impulse += push.angular_impulse + arm.cross(push.impulse);
+        }
+        let turn = self.pose(slot).rotation;
+        let forces = StepForces {
+            impulse: rotate(turn, impulse),
+            angular_impulse: rotate(turn, angular_impulse),
+            ..StepForces::default()
+        };
+        // Of finite numbers, but their product may not be.
+        let _ = self.apply(slot, &forces);
+    }
+}

@@ -1,0 +1,236 @@
+//! Explosions: clusters are pushed part by part, and what comes off flies.
+
+use crate::common::dice::Dice;
+use crate::common::scenes::awake;
+use crate::shapes::{parts_of, standing, wall};
+use bevy_cleave::prelude::*;
+use glam::{Quat, Vec3};
+
+const H: f32 = 1.0 / 60.0;
+
+/// A world without weight.
+fn space() -> Simulation {
+    let mut simulation = awake();
+    simulation.gravity = Gravity(Vec3::ZERO);
+    simulation.budget.pieces_per_step = 1000;
+    simulation
+}
+
+/// Mass, momentum, angular momentum about the origin, and kinetic energy of all that is dynamic.
+fn sums(simulation: &Simulation) -> (f64, Vec3, Vec3, f32) {
+    let bodies = &simulation.bodies;
+    let dynamic = bodies
+        .iter()
+        .filter(|&slot| bodies.kind(slot) == RigidBody::Dynamic);
+    let (mut mass, mut linear, mut angular, mut energy) = (0.0, Vec3::ZERO, Vec3::ZERO, 0.0);
+    for slot in dynamic {
+        let own = bodies.mass(slot);
+        let (v, omega) = bodies.velocity(slot);
+        let turn = bodies.pose(slot).rotation * own.principal_frame;
+        let spin = turn * (own.principal * (turn.inverse() * omega));
+        mass += f64::from(own.mass);
+        linear += own.mass * v;
+        angular += bodies.center_of_mass(slot).cross(own.mass * v) + spin;
+        energy += 0.5 * (own.mass * v.length_squared() + omega.dot(spin));
+    }
+    (mass, linear, angular, energy)
+}
+
+#[test]
+fn a_blast_breaks_off_of_a_wall_what_is_near_and_blows_it_away() {
+    let mut simulation = space();
+    let shape = wall(16, 20, 1e5);
+    let count = shape.len();
+    let foot = Anchors::none().and_behind(Vec3::Y, 0.05);
+    let body = simulation.bodies.insert(standing(shape)).expect("usable");
+    let held = simulation.bodies.set_anchors(body, Some(foot));
+    held.expect("usable");
+    simulation.step(H);
+    let center = Vec3::new(0.4, 1.2, 0.5);
+    let explosion = Explosion {
+        center,
+        radius: 0.8,
+        impulse: 400.0,
+    };
+    simulation.bodies.explode(explosion).expect("usable");
+    simulation.step(H);
+    let bodies = &simulation.bodies;
+    let fractures = &simulation.fractures.done;
+    assert!(fractures.iter().all(|it| it.ledger.mass_error() < 1e-6));
+    assert!(fractures[0].parent_slot == body && fractures[0].goes_on);
+    assert!(matches!(fractures[0].blow, Some(blow) if blow.by.is_none() && blow.point == center));
+    let left = parts_of(&simulation, body);
+    assert!(left < count - 8 && left > count / 4, "{left} of {count}");
+    assert_eq!(bodies.kind(body), RigidBody::Static);
+    let (mut off, mut pushed, mut pieces, mut flying) = (0, Vec3::ZERO, 0, 0);
+    for slot in bodies.iter().filter(|&slot| slot != body) {
+        off += parts_of(&simulation, slot);
+        let (velocity, _) = bodies.velocity(slot);
+        pushed += bodies.mass(slot).mass * velocity;
+        pieces += 1;
+        flying += usize::from(velocity.dot(bodies.center_of_mass(slot) - center) > 0.0);
+    }
+    // Through the wall, to the other side; some hit others on their way.
+    assert!(
+        pushed.z < -0.5 * pushed.length() && flying * 10 >= pieces * 8,
+        "{pushed}"
+    );
+    assert!(pushed.length() < explosion.impulse, "{pushed}");
+    assert_eq!(left + off, count);
+    assert!(
+        simulation
+            .bodies
+            .explode(Explosion {
+                radius: -1.0,
+                ..explosion
+            })
+            .is_err()
+    );
+}
+
+/// A body of random parts that turns in space, and a blast beside it.
+fn member(seed: u64, strength: f32) -> (Simulation, usize, f32, Explosion) {
+    let mut dice = Dice::new(seed);
+    let size = dice.vector(0.5, 1.5);
+    let whole = ConvexMesh::cuboid(size.x, size.y, size.z).expect("a box");
+    let cells = dice.in_range(4.0, 40.0) as u16;
+    let pattern = FracturePattern::Voronoi { cells, focus: 0.0 };
+    let cluster = Cluster::cut(&whole, &pattern, seed, strength).expect("cells");
+    let shape = cluster.compound().expect("connected");
+    let parts = shape.len();
+    let mut simulation = space();
+    let desc = BodyDesc {
+        pose: Pose::new(dice.vector(-1.0, 1.0), dice.rotation()),
+        linear_velocity: dice.vector(-1.0, 1.0),
+        ..BodyDesc::compound(shape, Vec3::ZERO)
+    };
+    let center = desc.pose.position + dice.in_range(0.1, 1.5) * dice.direction();
+    simulation.bodies.insert(desc).expect("usable");
+    simulation.step(1e-6);
+    let (mass, ..) = sums(&simulation);
+    let explosion = Explosion {
+        center,
+        radius: dice.in_range(1.0, 3.0),
+        impulse: mass as f32 * dice.in_range(1.0, 30.0),
+    };
+    (simulation, parts, mass as f32, explosion)
+}
+
+#[test]
+fn what_a_blast_breaks_gets_together_what_the_whole_would_have_got() {
+    let (mut broke, mut held) = (0, 0);
+    for seed in 0..40 {
+        let after = |strength: f32| {
+            let (mut simulation, parts, _, explosion) = member(seed, strength);
+            simulation.bodies.explode(explosion).expect("usable");
+            // So short that nothing touches anything.
+            simulation.step(1e-6);
+            for fracture in &simulation.fractures.done {
+                assert!(fracture.ledger.mass_error() < 1e-6, "{seed}");
+                assert!(fracture.ledger.momentum_error() < 1e-5, "{seed}");
+                assert!(fracture.ledger.energy_gain().abs() < 1e-4, "{seed}");
+            }
+            let bodies = simulation.bodies.iter();
+            assert_eq!(
+                bodies
+                    .map(|slot| parts_of(&simulation, slot))
+                    .sum::<usize>(),
+                parts
+            );
+            (sums(&simulation), simulation.bodies.len())
+        };
+        let (whole, one) = after(1e14);
+        assert_eq!(one, 1, "{seed}");
+        let mut most = usize::MAX;
+        for strength in [1e2, 1e5, 1e7, 1e9, 1e11] {
+            let (broken, count) = after(strength);
+            let scale = whole.1.length() + 1.0;
+            assert!(
+                (broken.1 - whole.1).length() < 1e-3 * scale,
+                "{seed}: {broken:?}, {whole:?}"
+            );
+            let scale = whole.2.length() + scale;
+            assert!(
+                (broken.2 - whole.2).length() < 2e-3 * scale,
+                "{seed}: {broken:?}, {whole:?}"
+            );
+            // What flies apart moves more than what flies together.
+            assert!(broken.3 >= 0.999 * whole.3, "{seed}: {broken:?}, {whole:?}");
+            assert!(
+                count <= most.saturating_add(1),
+                "{seed}: {count} at {strength} Pa, {most} before"
+            );
+            most = count;
+            broke += usize::from(count > 1);
+            held += usize::from(count == 1);
+        }
+    }
+    assert!(broke > 30 && held > 30, "{broke} {held}");
+}
+
+#[test]
+fn blasts_wear_what_they_do_not_break() {
+    let mut simulation = space();
+    let foot = Anchors::none().and_behind(Vec3::Y, 0.05);
+    let body = simulation
+        .bodies
+        .insert(standing(wall(8, 10, 1e7)))
+        .expect("usable");
+    let held = simulation.bodies.set_anchors(body, Some(foot));
+    held.expect("usable");
+    let taken = simulation
+        .bodies
+        .set_fatigue(body, Some(Fatigue::new(40.0)));
+    taken.expect("usable");
+    simulation.step(H);
+    let explosion = Explosion {
+        center: Vec3::new(0.1, 0.7, 0.4),
+        radius: 1.0,
+        impulse: 80.0,
+    };
+    let blasts = (0..100).take_while(|_| {
+        simulation.bodies.explode(explosion).expect("usable");
+        simulation.step(H);
+        let shape = simulation.bodies.compound(body).expect("a wall");
+        let most = shape
+            .bonds()
+            .iter()
+            .map(|bond| bond.damage)
+            .fold(0.0, f32::max);
+        let is_whole = simulation.fractures.done.is_empty();
+        assert!(!is_whole || most > 0.0);
+        is_whole
+    });
+    let blasts = blasts.count();
+    assert!(blasts > 1 && blasts < 100, "{blasts}");
+}
+
+#[test]
+fn a_blast_within_the_material_drives_it_apart() {
+    let mut simulation = space();
+    let whole = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("a box");
+    let size = Vec3::splat(0.2);
+    let cluster = Cluster::cut(&whole, &FracturePattern::Brick { size }, 1, 1e3).expect("bricks");
+    let shape = cluster.compound().expect("one block");
+    let count = shape.len();
+    let turned = Pose::new(Vec3::new(3.0, 2.0, 1.0), Quat::from_rotation_y(0.4));
+    let desc = BodyDesc {
+        pose: turned,
+        ..BodyDesc::compound(shape, Vec3::ZERO)
+    };
+    simulation.bodies.insert(desc).expect("usable");
+    simulation.step(H);
+    let explosion = Explosion {
+        center: turned.transform_point(Vec3::new(0.02, -0.03, 0.01)),
+        radius: 2.0,
+        impulse: 5000.0,
+    };
+    simulation.bodies.explode(explosion).expect("usable");
+    (0..20).for_each(|_| simulation.step(H));
+    let bodies = &simulation.bodies;
+    assert!(bodies.len() > count / 4, "{}", bodies.len());
+    let farthest = bodies
+        .iter()
+        .map(|slot| bodies.center_of_mass(slot).distance(explosion.center));
+    assert!(farthest.fold(0.0, f32::max) > 2.0);
+}
