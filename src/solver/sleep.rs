@@ -146,8 +146,9 @@ impl Bodies {
 
     /// Whether a body is slower than the limit for its size.
     fn is_slow(&self, slot: u32, config: &SleepConfig, gravity: f32) -> bool {
-        let (body, r) = (&self.velocity[slot as usize], self.radius(slot));
-        let speed_squared = body.linear.length_squared() + r * r * body.angular.length_squared();
+        let body = &self.velocity[slot as usize];
+        let turn = self.rotation[slot as usize].inverse() * body.angular;
+        let speed_squared = body.linear.length_squared() + self.sway_squared(slot, turn);
         let natural = gravity * self.min_extent[slot as usize];
         speed_squared <= config.speed * config.speed * natural
     }
@@ -158,9 +159,22 @@ impl Bodies {
         let rest = &self.sleep.rest[i];
         let turn = rest.rotation.inverse() * self.rotation[i];
         // The vector part has half the angle's length, for small angles.
-        let way =
-            self.center[i].distance(rest.center) + 2.0 * self.radius(slot) * turn.xyz().length();
+        let sway = self.sway_squared(slot, 2.0 * turn.xyz()).sqrt();
+        let way = self.center[i].distance(rest.center) + sway;
         way <= config.drift * self.min_extent[i]
+    }
+
+    /// Square of how far the point that goes farthest gets when a body turns by a small vector, given in its own axes; with an
+    /// angular velocity (rad/s), of how fast it is.
+    ///
+    /// About the axis of the largest moment of inertia `I` it is the farthest point's distance `R`, about one of a smaller
+    /// moment `I_k` it is `R sqrt(I_k / I)`: exact for ellipsoids, a little too much for boxes. A rod that rolls on the spot
+    /// moves its surface and not its ends.
+    fn sway_squared(&self, slot: u32, turn: Vec3) -> f32 {
+        let (r, mass) = (self.radius(slot), &self.mass[slot as usize]);
+        let turn = mass.principal_frame.inverse() * turn;
+        let shares = mass.principal / mass.principal.max_element();
+        r * r * (shares * turn * turn).element_sum()
     }
 
     /// Puts islands to sleep that have been at rest for long enough, after a step of `step_dt` seconds; `manifolds` are those that

@@ -6,7 +6,7 @@
 
 use super::Worst;
 use crate::judge::laws::{Breach, Law};
-use crate::judge::run::Run;
+use crate::judge::run::{Run, State};
 use crate::judge::scene::Form;
 use glam::DVec3;
 
@@ -56,13 +56,12 @@ impl Rest {
                 continue;
             }
             let state = run.state(slot);
-            let (min_extent, radius) = run.size(slot);
+            let (min_extent, _) = run.size(slot);
             let (carried, turned) = floor.map_or((DVec3::ZERO, DVec3::ZERO), |floor| {
                 let arm = state.center - floor.center;
                 (floor.linear + floor.angular.cross(arm), floor.angular)
             });
-            let speed =
-                (state.linear - carried).length() + radius * (state.angular - turned).length();
+            let speed = fastest(run, slot, &state, carried, turned);
             self.worst
                 .note(speed / (SPEED * (gravity * min_extent).sqrt()), step, i);
         }
@@ -94,6 +93,20 @@ impl Rest {
             })
         })
     }
+}
+
+/// Speed of a body's fastest corner, seen from a floor that moves and turns there.
+fn fastest(run: &Run<'_>, slot: u32, state: &State, carried: DVec3, turned: DVec3) -> f64 {
+    let bodies = &run.simulation.bodies;
+    let corners = bodies
+        .convex(slot)
+        .into_iter()
+        .flat_map(|mesh| mesh.hull().vertices());
+    let speeds = corners.map(|&corner| {
+        let arm = state.pose.transform_point(corner).as_dvec3() - state.center;
+        (state.linear - carried + (state.angular - turned).cross(arm)).length()
+    });
+    speeds.fold(0.0, f64::max)
 }
 
 /// Whether a body of a scene that is to come to rest is beyond the edges of all floors. What got through one is not.
