@@ -80,7 +80,21 @@ impl Clipping<'_> {
         scratch: &mut NarrowScratch,
     ) -> LocalManifold {
         let reference = self.reference_plane(axis, b_refers, scratch);
-        self.load_incident_face(axis, &reference, b_refers, scratch);
+        let incident = self.incident_face(axis, &reference, b_refers, scratch);
+        self.clipped_patch(axis.face, &reference, incident, b_refers, scratch)
+    }
+
+    /// Cuts the outline of an incident face by the planes through the edges of the reference face `face`, whose plane is
+    /// `reference` (A's frame), and keeps what lies within the margin.
+    pub(super) fn clipped_patch(
+        &self,
+        face: usize,
+        reference: &Plane,
+        incident: &[u32],
+        b_refers: bool,
+        scratch: &mut NarrowScratch,
+    ) -> LocalManifold {
+        self.load_incident_face(incident, b_refers, scratch);
         let NarrowScratch {
             b_in_a,
             polygon,
@@ -92,7 +106,7 @@ impl Clipping<'_> {
         } else {
             (self.pair.a, self.pair.a.lanes.points.as_slice())
         };
-        let outline = hull.face_loop(&hull.faces()[axis.face]);
+        let outline = hull.face_loop(&hull.faces()[face]);
         let mut from = point(corners, outline[outline.len() - 1] as usize);
         let mut recycle_distance = f32::INFINITY;
         let mut is_whole = true;
@@ -118,7 +132,7 @@ impl Clipping<'_> {
         LocalManifold {
             recycle_distance,
             slide,
-            ..self.patch(axis, &reference, b_refers, polygon)
+            ..self.patch(face, reference, b_refers, polygon)
         }
     }
 
@@ -147,7 +161,7 @@ impl Clipping<'_> {
         LocalManifold {
             // The other point is in the plane of the face, and may be beside it.
             off_surface: f32::INFINITY,
-            ..self.patch(axis, &reference, b_refers, &[vertex])
+            ..self.patch(axis.face, &reference, b_refers, &[vertex])
         }
     }
 
@@ -160,17 +174,17 @@ impl Clipping<'_> {
         }
     }
 
-    /// Puts the incident face into `scratch.polygon`: of the faces at the support vertex, the one most opposed to the
-    /// reference face.
+    /// Outline of the incident face: of the faces at the support vertex, the one most opposed to the reference face.
     ///
-    /// A face elsewhere may be more opposed yet, but would miss the deepest point.
-    fn load_incident_face(
+    /// A face elsewhere may be more opposed yet, but would miss the deepest point. Of two edges that cross it is a face of
+    /// the incident one.
+    fn incident_face(
         &self,
         axis: &FaceAxis,
         reference: &Plane,
         b_refers: bool,
-        scratch: &mut NarrowScratch,
-    ) {
+        scratch: &NarrowScratch,
+    ) -> &[u32] {
         let incident = if b_refers { self.pair.a } else { self.pair.b };
         let normal = if b_refers {
             reference.normal
@@ -178,12 +192,16 @@ impl Clipping<'_> {
             scratch.turn.transpose() * reference.normal
         };
         let face = incident.most_opposed_face(axis.support, normal);
+        face.map_or(&[][..], |face| incident.face_loop(face))
+    }
+
+    /// Puts the incident face into `scratch.polygon`.
+    fn load_incident_face(&self, outline: &[u32], b_refers: bool, scratch: &mut NarrowScratch) {
         let corners = if b_refers {
             self.pair.a.lanes.points.as_slice()
         } else {
             scratch.b_in_a.as_slice()
         };
-        let outline = face.map_or(&[][..], |face| incident.face_loop(face));
         scratch.polygon.clear();
         scratch.polygon.extend(outline.iter().map(|&v| Candidate {
             at: point(corners, v as usize),
@@ -196,7 +214,7 @@ impl Clipping<'_> {
     /// The patch of points on the incident hull, which are projected onto the reference plane for the other hull.
     fn patch(
         &self,
-        axis: &FaceAxis,
+        face: usize,
         reference: &Plane,
         b_refers: bool,
         points: &[Candidate],
@@ -207,7 +225,7 @@ impl Clipping<'_> {
             } else {
                 reference.normal
             },
-            normal_in_b: b_refers.then_some(-axis.plane.normal),
+            normal_in_b: b_refers.then(|| -self.pair.b.faces()[face].plane.normal),
             ..LocalManifold::default()
         };
         for corner in points.iter().take(MAX_POINTS) {

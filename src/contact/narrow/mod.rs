@@ -19,6 +19,7 @@ pub(crate) mod course;
 mod edge_search;
 pub(crate) mod flush;
 pub(crate) mod half_space;
+mod leaning;
 pub(crate) mod level;
 mod level_over;
 mod level_plane;

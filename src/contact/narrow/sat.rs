@@ -18,6 +18,7 @@ use crate::contact::narrow::scratch::SatResult;
 use crate::contact::local_manifold::LocalManifold;
 use crate::contact::narrow::clipping::{Clipping, edge_patch};
 use crate::contact::narrow::edge_search::best_edge_pair;
+use crate::contact::narrow::leaning::leaning_patch;
 use crate::geometry::ConvexHull;
 use crate::geometry::hull_lanes::{LANES, Points4, lowest, lowest_height, point};
 use crate::math::Pose;
@@ -173,6 +174,8 @@ impl SatAxes {
         let edge = (gap > threshold)
             .then(|| search(threshold, scratch))
             .flatten();
+        let merge = MERGE * size;
+        let contact = Clipping { pair, merge };
         if let Some(edge) = edge {
             if edge.separation > margin {
                 return SatResult::Separated {
@@ -181,11 +184,11 @@ impl SatAxes {
                 };
             }
             if edge.separation > bar {
-                return SatResult::Touching(edge_patch(&pair, &edge, scratch));
+                let leaning = leaning_patch(&contact, &edge, scratch);
+                let patch = leaning.unwrap_or_else(|| edge_patch(&pair, &edge, scratch));
+                return SatResult::Touching(patch);
             }
         }
-        let merge = MERGE * size;
-        let contact = Clipping { pair, merge };
         let patch = contact.face_patch(face, b_refers, scratch);
         if patch.count > 0 {
             return SatResult::Touching(patch);
