@@ -146,8 +146,9 @@ pub struct SleepConfig {
     /// Fastest speed of a body at rest, its points' on account of rotation included, as a share of `sqrt(g L)` with its
     /// least extent `L`: the speed after a fall by half of `L`.
     pub speed: f32,
-    /// How far a body at rest may get from where it came to rest, as a share of its least extent. Tells rest from creep,
-    /// which is slow but goes on.
+    /// How far a body at rest may get from where it came to rest, as a share of its least extent `L`. Tells rest from creep,
+    /// which is slow but goes on. What is small falls by more than `L` in [`time`](Self::time); for it, this is a share of the way
+    /// that it goes in that time with `sqrt(g L / 2)`, so that creep is told from rest by its speed.
     pub drift: f32,
     /// How long all bodies of an island must have been at rest, s.
     pub time: f32,

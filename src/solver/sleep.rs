@@ -136,7 +136,7 @@ impl Bodies {
             if self.status[i] != Status::Active || self.velocity[i].inverse_mass == 0.0 {
                 continue;
             }
-            if self.is_slow(slot, config, gravity) && self.is_in_place(slot, config) {
+            if self.is_slow(slot, config, gravity) && self.is_in_place(slot, config, gravity) {
                 self.sleep.rest[i].time += step_dt;
             } else {
                 self.sleep.rest[i] = self.rest_here(slot);
@@ -154,14 +154,16 @@ impl Bodies {
     }
 
     /// Whether a body is where it was when its rest began.
-    fn is_in_place(&self, slot: u32, config: &SleepConfig) -> bool {
+    fn is_in_place(&self, slot: u32, config: &SleepConfig, gravity: f32) -> bool {
         let i = slot as usize;
         let rest = &self.sleep.rest[i];
         let turn = rest.rotation.inverse() * self.rotation[i];
         // The vector part has half the angle's length, for small angles.
         let sway = self.sway_squared(slot, 2.0 * turn.xyz()).sqrt();
         let way = self.center[i].distance(rest.center) + sway;
-        way <= config.drift * self.min_extent[i]
+        let least = self.min_extent[i];
+        let fall = 0.5 * gravity * config.time * config.time;
+        way <= config.drift * (least * least.max(fall)).sqrt()
     }
 
     /// Square of how far the point that goes farthest gets when a body turns by a small vector, given in its own axes; with an
