@@ -37,39 +37,39 @@ const fn known(family: &'static str, scenes: usize, failing: usize) -> Known {
 }
 
 const KNOWN: [Known; FAMILIES.len()] = [
-    known("boxes", MANY, 1),
-    known("hulls", MANY, 0),
+    known("boxes", MANY, 0),
+    known("hulls", MANY, 1),
     known("round", FEW, 0),
-    known("plates", FEW, 1),
-    known("rods", FEW, 6),
-    known("needles", FEW, 5),
+    known("plates", FEW, 2),
+    known("rods", FEW, 2),
+    known("needles", FEW, 1),
     known("wedges", MANY, 0),
     known("sizes", MANY, 0),
     known("masses", MANY, 1),
     known("broken", MANY, 1),
-    known("stacks", MANY, 4),
-    known("lifts", MANY, 0),
+    known("stacks", MANY, 2),
+    known("lifts", MANY, 1),
     known("towers", MANY, 0),
-    known("decks", MANY, 4),
+    known("decks", MANY, 3),
     known("slopes", MANY, 0),
     known("turntables", FEW, 1),
     known("arches", MANY, 0),
     known("houses", MANY, 0),
     known("soft_houses", MANY, 1),
     known("soft_arches", MANY, 0),
-    known("bounces", MANY, 2),
-    known("swarms", MANY, 1),
+    known("bounces", MANY, 1),
+    known("swarms", MANY, 0),
     known("shots", MANY, 0),
     known("ledges", MANY, 0),
-    known("slides", MANY, 2),
+    known("slides", MANY, 1),
     known("passes", MANY, 0),
-    known("copies", MANY, 4),
+    known("copies", MANY, 1),
     known("steps", MANY, 0),
 ];
 
 /// Files in `data/judge` that break a law: all of these and no others. A mend takes them off the list; none is added but with a
 /// new file.
-const OPEN: [&str; 3] = ["broken_overlap_0", "needles_overlap_14", "swarms_overlap_5"];
+const OPEN: [&str; 2] = ["broken_overlap_0", "needles_overlap_14"];
 
 fn list(breaches: &[Breach]) -> String {
     let say = |breach: &Breach| format!("{}: {}", breach.law.name(), breach.what);

@@ -421,6 +421,44 @@ fn crossed_edges_meet_in_one_point() {
     assert!((patch.points[0].on_a - Vec3::new(0.1, 0.2 * 2.0_f32.sqrt(), 0.0)).length() < 1e-5);
 }
 
+/// One rod across another that leans by a small angle has not one point but a pair, where the face beside its edge lies at least.
+#[test]
+fn a_rod_that_leans_on_a_rod_has_a_pair_of_points() {
+    let mut random = Dice::new(30);
+    let mut scratch = NarrowScratch::new();
+    for _ in 0..4000 {
+        let [t, u] = [(); 2].map(|()| 0.5 / random.in_range(10.0, 1000.0));
+        let (lower, upper) = (cuboid(Vec3::new(0.5, t, t)), cuboid(Vec3::new(0.5, u, u)));
+        let across = turn(Vec3::Y, random.in_range(0.5, 2.0));
+        let lean = random.in_range(-0.01, 0.01);
+        let rotation = across * turn(Vec3::X, lean);
+        // The lower edge of the upper rod is where the lean brings it.
+        let low = u * (1.0 + lean.abs());
+        let gap = random.in_range(-1e-3, 1e-3) * u.min(t);
+        let pose = Pose::new((t + low + gap) * Vec3::Y, rotation);
+        let margin = 0.04 * u.max(t);
+        let patch = collide_hulls(&lower, &upper, pose, margin, &mut scratch);
+        let patch = patch.expect("they touch");
+        assert!(
+            patch.points().len() >= 2,
+            "{} of {t}, {u} by {lean}",
+            patch.points().len()
+        );
+        let rounding = 2e-4 * u.max(t) + 1e-6;
+        assert!(
+            (deepest(&patch) - gap).abs() <= rounding,
+            "{} {gap}",
+            deepest(&patch)
+        );
+        for point in patch.points() {
+            let [on_a, on_b] = [point.on_a, pose.transform_point(point.on_b)];
+            let along = (on_b - on_a).dot(patch.normal);
+            assert!((along - point.separation).abs() <= rounding);
+            assert!((on_b - on_a - along * patch.normal).length() <= rounding);
+        }
+    }
+}
+
 #[test]
 fn swapped_order_gives_the_mirrored_patch() {
     let mut random = Dice::new(11);

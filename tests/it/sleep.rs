@@ -1,5 +1,6 @@
 //! Islands at rest fall asleep, cost nothing, and wake when anything about them changes.
 
+use crate::common::dice::Dice;
 use crate::common::states::bits_by_id;
 use crate::common::structures::{
     block, cuboid, fixed, floor, pyramid, rolling_prism, slope_box, tower,
@@ -452,14 +453,64 @@ fn a_body_that_rocks_stays_awake_until_it_rests() {
 #[test]
 fn what_creeps_down_a_slope_stays_awake_and_what_holds_sleeps() {
     // Friction 0.5 holds up to 26.565 degrees; 0.05 degrees more leave an acceleration of 1e-3 g.
-    let mut creeping = sleepy(slope_box(Vec3::ONE, 0.5, 26.615, 0.0));
-    let mut holding = sleepy(slope_box(Vec3::ONE, 0.5, 26.515, 0.0));
-    for _ in 0..300 {
-        creeping.step(H);
-        holding.step(H);
-        assert_eq!(creeping.report.asleep, 0);
+    for size in [0.02, 0.2, 1.0].map(Vec3::splat) {
+        let mut creeping = sleepy(slope_box(size, 0.5, 26.615, 0.0));
+        let mut holding = sleepy(slope_box(size, 0.5, 26.515, 0.0));
+        for _ in 0..300 {
+            creeping.step(H);
+            holding.step(H);
+            assert_eq!(creeping.report.asleep, 0, "{size}");
+        }
+        assert_eq!(holding.report.asleep, 1, "{size}");
     }
-    assert_eq!(holding.report.asleep, 1);
+}
+
+/// A rod along x.
+fn rod(length: f32, slenderness: f32) -> ConvexMesh {
+    let thickness = length / slenderness;
+    cuboid(Vec3::new(length, thickness, thickness))
+}
+
+#[test]
+fn rods_across_each_other_come_to_rest_and_sleep() {
+    let mut random = Dice::new(30);
+    for member in 0..24 {
+        let length = 10.0_f32 * (-5.0 * random.unit()).exp();
+        let slenderness = 10.0 * (4.6 * random.unit()).exp();
+        let shape = rod(length, slenderness);
+        let mut simulation = sleepy([floor(0.5)]);
+        for level in 0..3 {
+            let height = (level as f32 + 0.6) * 1.1 * length / slenderness;
+            let heading = 6.0 * random.unit();
+            simulation
+                .bodies
+                .insert(BodyDesc {
+                    pose: Pose::new(
+                        Vec3::new(0.0, height, 0.0),
+                        Quat::from_xyzw(0.0, heading, 0.0, 1.0).normalize(),
+                    ),
+                    ..block(&shape, Vec3::ZERO, 0.5)
+                })
+                .expect("usable");
+        }
+        run(&mut simulation, 600);
+        let asleep = simulation.report.asleep;
+        assert_eq!(asleep, 3, "{member}: {length} m, 1 : {slenderness}");
+    }
+}
+
+#[test]
+fn a_rod_whose_ends_move_stays_awake() {
+    for slenderness in [10.0, 100.0, 1000.0] {
+        let limit = SleepConfig::default().speed * (9.81_f32 / slenderness).sqrt();
+        let swinging = BodyDesc {
+            angular_velocity: 2.0 * limit / 0.5 * Vec3::Y,
+            ..block(&rod(1.0, slenderness), 0.5 * Vec3::Y / slenderness, 0.0)
+        };
+        let mut simulation = sleepy([floor(0.0), swinging]);
+        run(&mut simulation, 120);
+        assert_eq!(simulation.report.asleep, 0, "1 : {slenderness}");
+    }
 }
 
 /// Largest kinetic energy of all bodies over 25 steps, J.
