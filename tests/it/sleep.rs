@@ -475,8 +475,8 @@ fn rod(length: f32, slenderness: f32) -> ConvexMesh {
 fn rods_across_each_other_come_to_rest_and_sleep() {
     let mut random = Dice::new(30);
     for member in 0..24 {
-        let length = 10.0_f32 * (-5.0 * random.unit()).exp();
-        let slenderness = 10.0 * (4.6 * random.unit()).exp();
+        let length = 0.05 / random.in_range(0.005, 1.0);
+        let slenderness = 1.0 / random.in_range(1e-3, 0.1);
         let shape = rod(length, slenderness);
         let mut simulation = sleepy([floor(0.5)]);
         for level in 0..3 {
