@@ -65,6 +65,7 @@ impl JointSystem {
             }
             self.apply_missing();
         }
+        self.forget_curves_of_open();
         let is_pushed = self.rows.iter().any(|row| row.push != 0.0);
         if is_pushed {
             self.find_pushes(h);
@@ -176,6 +177,17 @@ impl JointSystem {
                     } else {
                         0.0
                     };
+                }
+            }
+        }
+    }
+
+    /// Where joints stay open, what the rounds found is no motion that comes again.
+    fn forget_curves_of_open(&mut self) {
+        for joint in &self.joints {
+            if self.rounds.leave_open(joint.component(&self.sparsity)) {
+                for row in &mut self.rows[joint.rows.clone()] {
+                    row.curve = 0.0;
                 }
             }
         }

@@ -54,62 +54,21 @@ pub(crate) fn product(a: &Block6, v: &Vector6) -> Vector6 {
     sum
 }
 
-/// `A^-1` of a symmetric and positive definite `A` in its place, by halves: with `A = [P Q; Q^T R]` and `S = R - Q^T P^-1 Q`.
+/// `A^-1` of a symmetric and positive definite `A` in its place, by Gauss-Jordan elimination.
 #[inline(always)]
 pub(crate) fn invert(a: &mut Block6) {
-    let of_p = invert_half(&quarter(a, 0, 0));
-    let q = quarter(a, 0, 3);
-    let turned = times(&of_p, &q);
-    let (mut s, taken) = (quarter(a, 3, 3), times(&transpose(&q), &turned));
-    for i in 0..3 {
-        for j in 0..3 {
-            s[i][j] -= taken[i][j];
+    for k in 0..6 {
+        // Positive but for rounding: what is left of it then does not move.
+        let inverse = if a[k][k] > 0.0 { a[k][k].recip() } else { 0.0 };
+        let mut pivot = a[k].map(|x| x * inverse);
+        pivot[k] = inverse;
+        for (i, row) in a.iter_mut().enumerate() {
+            if i != k {
+                let share = row[k];
+                row[k] = 0.0;
+                add_scaled(row, -share, &pivot);
+            }
         }
+        a[k] = pivot;
     }
-    let of_s = invert_half(&s);
-    let beside = times(&turned, &of_s);
-    let added = times(&beside, &transpose(&turned));
-    for i in 0..3 {
-        for j in 0..3 {
-            a[i][j] = of_p[i][j] + added[i][j];
-            a[i][3 + j] = -beside[i][j];
-            a[3 + j][i] = -beside[i][j];
-            a[3 + i][3 + j] = of_s[i][j];
-        }
-    }
-}
-
-/// Three by three, row by row.
-type Block3 = [[f64; 3]; 3];
-
-#[inline(always)]
-fn quarter(a: &Block6, row: usize, column: usize) -> Block3 {
-    std::array::from_fn(|i| std::array::from_fn(|j| a[row + i][column + j]))
-}
-
-#[inline(always)]
-fn transpose(a: &Block3) -> Block3 {
-    std::array::from_fn(|i| std::array::from_fn(|j| a[j][i]))
-}
-
-#[inline(always)]
-fn times(a: &Block3, b: &Block3) -> Block3 {
-    let entry = |i: usize, j: usize| a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j];
-    std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)))
-}
-
-/// Inverse of a symmetric and positive definite one, by cofactors.
-#[inline(always)]
-fn invert_half(&[[xx, xy, xz], [_, yy, yz], [_, _, zz]]: &Block3) -> Block3 {
-    let of_x = [yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy];
-    let of_y = [of_x[1], xx * zz - xz * xz, xy * xz - xx * yz];
-    let of_z = [of_x[2], of_y[2], xx * yy - xy * xy];
-    let determinant = xx * of_x[0] + xy * of_x[1] + xz * of_x[2];
-    // Positive but for rounding: what is left of it then does not move.
-    let inverse = if determinant > 0.0 {
-        determinant.recip()
-    } else {
-        0.0
-    };
-    [of_x, of_y, of_z].map(|row| row.map(|x| x * inverse))
 }
