@@ -246,6 +246,25 @@ fn a_straight_bridge_under_a_load_stays_together() {
     }
 }
 
+/// Of 28 random chains with 300 to 1500 times a link at their end, let go level, how many come open by a hundredth of a link in 15 s: none is the aim.
+const KNOWN_OPEN: usize = 8;
+
+#[test]
+fn heavy_loads_swing_on_chains() {
+    let (mut open, mut worst) = (0, 0.0_f64);
+    for seed in 0..28 {
+        let mut random = Random::new(seed);
+        let links = 8 + (seed % 6) as usize;
+        let ratio = random.range(300.0, 1500.0);
+        let along = Vec3::new(1.0, random.range(-0.5, 0.5), random.range(-0.5, 0.5)).normalize();
+        let gap = chain(links, ratio, along, Vec3::ZERO).largest_gap(900, H);
+        open += usize::from(gap > 1e-2);
+        worst = worst.max(gap);
+    }
+    println!("heavy loads on chains: {open} of 28 come open, the worst by {worst:e} m");
+    assert!(open <= KNOWN_OPEN && worst < 10.0, "{open}, {worst}");
+}
+
 /// With fewer sub-steps than a heavy load at the end of a chain asks for, joints open; nothing gains energy.
 #[test]
 fn few_substeps_open_a_chain_and_do_not_blow_it_up() {
