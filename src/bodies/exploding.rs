@@ -5,21 +5,17 @@ use crate::bodies::drive::StepForces;
 use crate::bodies::explosion::Explosion;
 use crate::bodies::store::Bodies;
 use crate::cluster::hit::Push;
-use crate::math::rotate;
+use crate::math::{Aabb, Pose, rotate};
 use glam::Vec3;
 
 impl Explosion {
-    /// What it does to the body in `slot`.
-    pub(crate) fn forces_on(&self, bodies: &Bodies, slot: u32) -> Option<StepForces> {
+    /// Impulse, and angular impulse about the center, that the body in `slot` gets, world.
+    pub(crate) fn push_on(&self, bodies: &Bodies, slot: u32) -> Option<[Vec3; 2]> {
         let nearest = self.nearest_of(bodies, slot)?;
         let center = bodies.center_of_mass(slot);
         let share = self.share_at(nearest);
         let impulse = share * self.impulse * self.away(nearest, center);
-        (share > 0.0).then(|| StepForces {
-            impulse,
-            angular_impulse: (nearest - center).cross(impulse),
-            ..StepForces::default()
-        })
+        (share > 0.0).then(|| [impulse, (nearest - center).cross(impulse)])
     }
 
     /// What it does to the parts of the cluster in `slot`; nothing if it does not reach it.
@@ -36,9 +32,7 @@ impl Explosion {
         };
         let reached = |part: u32, is_open: bool| {
             let at = &compound.parts()[part as usize];
-            let own = at.pose.inverse_transform_point(local.center);
-            let aabb = at.shape.aabb();
-            let point = (at.pose).transform_point(own.clamp(aabb.min, aabb.max));
+            let point = local.nearest_in(&at.shape.aabb(), &at.pose);
             let share = local.share_at(point);
             if share <= 0.0 {
                 return None;
@@ -67,10 +61,14 @@ impl Explosion {
 
     /// Point of the box around a body that is nearest to it, world.
     fn nearest_of(&self, bodies: &Bodies, slot: u32) -> Option<Vec3> {
-        let pose = bodies.pose(slot);
         let aabb = bodies.info(slot).shape.solid_aabb()?;
+        Some(self.nearest_in(&aabb, &bodies.pose(slot)))
+    }
+
+    /// Point of a box at a pose that is nearest to it.
+    fn nearest_in(&self, aabb: &Aabb, pose: &Pose) -> Vec3 {
         let local = pose.inverse_transform_point(self.center);
-        Some(pose.transform_point(local.clamp(aabb.min, aabb.max)))
+        pose.transform_point(local.clamp(aabb.min, aabb.max))
     }
 }
 
@@ -98,9 +96,14 @@ impl Bodies {
             angular_impulse += push.angular_impulse + arm.cross(push.impulse);
         }
         let turn = self.pose(slot).rotation;
+        self.push(slot, [impulse, angular_impulse].map(|v| rotate(turn, v)));
+    }
+
+    /// Gives a body impulse and angular impulse about its center, world.
+    pub(crate) fn push(&mut self, slot: u32, [impulse, angular_impulse]: [Vec3; 2]) {
         let forces = StepForces {
-            impulse: rotate(turn, impulse),
-            angular_impulse: rotate(turn, angular_impulse),
+            impulse,
+            angular_impulse,
             ..StepForces::default()
         };
         // Of finite numbers, but their product may not be.

@@ -17,7 +17,7 @@ struct Group {
 
 impl Group {
     fn of(network: &Network, parts: &[u32], pushes: &[Push]) -> Self {
-        let (mass, center, inertia) = network.sum(parts);
+        let (mass, center, inertia) = network.sum(parts.iter().copied());
         let mut pushed = Wrench::default();
         for push in pushes {
             if parts.binary_search(&push.part).is_ok() {

@@ -246,11 +246,7 @@ fn divided(
     let mut cutter = PieceCutter::default();
     let mut pieces = cutter.cut(hull, visual, &cutting, MAX_PARTS, looks.options)?;
     if part.shape.visual().is_some() {
-        let is_seen = |piece: &Piece| {
-            let mesh = piece.visual.as_ref();
-            mesh.is_some_and(|mesh| !mesh.triangles().is_empty())
-        };
-        pieces.retain(is_seen);
+        pieces.retain(Piece::is_seen);
         cutter.separate(&mut pieces)?;
         PieceCutter::fit_hulls(&mut pieces)?;
     }

@@ -92,8 +92,7 @@ impl Network {
 
     /// Adds what inertia does to each part of a body that the loads move.
     fn add_inertia(&self, loads: &mut [Wrench], spin: DVec3) {
-        let all: Vec<u32> = (0..self.nodes.len() as u32).collect();
-        let (mass, center, inertia) = self.sum(&all);
+        let (mass, center, inertia) = self.sum(0..self.nodes.len() as u32);
         let mut sum = Wrench::default();
         for (load, node) in loads.iter().zip(&self.nodes) {
             sum.force += load.force;

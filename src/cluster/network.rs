@@ -117,8 +117,8 @@ impl Network {
     }
 
     /// Mass, center of mass and inertia about it of some of the parts.
-    pub(super) fn sum(&self, parts: &[u32]) -> (f64, DVec3, DMat3) {
-        let nodes = || parts.iter().map(|&part| &self.nodes[part as usize]);
+    pub(super) fn sum(&self, parts: impl Iterator<Item = u32> + Clone) -> (f64, DVec3, DMat3) {
+        let nodes = || parts.clone().map(|part| &self.nodes[part as usize]);
         let mass: f64 = nodes().map(|node| node.mass).sum();
         let first: DVec3 = nodes().map(|node| node.mass * node.center).sum();
         let center = first / mass;

@@ -1,18 +1,18 @@
 //! Explosions: bodies are pushed, and clusters part by part, which may break them.
 
 use crate::bodies::body::RigidBody;
-use crate::bodies::drive::StepForces;
 use crate::bodies::explosion::Explosion;
 use crate::bodies::store::Bodies;
 use crate::cluster::elastic::Wrench;
 use crate::cluster::hit::{Hit, Push};
+use crate::cluster::network::Network;
 use crate::contact::body_id::BodyId;
 use crate::fracture::budget::FractureBudget;
 use crate::fracture::cluster::{BrokenBonds, Groups};
 use crate::fracture::pending::Division;
 use crate::fracture::{Bonds, BreakingImpact, Fractures, MIN_PIECES};
 use crate::math::rotate;
-use glam::{Quat, Vec3};
+use glam::Vec3;
 
 impl Fractures {
     /// Lets the explosions of the step act.
@@ -32,10 +32,9 @@ impl Fractures {
                 if bodies.cluster(slot).is_some() {
                     self.push_parts(bodies, slot, (bonds, budget), &explosion);
                 } else if bodies.kind(slot) == RigidBody::Dynamic
-                    && let Some(forces) = explosion.forces_on(bodies, slot)
+                    && let Some(push) = explosion.push_on(bodies, slot)
                 {
-                    // Of finite numbers, but their product may not be.
-                    let _ = bodies.apply(slot, &forces);
+                    bodies.push(slot, push);
                 }
             }
         }
@@ -59,12 +58,6 @@ impl Fractures {
         let is_enough = energy >= network.least_energy;
         let outcome = is_enough.then(|| network.blow(hit, |part| state.holds(part)));
         let outcome = outcome.unwrap_or_default();
-        let wears = bodies.fatigue(slot).copied();
-        let wears = wears.filter(|it| energy > network.least_strain(it.endurance));
-        let strained = wears.map(|it| {
-            let strained = network.strained(hit, it.endurance, |part| state.holds(part));
-            (strained, energy / it.energy)
-        });
         bodies.wake(slot);
         let left = self.state.left(budget);
         let broken = BrokenBonds {
@@ -74,9 +67,7 @@ impl Fractures {
         let division = Groups::of(bodies, slot, &broken.bonds);
         let Some(groups) = division.filter(|_| left >= MIN_PIECES) else {
             bodies.push_whole(slot, &pushes);
-            if let Some((strained, share)) = strained {
-                bodies.wear_bonds(slot, &strained, share);
-            }
+            wear(bodies, slot, &network, (hit, energy));
             self.state.break_later(bodies, slot, broken);
             return;
         };
@@ -93,22 +84,28 @@ impl Fractures {
         };
         fracture.blow = Some(report);
         let pieces = fracture.pieces.iter().zip(&fracture.numbers);
-        pieces.for_each(|(&piece, &number)| push(bodies, piece, turn, given[number as usize]));
+        for (&piece, &number) in pieces {
+            let Wrench { force, torque } = given[number as usize];
+            bodies.push(piece, [force, torque].map(|v| rotate(turn, v.as_vec3())));
+        }
         if is_joined {
             self.await_rest(bodies, Some(report));
         }
     }
 }
 
-/// Gives a piece impulse and angular impulse about its center, in the frame of what it was part of, which is turned so.
-fn push(bodies: &mut Bodies, piece: u32, turn: Quat, given: Wrench) {
-    let forces = StepForces {
-        impulse: rotate(turn, given.force.as_vec3()),
-        angular_impulse: rotate(turn, given.torque.as_vec3()),
-        ..StepForces::default()
+/// Wears the bonds of a body by an explosion that leaves it whole, if blows do.
+fn wear(bodies: &mut Bodies, slot: u32, network: &Network, (hit, energy): (Hit, f32)) {
+    let (Some(state), Some(fatigue)) = (bodies.cluster(slot), bodies.fatigue(slot).copied()) else {
+        return;
     };
-    // Of finite numbers, but their product may not be.
-    let _ = bodies.apply(piece, &forces);
+    if energy <= network.least_strain(fatigue.endurance) {
+        return;
+    }
+    let strained = network.strained(hit, fatigue.endurance, |part| state.holds(part));
+    if !strained.is_empty() {
+        bodies.wear_bonds(slot, &strained, energy / fatigue.energy);
+    }
 }
 
 /// What the fracture is reported with.

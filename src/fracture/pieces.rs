@@ -76,14 +76,10 @@ impl PieceSet {
         let surface: f64 = pieces.iter().map(|piece| piece.hull.area()).sum();
         let crack_area = 0.5 * (surface - mesh.hull().area());
         let mut halves = Vec::new();
-        let is_seen = |piece: &Piece| {
-            let visual = piece.visual.as_ref();
-            visual.is_some_and(|mesh| !mesh.triangles().is_empty())
-        };
         if looks.has_visual(mesh) {
             halves.extend(pieces.iter().map(|piece| piece.hull.clone()));
             let air = pieces.len();
-            pieces.retain(is_seen);
+            pieces.retain(Piece::is_seen);
             let mut is_changed = pieces.len() != air;
             if fracturable.is_none_or(|f| f.separate_parts) {
                 let joined = pieces.len();

@@ -41,6 +41,14 @@ pub struct Piece {
     pub volume: f64,
 }
 
+impl Piece {
+    /// Whether it has a part that is seen.
+    pub(crate) fn is_seen(&self) -> bool {
+        let visual = self.visual.as_ref();
+        visual.is_some_and(|mesh| !mesh.triangles().is_empty())
+    }
+}
+
 /// Cuts a hull, and the closed mesh that rides in it, by one plane after the other; every plane cuts every piece.
 ///
 /// The order of the pieces, and what is refused, are those of [`PieceCutter::cut`] for [`Cutting::Planes`].

@@ -144,7 +144,8 @@ pub struct SleepConfig {
     /// Whether islands fall asleep at all. Turning it off wakes all that sleep.
     pub enabled: bool,
     /// Fastest speed of a body at rest, its points' on account of rotation included, as a share of `sqrt(g L)` with its
-    /// least extent `L`: the speed after a fall by half of `L`. What stays in place by [`drift`](Self::drift) may tremble ten times as fast.
+    /// least extent `L`: the speed after a fall by half of `L`. What stays in place by [`drift`](Self::drift) may tremble there: sub-steps
+    /// end with errors of velocities that come to nothing.
     pub speed: f32,
     /// How far a body at rest may get from where it came to rest, as a share of its least extent `L`. Tells rest from creep,
     /// which is slow but goes on. What is small falls by more than `L` in [`time`](Self::time); for it, this is a share of the way
@@ -355,7 +356,7 @@ impl Default for SleepConfig {
     fn default() -> Self {
         Self {
             enabled: true,
-            speed: 0.01,
+            speed: 0.1,
             drift: 5e-4,
             time: 0.5,
         }

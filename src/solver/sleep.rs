@@ -29,9 +29,6 @@ use glam::Vec3;
 /// those of rest.
 const MIN_SUPPORTED_SHARE: f32 = 0.5;
 
-/// How many times as fast as one at rest a body may be that stays in place: solved with an error in each sub-step, it trembles there.
-const TREMBLING: f32 = 10.0;
-
 /// Marks a slot that belongs to no island that may fall asleep.
 const NONE: u32 = u32::MAX;
 
@@ -147,14 +144,13 @@ impl Bodies {
         }
     }
 
-    /// Whether a body is no faster than what trembles in place may be, for its size.
+    /// Whether a body is slower than the limit for its size.
     fn is_slow(&self, slot: u32, config: &SleepConfig, gravity: f32) -> bool {
         let body = &self.velocity[slot as usize];
         let turn = self.rotation[slot as usize].inverse() * body.angular;
         let speed_squared = body.linear.length_squared() + self.sway_squared(slot, turn);
         let natural = gravity * self.min_extent[slot as usize];
-        let limit = TREMBLING * config.speed;
-        speed_squared <= limit * limit * natural
+        speed_squared <= config.speed * config.speed * natural
     }
 
     /// Whether a body is where it was when its rest began.

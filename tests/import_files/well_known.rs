@@ -24,10 +24,16 @@ fn family() -> Vec<(&'static str, Model)> {
         (name, Model::load(path).expect("a model of the repository"))
     };
     let mut all: Vec<_> = ["bunny", "suzanne", "teapot"].map(of_file).into();
-    all.push(("cup of voxels", voxels(IVec3::new(12, 14, 12), cup)));
-    all.push(("house of voxels", voxels(IVec3::new(20, 9, 12), house)));
-    all.push(("cup of strips", strips(IVec3::new(12, 14, 12), cup)));
-    all.push(("house of strips", strips(IVec3::new(20, 9, 12), house)));
+    all.push(("cup of voxels", voxels(IVec3::new(12, 14, 12), false, cup)));
+    all.push((
+        "house of voxels",
+        voxels(IVec3::new(20, 9, 12), false, house),
+    ));
+    all.push(("cup of strips", voxels(IVec3::new(12, 14, 12), true, cup)));
+    all.push((
+        "house of strips",
+        voxels(IVec3::new(20, 9, 12), true, house),
+    ));
     all
 }
 
@@ -47,8 +53,9 @@ fn house(p: IVec3) -> bool {
     !(is_room || is_door || is_window)
 }
 
-/// The faces between voxels of side 0.1 m and air, each with corners of its own as voxel editors write them.
-fn voxels(size: IVec3, is_solid: impl Fn(IVec3) -> bool) -> Model {
+/// The faces between voxels of side 0.1 m and air, each with corners of its own as voxel editors write them; or merged into strips along one
+/// axis, where hardly an edge is the whole edge of another.
+fn voxels(size: IVec3, are_merged: bool, is_solid: impl Fn(IVec3) -> bool) -> Model {
     let is_solid = |p: IVec3| p.cmpge(IVec3::ZERO).all() && p.cmplt(size).all() && is_solid(p);
     let mut object = ModelObject {
         name: "voxels".into(),
@@ -57,38 +64,13 @@ fn voxels(size: IVec3, is_solid: impl Fn(IVec3) -> bool) -> Model {
     for axis in 0..3 {
         let [normal, u, v] = [0, 1, 2].map(|k| IVec3::AXES[(axis + k) % 3]);
         for sign in [1, -1] {
-            let cells = (0..size.x * size.y * size.z)
-                .map(|i| IVec3::new(i % size.x, i / size.x % size.y, i / size.x / size.y));
-            for p in cells.filter(|&p| is_solid(p) && !is_solid(p + sign * normal)) {
-                let base = if sign > 0 { p + normal } else { p };
-                let corners = [base, base + u, base + u + v, base + v];
-                let first = object.positions.len() as u32;
-                let points = corners.map(|corner| 0.1 * corner.as_vec3());
-                object.positions.extend(points);
-                let quad = [[0, 1, 2], [0, 2, 3]].map(|t| t.map(|k| first + k));
-                let turned = |[a, b, c]: [u32; 3]| if sign > 0 { [a, b, c] } else { [a, c, b] };
-                object.triangles.extend(quad.map(turned));
-            }
-        }
-    }
-    Model::from_object(object)
-}
-
-/// The same with faces side by side along one axis merged into one rectangle: hardly an edge is the whole edge of another.
-fn strips(size: IVec3, is_solid: impl Fn(IVec3) -> bool) -> Model {
-    let is_solid = |p: IVec3| p.cmpge(IVec3::ZERO).all() && p.cmplt(size).all() && is_solid(p);
-    let mut object = ModelObject {
-        name: "strips".into(),
-        ..ModelObject::default()
-    };
-    for axis in 0..3 {
-        let [normal, u, v] = [0, 1, 2].map(|k| IVec3::AXES[(axis + k) % 3]);
-        for sign in [1, -1] {
             let is_face = |p: IVec3| is_solid(p) && !is_solid(p + sign * normal);
             let cells = (0..size.x * size.y * size.z)
                 .map(|i| IVec3::new(i % size.x, i / size.x % size.y, i / size.x / size.y));
-            for p in cells.filter(|&p| is_face(p) && !is_face(p - u)) {
-                let length = (1..).take_while(|&k| is_face(p + k * u)).count() as i32 + 1;
+            let is_first = |p: IVec3| is_face(p) && !(are_merged && is_face(p - u));
+            for p in cells.filter(|&p| is_first(p)) {
+                let others = (1..).take_while(|&k| are_merged && is_face(p + k * u));
+                let length = others.count() as i32 + 1;
                 let base = if sign > 0 { p + normal } else { p };
                 let along = length * u;
                 let corners = [base, base + along, base + along + v, base + v];

@@ -502,9 +502,9 @@ fn rods_across_each_other_come_to_rest_and_sleep() {
 #[test]
 fn a_rod_whose_ends_move_stays_awake() {
     for slenderness in [10.0, 100.0, 1000.0] {
-        let limit = SleepConfig::default().speed * (9.81_f32 / slenderness).sqrt();
+        let slow = 0.01 * (9.81_f32 / slenderness).sqrt();
         let swinging = BodyDesc {
-            angular_velocity: 2.0 * limit / 0.5 * Vec3::Y,
+            angular_velocity: 2.0 * slow / 0.5 * Vec3::Y,
             ..block(&rod(1.0, slenderness), 0.5 * Vec3::Y / slenderness, 0.0)
         };
         let mut simulation = sleepy([floor(0.0), swinging]);

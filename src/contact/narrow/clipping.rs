@@ -8,6 +8,7 @@ use crate::contact::narrow::edge_search::EdgeAxis;
 use crate::contact::narrow::scratch::{FaceAxis, HullPair, NarrowScratch};
 use crate::contact::point::MAX_POINTS;
 use crate::contact::reduce::{Candidate, CornerKind, reduce};
+use crate::geometry::ConvexHull;
 use crate::geometry::hull_lanes::point;
 use crate::math::Plane;
 use glam::Vec3;
@@ -176,8 +177,7 @@ impl Clipping<'_> {
 
     /// Outline of the incident face: of the faces at the support vertex, the one most opposed to the reference face.
     ///
-    /// A face elsewhere may be more opposed yet, but would miss the deepest point. Of two edges that cross it is a face of
-    /// the incident one.
+    /// A face elsewhere may be more opposed yet, but would miss the deepest point.
     fn incident_face(
         &self,
         axis: &FaceAxis,
@@ -185,14 +185,23 @@ impl Clipping<'_> {
         b_refers: bool,
         scratch: &NarrowScratch,
     ) -> &[u32] {
-        let incident = if b_refers { self.pair.a } else { self.pair.b };
-        let normal = if b_refers {
-            reference.normal
-        } else {
-            scratch.turn.transpose() * reference.normal
-        };
+        let (incident, normal) = self.incident_hull(reference, b_refers, scratch);
         let face = incident.most_opposed_face(axis.support, normal);
         face.map_or(&[][..], |face| incident.face_loop(face))
+    }
+
+    /// The incident hull, and the normal of the reference face in its frame.
+    pub(super) fn incident_hull(
+        &self,
+        reference: &Plane,
+        b_refers: bool,
+        scratch: &NarrowScratch,
+    ) -> (&ConvexHull, Vec3) {
+        if b_refers {
+            (self.pair.a, reference.normal)
+        } else {
+            (self.pair.b, scratch.turn.transpose() * reference.normal)
+        }
     }
 
     /// Puts the incident face into `scratch.polygon`.

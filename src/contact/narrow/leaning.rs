@@ -31,19 +31,9 @@ pub(super) fn leaning_patch(
     edge: &EdgeAxis,
     scratch: &mut NarrowScratch,
 ) -> Option<LocalManifold> {
-    let pair = clipping.pair;
     let beside = facing(clipping, edge, scratch)?;
-    let (incident, index) = if beside.is_of_b {
-        (pair.a, edge.edges[0])
-    } else {
-        (pair.b, edge.edges[1])
-    };
-    let towards = if beside.is_of_b {
-        beside.plane.normal
-    } else {
-        scratch.turn.transpose() * beside.plane.normal
-    };
-    let outline = most_opposed(incident, index, towards);
+    let (incident, towards) = clipping.incident_hull(&beside.plane, beside.is_of_b, scratch);
+    let outline = most_opposed(incident, edge.edges[usize::from(!beside.is_of_b)], towards);
     let patch =
         clipping.clipped_patch(beside.face, &beside.plane, outline, beside.is_of_b, scratch);
     let patch = along_axis(clipping, &patch, edge.normal, &beside);
@@ -58,21 +48,27 @@ fn facing(clipping: &Clipping<'_>, edge: &EdgeAxis, scratch: &NarrowScratch) -> 
     let pair = clipping.pair;
     let of_a = pair.a.edges()[edge.edges[0]].faces.map(|face| {
         let plane = pair.a.faces()[face as usize].plane;
-        (face, false, plane, plane.normal.dot(edge.normal))
+        (face, false, plane, edge.normal)
     });
     let of_b = pair.b.edges()[edge.edges[1]].faces.map(|face| {
         let plane = scratch.plane_in_a(&pair.b.faces()[face as usize].plane);
-        (face, true, plane, -plane.normal.dot(edge.normal))
+        (face, true, plane, -edge.normal)
     });
     let all = of_a.into_iter().chain(of_b);
-    let (face, is_of_b, plane, cosine) =
-        all.reduce(|best, next| if next.3 > best.3 { next } else { best })?;
-    (cosine >= LEAST_COSINE).then_some(Beside {
+    let all = all.map(|(face, is_of_b, plane, towards)| Beside {
         face: face as usize,
         is_of_b,
         plane,
-        cosine,
-    })
+        cosine: plane.normal.dot(towards),
+    });
+    let best = all.reduce(|best, next| {
+        if next.cosine > best.cosine {
+            next
+        } else {
+            best
+        }
+    })?;
+    (best.cosine >= LEAST_COSINE).then_some(best)
 }
 
 /// Outline of that face beside an edge which is most opposed to a direction.
