@@ -60,14 +60,18 @@ impl Fractures {
         let outcome = outcome.unwrap_or_default();
         bodies.wake(slot);
         let left = self.state.left(budget);
-        let broken = BrokenBonds {
+        let mut broken = BrokenBonds {
             of: network.bonds.len(),
             bonds: outcome.broken,
         };
         let division = Groups::of(bodies, slot, &broken.bonds);
         let Some(groups) = division.filter(|_| left >= MIN_PIECES) else {
             bodies.push_whole(slot, &pushes);
-            wear(bodies, slot, &network, (hit, energy));
+            // What is worn out is gone.
+            broken
+                .bonds
+                .extend(wear(bodies, slot, &network, (hit, energy)));
+            broken.bonds.sort_unstable();
             self.state.break_later(bodies, slot, broken);
             return;
         };
@@ -94,18 +98,19 @@ impl Fractures {
     }
 }
 
-/// Wears the bonds of a body by an explosion that leaves it whole, if blows do.
-fn wear(bodies: &mut Bodies, slot: u32, network: &Network, (hit, energy): (Hit, f32)) {
+/// Wears the bonds of a body by an explosion that leaves it whole, if blows do; those that are worn out.
+fn wear(bodies: &mut Bodies, slot: u32, network: &Network, (hit, energy): (Hit, f32)) -> Vec<u32> {
     let (Some(state), Some(fatigue)) = (bodies.cluster(slot), bodies.fatigue(slot).copied()) else {
-        return;
+        return Vec::new();
     };
     if energy <= network.least_strain(fatigue.endurance) {
-        return;
+        return Vec::new();
     }
     let strained = network.strained(hit, fatigue.endurance, |part| state.holds(part));
-    if !strained.is_empty() {
-        bodies.wear_bonds(slot, &strained, energy / fatigue.energy);
+    if strained.is_empty() {
+        return Vec::new();
     }
+    bodies.wear_bonds(slot, &strained, energy / fatigue.energy)
 }
 
 /// What the fracture is reported with.

@@ -234,3 +234,34 @@ fn a_blast_within_the_material_drives_it_apart() {
         .map(|slot| bodies.center_of_mass(slot).distance(explosion.center));
     assert!(farthest.fold(0.0, f32::max) > 2.0);
 }
+
+#[test]
+fn a_bond_that_blasts_have_worn_out_is_gone() {
+    for seed in 0..12 {
+        let (mut simulation, ..) = member(seed, 1e9);
+        let body = simulation.bodies.iter().next().expect("a body");
+        let Explosion { radius, .. } = member(seed, 1e9).3;
+        let taken = simulation.bodies.set_fatigue(body, Some(Fatigue::new(1.0)));
+        taken.expect("usable");
+        let mut blasts = 0;
+        while simulation.bodies.len() == 1 && blasts < 40 {
+            let mass = simulation.bodies.mass(body).mass;
+            let explosion = Explosion {
+                center: simulation.bodies.center_of_mass(body) + 0.9 * Vec3::X,
+                radius,
+                impulse: 20.0 * mass,
+            };
+            simulation.bodies.explode(explosion).expect("usable");
+            simulation.step(1e-6);
+            // What comes off waits for its turn.
+            simulation.step(1e-6);
+            for slot in simulation.bodies.iter() {
+                let shape = simulation.bodies.compound(slot);
+                let bonds = shape.map_or(&[][..], Compound::bonds);
+                assert!(bonds.iter().all(|it| it.damage < 0.999), "{seed}: {blasts}");
+            }
+            blasts += 1;
+        }
+        assert!(blasts < 40, "{seed}: never worn out");
+    }
+}
