@@ -27,18 +27,16 @@ use std::hint::black_box;
 /// Planes of a sample: a cut through the middle and one that takes off a tip cost differently.
 const PLANES: usize = 64;
 
-/// A torus about the y axis of 60 by 40 quadrilaterals, each two triangles.
-fn torus() -> TriMesh {
-    const AROUND: u32 = 60;
-    const ACROSS: u32 = 40;
+/// A torus about the y axis of so many quadrilaterals, each two triangles.
+fn torus(around: u32, across: u32) -> TriMesh {
     let turn = |i: u32, n: u32| std::f32::consts::TAU * i as f32 / n as f32;
-    let corners = (0..AROUND).flat_map(|i| (0..ACROSS).map(move |k| (i, k)));
+    let corners = (0..around).flat_map(|i| (0..across).map(move |k| (i, k)));
     let positions = corners.clone().map(|(i, k)| {
-        let ((sin, cos), (height, out)) = (turn(i, AROUND).sin_cos(), turn(k, ACROSS).sin_cos());
+        let ((sin, cos), (height, out)) = (turn(i, around).sin_cos(), turn(k, across).sin_cos());
         let radius = 1.0 + 0.4 * out;
         Vec3::new(radius * cos, 0.4 * height, radius * sin)
     });
-    let vertex = |i: u32, k: u32| i % AROUND * ACROSS + k % ACROSS;
+    let vertex = |i: u32, k: u32| i % around * across + k % across;
     let triangles = corners.flat_map(|(i, k)| {
         let [a, b] = [vertex(i, k), vertex(i, k + 1)];
         let [c, d] = [vertex(i + 1, k + 1), vertex(i + 1, k)];
@@ -53,7 +51,7 @@ fn mesh_cuts(c: &mut Criterion) {
     let sphere = ConvexMesh::icosphere(0.5, 3).expect("valid size");
     let meshes = [
         ("crate", model_mesh("crate.obj")),
-        ("torus", torus()),
+        ("torus", torus(60, 40)),
         ("spot", model_mesh("spot.obj")),
         ("scorpion", model_mesh("scorpion.obj")),
         ("ico1280", sphere.hull().to_mesh()),
@@ -126,5 +124,31 @@ fn voronoi(c: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, mesh_cuts, voronoi);
+/// A mesh of 28 800 triangles in 50 cells, with the mesh.
+fn large_mesh(c: &mut Criterion) {
+    let mesh = torus(120, 120);
+    let shape = ConvexMesh::from_points(mesh.positions()).expect("solid");
+    let impact = Impact {
+        point: Vec3::X,
+        normal: Vec3::NEG_X,
+        impulse: 1.0,
+        energy: 1.0,
+    };
+    let pattern = FracturePattern::Voronoi {
+        cells: 50,
+        focus: 0.0,
+    };
+    let Some(cutting) = pattern.cutting(&impact, shape.hull(), 1, u32::MAX) else {
+        return;
+    };
+    let (mut cutter, options) = (PieceCutter::default(), SliceOptions::default());
+    c.bench_function("voronoi/large_mesh", |b| {
+        b.iter(|| {
+            let mesh = Some(black_box(&mesh));
+            cutter.cut(shape.hull(), mesh, &cutting, usize::MAX, options)
+        });
+    });
+}
+
+criterion_group!(benches, mesh_cuts, voronoi, large_mesh);
 criterion_main!(benches);

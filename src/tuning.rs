@@ -159,9 +159,12 @@ pub(crate) const TRIANGLES_OF_A_PART: usize = 2000;
 /// 50 cells (callgrind, AMD EPYC, 2026-11-27).
 pub(crate) const CELLS_OF_A_PART: usize = 3;
 
-/// Planes that a triangle of a mesh is held against, on the mean, when the mesh is cut into many cells: counted for 28 800 triangles
-/// and 50 cells.
-pub(crate) const PASSES_OF_A_CUT: usize = 40;
+/// What a triangle that may reach into a cell counts for when the cell takes what it needs, in triangles that a plane is held against.
+pub(crate) const SOLID_PASSES: usize = 2;
+
+/// Planes that a triangle of a mesh is held against, on the mean, when the mesh is cut into many cells, and what counts for them: of 28 800
+/// triangles and 50 cells.
+pub(crate) const PASSES_OF_A_CUT: usize = 22;
 
 // # Who is solved together
 //

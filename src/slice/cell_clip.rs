@@ -325,3 +325,12 @@ impl CellClipper {
         std::mem::swap(&mut self.cell.vertices, &mut self.next.vertices);
     }
 }
+
+/// Whether the box of a hull is on one side of a plane, by more than the thickness of the plane.
+pub(super) fn is_missed(hull: &ConvexHull, plane: &Plane) -> bool {
+    let aabb = hull.aabb();
+    let reach = 0.5 * plane.normal.abs().dot(aabb.extents());
+    // Twice: once for points on the plane, once for the rounding of the distance itself.
+    let margin = 2.0 * plane_tolerance(length_scale(&aabb));
+    plane.distance(aabb.center()).abs() > reach + margin
+}

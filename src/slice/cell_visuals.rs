@@ -1,16 +1,21 @@
 //! The parts of a visual mesh in many cells.
 //!
-//! Each cell would have to go through the whole mesh. So the mesh is divided first, as often as it is worth it, into overlapping
-//! parts around half of the cells each. The planes of these cuts touch no cell, so nothing of their caps is left in the end, and the
-//! triangles that they divide are one face again after [`FaceMerger`](crate::slice::merge_faces::FaceMerger).
+//! Each cell would have to go through the whole mesh. So its triangles are sorted first into overlapping lists for half of the cells
+//! each, until a list is for one cell, which takes what it needs of these triangles (`cell_solid/`).
+//!
+//! Small meshes, and cells that are left over, are cut by one wall after the other. If there are many cells of these, the mesh is divided first, as
+//! often as it is worth it, into overlapping parts around half of the cells each. The planes of these cuts touch no cell, so nothing of their caps is left in
+//! the end, and the triangles that they divide are one face again after [`FaceMerger`](crate::slice::merge_faces::FaceMerger).
 
 use crate::geometry::TriMesh;
-use crate::geometry::predicates::length_scale;
+use crate::geometry::predicates::{length_scale, plane_tolerance};
 use crate::math::Plane;
+use crate::slice::cell_solid::CellSolid;
+use crate::slice::cell_solid::cell::Cell;
 use crate::slice::cells::PieceCutter;
 use crate::slice::cut::Cut;
 use crate::slice::{Piece, SliceOptions};
-use crate::tuning::{CELLS_OF_A_PART, TRIANGLES_OF_A_PART};
+use crate::tuning::{CELLS_OF_A_PART, SOLID_PASSES, TRIANGLES_OF_A_PART};
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -26,28 +31,63 @@ const SAMPLES: usize = 128;
 pub(super) struct ClipQueue {
     /// The next one last.
     groups: Vec<CellGroup>,
+    /// Cells that planes have to cut out once there are no groups left.
+    left: Vec<u32>,
+    /// Half the thickness of a plane, m.
+    tolerance: f32,
+    /// How many topology numbers the mesh uses.
+    topology_count: u32,
 }
 
 /// Cells to be cut out of a part of the mesh.
 #[derive(Clone, Debug)]
 struct CellGroup {
-    /// The part; none for the whole mesh.
-    part: Option<Arc<TriMesh>>,
+    part: Part,
     cells: Vec<u32>,
 }
 
+/// A part of a mesh that holds all that some cells have of it.
+#[derive(Clone, Debug)]
+enum Part {
+    /// All of it, to be cut by planes.
+    Whole,
+    /// A closed part, to be cut by planes.
+    Mesh(Arc<TriMesh>),
+    /// Those of its triangles that may reach into the cells, to be cut one by one.
+    Triangles(Vec<u32>),
+}
+
 impl ClipQueue {
-    /// For this number of cells.
-    pub(super) fn new(cells: usize) -> Self {
-        let cells = (0..cells as u32).collect();
+    /// For this number of cells of a mesh.
+    pub(super) fn new(cells: usize, mesh: Option<&TriMesh>, options: SliceOptions) -> Self {
+        let cells: Vec<u32> = (0..cells as u32).collect();
+        // What has fewer triangles is mostly cap, and may have corners on the walls, as bricks have.
+        let part = mesh.filter(|mesh| {
+            mesh.triangles.len() > TRIANGLES_OF_A_PART && CellSolid::takes(mesh, options)
+        });
+        let part = part.map_or(Part::Whole, |mesh| {
+            Part::Triangles((0..mesh.triangles.len() as u32).collect())
+        });
         Self {
-            groups: vec![CellGroup { part: None, cells }],
+            tolerance: mesh.map_or(0.0, |m| plane_tolerance(length_scale(&m.aabb()))),
+            topology_count: mesh.map_or(0, |mesh| mesh.topology_count() as u32),
+            groups: vec![CellGroup { part, cells }],
+            left: Vec::new(),
         }
     }
 
     /// Whether nothing is left.
     pub(super) fn is_empty(&self) -> bool {
         self.groups.is_empty()
+    }
+
+    /// Puts those cells into the queue again that are left to planes, once all others are done.
+    fn take_up_left(&mut self) {
+        if self.groups.is_empty() && !self.left.is_empty() {
+            let cells = std::mem::take(&mut self.left);
+            let part = Part::Whole;
+            self.groups.push(CellGroup { part, cells });
+        }
     }
 }
 
@@ -59,7 +99,7 @@ impl PieceCutter {
         pieces: &mut [Piece],
         options: SliceOptions,
     ) {
-        let mut queue = ClipQueue::new(pieces.len());
+        let mut queue = ClipQueue::new(pieces.len(), Some(mesh), options);
         while !queue.is_empty() {
             self.clip_next(mesh, &mut queue, pieces, options);
         }
@@ -73,9 +113,98 @@ impl PieceCutter {
         pieces: &mut [Piece],
         options: SliceOptions,
     ) {
-        let Some(CellGroup { part, mut cells }) = queue.groups.pop() else {
+        let Some(CellGroup { part, cells }) = queue.groups.pop() else {
             return;
         };
+        match part {
+            Part::Triangles(triangles) => match cells[..] {
+                [cell] => self.cut_solid((mesh, &triangles), cell, queue, pieces, options),
+                _ => self.divide_triangles((mesh, &triangles), cells, queue, pieces),
+            },
+            Part::Whole => self.clip_group(mesh, None, cells, (queue, pieces), options),
+            Part::Mesh(part) => {
+                self.clip_group(mesh, Some(part), cells, (queue, pieces), options);
+            }
+        }
+        queue.take_up_left();
+    }
+
+    /// Cuts a cell out of those triangles of a mesh that may reach into it, or leaves it to planes.
+    fn cut_solid(
+        &mut self,
+        (mesh, triangles): (&TriMesh, &[u32]),
+        number: u32,
+        queue: &mut ClipQueue,
+        pieces: &mut [Piece],
+        options: SliceOptions,
+    ) {
+        let walls = self.walls_of(number as usize);
+        self.gone_through += SOLID_PASSES * triangles.len();
+        let piece = &mut pieces[number as usize];
+        let cell = Cell {
+            mesh,
+            triangles,
+            hull: &piece.hull,
+            tolerance: queue.tolerance,
+            topology_count: queue.topology_count,
+            walls: &self.walls[walls],
+            options,
+        };
+        match self.solid.cut(&cell, &mut self.meshes.caps) {
+            Some(mut visual) => {
+                self.merger.merge(&mut visual, None);
+                piece.visual = Some(visual);
+            }
+            None => queue.left.push(number),
+        }
+    }
+
+    /// Divides a group of cells in two, and sorts out which triangles may reach into which.
+    fn divide_triangles(
+        &mut self,
+        (mesh, triangles): (&TriMesh, &[u32]),
+        mut cells: Vec<u32>,
+        queue: &mut ClipQueue,
+        pieces: &[Piece],
+    ) {
+        if cells.is_empty() {
+            return;
+        }
+        self.gone_through += triangles.len();
+        let margin = queue.tolerance;
+        let (axis, reaches) = sort_halves(&mut cells, pieces);
+        let (below, above) = cells.split_at(cells.len() / 2);
+        let reach = |triangle: u32| {
+            let [a, b, c] = mesh.triangles[triangle as usize];
+            let [a, b, c] = [a, b, c].map(|v| mesh.positions[v as usize][axis]);
+            (a.min(b).min(c), a.max(b).max(c))
+        };
+        let [top, bottom] = [reaches[0] + margin, -reaches[1] - margin];
+        let (mut low, mut high) = (Vec::new(), Vec::new());
+        for &triangle in triangles {
+            let (least, most) = reach(triangle);
+            if least <= top {
+                low.push(triangle);
+            }
+            if most >= bottom {
+                high.push(triangle);
+            }
+        }
+        for (cells, part) in [(above, high), (below, low)] {
+            let (part, cells) = (Part::Triangles(part), cells.to_vec());
+            queue.groups.push(CellGroup { part, cells });
+        }
+    }
+
+    /// Cuts the one cell of a group out of its part of `mesh` by planes, or divides the part.
+    fn clip_group(
+        &mut self,
+        mesh: &TriMesh,
+        part: Option<Arc<TriMesh>>,
+        mut cells: Vec<u32>,
+        (queue, pieces): (&mut ClipQueue, &mut [Piece]),
+        options: SliceOptions,
+    ) {
         let whole = part.as_deref().unwrap_or(mesh);
         if let [cell] = cells[..] {
             let mut visual = self.clip_visual(whole, cell as usize, options);
@@ -85,6 +214,7 @@ impl PieceCutter {
         }
         let mut push = |part: Option<Arc<TriMesh>>, cells: &[u32]| {
             let cells = cells.to_vec();
+            let part = part.map_or(Part::Whole, Part::Mesh);
             queue.groups.push(CellGroup { part, cells });
         };
         if cells.len() <= CELLS_OF_A_PART || whole.triangles.len() <= TRIANGLES_OF_A_PART {

@@ -10,10 +10,11 @@
 //! - B. Levy, N. Bonneel, "Variational Anisotropic Surface Meshing with Voronoi Parallel Linear Enumeration", Proceedings of
 //!   the 21st International Meshing Roundtable, 2013 (the radius of security).
 
-use crate::geometry::predicates::{check_plane, length_scale, plane_tolerance};
+use crate::geometry::predicates::check_plane;
 use crate::geometry::{ConvexHull, TriMesh};
 use crate::math::Plane;
-use crate::slice::cell_clip::{CellClipper, CutPlane};
+use crate::slice::cell_clip::{CellClipper, CutPlane, is_missed};
+use crate::slice::cell_solid::CellSolid;
 use crate::slice::convex::HullSlicer;
 use crate::slice::cut::Cut;
 use crate::slice::cutting::CellPlanes;
@@ -71,6 +72,7 @@ pub struct PieceCutter {
     hulls: HullSlicer,
     pub(super) meshes: MeshSlicer,
     clipper: CellClipper,
+    pub(super) solid: CellSolid,
     /// Planes that cut the hulls of the cells, cell by cell.
     pub(super) walls: Vec<Plane>,
     /// Where the walls of each cell that is no longer in work end.
@@ -388,13 +390,4 @@ fn piece_of(hull: ConvexHull, visual: Option<TriMesh>) -> Piece {
         hull,
         visual,
     }
-}
-
-/// Whether the box of a hull is on one side of a plane, by more than the thickness of the plane.
-fn is_missed(hull: &ConvexHull, plane: &Plane) -> bool {
-    let aabb = hull.aabb();
-    let reach = 0.5 * plane.normal.abs().dot(aabb.extents());
-    // Twice: once for points on the plane, once for the rounding of the distance itself.
-    let margin = 2.0 * plane_tolerance(length_scale(&aabb));
-    plane.distance(aabb.center()).abs() > reach + margin
 }

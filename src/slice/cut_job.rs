@@ -31,11 +31,12 @@ impl CutJob {
         visual.check_closed()?;
         let mut cutter = PieceCutter::default();
         let (pieces, mesh) = cutter.begin_cells(hull, Some(visual), cutting, most)?;
+        let queue = ClipQueue::new(pieces.len(), mesh.as_deref(), options);
         Ok(Self {
             cutter,
             mesh: mesh.map_or_else(TriMesh::default, |mesh| mesh.into_owned()),
             options,
-            queue: ClipQueue::new(pieces.len()),
+            queue,
             pieces,
         })
     }

@@ -76,8 +76,9 @@ impl FaceMerger {
         if !self.drop_straight(mesh) {
             return;
         }
-        self.fill(mesh, kept);
-        std::mem::swap(mesh, &mut self.merged);
+        if self.fill(mesh, kept) {
+            std::mem::swap(mesh, &mut self.merged);
+        }
     }
 
     fn sort(&mut self, mesh: &TriMesh) {

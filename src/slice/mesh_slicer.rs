@@ -351,7 +351,7 @@ impl VertexNumbers {
     }
 
     /// The new number of a position.
-    fn position(&mut self, old: u32) -> u32 {
+    pub(super) fn position(&mut self, old: u32) -> u32 {
         self.positions.of(old)
     }
 }

@@ -30,6 +30,7 @@ mod border;
 mod cap;
 mod cap_planes;
 mod cell_clip;
+mod cell_solid;
 mod cell_visuals;
 pub(crate) mod cells;
 mod clip;

@@ -40,6 +40,7 @@ mod seams;
 mod shape;
 mod sleep;
 mod slice;
+mod slice_cells;
 mod slice_faces;
 mod slice_hull;
 mod slice_mesh;

@@ -7,31 +7,18 @@ use crate::slice::rim_fill::RimCorner;
 use glam::DVec3;
 
 impl FaceMerger {
-    /// Writes the merged mesh.
-    pub(super) fn fill(&mut self, mesh: &TriMesh, kept: Option<u32>) {
+    /// Writes the merged mesh; whether there is anything to merge.
+    pub(super) fn fill(&mut self, mesh: &TriMesh, kept: Option<u32>) -> bool {
+        let changed = self.find_changed(mesh, kept);
+        if changed.is_empty() {
+            return false;
+        }
         let mut triangles = std::mem::take(&mut self.merged.triangles);
         triangles.clear();
         triangles.extend_from_slice(&mesh.triangles[..mesh.sheets()]);
         let mut sources: Vec<u32> = (0..mesh.sheets).collect();
         let mut added = TriMesh::default();
         let old = mesh.positions.len() as u32;
-        // What stays as it is comes first, because its inner edges must not be made again.
-        let mut changed = Vec::new();
-        for number in 0..self.faces.len() {
-            let face = self.faces[number];
-            let [first, end] = face.triangles.map(|t| t as usize);
-            let own = &self.order[first..end];
-            let is_kept = kept == Some(mesh.faces.0[own[0] as usize]);
-            // A polygon of n corners with h holes has n + 2 h - 2 triangles.
-            let outline = face.outline[1] - face.outline[0];
-            let fewest = (outline + 2 * face.loops).saturating_sub(4);
-            let is_whole = face.border[1] - face.border[0] == outline;
-            if is_kept || (is_whole && own.len() as u32 <= fewest) {
-                self.note_edges(mesh, first..end);
-            } else {
-                changed.push(number);
-            }
-        }
         let mut next_changed = changed.iter().copied().peekable();
         for number in 0..self.faces.len() {
             let [first, end] = self.faces[number].triangles.map(|t| t as usize);
@@ -65,6 +52,28 @@ impl FaceMerger {
             all.known_closed.set();
         }
         self.merged = all;
+        true
+    }
+
+    /// The faces that have triangles or corners too many. Takes note of the inner edges of the others, which must not be made again.
+    fn find_changed(&mut self, mesh: &TriMesh, kept: Option<u32>) -> Vec<usize> {
+        let mut changed = Vec::new();
+        for number in 0..self.faces.len() {
+            let face = self.faces[number];
+            let [first, end] = face.triangles.map(|t| t as usize);
+            let own = &self.order[first..end];
+            let is_kept = kept == Some(mesh.faces.0[own[0] as usize]);
+            // A polygon of n corners with h holes has n + 2 h - 2 triangles.
+            let outline = face.outline[1] - face.outline[0];
+            let fewest = (outline + 2 * face.loops).saturating_sub(4);
+            let is_whole = face.border[1] - face.border[0] == outline;
+            if is_kept || (is_whole && own.len() as u32 <= fewest) {
+                self.note_edges(mesh, first..end);
+            } else {
+                changed.push(number);
+            }
+        }
+        changed
     }
 
     /// The vertices that `triangles` use, renumbered in the order of their use.
