@@ -97,6 +97,8 @@ pub(crate) struct Blow {
     /// Bonds within the body that it breaks, by index, and the work that they take, J. With none it divides the body itself.
     pub(crate) bonds: Vec<u32>,
     pub(crate) bond_work: f32,
+    /// Bonds of a body that blows wear out which it strains and leaves whole, see [`Bodies::wear_bonds`].
+    pub(crate) strained: Vec<(u32, f32)>,
 }
 
 impl Bodies {

@@ -37,6 +37,8 @@ pub(crate) enum LoadSource {
     /// A body by id, and its slot.
     Contact(BodyId, u32),
     Joint(u32),
+    /// Forces that somebody lets act at points of it.
+    Push,
 }
 
 /// A load whose bonds bear it.

@@ -1,6 +1,7 @@
 //! What blasts do to bodies, and to the parts of clusters.
 
 use crate::bodies::body::BodyError;
+use crate::bodies::breaking::ImpactLoad;
 use crate::bodies::drive::StepForces;
 use crate::bodies::explosion::Explosion;
 use crate::bodies::store::Bodies;
@@ -16,6 +17,39 @@ impl Explosion {
         let share = self.share_at(nearest);
         let impulse = share * self.impulse * self.away(nearest, center);
         (share > 0.0).then(|| [impulse, (nearest - center).cross(impulse)])
+    }
+
+    /// The pressure on the body in `slot` as a blow, and the point (world, m) and the direction in which it pushes; nothing if it does not reach it.
+    ///
+    /// Its energy is what the impulse gives to the material if nothing holds it.
+    pub(crate) fn blow_to(&self, bodies: &Bodies, slot: u32) -> Option<(ImpactLoad, [Vec3; 2])> {
+        let [impulse, angular] = self.push_on(bodies, slot)?;
+        let mass = bodies.mass(slot).mass;
+        let spin = angular.dot(bodies.inverse_inertia[slot as usize] * angular);
+        let load = ImpactLoad {
+            impulse: impulse.length(),
+            energy: 0.5 * (impulse.length_squared() / mass + spin),
+        };
+        let direction = impulse.try_normalize()?;
+        let is_usable = mass > 0.0 && load.energy.is_finite();
+        is_usable.then_some((load, [self.nearest_of(bodies, slot)?, direction]))
+    }
+
+    /// How much the body in `slot` gets of it beside others: by its distance, and by the area that it turns to it, m2.
+    pub(crate) fn weight_on(&self, bodies: &Bodies, slot: u32) -> f32 {
+        let share = self.nearest_of(bodies, slot).map(|it| self.share_at(it));
+        let Some(aabb) = bodies.info(slot).shape.solid_aabb() else {
+            return 0.0;
+        };
+        let from = bodies.pose(slot).inverse_transform_point(self.center);
+        let sides = aabb.extents();
+        let toward = (from - aabb.center()).normalize_or(Vec3::Y).abs();
+        let area = toward.dot(Vec3::new(
+            sides.y * sides.z,
+            sides.z * sides.x,
+            sides.x * sides.y,
+        ));
+        share.unwrap_or(0.0).max(0.0) * area
     }
 
     /// What it does to the parts of the cluster in `slot`; nothing if it does not reach it.
@@ -79,7 +113,7 @@ impl Bodies {
     /// [`BodyError::Drive`] if its numbers mean nothing; none acts then.
     pub fn explode(&mut self, explosion: Explosion) -> Result<(), BodyError> {
         explosion.validate()?;
-        self.explosions.push(explosion);
+        self.pushes.explosions.push(explosion);
         Ok(())
     }
 

@@ -3,10 +3,11 @@
 use crate::bodies::body::BodyError;
 use glam::Vec3;
 
-/// A blast that pushes dynamic bodies away, and parts off of clusters.
+/// A blast that pushes dynamic bodies away, and breaks what is near.
 ///
 /// A body whose parts bonds hold, see [`Cluster`](crate::cluster::Cluster), gets no more than another one, but each part its share of it, by the open
-/// area that it turns to the blast and by its distance. What breaks of it under that flies off; a static one breaks too.
+/// area that it turns to the blast and by its distance. What breaks of it under that flies off; a static one breaks too. To another body that is
+/// [`Fracturable`](crate::slice::Fracturable), static or not, it is a blow: with more impulse than its strength it breaks it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Explosion {
     /// Where, world, m.

@@ -7,6 +7,7 @@
 //! | `solver_body.rs` | the rows of eight numbers that sweeps touch: velocity, mass, motion |
 //! | `drive.rs`, `driving.rs`, `sensor.rs` | forces, damping, locked axes of the few bodies that have some; bodies that only sense |
 //! | `explosion.rs`, `exploding.rs` | blasts, on bodies and on the parts of clusters |
+//! | `pushes.rs`, `pushing.rs` | forces at points, which load single parts of clusters |
 //! | `kind.rs` | a body becomes dynamic, kinematic or static |
 //! | `free_rotation.rs` | rotation without torque that keeps angular momentum and energy |
 //! | `integrate.rs` | phase 7: bodies are put where the solver has moved them |
@@ -36,6 +37,8 @@ pub(crate) mod integrate;
 mod kind;
 mod local;
 pub(crate) mod local_state;
+pub(crate) mod pushes;
+mod pushing;
 mod sensor;
 pub(crate) mod sleep_state;
 mod slots;

@@ -5,6 +5,7 @@
 
 pub(crate) use crate::bodies::body::{BodyDesc, BodyError, RigidBody};
 use crate::bodies::local_state::LocalBodies;
+use crate::bodies::pushes::Pushes;
 use crate::bodies::sleep_state::Status;
 use crate::bodies::solver_body::Motion;
 use crate::bodies::solver_body::SolverBody;
@@ -13,7 +14,6 @@ use crate::bodies::anchors::Hold;
 use crate::bodies::body::{BodyInfo, check_pose, check_velocity};
 use crate::bodies::cluster_state::ClusterState;
 use crate::bodies::drive::Drives;
-use crate::bodies::explosion::Explosion;
 use crate::bodies::fatigue::Wearing;
 use crate::bodies::free_rotation::FreeRotation;
 use crate::bodies::sleep_state::Sleep;
@@ -73,8 +73,8 @@ pub struct Bodies {
     pub(crate) unheld_clusters: Vec<u32>,
     /// Those that have lost bonds since the entities were last told, and go on.
     pub(crate) cracked: Vec<(u32, BodyId)>,
-    /// Blasts that act in the next step.
-    pub(crate) explosions: Vec<Explosion>,
+    /// Blasts, and what acts at points of clusters, in the next step.
+    pub(crate) pushes: Pushes,
     /// Those that blows wear out, by slot.
     pub(crate) wearing: Vec<Wearing>,
     /// Whether there was ever a body that is a level of triangles.

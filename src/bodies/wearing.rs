@@ -69,24 +69,30 @@ impl Bodies {
         }
     }
 
+    /// Forgets the blows of the last step.
+    pub(crate) fn begin_wearing(&mut self) {
+        let blows = self.wearing.iter_mut().map(|wearing| &mut wearing.blows);
+        blows.for_each(|blows| *blows = 0.0);
+    }
+
+    /// Adds a blow that a body bears in this step to what will wear it out.
+    pub(crate) fn add_blow(&mut self, slot: u32, load: ImpactLoad) {
+        let Ok(at) = self.find_wearing(slot) else {
+            return;
+        };
+        // Bonds tell by themselves how worn they are.
+        let Some(strength) = self.fracturable(slot).map(|f| f.strength) else {
+            return;
+        };
+        let wearing = &mut self.wearing[at];
+        if load.impulse > wearing.fatigue.endurance * strength {
+            wearing.blows += load.energy;
+        }
+    }
+
     /// Adds the damage of what bodies (by slot) bore in a step.
     pub(crate) fn wear_out(&mut self, loads: impl Iterator<Item = (u32, ImpactLoad)>) {
-        self.wearing
-            .iter_mut()
-            .for_each(|wearing| wearing.blows = 0.0);
-        for (slot, load) in loads {
-            let Ok(at) = self.find_wearing(slot) else {
-                continue;
-            };
-            // Bonds tell by themselves how worn they are.
-            let Some(strength) = self.fracturable(slot).map(|f| f.strength) else {
-                continue;
-            };
-            let wearing = &mut self.wearing[at];
-            if load.impulse > wearing.fatigue.endurance * strength {
-                wearing.blows += load.energy;
-            }
-        }
+        loads.for_each(|(slot, load)| self.add_blow(slot, load));
         for Wearing { fatigue, blows, .. } in &mut self.wearing {
             if *blows > 0.0 && fatigue.damage < 1.0 {
                 fatigue.damage = (fatigue.damage + *blows / fatigue.energy).min(1.0);

@@ -1,5 +1,6 @@
 //! What pushes bodies: forces of a step, forces that last, damping, locked axes, explosions.
 
+use crate::bodies::body::BodyError;
 use crate::bodies::drive::StepForces;
 use crate::bodies::explosion::Explosion;
 use crate::bodies::store::Bodies;
@@ -83,13 +84,21 @@ impl Default for Mass {
 pub struct AppliedForces(Option<Box<Gathered>>);
 
 /// What was applied, in parts that are put together once the center of mass is known.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 struct Gathered {
     forces: StepForces,
-    /// Sum of the forces that act at points, N, and their moment about the origin of the body's frame, N m.
-    at_points: [Vec3; 2],
-    /// The same of impulses, N s and N m s.
-    impulses_at_points: [Vec3; 2],
+    at_points: Vec<PointForce>,
+}
+
+/// What acts at a point of a body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct PointForce {
+    /// From the origin of the body's frame, world axes, m.
+    lever: Vec3,
+    /// N.
+    force: Vec3,
+    /// N s.
+    impulse: Vec3,
 }
 
 impl AppliedForces {
@@ -100,15 +109,25 @@ impl AppliedForces {
 
     /// An impulse, N s, at a point so far from the origin of the body's frame, world axes, m.
     pub(super) fn push_at(&mut self, impulse: Vec3, lever: Vec3) {
-        let [sum, moment] = &mut self.sum().impulses_at_points;
-        *sum += impulse;
-        *moment += lever.cross(impulse);
+        self.sum().at_points.push(PointForce {
+            lever,
+            force: Vec3::ZERO,
+            impulse,
+        });
     }
 
-    /// What there is, if anything; nothing is left. Its place in memory is kept: who is pushed once is pushed again.
-    fn take(&mut self) -> Option<Gathered> {
-        let gathered = std::mem::take(&mut **self.0.as_mut()?);
-        (gathered != Gathered::default()).then_some(gathered)
+    /// What there is, if anything.
+    fn get(&self) -> Option<&Gathered> {
+        let gathered = self.0.as_deref();
+        gathered.filter(|it| !it.at_points.is_empty() || it.forces != StepForces::default())
+    }
+
+    /// Forgets it. Its place in memory is kept: who is pushed once is pushed again.
+    fn clear(&mut self) {
+        if let Some(gathered) = self.0.as_deref_mut() {
+            gathered.forces = StepForces::default();
+            gathered.at_points.clear();
+        }
     }
 }
 
@@ -116,12 +135,22 @@ impl Gathered {
     /// All of it about the center of mass of a body with this rotation.
     fn total(&self, mass: &MassProperties, rotation: Quat) -> StepForces {
         let to_center = rotate(rotation, mass.center);
-        let about_center = |[sum, moment]: [Vec3; 2]| moment - to_center.cross(sum);
+        // Sum, and moment about the center.
+        let sum = |part: fn(&PointForce) -> Vec3| {
+            let (mut sum, mut moment) = (Vec3::ZERO, Vec3::ZERO);
+            for point in &self.at_points {
+                sum += part(point);
+                moment += point.lever.cross(part(point));
+            }
+            (sum, moment - to_center.cross(sum))
+        };
+        let (force, torque) = sum(|point| point.force);
+        let (impulse, angular_impulse) = sum(|point| point.impulse);
         StepForces {
-            force: self.forces.force + self.at_points[0],
-            torque: self.forces.torque + about_center(self.at_points),
-            impulse: self.forces.impulse + self.impulses_at_points[0],
-            angular_impulse: self.forces.angular_impulse + about_center(self.impulses_at_points),
+            force: self.forces.force + force,
+            torque: self.forces.torque + torque,
+            impulse: self.forces.impulse + impulse,
+            angular_impulse: self.forces.angular_impulse + angular_impulse,
             ..self.forces
         }
     }
@@ -150,12 +179,14 @@ impl ForcesItem<'_, '_> {
         self.applied.sum().forces.force += force;
     }
 
-    /// A force, N, at a point of the world, m.
+    /// A force, N, at a point of the world, m. Of a body whose parts bonds hold it loads the part that is there, see [`Bodies::apply_at`].
     pub fn apply_force_at(&mut self, force: Vec3, point: Vec3) {
         let lever = point - self.origin();
-        let [sum, moment] = &mut self.applied.sum().at_points;
-        *sum += force;
-        *moment += lever.cross(force);
+        self.applied.sum().at_points.push(PointForce {
+            lever,
+            force,
+            impulse: Vec3::ZERO,
+        });
     }
 
     /// A torque, N m.
@@ -168,12 +199,10 @@ impl ForcesItem<'_, '_> {
         self.applied.sum().forces.impulse += impulse;
     }
 
-    /// An impulse, N s, at a point of the world, m.
+    /// An impulse, N s, at a point of the world, m. Of a body whose parts bonds hold it hits the part that is there, see [`Bodies::apply_at`].
     pub fn apply_impulse_at(&mut self, impulse: Vec3, point: Vec3) {
         let lever = point - self.origin();
-        let [sum, moment] = &mut self.applied.sum().impulses_at_points;
-        *sum += impulse;
-        *moment += lever.cross(impulse);
+        self.applied.push_at(impulse, lever);
     }
 
     /// An angular impulse, N m s.
@@ -261,6 +290,19 @@ pub(crate) type ForceQuery<'w, 's> = Query<
     Changed<AppliedForces>,
 >;
 
+/// Lets what was gathered act on a body: of a cluster on its parts.
+fn apply(bodies: &mut Bodies, slot: u32, gathered: &Gathered) -> Result<(), BodyError> {
+    if gathered.at_points.is_empty() || bodies.cluster(slot).is_none() {
+        let total = gathered.total(bodies.mass(slot), bodies.pose(slot).rotation);
+        return bodies.apply(slot, &total);
+    }
+    let origin = bodies.pose(slot).position;
+    for point in &gathered.at_points {
+        bodies.apply_at(slot, origin + point.lever, [point.force, point.impulse])?;
+    }
+    bodies.apply(slot, &gathered.forces)
+}
+
 /// Lets what was gathered act, once masses are known.
 pub(crate) fn apply_forces(
     bodies: &mut Bodies,
@@ -272,12 +314,13 @@ pub(crate) fn apply_forces(
             continue;
         };
         // The plugin's own taking is no change.
-        let Some(gathered) = applied.bypass_change_detection().take() else {
+        let applied = applied.bypass_change_detection();
+        let Some(gathered) = applied.get() else {
             continue;
         };
-        let total = gathered.total(bodies.mass(slot), bodies.pose(slot).rotation);
-        if let Err(error) = bodies.apply(slot, &total) {
+        if let Err(error) = apply(bodies, slot, gathered) {
             warn(warnings, entity, error);
         }
+        applied.clear();
     }
 }

@@ -1,7 +1,7 @@
-//! Explosions: bodies are pushed, and clusters part by part, which may break them.
+//! Explosions, and impulses at points: clusters are pushed part by part, which may break them.
 
 use crate::bodies::body::RigidBody;
-use crate::bodies::explosion::Explosion;
+use crate::bodies::pushes::PointPush;
 use crate::bodies::store::Bodies;
 use crate::cluster::elastic::Wrench;
 use crate::cluster::hit::{Hit, Push};
@@ -22,7 +22,7 @@ impl Fractures {
         bonds: &mut Bonds,
         budget: &FractureBudget,
     ) {
-        for explosion in std::mem::take(&mut bodies.explosions) {
+        for explosion in std::mem::take(&mut bodies.pushes.explosions) {
             let mut reached: Vec<(BodyId, u32)> = (bodies.iter())
                 .filter(|&slot| bodies.is_active(slot))
                 .map(|slot| (bodies.id(slot), slot))
@@ -30,31 +30,70 @@ impl Fractures {
             reached.sort_unstable();
             for (_, slot) in reached {
                 if bodies.cluster(slot).is_some() {
-                    self.push_parts(bodies, slot, (bonds, budget), &explosion);
-                } else if bodies.kind(slot) == RigidBody::Dynamic
-                    && let Some(push) = explosion.push_on(bodies, slot)
-                {
-                    bodies.push(slot, push);
+                    let pushes = explosion.pushes_on(bodies, slot);
+                    let cause = (&pushes[..], explosion.center);
+                    self.push_parts(bodies, slot, (bonds, budget), cause);
+                } else {
+                    self.press(bodies, slot, (bonds, budget), &explosion);
                 }
             }
         }
     }
 
-    /// Lets an explosion act on a cluster.
+    /// Lets impulses act at points of clusters, by the ids of these.
+    pub(super) fn push_at_points(
+        &mut self,
+        bodies: &mut Bodies,
+        bonds: &mut Bonds,
+        budget: &FractureBudget,
+    ) {
+        let mut impulses = std::mem::take(&mut bodies.pushes.impulses);
+        impulses.retain(|push| bodies.is_current(push.slot, push.id));
+        impulses.sort_by_key(|push| push.id);
+        for own in impulses.chunk_by(|a, b| a.id == b.id) {
+            let slot = own[0].slot;
+            let known = bodies.cluster(slot).zip(bodies.compound(slot));
+            let Some((state, compound)) = known.filter(|_| bodies.is_active(slot)) else {
+                continue;
+            };
+            let mut pushes: Vec<Push> = Vec::new();
+            for &PointPush { place, amount, .. } in own {
+                let part = compound.part_at(place);
+                let arm = place - state.network.nodes[part as usize].center.as_vec3();
+                let angular_impulse = arm.cross(amount);
+                match pushes.iter_mut().find(|push| push.part == part) {
+                    Some(push) => {
+                        push.impulse += amount;
+                        push.angular_impulse += angular_impulse;
+                    }
+                    None => pushes.push(Push {
+                        part,
+                        impulse: amount,
+                        angular_impulse,
+                    }),
+                }
+            }
+            let point = bodies.pose(slot).transform_point(own[0].place);
+            self.push_parts(bodies, slot, (bonds, budget), (&pushes, point));
+        }
+        impulses.clear();
+        bodies.pushes.impulses = impulses;
+    }
+
+    /// Lets impulses act on parts of a cluster; `point`: where they come from, world, m.
     fn push_parts(
         &mut self,
         bodies: &mut Bodies,
         slot: u32,
         (bonds, budget): (&mut Bonds, &FractureBudget),
-        explosion: &Explosion,
+        (pushes, point): (&[Push], Vec3),
     ) {
-        let pushes = explosion.pushes_on(bodies, slot);
         let Some(state) = bodies.cluster(slot).filter(|_| !pushes.is_empty()) else {
             return;
         };
         let network = state.network.clone();
-        let energy = network.push_energy(&pushes, |part| state.holds(part));
-        let hit = Hit::of_pushes(&pushes);
+        let energy = network.push_energy(pushes, |part| state.holds(part));
+        let hit = Hit::of_pushes(pushes);
         let is_enough = energy >= network.least_energy;
         let outcome = is_enough.then(|| network.blow(hit, |part| state.holds(part)));
         let outcome = outcome.unwrap_or_default();
@@ -64,27 +103,26 @@ impl Fractures {
             of: network.bonds.len(),
             bonds: outcome.broken,
         };
+        // What is worn out is gone.
+        let worn_out = wear(bodies, slot, &network, (hit, energy), &broken.bonds);
+        broken.bonds.extend(worn_out);
+        broken.bonds.sort_unstable();
         let division = Groups::of(bodies, slot, &broken.bonds);
         let Some(groups) = division.filter(|_| left >= MIN_PIECES) else {
-            bodies.push_whole(slot, &pushes);
-            // What is worn out is gone.
-            broken
-                .bonds
-                .extend(wear(bodies, slot, &network, (hit, energy)));
-            broken.bonds.sort_unstable();
+            bodies.push_whole(slot, pushes);
             self.state.break_later(bodies, slot, broken);
             return;
         };
         let groups = groups.limited(left);
         let is_free = bodies.kind(slot) == RigidBody::Dynamic;
         let work = f64::from(outcome.work);
-        let given = network.pushed(&groups.pieces, &pushes, (is_free, work));
+        let given = network.pushed(&groups.pieces, pushes, (is_free, work));
         let turn = bodies.pose(slot).rotation;
-        let report = report(bodies, slot, &pushes, (explosion, energy, outcome.work));
+        let report = report(bodies, slot, pushes, (point, energy, outcome.work));
         let is_joined = groups.is_joined;
         let division = Division::Groups(groups);
         let Ok(fracture) = self.replace(bodies, bonds, slot, division, budget) else {
-            return bodies.push_whole(slot, &pushes);
+            return bodies.push_whole(slot, pushes);
         };
         fracture.blow = Some(report);
         let pieces = fracture.pieces.iter().zip(&fracture.numbers);
@@ -98,15 +136,22 @@ impl Fractures {
     }
 }
 
-/// Wears the bonds of a body by an explosion that leaves it whole, if blows do; those that are worn out.
-fn wear(bodies: &mut Bodies, slot: u32, network: &Network, (hit, energy): (Hit, f32)) -> Vec<u32> {
+/// Wears those bonds of a body that pushes leave whole, if blows do; those that are worn out.
+fn wear(
+    bodies: &mut Bodies,
+    slot: u32,
+    network: &Network,
+    (hit, energy): (Hit, f32),
+    broken: &[u32],
+) -> Vec<u32> {
     let (Some(state), Some(fatigue)) = (bodies.cluster(slot), bodies.fatigue(slot).copied()) else {
         return Vec::new();
     };
     if energy <= network.least_strain(fatigue.endurance) {
         return Vec::new();
     }
-    let strained = network.strained(hit, fatigue.endurance, |part| state.holds(part));
+    let mut strained = network.strained(hit, fatigue.endurance, |part| state.holds(part));
+    strained.retain(|(bond, _)| broken.binary_search(bond).is_err());
     if strained.is_empty() {
         return Vec::new();
     }
@@ -118,7 +163,7 @@ fn report(
     bodies: &Bodies,
     slot: u32,
     pushes: &[Push],
-    (explosion, energy, work): (&Explosion, f32, f32),
+    (point, energy, work): (Vec3, f32, f32),
 ) -> BreakingImpact {
     let sum: Vec3 = pushes.iter().map(|push| push.impulse).sum();
     let sizes = pushes.iter().map(|push| push.impulse.length());
@@ -127,7 +172,7 @@ fn report(
         energy,
         withstood: 1.0 - (1.0 - work / energy).max(0.0).sqrt(),
         by: None,
-        point: explosion.center,
+        point,
         direction: rotate(bodies.pose(slot).rotation, sum).normalize_or(Vec3::Y),
     }
 }

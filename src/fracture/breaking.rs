@@ -33,16 +33,16 @@ pub(super) struct FractureState {
     /// Pieces made in this step.
     made: usize,
     /// Triangles of meshes that blows have cut in this step.
-    cut: usize,
+    pub(super) cut: usize,
     /// Dynamic bodies that were awake when it began.
     awake: usize,
-    waiting: Vec<PendingBreak>,
+    pub(super) waiting: Vec<PendingBreak>,
     /// Time since loads of clusters were last looked at, s.
     load_time: f32,
     debris: Debris,
     /// Bodies that must not break by some blows, see [`Bodies::borne_impulse`].
     spared: Vec<(u32, BodyId)>,
-    cutter: PieceCutter,
+    pub(super) cutter: PieceCutter,
     /// Who broke since impulses were last handed on.
     lines: Lines,
     /// Those whose impulses were handed on last.
@@ -118,6 +118,7 @@ pub(crate) fn make_cuts(
     fractures.state.cut = 0;
     bodies.free_retired();
     bodies.cracked.clear();
+    bodies.begin_wearing();
     fractures.state.awake = bodies.dynamic() - bodies.asleep();
     let Fractures {
         expired,
@@ -130,7 +131,8 @@ pub(crate) fn make_cuts(
     removed.remove(expired, bodies, cache);
     fractures.state.debris.take_stock(bodies);
     let is_quiet = fractures.requests.is_empty() && fractures.state.waiting.is_empty();
-    if is_quiet && bodies.explosions.is_empty() {
+    let is_pushed = !(bodies.pushes.explosions.is_empty() && bodies.pushes.impulses.is_empty());
+    if is_quiet && !is_pushed {
         return;
     }
     for (plan, requests) in
@@ -147,6 +149,7 @@ pub(crate) fn make_cuts(
         }
     }
     break_waiting(fractures, bodies, bonds, budget);
+    fractures.push_at_points(bodies, bonds, budget);
     fractures.explode(bodies, bonds, budget);
     bodies.resume_woken(cache);
     fractures.hand_on_impulses(bodies, cache);
@@ -230,7 +233,10 @@ pub(crate) fn break_overloaded(
         state.cut += cut;
         let division = match impact {
             Some(impact) => divide(bodies, blow.slot, &impact, left, &mut state.cutter),
-            None => Division::of_groups(bodies, blow.slot, &blow.bonds, left),
+            None => {
+                let broken = impact::wear_others(bodies, blow);
+                Division::of_groups(bodies, blow.slot, &broken, left)
+            }
         };
         let Some(division) = division else {
             state.spare(bodies, blow.slot, RETRIED * blow.load.impulse);
@@ -293,9 +299,13 @@ pub(crate) fn note_blows(
 
 /// At the end of a step: bonds within bodies that bear too much for too long break; what comes off does so at the start of the next step.
 pub(crate) fn break_under_loads(fractures: &mut Fractures, bodies: &mut Bodies, step: &StepLoads) {
-    if !bodies.any_cluster() {
-        return;
+    if bodies.any_cluster() {
+        look_at_loads(fractures, bodies, step);
     }
+    bodies.pushes.forces.clear();
+}
+
+fn look_at_loads(fractures: &mut Fractures, bodies: &mut Bodies, step: &StepLoads) {
     // Loads are means over a longer time.
     let elapsed = fractures.state.load_time + step.step_dt;
     fractures.state.load_time = elapsed;

@@ -58,6 +58,7 @@ pub(super) fn judge_loads(
         }
     }
     add_joints(bodies, step.joints, &mut found);
+    add_pushes(bodies, &mut found);
     found.sort_by_key(|(slot, load)| (*slot, load.from));
     let slots: Vec<u32> = bodies.cluster_slots().collect();
     let mut broken = Vec::new();
@@ -152,6 +153,32 @@ fn add_joints(bodies: &Bodies, joints: &Joints, found: &mut Vec<(u32, PartLoad)>
     }
 }
 
+/// Adds what forces at points do to clusters.
+fn add_pushes(bodies: &Bodies, found: &mut Vec<(u32, PartLoad)>) {
+    let first = found.len();
+    for push in &bodies.pushes.forces {
+        let slot = push.slot;
+        let state = bodies.cluster(slot);
+        let state = state.filter(|_| bodies.is_current(slot, push.id));
+        let (Some(compound), Some(state)) = (bodies.compound(slot), state) else {
+            continue;
+        };
+        let part = compound.part_at(push.place);
+        let force = push.amount.as_dvec3();
+        let arm = push.place.as_dvec3() - state.network.nodes[part as usize].center;
+        let wrench = Wrench {
+            force,
+            torque: arm.cross(force),
+        };
+        let from = (LoadSource::Push, part);
+        let mut own = found[first..].iter_mut();
+        match own.find(|(of, load)| *of == slot && load.from == from) {
+            Some((_, load)) => load.wrench.add(wrench),
+            None => found.push((slot, PartLoad { from, wrench })),
+        }
+    }
+}
+
 /// What the loads of a step do to a cluster, if they break a bond.
 fn judge(
     bodies: &mut Bodies,
@@ -229,7 +256,7 @@ fn held_back(bodies: &Bodies, slot: u32) -> Vec<LoadSource> {
     let sources = loads.iter().map(|load| load.from.0);
     let asleep = sources.filter(|source| match *source {
         LoadSource::Contact(id, other) => bodies.is_current(other, id) && bodies.is_asleep(other),
-        LoadSource::Joint(_) => false,
+        LoadSource::Joint(_) | LoadSource::Push => false,
     });
     asleep.collect()
 }

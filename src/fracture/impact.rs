@@ -32,20 +32,7 @@ impl Blow {
     /// The first share `s` of a plastic blow with energy `E` takes `E (1 - (1 - s)^2)`: the approach is fastest at the
     /// start.
     pub(super) fn withstood(&self, bodies: &Bodies, division: &PieceSet) -> f32 {
-        let Some(fracturable) = bodies.fracturable(self.slot) else {
-            return 0.0;
-        };
-        let ImpactLoad { impulse, energy } = self.load;
-        let cracks = fracturable.toughness * division.crack_area() as f32;
-        let taken = fracturable.min_energy.max(cracks) / energy;
-        let by_energy = if taken > 0.0 {
-            1.0 - (1.0 - taken).max(0.0).sqrt()
-        } else {
-            0.0
-        };
-        (bodies.strength(self.slot) / impulse)
-            .max(by_energy)
-            .min(1.0)
+        withstood(bodies, self.slot, self.load, division)
     }
 
     /// The same where bonds within the body break, and take the work.
@@ -66,6 +53,35 @@ impl Blow {
             energy: self.load.energy,
         }
     }
+}
+
+/// The bonds that a blow breaks, after it has worn those that it leaves whole: with those that are worn out by it.
+pub(super) fn wear_others(bodies: &mut Bodies, blow: &Blow) -> Vec<u32> {
+    let mut broken = blow.bonds.clone();
+    if let Some(energy) = bodies.fatigue(blow.slot).map(|it| it.energy)
+        && !blow.strained.is_empty()
+    {
+        let share = blow.load.energy / energy;
+        broken.extend(bodies.wear_bonds(blow.slot, &blow.strained, share));
+        broken.sort_unstable();
+    }
+    broken
+}
+
+/// The share of a blow to the body in `slot` that acts before it breaks, see [`Blow::withstood`].
+pub(super) fn withstood(bodies: &Bodies, slot: u32, load: ImpactLoad, division: &PieceSet) -> f32 {
+    let Some(fracturable) = bodies.fracturable(slot) else {
+        return 0.0;
+    };
+    let ImpactLoad { impulse, energy } = load;
+    let cracks = fracturable.toughness * division.crack_area() as f32;
+    let taken = fracturable.min_energy.max(cracks) / energy;
+    let by_energy = if taken > 0.0 {
+        1.0 - (1.0 - taken).max(0.0).sqrt()
+    } else {
+        0.0
+    };
+    (bodies.strength(slot) / impulse).max(by_energy).min(1.0)
 }
 
 /// The blows that break something, by the bodies' ids. Of a body that contacts do not move, and that was hit in several places at once, the

@@ -17,7 +17,7 @@
 //! | `impact.rs` | impulses of a step by body: what they break, and what of them acts before |
 //! | `pieces.rs`, `conservation.rs`, `ledger.rs` | pieces as bodies; what rounding takes from them; before and after |
 //! | `holding.rs`, `hold_area.rs` | which pieces of what stood stay, and what falls with the others |
-//! | `blast.rs` | explosions, which push bodies, and clusters part by part |
+//! | `blast.rs`, `pressure.rs` | explosions and forces at points, which push clusters part by part; other bodies |
 //! | `cluster.rs`, `cluster_loads.rs` | bodies whose parts are held by bonds: what comes off, and what sustained loads break |
 //! | `debris.rs` | which pieces go again |
 //! | `inheritance.rs`, `bond_inheritance.rs`, `joint_inheritance.rs` | which piece gets multipliers, bonds and joints of the parent |
@@ -46,6 +46,7 @@ mod ledger;
 mod neighbors;
 mod pending;
 mod pieces;
+mod pressure;
 mod requests;
 
 pub use bond::{Bond, BondError};

@@ -265,3 +265,159 @@ fn a_bond_that_blasts_have_worn_out_is_gone() {
         assert!(blasts < 40, "{seed}: never worn out");
     }
 }
+
+/// A body that is no cluster, and a blast beside it that gives it so much of its strength.
+struct Beside {
+    desc: BodyDesc,
+    explosion: Explosion,
+    strength: f32,
+}
+
+impl Beside {
+    fn member(dice: &mut Dice, share: f32) -> Self {
+        let size = 0.3 + 2.0 * dice.vector(0.0, 1.0);
+        let shape = ConvexMesh::cuboid(size.x, size.y, size.z).expect("a box");
+        let patterns = [
+            FracturePattern::Voronoi {
+                cells: 8,
+                focus: 0.3,
+            },
+            FracturePattern::Star { planes: 3 },
+        ];
+        let strength = [10.0, 300.0, 1e4][dice.below(3)];
+        let pose = Pose::new(dice.vector(-1.0, 1.0), dice.rotation());
+        let center = pose.position + dice.in_range(0.1, 3.0) * dice.direction();
+        let half = 0.5 * size;
+        let local = pose.inverse_transform_point(center).clamp(-half, half);
+        let distance = pose.transform_point(local).distance(center);
+        let radius = distance + dice.in_range(0.5, 4.0);
+        let impulse = share * strength / (1.0 - distance / radius);
+        let kind = [RigidBody::Static, RigidBody::Dynamic][dice.below(2)];
+        let desc = BodyDesc {
+            pose,
+            fracturable: Some(Fracturable {
+                pattern: patterns[dice.below(2)].clone(),
+                ..Fracturable::with_strength(strength)
+            }),
+            ..BodyDesc::new(kind, Shape::Convex(shape))
+        };
+        let explosion = Explosion {
+            center,
+            radius,
+            impulse,
+        };
+        Self {
+            desc,
+            explosion,
+            strength,
+        }
+    }
+}
+
+#[test]
+fn blasts_break_what_is_no_cluster_if_they_give_it_more_than_its_strength() {
+    let mut dice = Dice::new(77);
+    for round in 0..60 {
+        let share = [0.3, 0.95, 1.05, 3.0, 20.0][dice.below(5)];
+        let beside = Beside::member(&mut dice, share);
+        let mut simulation = space();
+        let is_static = beside.desc.kind == RigidBody::Static;
+        let body = simulation.bodies.insert(beside.desc).expect("usable");
+        simulation.step(1e-6);
+        simulation.bodies.explode(beside.explosion).expect("usable");
+        simulation.step(1e-6);
+        let count = simulation.bodies.len();
+        assert_eq!(count > 1, share > 1.0, "{round}: {count} at {share}");
+        let given = share * beside.strength;
+        let (_, linear, ..) = sums(&simulation);
+        assert!(linear.length() < 1.001 * given, "{round}: {linear}");
+        if share < 1.0 {
+            assert!(is_static || (linear.length() / given - 1.0).abs() < 1e-3);
+            continue;
+        }
+        let fracture = &simulation.fractures.done[0];
+        assert!(fracture.ledger.mass_error() < 1e-6, "{round}");
+        assert_eq!(fracture.parent_slot, body);
+        let blow = fracture.blow.expect("a blow");
+        assert!((blow.impulse / given - 1.0).abs() < 1e-3 && blow.by.is_none());
+        if is_static && share > 2.0 {
+            let bodies = &simulation.bodies;
+            for slot in bodies.iter() {
+                let away = bodies.center_of_mass(slot) - beside.explosion.center;
+                let (velocity, _) = bodies.velocity(slot);
+                assert!(velocity.dot(away) >= 0.0, "{round}: {velocity}");
+            }
+        }
+    }
+}
+
+#[test]
+fn blasts_wear_what_is_no_cluster() {
+    let mut dice = Dice::new(78);
+    for round in 0..10 {
+        let beside = Beside::member(&mut dice, 0.6);
+        let mut simulation = space();
+        let body = simulation.bodies.insert(beside.desc).expect("usable");
+        simulation.step(1e-6);
+        let mass = simulation.bodies.mass(body).mass;
+        let impulse = 0.6 * beside.strength;
+        // Worn to 0.6 of its strength, and so broken, after some blasts.
+        let energy = impulse * impulse / (2.0 * mass);
+        let taken = simulation
+            .bodies
+            .set_fatigue(body, Some(Fatigue::new(5.0 * energy)));
+        taken.expect("usable");
+        let mut blasts = 0;
+        let mut last = 0.0;
+        while simulation.bodies.len() == 1 && blasts < 20 {
+            simulation.bodies.explode(beside.explosion).expect("usable");
+            simulation.step(1e-6);
+            if let Some(fatigue) = simulation.bodies.fatigue(body) {
+                assert!(
+                    simulation.bodies.len() > 1 || fatigue.damage > last,
+                    "{round}"
+                );
+                last = fatigue.damage;
+            }
+            blasts += 1;
+        }
+        assert!((2..=4).contains(&blasts), "{round}: {blasts}");
+    }
+}
+
+#[test]
+fn what_breaks_under_a_blast_is_worn_besides() {
+    let mut dice = Dice::new(79);
+    let (mut broken, mut worn) = (0, 0);
+    for _ in 0..8 {
+        let mut simulation = space();
+        let body = simulation
+            .bodies
+            .insert(standing(wall(12, 16, 1e5)))
+            .expect("usable");
+        let foot = Anchors::none().and_behind(Vec3::Y, 0.05);
+        let held = simulation.bodies.set_anchors(body, Some(foot));
+        held.expect("usable");
+        let fatigue = Fatigue {
+            endurance: 0.05,
+            ..Fatigue::new(1e4)
+        };
+        let taken = simulation.bodies.set_fatigue(body, Some(fatigue));
+        taken.expect("usable");
+        simulation.step(H);
+        let explosion = Explosion {
+            center: Vec3::new(dice.in_range(-1.0, 1.0), dice.in_range(0.5, 1.2), 0.4),
+            radius: 0.8,
+            impulse: dice.in_range(100.0, 400.0),
+        };
+        simulation.bodies.explode(explosion).expect("usable");
+        simulation.step(1e-6);
+        if simulation.fractures.done.is_empty() {
+            continue;
+        }
+        broken += 1;
+        let shape = simulation.bodies.compound(body).expect("a wall");
+        worn += usize::from(shape.bonds().iter().any(|bond| bond.damage > 0.0));
+    }
+    assert!(broken > 4 && worn == broken, "{worn} of {broken}");
+}

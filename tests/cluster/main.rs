@@ -11,6 +11,7 @@ mod family;
 mod in_app;
 mod levels;
 mod loads;
+mod pushes;
 mod shapes;
 mod threads;
 mod wear;

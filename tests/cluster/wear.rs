@@ -310,3 +310,30 @@ fn an_entity_tells_how_worn_its_bonds_are_and_what_comes_off_keeps_it() {
     }
     assert_eq!(worn(&app, clone), before, "nobody shot at it");
 }
+
+#[test]
+fn a_blow_that_breaks_something_wears_what_it_leaves() {
+    let mut dice = Dice::new(21);
+    let (mut broken, mut worn) = (0, 0);
+    for _ in 0..8 {
+        let fatigue = Fatigue {
+            endurance: 0.05,
+            ..Fatigue::new(1e4)
+        };
+        let (mut simulation, body) = scene(wall(12, 16, 1e6), Some(fatigue));
+        let at = Vec3::new(dice.in_range(-1.2, 1.2), dice.in_range(0.8, 1.4), 0.3);
+        let missile = ball(BALL.0, BALL.1, at, -dice.in_range(6.0, 12.0) * Vec3::Z);
+        simulation.bodies.insert(missile).expect("usable");
+        for _ in 0..30 {
+            simulation.step(1.0 / 60.0);
+            // Of the very step: what comes after has blows of its own.
+            if !simulation.fractures.done.is_empty() {
+                broken += 1;
+                let damages = damages(&simulation, body);
+                worn += usize::from(damages.iter().any(|&damage| damage > 0.0));
+                break;
+            }
+        }
+    }
+    assert!(broken > 4 && worn == broken, "{worn} of {broken}");
+}

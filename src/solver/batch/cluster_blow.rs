@@ -98,9 +98,17 @@ impl Batch {
             });
             return None;
         }
+        let mut strained = bodies.fatigue(slot).map_or_else(Vec::new, |fatigue| {
+            let network = &state.network;
+            network.strained(Hit::of(&strikers), fatigue.endurance, |part| {
+                state.holds(part)
+            })
+        });
+        strained.retain(|(bond, _)| outcome.broken.binary_search(bond).is_err());
         Some(Blow {
             bonds: outcome.broken,
             bond_work: outcome.work,
+            strained,
             ..self.blow_to(number, load, manifolds)
         })
     }

@@ -1,0 +1,119 @@
+//! Explosions beside bodies that are no clusters: the pressure on what they turn to it is a blow, which breaks them as another one would.
+//!
+//! The body bears a share of the blow before it breaks, and its pieces share the rest.
+
+use crate::bodies::body::RigidBody;
+use crate::bodies::explosion::Explosion;
+use crate::bodies::store::Bodies;
+use crate::fracture::budget::FractureBudget;
+use crate::fracture::pending::{Division, PendingBreak, PendingCause, cut_triangles, divide};
+use crate::fracture::{Bonds, BreakingImpact, Fractures, MIN_PIECES, impact};
+use crate::math::rotate;
+use crate::slice::Impact;
+use glam::Vec3;
+
+impl Fractures {
+    /// Lets an explosion act on a body that is no cluster.
+    pub(super) fn press(
+        &mut self,
+        bodies: &mut Bodies,
+        slot: u32,
+        (bonds, budget): (&mut Bonds, &FractureBudget),
+        explosion: &Explosion,
+    ) {
+        let limit = bodies.limit(slot);
+        let blow = limit.and_then(|limit| {
+            let blow = explosion.blow_to(bodies, slot)?;
+            bodies.add_blow(slot, blow.0);
+            limit.is_body_at_risk(&blow.0).then_some(blow)
+        });
+        let Some((load, [point, direction])) = blow else {
+            return push(bodies, slot, explosion, 1.0);
+        };
+        let to_body = bodies.pose(slot);
+        let impact = Impact {
+            point: to_body.inverse_transform_point(point),
+            normal: rotate(to_body.rotation.inverse(), direction),
+            impulse: load.impulse,
+            energy: load.energy,
+        };
+        let report = |withstood| BreakingImpact {
+            impulse: load.impulse,
+            energy: load.energy,
+            withstood,
+            by: None,
+            point,
+            direction,
+        };
+        let left = self.state.left(budget);
+        let triangles = cut_triangles(bodies, slot, &impact);
+        if left < MIN_PIECES || !budget.may_cut(self.state.cut, triangles) {
+            self.wait_for_turn(bodies, slot, (impact, report(1.0)));
+            // All of it acts on what waits.
+            return push(bodies, slot, explosion, 1.0);
+        }
+        let division = divide(bodies, slot, &impact, left, &mut self.state.cutter);
+        let Some(Division::Cut(pieces)) = division else {
+            return push(bodies, slot, explosion, 1.0);
+        };
+        self.state.cut += triangles;
+        let withstood = impact::withstood(bodies, slot, load, &pieces);
+        bodies.wake(slot);
+        push(bodies, slot, explosion, withstood);
+        match self.replace(bodies, bonds, slot, Division::Cut(pieces), budget) {
+            Ok(fracture) => {
+                fracture.blow = Some(report(withstood));
+                let pieces = fracture.pieces.clone();
+                share_out(bodies, &pieces, explosion, (1.0 - withstood) * load.impulse);
+            }
+            Err(_) => push(bodies, slot, explosion, 1.0 - withstood),
+        }
+    }
+
+    /// Lets a body break under a blow once there is a budget, unless it waits already or bears it.
+    fn wait_for_turn(
+        &mut self,
+        bodies: &Bodies,
+        slot: u32,
+        (impact, blow): (Impact, BreakingImpact),
+    ) {
+        let body = bodies.id(slot);
+        let is_known = self.state.waiting.iter().any(|entry| entry.body == body);
+        let most = bodies.max_pieces(slot).min(MIN_PIECES);
+        if !is_known && impact::cutting(bodies, slot, &impact, most).is_some() {
+            let bonds = None;
+            let cause = PendingCause::Blow {
+                impact,
+                blow,
+                bonds,
+            };
+            self.state.waiting.push(PendingBreak { body, slot, cause });
+        }
+    }
+}
+
+/// Pushes a body with a share of what an explosion gives it.
+fn push(bodies: &mut Bodies, slot: u32, explosion: &Explosion, share: f32) {
+    if bodies.kind(slot) == RigidBody::Dynamic
+        && let Some(given) = explosion.push_on(bodies, slot)
+    {
+        bodies.push(slot, given.map(|v| share * v));
+    }
+}
+
+/// Pushes pieces away from an explosion with an impulse (N s) together, if all that stay where they are had their share as well.
+fn share_out(bodies: &mut Bodies, pieces: &[u32], explosion: &Explosion, impulse: f32) {
+    let weights = pieces.iter().map(|&it| explosion.weight_on(bodies, it));
+    let weights: Vec<f32> = weights.collect();
+    let total: f32 = weights.iter().sum();
+    if total <= 0.0 {
+        return;
+    }
+    for (&piece, weight) in pieces.iter().zip(weights) {
+        if bodies.kind(piece) == RigidBody::Dynamic {
+            let away = bodies.center_of_mass(piece) - explosion.center;
+            let given = impulse * weight / total * away.normalize_or(Vec3::Y);
+            bodies.push(piece, [given, Vec3::ZERO]);
+        }
+    }
+}
