@@ -130,6 +130,7 @@ fn cantilever_limit() -> Result<f32, support::Error> {
 }
 
 /// A wall under a shot, as one cluster or as bonded bodies.
+#[derive(Clone, Copy, Debug)]
 struct Shot {
     strength: f32,
     at: Vec3,
@@ -152,39 +153,93 @@ fn compare() -> Result<(), support::Error> {
     });
     let clusters: Vec<_> = clusters.collect::<Result<_, support::Error>>()?;
     for rate in [60.0, 480.0, 3840.0] {
-        let (mut same, mut all, mut both, mut either) = (0, 0, 0, 0);
+        let mut agreement = Agreement::default();
         let mut broken = [0, 0];
         let mut time = [Duration::ZERO; 2];
         for (shot, (cluster, wall)) in shots.iter().zip(&clusters) {
             let bonded = as_bodies(wall, shot, rate)?;
-            for bond in wall.shape_bonds() {
-                let is_in = |outcome: &Outcome| outcome.broken.contains(&bond);
-                let (a, b) = (is_in(cluster), is_in(&bonded));
-                all += 1;
-                same += usize::from(a == b);
-                both += usize::from(a && b);
-                either += usize::from(a || b);
-            }
+            agreement.add(wall, [cluster, &bonded]);
             time[0] += cluster.time;
             time[1] += bonded.time;
             broken[0] += cluster.broken.len();
             broken[1] += bonded.broken.len();
         }
-        let share = |count: usize, of: usize| count as f64 / of as f64;
-        println!("{rate}_hz_broken_by_cluster_and_bonded: {broken:?} of {all}");
-        println!("{rate}_hz_bonds_in_the_same_state: {:.3}", share(same, all));
         println!(
-            "{rate}_hz_broken_in_both_of_either: {:.3}",
-            share(both, either)
+            "{rate}_hz_broken_by_cluster_and_bonded: {broken:?} of {}",
+            agreement.all
         );
+        agreement.tell(&format!("{rate}_hz"));
         let ratio = time[1].as_secs_f64() / time[0].as_secs_f64();
         println!("{rate}_hz_bonded_bodies_take_times_as_long: {ratio:.1}");
     }
+    compare_with_themselves(&shots, &clusters)?;
     let [cluster, bonded] = standing_times()?;
     let ratio = bonded.as_secs_f64() / cluster.as_secs_f64();
     println!("standing_500_bricks_ms: {:.3}", 1e3 * cluster.as_secs_f64());
     println!("standing_500_bonded_take_times_as_long: {ratio:.0}");
     Ok(())
+}
+
+/// How far two outcomes of one more shot agree is no more than how far one model agrees with itself: with the shot a centimeter aside, which is
+/// a twelfth of a brick's thickness, and in shorter steps.
+fn compare_with_themselves(
+    shots: &[Shot],
+    clusters: &[(Outcome, BodyDesc)],
+) -> Result<(), support::Error> {
+    let (mut cluster, mut bonded, mut finer) = (
+        Agreement::default(),
+        Agreement::default(),
+        Agreement::default(),
+    );
+    for (shot, (as_it_was, wall)) in shots.iter().zip(clusters) {
+        let aside = Shot {
+            at: shot.at + 0.01 * Vec3::X,
+            ..*shot
+        };
+        cluster.add(wall, [as_it_was, &as_cluster(wall, &aside)?]);
+        let coarse = as_bodies(wall, shot, 480.0)?;
+        bonded.add(wall, [&coarse, &as_bodies(wall, &aside, 480.0)?]);
+        finer.add(wall, [&coarse, &as_bodies(wall, shot, 3840.0)?]);
+    }
+    cluster.tell("cluster_beside_1_cm_aside");
+    bonded.tell("bonded_480_hz_beside_1_cm_aside");
+    finer.tell("bonded_480_hz_beside_3840_hz");
+    Ok(())
+}
+
+/// How far outcomes of shots agree, bond by bond.
+#[derive(Debug, Default)]
+struct Agreement {
+    all: usize,
+    /// Whole in both, or broken in both.
+    same: usize,
+    /// Broken in both.
+    both: usize,
+    either: usize,
+}
+
+impl Agreement {
+    fn add(&mut self, wall: &BodyDesc, outcomes: [&Outcome; 2]) {
+        for bond in wall.shape_bonds() {
+            let [a, b] = outcomes.map(|outcome| outcome.broken.contains(&bond));
+            self.all += 1;
+            self.same += usize::from(a == b);
+            self.both += usize::from(a && b);
+            self.either += usize::from(a || b);
+        }
+    }
+
+    fn tell(&self, name: &str) {
+        let share = |count: usize, of: usize| count as f64 / of as f64;
+        println!(
+            "{name}_bonds_in_the_same_state: {:.3}",
+            share(self.same, self.all)
+        );
+        println!(
+            "{name}_broken_in_both_of_either: {:.3}",
+            share(self.both, self.either)
+        );
+    }
 }
 
 /// One of many.

@@ -56,6 +56,7 @@ fn soak() -> Result<(), support::Error> {
         ..DebrisRules::default()
     };
     let (mut times, mut counts, mut breaks) = (Vec::new(), Vec::new(), Vec::new());
+    let mut work: [Vec<f64>; 3] = Default::default();
     let (mut dropped, mut blocks) = (0.0, 0);
     for step in 0..(minutes * 60.0 / f64::from(H)) as usize {
         if step % EVERY == 0 {
@@ -67,11 +68,21 @@ fn soak() -> Result<(), support::Error> {
         times.push(start.elapsed().as_secs_f64() * 1e3);
         counts.push(simulation.bodies.len() as f64);
         breaks.push(!simulation.fractures.done.is_empty());
+        let report = &simulation.report;
+        let swept = report
+            .islands
+            .iter()
+            .map(|it| it.contacts * it.sweeps as usize);
+        let counted = [report.awake, report.contacts, swept.sum()];
+        for (counts, count) in work.iter_mut().zip(counted) {
+            counts.push(count as f64);
+        }
         let ledgers = simulation.fractures.done.iter().map(|f| f.ledger);
         dropped += ledgers.map(|l| l.dropped.mass).sum::<f64>();
     }
     report(&simulation, &times, dropped, blocks)?;
     report_breaks(&times, &breaks);
+    report_work(&times, &breaks, &work);
     plot(&times, &counts)
 }
 
@@ -146,6 +157,39 @@ fn report_breaks(times: &[f64], breaks: &[bool]) {
         );
         println!("{name}_steps_ms_longest: {:.3}", stats::max(&times));
     }
+}
+
+/// What sets steps apart in which nothing broke: how much of the scatter of their times goes with the bodies that are awake, with the contacts, and with
+/// contacts times sweeps; and how much of it there is in the longest hundredth beside the median.
+fn report_work(times: &[f64], breaks: &[bool], work: &[Vec<f64>; 3]) {
+    // Not while the scene fills.
+    let first = times.len() / 4;
+    let others: Vec<usize> = (first..times.len()).filter(|&i| !breaks[i]).collect();
+    let of = |values: &[f64]| others.iter().map(|&i| values[i]).collect::<Vec<_>>();
+    let times = of(times);
+    let least = stats::percentile(&times, 0.99);
+    for (name, work) in ["awake", "contacts", "contacts_times_sweeps"]
+        .iter()
+        .zip(work)
+    {
+        let work = of(work);
+        let longest = times.iter().zip(&work).filter(|(time, _)| **time >= least);
+        let longest: Vec<f64> = longest.map(|(_, work)| *work).collect();
+        println!("{name}_determination: {:.3}", determination(&work, &times));
+        println!("{name}_median: {:.0}", stats::median(&work));
+        println!("{name}_of_longest_median: {:.0}", stats::median(&longest));
+    }
+}
+
+/// Share of the variance of `y` that goes with `x` linearly.
+fn determination(x: &[f64], y: &[f64]) -> f64 {
+    let mean = |v: &[f64]| v.iter().sum::<f64>() / v.len() as f64;
+    let (a, b) = (mean(x), mean(y));
+    let sum = |f: &dyn Fn(f64, f64) -> f64| -> f64 {
+        x.iter().zip(y).map(|(x, y)| f(x - a, y - b)).sum()
+    };
+    let both = sum(&|x, y| x * y);
+    both * both / (sum(&|x, _| x * x) * sum(&|_, y| y * y))
 }
 
 fn plot(times: &[f64], counts: &[f64]) -> Result<(), support::Error> {
