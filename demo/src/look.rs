@@ -7,6 +7,8 @@ use bevy_cleave::prelude::*;
 pub(crate) const OUTSIDE: u16 = 0;
 /// Slot of the faces of cuts.
 pub(crate) const INSIDE: u16 = 1;
+/// Slots of stones of one body that are not of one color.
+pub(crate) const SHADES: [u16; 3] = [OUTSIDE, 2, 3];
 
 /// What a body is drawn with; its pieces have it too.
 #[derive(Bundle, Clone)]
@@ -22,6 +24,11 @@ impl Look {
             shape: DrawShape::new().with_slot(INSIDE, MeshMaterial3d(inside)),
         }
     }
+
+    fn with_slot(self, slot: u16, material: Handle<StandardMaterial>) -> Self {
+        let shape = self.shape.with_slot(slot, MeshMaterial3d(material));
+        Self { shape, ..self }
+    }
 }
 
 /// All looks that there are.
@@ -36,6 +43,8 @@ pub(crate) struct Looks {
     pub(crate) porcelain: Look,
     pub(crate) iron: Look,
     pub(crate) plinth: Look,
+    /// In [`SHADES`].
+    pub(crate) sandstone: Look,
 }
 
 pub(crate) fn plugin(app: &mut App) {
@@ -70,6 +79,12 @@ fn mix(mut commands: Commands, mut materials: ResMut<Assets<StandardMaterial>>) 
     let plinth = look([0.78, 0.77, 0.75], [0.8, 0.8, 0.8], 0.7);
     let iron = add(Color::srgb(0.55, 0.56, 0.58), 0.28, 1.0);
     let iron = Look::new(iron.clone(), iron);
+    let shades = [[0.76, 0.64, 0.45], [0.70, 0.58, 0.41], [0.80, 0.69, 0.51]];
+    let [first, second, third] =
+        shades.map(|shade| add(Color::srgb_from_array(shade), 0.9, 0.0));
+    let sandstone = Look::new(first.clone(), first)
+        .with_slot(SHADES[1], second)
+        .with_slot(SHADES[2], third);
     let mut glass = |color: Color| {
         materials.add(StandardMaterial {
             base_color: color,
@@ -93,5 +108,6 @@ fn mix(mut commands: Commands, mut materials: ResMut<Assets<StandardMaterial>>) 
         porcelain,
         iron,
         plinth,
+        sandstone,
     });
 }

@@ -39,7 +39,7 @@ pub(crate) fn plugin(app: &mut App) {
         .add_systems(Update, (write_figures, color_buttons));
 }
 
-const KEYS: [(KeyCode, &str, Action); 12] = [
+const KEYS: [(KeyCode, &str, Action); 13] = [
     (KeyCode::Digit1, "1", Action::Show(Exhibit::All)),
     (KeyCode::Digit2, "2", Action::Show(Exhibit::Glass)),
     (KeyCode::Digit3, "3", Action::Show(Exhibit::Brick)),
@@ -48,6 +48,7 @@ const KEYS: [(KeyCode, &str, Action); 12] = [
     (KeyCode::Digit6, "6", Action::Show(Exhibit::Figurine)),
     (KeyCode::Digit7, "7", Action::Show(Exhibit::Furniture)),
     (KeyCode::Digit8, "8", Action::Show(Exhibit::Wrecking)),
+    (KeyCode::Digit9, "9", Action::Show(Exhibit::Tower)),
     (KeyCode::KeyS, "S", Action::Slow),
     (KeyCode::KeyP, "P", Action::Pause),
     (KeyCode::KeyD, "D", Action::Debug),

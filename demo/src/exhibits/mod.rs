@@ -6,6 +6,7 @@ mod furniture;
 mod glass;
 mod recipes;
 mod stone;
+mod tower;
 mod wood;
 mod wrecking;
 
@@ -28,6 +29,7 @@ pub(crate) enum Exhibit {
     Figurine,
     Furniture,
     Wrecking,
+    Tower,
 }
 
 impl Exhibit {
@@ -41,6 +43,7 @@ impl Exhibit {
             Self::Figurine => "Figurine",
             Self::Furniture => "Table",
             Self::Wrecking => "Chain",
+            Self::Tower => "Tower",
         }
     }
 
@@ -58,6 +61,7 @@ impl Exhibit {
             Self::Figurine => figurine::put_up(stage, Vec3::ZERO),
             Self::Furniture => furniture::put_up(stage, Vec3::ZERO),
             Self::Wrecking => wrecking::put_up(stage, Vec3::ZERO),
+            Self::Tower => tower::put_up(stage, Vec3::ZERO),
         }
     }
 
@@ -80,6 +84,7 @@ impl Exhibit {
                 yaw: 0.75,
                 ..from(1.3, 7.0)
             },
+            Self::Tower => from(0.85, 5.6),
         }
     }
 }
@@ -165,10 +170,13 @@ impl Stage<'_, '_, '_> {
     /// A block that stays where it is.
     fn fix(&mut self, size: Vec3, at: Vec3, look: &Look) -> Result<Entity> {
         let shape = shapes::block(size, 0.006)?;
+        Ok(self.stand(shape, at, look))
+    }
+
+    /// What stands.
+    fn stand(&mut self, shape: impl Bundle, at: Vec3, look: &Look) -> Entity {
         let at = Transform::from_translation(at);
-        Ok(self
-            .commands
-            .spawn((RigidBody::Static, shape, at, look.clone()))
-            .id())
+        let body = (RigidBody::Static, shape, at, look.clone());
+        self.commands.spawn(body).id()
     }
 }

@@ -42,7 +42,7 @@ const PLAIN: Shot = Shot {
     debug: false,
 };
 
-const SHOTS: [Shot; 10] = [
+const SHOTS: [Shot; 11] = [
     Shot {
         name: "playground",
         throws: &[[0.70, 0.42], [0.30, 0.36], [0.38, 0.45]],
@@ -98,6 +98,14 @@ const SHOTS: [Shot; 10] = [
         name: "chain",
         exhibit: Exhibit::Wrecking,
         after: 62,
+        ..PLAIN
+    },
+    Shot {
+        name: "tower",
+        exhibit: Exhibit::Tower,
+        throws: &[[0.47, 0.42], [0.55, 0.50], [0.52, 0.34]],
+        after: 26,
+        panel: true,
         ..PLAIN
     },
     Shot {
