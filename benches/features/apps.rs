@@ -71,7 +71,7 @@ fn spawn_ill(world: &mut World, _: &[Entity]) {
 }
 
 pub(crate) fn rows() -> Vec<Row> {
-    vec![
+    let mut rows = vec![
         Row::new(
             "Events, sensors, forces",
             "app: `CollisionEvents` on all",
@@ -94,6 +94,43 @@ pub(crate) fn rows() -> Vec<Row> {
         Row::new("Smooth motion", "app: `InterpolationPlugin`", || {
             let plugin = |app: &mut App| {
                 app.add_plugins(InterpolationPlugin);
+            };
+            changed(plugin, |_, _| {})
+        }),
+    ];
+    rows.extend(featured());
+    rows
+}
+
+/// Rows of what needs features of the crate.
+#[cfg(not(all(feature = "diagnostics", feature = "mesh")))]
+fn featured() -> [Row; 0] {
+    []
+}
+
+#[cfg(all(feature = "diagnostics", feature = "mesh"))]
+fn featured() -> [Row; 2] {
+    use bevy_app::Plugin;
+    use bevy_asset::AssetPlugin;
+    use bevy_mesh::MeshPlugin;
+
+    fn with_meshes(app: &mut App) {
+        app.add_plugins((AssetPlugin::default(), MeshPlugin, CleaveMeshPlugin));
+    }
+
+    [
+        Row::new("Seen", "app: `DrawShape` on all", || {
+            let draw = |world: &mut World, bodies: &[Entity]| {
+                for &body in bodies {
+                    world.entity_mut(body).insert(DrawShape::new());
+                }
+            };
+            Pair::new(heap(with_meshes, |_, _| {}), heap(with_meshes, draw))
+        }),
+        Row::new("Seen", "app: `CleaveDiagnosticsPlugin`", || {
+            let plugin = |app: &mut App| {
+                bevy_diagnostic::DiagnosticsPlugin.build(app);
+                app.add_plugins(CleaveDiagnosticsPlugin);
             };
             changed(plugin, |_, _| {})
         }),

@@ -13,7 +13,7 @@ pub(crate) const H: f32 = 1.0 / 60.0;
 const BODIES: usize = 200;
 
 /// Where what is added to the scene stands, so that the heap does not meet it, m.
-const ASIDE: Vec3 = Vec3::new(50.0, 0.0, 50.0);
+pub(crate) const ASIDE: Vec3 = Vec3::new(50.0, 0.0, 50.0);
 
 pub(crate) fn step(mut simulation: Simulation) -> Step {
     Box::new(move || simulation.step(H))
@@ -30,7 +30,7 @@ pub(crate) fn insert(simulation: &mut Simulation, desc: BodyDesc) -> u32 {
 }
 
 /// A heap whose bodies are made by `change`, 10 s after it was let go.
-fn heap(change: &dyn Fn(&mut BodyDesc), config: SolverConfig) -> Simulation {
+pub(crate) fn heap(change: &dyn Fn(&mut BodyDesc), config: SolverConfig) -> Simulation {
     let mut simulation = Simulation {
         config: SolverConfig {
             sleep: SleepConfig::off(),
@@ -74,7 +74,7 @@ fn by(change: impl FnOnce(&mut SolverConfig)) -> Pair {
 }
 
 /// Gives every second body another shape.
-fn every_second(shape: Shape) -> impl Fn(&mut BodyDesc) {
+pub(crate) fn every_second(shape: Shape) -> impl Fn(&mut BodyDesc) {
     let number = Cell::new(0_u32);
     move |desc| {
         number.set(number.get() + 1);
@@ -98,39 +98,8 @@ fn halves() -> Compound {
 }
 
 /// The same, held by bonds.
-fn cluster() -> Compound {
+pub(crate) fn cluster() -> Compound {
     halves().bonded(1e6).expect("they touch")
-}
-
-fn drive_all(simulation: &mut Simulation, drive: BodyDrive) {
-    for slot in 0..simulation.bodies.slots() as u32 {
-        let taken = simulation.bodies.set_drive(slot, drive);
-        taken.expect("usable");
-    }
-}
-
-/// Asks for all news of all bodies, of loads that no contact bears.
-pub(crate) fn watch_all(simulation: &mut Simulation) {
-    let watch = ContactWatch {
-        touches: true,
-        force: f32::MAX,
-    };
-    let Simulation {
-        bodies, contacts, ..
-    } = simulation;
-    for slot in 0..bodies.slots() as u32 {
-        contacts.events_mut().watch(bodies, slot, watch);
-    }
-}
-
-/// A box that senses, of so many meters.
-fn sensor(size: f32, at: Vec3) -> BodyDesc {
-    let shape = ConvexMesh::cuboid(size, size, size).expect("valid size");
-    BodyDesc {
-        kind: RigidBody::Static,
-        is_sensor: true,
-        ..BodyDesc::dynamic(shape, at)
-    }
 }
 
 fn shapes() -> Vec<Row> {
@@ -235,97 +204,6 @@ fn breaking() -> Vec<Row> {
     ]
 }
 
-fn questions() -> Vec<Row> {
-    vec![
-        Row::new("Queries", "an index and a ray after each step", || {
-            let mut simulation = plain();
-            let ray = Ray::new(Vec3::new(0.1, 50.0, 0.1), Vec3::NEG_Y, 100.0).expect("usable");
-            let with = Box::new(move || {
-                simulation.step(H);
-                let hit = simulation.queries().cast_ray(&ray, &QueryFilter::all());
-                std::hint::black_box(hit);
-            });
-            Pair::new(step(plain()), with)
-        }),
-        Row::new(
-            "Characters",
-            "one that walks against the heap in each step",
-            || Pair::new(step(plain()), walking()),
-        ),
-        Row::new("Sleep", "on, and the heap rests", || {
-            let mut asleep = plain();
-            asleep.config.sleep = SleepConfig::default();
-            run(&mut asleep, 600);
-            Pair::new(step(plain()), step(asleep))
-        }),
-        Row::new("Events, sensors, forces", "news of all contacts", || {
-            beside(watch_all)
-        }),
-        Row::new("Events, sensors, forces", "a sensor aside", || {
-            beside(|s| {
-                insert(s, sensor(1.0, ASIDE));
-            })
-        }),
-        Row::new("Events, sensors, forces", "a sensor about all", || {
-            beside(|s| {
-                insert(s, sensor(40.0, Vec3::ZERO));
-            })
-        }),
-        Row::new("Events, sensors, forces", "a force on one aside", || {
-            beside(|s| {
-                let body = bevy_cleave::cuboid!(0.3, 0.3, 0.3);
-                let slot = insert(s, BodyDesc::dynamic(body, ASIDE + 0.15 * Vec3::Y));
-                let drive = BodyDrive {
-                    force: Vec3::X,
-                    ..BodyDrive::default()
-                };
-                s.bodies.set_drive(slot, drive).expect("usable");
-            })
-        }),
-        Row::new("Events, sensors, forces", "damping on all", || {
-            beside(|s| {
-                let damped = BodyDrive {
-                    linear_damping: 0.01,
-                    ..BodyDrive::default()
-                };
-                drive_all(s, damped);
-            })
-        }),
-    ]
-}
-
-/// A capsule that walks towards the heap, which is in its way.
-fn walking() -> Step {
-    let mut simulation = plain();
-    let capsule = ConvexMesh::capsule(0.3, 0.5).expect("valid size");
-    let settings = WalkSettings::default();
-    let mut state = WalkState {
-        position: Vec3::new(-3.0, 0.6, 2.0),
-        ..WalkState::default()
-    };
-    let input = WalkInput {
-        velocity: Vec3::X,
-        jump: 0.0,
-        gravity: 9.81 * Vec3::NEG_Y,
-        step_dt: H,
-    };
-    let mut pushes = Vec::new();
-    Box::new(move || {
-        simulation.step(H);
-        let slider = Slider {
-            shape: QueryShape::from(&capsule),
-            skin: settings.skin,
-        };
-        simulation.queries().walk(
-            (&slider, &settings),
-            &mut state,
-            &input,
-            &QueryFilter::all(),
-            &mut pushes,
-        );
-    })
-}
-
 fn effort() -> Vec<Row> {
     vec![
         Row::new("Effort", "`SolverConfig::fast()`", || {
@@ -359,5 +237,5 @@ fn effort() -> Vec<Row> {
 }
 
 pub(crate) fn rows() -> Vec<Row> {
-    [shapes(), breaking(), questions(), effort()].concat()
+    [shapes(), breaking(), effort()].concat()
 }

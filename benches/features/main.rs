@@ -1,7 +1,7 @@
 //! What a scene pays for each part of the crate: the same scene without it and with it, stepped in turns in one run.
 //!
 //! `cargo bench --bench features` prints a table of ratios; words after `--` choose rows whose names hold one of them;
-//! `-- --publish` writes `docs/report/features.md`. As a test it makes each row once.
+//! `--all-features -- --publish` writes `docs/report/features.md`. As a test it makes each row once.
 #![allow(
     clippy::print_stdout,
     clippy::print_stderr,
@@ -12,19 +12,32 @@
 mod app;
 mod apps;
 mod built;
+mod clusters;
 #[path = "../../tests/common/mod.rs"]
 mod common;
 mod heaps;
+mod joints;
 #[path = "../../examples/speed_vs_error/machine.rs"]
 mod machine;
+mod news;
 mod pair;
+mod questions;
 mod report;
 
 use pair::{Pair, Row, is_bench};
 
 /// All rows, in the order of `docs/features.md`.
 fn rows() -> Vec<Row> {
-    let mut rows = [heaps::rows(), built::rows(), apps::rows()].concat();
+    let mut rows = [
+        heaps::rows(),
+        joints::rows(),
+        clusters::rows(),
+        questions::rows(),
+        news::rows(),
+        built::rows(),
+        apps::rows(),
+    ]
+    .concat();
     let order = report::capabilities();
     rows.sort_by_key(|row| order.iter().position(|name| name == row.capability));
     rows

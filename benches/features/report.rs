@@ -27,7 +27,7 @@ pub(crate) fn publish(lines: &[String]) -> std::io::Result<()> {
          differently, and where bodies sleep, slide or bounce it is not the same work: such ratios tell what to expect, not what\nthe part itself takes.\n\n\
          Unless a row says otherwise: a heap of 200 hulls that lies, awake, on one thread, no app. Rows that begin with \"app\" are a whole \
          `App::update`.\n\n\
-         `cargo bench --bench features -- --publish`; {}; {}; commit {}.\n\n\
+         `cargo bench --bench features --all-features -- --publish`; {}; {}; commit {}.\n\n\
          | part | difference | without | with | ratio | middle half |\n|---|---|---|---|---|---|\n{}\n",
         machine::processor(),
         machine::date(),
