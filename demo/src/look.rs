@@ -80,8 +80,7 @@ fn mix(mut commands: Commands, mut materials: ResMut<Assets<StandardMaterial>>) 
     let iron = add(Color::srgb(0.55, 0.56, 0.58), 0.28, 1.0);
     let iron = Look::new(iron.clone(), iron);
     let shades = [[0.76, 0.64, 0.45], [0.70, 0.58, 0.41], [0.80, 0.69, 0.51]];
-    let [first, second, third] =
-        shades.map(|shade| add(Color::srgb_from_array(shade), 0.9, 0.0));
+    let [first, second, third] = shades.map(|shade| add(Color::srgb_from_array(shade), 0.9, 0.0));
     let sandstone = Look::new(first.clone(), first)
         .with_slot(SHADES[1], second)
         .with_slot(SHADES[2], third);

@@ -25,9 +25,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
     match arguments[..] {
         [] => window::run(),
-        ["pictures", folder] => offscreen::pictures::take(folder.as_ref())?,
+        ["pictures", folder, ref names @ ..] => offscreen::pictures::take(folder.as_ref(), names)?,
         ["film", file] => offscreen::film::take(file.as_ref())?,
-        _ => return Err("usage: cleave_demo [pictures FOLDER | film FILE.gif]".into()),
+        _ => return Err("usage: cleave_demo [pictures FOLDER [NAME..] | film FILE.gif]".into()),
     }
     Ok(())
 }

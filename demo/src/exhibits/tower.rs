@@ -40,7 +40,11 @@ pub(super) fn put_up(stage: &mut Stage, at: Vec3) -> Result {
             ..COURSES => is_window(course, stone),
             _ => course > COURSES && stone % 2 == 1,
         };
-        let shapes = if course < COURSES { &wall } else { &battlements };
+        let shapes = if course < COURSES {
+            &wall
+        } else {
+            &battlements
+        };
         // Every other course is turned by half a stone.
         let shift = 0.5 * f32::from(course.min(COURSES) % 2);
         for stone in (0..STONES).filter(|&stone| !is_gap(stone)) {

@@ -127,11 +127,12 @@ const SHOTS: [Shot; 11] = [
     },
 ];
 
-/// Takes all pictures into `folder`.
-pub(crate) fn take(folder: &Path) -> Result<(), Box<dyn Error>> {
+/// Takes pictures into `folder`, those with these names or all.
+pub(crate) fn take(folder: &Path, names: &[&str]) -> Result<(), Box<dyn Error>> {
     std::fs::create_dir_all(folder)?;
     let mut studio = Offscreen::new(SIZE, FRAME);
-    for shot in &SHOTS {
+    let is_wanted = |shot: &&Shot| names.is_empty() || names.contains(&shot.name);
+    for shot in SHOTS.iter().filter(is_wanted) {
         studio.press(Action::Show(shot.exhibit));
         studio.frames(1 + shot.wait);
         for &at in shot.throws {
