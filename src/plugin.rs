@@ -12,6 +12,7 @@ use crate::ecs::components::*;
 use crate::ecs::forces::{self, ForceQuery};
 use crate::ecs::pieces::PieceRules;
 use crate::ecs::state::PluginState;
+use crate::ecs::walker as walkers;
 use crate::ecs::{gather, joint, options, parts, pieces, query, scatter, setup};
 use crate::fracture::{Bonds, FractureBudget, Fractures};
 use crate::joints::{Joint, JointLoad, Joints};
@@ -108,9 +109,12 @@ impl Plugin for CleavePlugin {
             .add_observer(gather::on_body_inserted)
             .add_observer(gather::on_body_removed)
             .add_observer(pieces::on_last_piece_gone)
+            .add_observer(walkers::on_walker_added)
+            .add_observer(walkers::on_walker_removed)
             .add_observer(gather::on_disabled)
             .add_observer(gather::on_enabled)
-            .add_observer(gather::on_shape_added)
+            .add_observer(gather::on_lone_part_added)
+            .add_observer(gather::on_lone_part_removed)
             .add_observer(gather::on_part_removed)
             .add_observer(gather::on_sleeping_inserted)
             .add_observer(gather::on_sleeping_removed)

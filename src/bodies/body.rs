@@ -208,8 +208,8 @@ pub enum BodyError {
     /// A static body has a velocity.
     #[error("a Static body has a velocity, which does nothing: make it Kinematic")]
     StaticVelocity,
-    /// A shape that has no inside is to break.
-    #[error("Fracturable does nothing to a half-space or a StaticMesh")]
+    /// What has no inside, or what no blow meets, is to break.
+    #[error("Fracturable does nothing to a half-space, a StaticMesh or a Sensor")]
     UnbreakableShape,
     /// What is seen of a body that is to break does not enclose anything.
     #[error(
@@ -220,9 +220,7 @@ pub enum BodyError {
     #[error("SurfaceMaterials do nothing without a StaticMesh that has material slots")]
     IdleSurfaces,
     /// No blow makes two pieces of the body.
-    #[error(
-        "Fracturable does nothing: its pattern and max_pieces make no two pieces of this shape"
-    )]
+    #[error("Fracturable does nothing: pattern and max_pieces make no two pieces of the shape")]
     NoPieces,
     /// Numbers of `Fatigue` mean nothing.
     #[error("Fatigue needs a positive energy, and endurance and damage from 0 to 1")]
@@ -236,8 +234,10 @@ pub enum BodyError {
     /// More than one shape on an entity.
     #[error("an entity has one shape: ConvexMesh comes before Compound and HalfSpaceShape")]
     SeveralShapes,
-    /// A shape without a body.
-    #[error("a shape without RigidBody does nothing")]
+    /// A shape or something else of a body, and no body.
+    #[error(
+        "what makes a body (a shape, Fracturable, Sensor, a force) does nothing without RigidBody"
+    )]
     NoRigidBody,
     /// A half-space cannot be dynamic.
     #[error("a half-space has no mass and cannot be dynamic")]

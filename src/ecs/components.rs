@@ -167,6 +167,30 @@ pub enum BodyProblem {
     /// A joint does not hold.
     #[error("the joint does not hold: {0}")]
     Joint(#[from] JointError),
+    /// A character stands still.
+    #[error("the Walker does nothing: {0}")]
+    Walker(#[from] WalkerError),
+}
+
+/// Why a [`Walker`](crate::ecs::Walker) does not walk.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum WalkerError {
+    /// Nobody moves it.
+    #[error("the app has no WalkerPlugin")]
+    NoPlugin,
+    /// It has no body, or one that moves by itself or not at all.
+    #[error("it needs RigidBody::Kinematic")]
+    NotKinematic,
+    /// A half-space or a level of triangles has no inside to cast.
+    #[error("it needs a ConvexMesh or a Compound")]
+    Shape,
+    /// It is moved in the world, and a child in its parent.
+    #[error("it must not be a child")]
+    Child,
+    /// Its velocity or its jump is NaN or infinite.
+    #[error("its velocity or its jump is not finite")]
+    NotFinite,
 }
 
 /// Entities of the bodies, by slot, and what is needed to tell the user's changes from the plugin's own.

@@ -1,10 +1,11 @@
 //! Components into flat arrays: new bodies, removed bodies, and what the user changed since the last step.
 
 mod description;
+mod lone;
 mod motion;
 mod observers;
 
-pub(crate) use description::HasShape;
+pub(crate) use lone::{HasPart, on_lone_part_added, on_lone_part_removed};
 pub(crate) use observers::*;
 
 use crate::bodies::body::{BodyError, RigidBody};
@@ -15,11 +16,11 @@ use crate::ecs::bond::make_bonds;
 use crate::ecs::components::*;
 use crate::ecs::forces::AppliedForces;
 use crate::ecs::gather::description::*;
+use crate::ecs::gather::lone::LoneParts;
 use crate::ecs::gather::motion::{MotionReader, ReadMotion};
 use crate::ecs::issues::{Issues, Source};
 use crate::ecs::options::{BodyOptions, ChangedOptions, read_options};
 use crate::ecs::parents::Parents;
-use crate::ecs::parts::CompoundOfChildren;
 use crate::ecs::state::{BodyQueue, PluginState};
 use crate::fracture::Bonds;
 use crate::mass::MassProperties;
@@ -52,22 +53,7 @@ pub(crate) struct Readings<'w, 's> {
 pub(crate) struct RareReadings<'w, 's> {
     toggled: Query<'w, 's, (&'static BodyHandle, Has<Disabled>)>,
     kinds: Query<'w, 's, (&'static BodyHandle, &'static RigidBody), Allow<Disabled>>,
-    shapes: Query<'w, 's, Has<RigidBody>, AnyShape>,
-    above: Query<'w, 's, (Option<&'static ChildOf>, Has<CompoundOfChildren>), Allow<Disabled>>,
-}
-
-impl RareReadings<'_, '_> {
-    /// Whether a shape does nothing: it has no body, and is part of none.
-    fn is_idle(&self, entity: Entity) -> bool {
-        let mut next = Some(entity);
-        while let Some((child_of, is_compound)) = next.and_then(|at| self.above.get(at).ok()) {
-            if is_compound {
-                return false;
-            }
-            next = child_of.map(ChildOf::parent);
-        }
-        self.shapes.get(entity).is_ok_and(|is_body| !is_body)
-    }
+    lone: LoneParts<'w, 's>,
 }
 
 impl Readings<'_, '_> {
@@ -136,7 +122,7 @@ pub(crate) fn read_entities(
     make_bonds(bond_requests, bodies, bonds, warnings, &readings.handles);
 }
 
-/// Bodies that were made dynamic, kinematic or static, and shapes that are still without a body.
+/// Bodies that were made dynamic, kinematic or static, and what is still without a body.
 fn read_kinds(
     queue: &mut BodyQueue,
     bodies: &mut Bodies,
@@ -144,11 +130,7 @@ fn read_kinds(
     warnings: &mut Messages<BodyWarning>,
     rare: &RareReadings,
 ) {
-    for entity in queue.lone_shapes.drain(..) {
-        if rare.is_idle(entity) {
-            issues.raise(warnings, entity, Source::Body, BodyError::NoRigidBody);
-        }
-    }
+    rare.lone.tell(&mut queue.lone_parts, issues, warnings);
     for entity in queue.changed_kind.drain(..) {
         let Ok((handle, kind)) = rare.kinds.get(entity) else {
             continue;

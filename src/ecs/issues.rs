@@ -40,6 +40,8 @@ pub(crate) enum Source {
     Anchors,
     /// How blows wear it out.
     Fatigue,
+    /// How it walks.
+    Walker,
 }
 
 /// Something that is wrong.
@@ -94,6 +96,17 @@ impl Issues {
             if self.known.len() < count {
                 self.changed.push(entity);
             }
+        }
+    }
+
+    /// Takes note that the entity is no body: nothing can be wrong with one.
+    pub(crate) fn mend_body(&mut self, entity: Entity) {
+        let is_of_body = |issue: &Issue| {
+            issue.entity == entity && !matches!(issue.source, Source::Constructor | Source::Walker)
+        };
+        if self.known.iter().any(is_of_body) {
+            self.known.retain(|issue| !is_of_body(issue));
+            self.changed.push(entity);
         }
     }
 

@@ -11,6 +11,8 @@ use crate::ecs::components::*;
 use crate::ecs::forces::*;
 use crate::ecs::issues::{Issues, Source};
 use crate::ecs::state::{OptionQueue, PluginState};
+use crate::geometry::Compound;
+use crate::slice::fracturable::Fracturable;
 use crate::step::{ContactEvents, ContactWatch, Contacts};
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
@@ -35,6 +37,9 @@ pub(crate) type ChangedOptions = Or<(
     Changed<ConstantTorque>,
     Changed<Anchors>,
     Changed<Fatigue>,
+    // Whether it can wear out depends on them.
+    (With<Fatigue>, Changed<Fracturable>),
+    (With<Fatigue>, Changed<Compound>),
 )>;
 
 /// All of them.

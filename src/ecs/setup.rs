@@ -5,7 +5,7 @@ use crate::contact::layers::CollisionLayers;
 use crate::contact::material::{Density, Friction, Restitution};
 use crate::ecs::components::*;
 use crate::ecs::forces::AppliedForces;
-use crate::ecs::gather::HasShape;
+use crate::ecs::gather::HasPart;
 use crate::ecs::state::PluginState;
 use crate::mass::MassProperties;
 use bevy_app::App;
@@ -58,21 +58,20 @@ fn complete_body(add: On<Add<RigidBody>>, mut commands: Commands) {
     entity.insert_if_new(Required::default());
 }
 
-/// Entities that are there already become bodies, in the order of their names, and their lone shapes are looked at.
+/// Entities that are there already become bodies, in the order of their names, and what is without a body is looked at.
 fn adopt_bodies(world: &mut World) {
     let mut bodies = world.query_filtered::<Entity, (With<RigidBody>, Allow<Disabled>)>();
-    let mut shapes =
-        world.query_filtered::<Entity, (HasShape, Without<RigidBody>, Allow<Disabled>)>();
+    let mut lone = world.query_filtered::<Entity, (HasPart, Without<RigidBody>, Allow<Disabled>)>();
     let mut arrived: Vec<Entity> = bodies.iter(world).collect();
     arrived.sort_unstable();
-    let shapes: Vec<Entity> = shapes.iter(world).collect();
+    let lone: Vec<Entity> = lone.iter(world).collect();
     for &entity in &arrived {
         world.entity_mut(entity).insert_if_new(Required::default());
     }
     let state = &mut *world.resource_mut::<PluginState>();
     state.options.is_used = true;
     state.queue.arrived.extend(arrived);
-    state.queue.lone_shapes.extend(shapes);
+    state.queue.lone_parts.extend(lone);
 }
 
 /// System, once: says what the app lacks to make steps at all, or to make them fast.

@@ -16,7 +16,7 @@ use bevy_math::{Vec2, Vec3, Vec4};
 ///
 /// No shape comes of unusable numbers: then the entity gets [`BodyIssues`](crate::ecs::BodyIssues).
 #[derive(Clone, Component, Debug, PartialEq)]
-#[component(on_insert = construct, clone_behavior = Ignore)]
+#[component(on_insert = construct, on_remove = forget, clone_behavior = Ignore)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum ShapeConstructor {
     /// [`ConvexMesh::cuboid`].
@@ -178,6 +178,14 @@ fn construct(mut world: DeferredWorld, context: HookContext) {
         });
         note(world, entity, found);
     });
+}
+
+/// Hook: nothing is wrong with a description that is not there.
+fn forget(mut world: DeferredWorld, context: HookContext) {
+    let entity = context.entity;
+    world
+        .commands()
+        .queue(move |world: &mut World| note(world, entity, Ok(())));
 }
 
 /// Tells what is wrong with it, or that nothing is any more.

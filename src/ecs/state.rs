@@ -86,8 +86,8 @@ pub(crate) struct BodyQueue {
     pub(crate) halted: Vec<Entity>,
     /// Entities that were disabled or enabled.
     pub(crate) toggled: Vec<Entity>,
-    /// Entities with a shape that had no `RigidBody` when they got it.
-    pub(crate) lone_shapes: Vec<Entity>,
+    /// Entities with something of a body that had no `RigidBody` when they got or lost it, or that are bodies no more.
+    pub(crate) lone_parts: Vec<Entity>,
 }
 
 /// What was asked of the options since the last step.

@@ -1,11 +1,13 @@
 //! Characters that walk: a kinematic body that is moved by casts of its shape.
 
-use crate::bodies::body::Shape;
+use crate::bodies::body::{RigidBody, Shape};
 use crate::bodies::store::Bodies;
 use crate::contact::body_id::BodyId;
-use crate::ecs::components::BodyHandle;
+use crate::ecs::components::{BodyHandle, BodyWarning, WalkerError};
 use crate::ecs::forces::AppliedForces;
+use crate::ecs::issues::Source;
 use crate::ecs::query::SpatialQuery;
+use crate::ecs::state::PluginState;
 use crate::query::{
     Footing, Push, QueryFilter, QueryShape, Slider, WalkInput, WalkSettings, WalkState,
 };
@@ -30,6 +32,17 @@ pub struct Walker {
     pub jump: f32,
 }
 
+impl Walker {
+    fn input(&self, gravity: Vec3, step_dt: f32) -> WalkInput {
+        WalkInput {
+            velocity: self.velocity,
+            jump: self.jump,
+            gravity,
+            step_dt,
+        }
+    }
+}
+
 /// How a [`Walker`] moves. Written by the plugin.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Component)]
 pub struct Walking {
@@ -51,43 +64,60 @@ impl Walking {
 
 /// What a character is made of.
 type Character = (
-    Entity,
-    &'static BodyHandle,
+    (Entity, Option<&'static RigidBody>, Has<ChildOf>),
+    Option<&'static BodyHandle>,
     &'static mut Walker,
     &'static mut Walking,
-    &'static mut Transform,
+    Option<&'static mut Transform>,
 );
+
+/// Whether there are [`WalkerPlugin`](crate::plugin::WalkerPlugin)s.
+#[derive(Debug, Default, Resource)]
+pub(crate) struct WalkersMove;
+
+/// Observer: an entity is to walk.
+pub(crate) fn on_walker_added(
+    add: On<Add<Walker>>,
+    plugin: Option<Res<WalkersMove>>,
+    mut state: ResMut<PluginState>,
+    mut warnings: ResMut<Messages<BodyWarning>>,
+) {
+    if plugin.is_none() {
+        let (issues, error) = (&mut state.issues, WalkerError::NoPlugin);
+        issues.raise(&mut warnings, add.entity, Source::Walker, error);
+    }
+}
+
+/// Observer: an entity is not to walk any more.
+pub(crate) fn on_walker_removed(remove: On<Remove<Walker>>, mut state: ResMut<PluginState>) {
+    state.issues.mend(remove.entity, Source::Walker);
+}
 
 /// System: moves all characters, one after the other.
 pub(crate) fn walk(
-    spatial: SpatialQuery,
-    bodies: Res<Bodies>,
+    (spatial, bodies): (SpatialQuery, Res<Bodies>),
     (gravity, time): (Res<Gravity>, Option<Res<Time>>),
     mut characters: Query<Character>,
     mut forces: Query<&mut AppliedForces>,
+    (mut plugin, mut warnings): (ResMut<PluginState>, ResMut<Messages<BodyWarning>>),
     mut pushes: Local<Vec<Push>>,
 ) {
     let step_dt = time.map_or(0.0, |time| time.delta_secs());
-    for (entity, handle, mut walker, mut walking, mut transform) in &mut characters {
-        let Some((slot, _)) = handle
-            .get()
-            .filter(|&(slot, id)| bodies.is_current(slot, id))
-        else {
+    let issues = &mut plugin.issues;
+    for ((entity, kind, is_child), handle, mut walker, mut walking, transform) in &mut characters {
+        let body = handle.and_then(BodyHandle::get);
+        let body = body.filter(|&(slot, id)| bodies.is_current(slot, id));
+        let shape = body.map(|(slot, _)| &bodies.info(slot).shape);
+        let able = is_able((kind, is_child, shape), &walker);
+        issues.note(&mut warnings, entity, Source::Walker, able);
+        let (Ok(()), Some((slot, _)), Some(mut transform)) = (able, body, transform) else {
             continue;
         };
-        let shape = match &bodies.info(slot).shape {
-            Shape::Convex(mesh) => QueryShape::from(mesh),
-            Shape::Compound(mesh) => QueryShape::from(mesh),
-            // What has no inside cannot be moved by casts of it.
-            Shape::HalfSpace(_) | Shape::Level(_) => continue,
+        let Some(shape) = shape.and_then(cast_shape) else {
+            continue;
         };
         let mut state = walking.state(&transform, &bodies);
-        let input = WalkInput {
-            velocity: walker.velocity,
-            jump: walker.jump,
-            gravity: gravity.0,
-            step_dt,
-        };
+        let input = walker.input(gravity.0, step_dt);
         if jumps(&input, &state) {
             walker.jump = 0.0;
         }
@@ -118,6 +148,33 @@ pub(crate) fn walk(
             }
         }
     }
+}
+
+/// What is cast to move a shape; what has no inside cannot be.
+fn cast_shape(shape: &Shape) -> Option<QueryShape<'_>> {
+    match shape {
+        Shape::Convex(mesh) => Some(QueryShape::from(mesh)),
+        Shape::Compound(mesh) => Some(QueryShape::from(mesh)),
+        Shape::HalfSpace(_) | Shape::Level(_) => None,
+    }
+}
+
+/// Whether an entity can walk; one that has no shape yet may have one soon.
+fn is_able(
+    (kind, is_child, shape): (Option<&RigidBody>, bool, Option<&Shape>),
+    walker: &Walker,
+) -> Result<(), WalkerError> {
+    if kind != Some(&RigidBody::Kinematic) {
+        return Err(WalkerError::NotKinematic);
+    }
+    if is_child {
+        return Err(WalkerError::Child);
+    }
+    if shape.is_some_and(|shape| cast_shape(shape).is_none()) {
+        return Err(WalkerError::Shape);
+    }
+    let is_finite = walker.velocity.is_finite() && walker.jump.is_finite();
+    is_finite.then_some(()).ok_or(WalkerError::NotFinite)
 }
 
 /// Whether a character is to be told that it has jumped.

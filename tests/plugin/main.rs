@@ -12,6 +12,7 @@ mod bonds;
 mod chaos;
 mod collisions;
 mod forces;
+mod idle;
 mod phases;
 mod pieces;
 mod plain_step;

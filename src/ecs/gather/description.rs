@@ -12,9 +12,8 @@ use crate::mass::{MassProperties, VolumeIntegrals};
 use crate::math::Pose;
 use crate::slice::fracturable::Fracturable;
 use bevy_ecs::change_detection::ContiguousRef;
-use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
-use bevy_ecs::query::{Allow, QueryData};
+use bevy_ecs::query::QueryData;
 use bevy_math::Vec3;
 use bevy_transform::components::Transform;
 
@@ -161,6 +160,9 @@ pub(super) fn idle_part(parts: &BodyPartsItem, desc: &BodyDesc) -> Result<(), Bo
         }
         Shape::HalfSpace(_) | Shape::Level(_) => return Err(BodyError::UnbreakableShape),
     }
+    if desc.is_sensor {
+        return Err(BodyError::UnbreakableShape);
+    }
     fracturable
         .makes_pieces()
         .then_some(())
@@ -236,14 +238,3 @@ pub(super) fn has_any_changed(ticks: &Query<ChangeTicks, With<BodyHandle>>) -> b
             || any(m)
     })
 }
-
-/// Entities with a shape of any kind.
-pub(crate) type HasShape = Or<(
-    With<ConvexMesh>,
-    With<Compound>,
-    With<HalfSpaceShape>,
-    With<StaticMesh>,
-)>;
-
-/// The same, disabled or not.
-pub(super) type AnyShape = (HasShape, Allow<Disabled>);

@@ -51,6 +51,8 @@ pub(crate) fn on_body_removed(
             state.departed.extend(departed);
         }
         state.queue.left.extend(body);
+        // What it leaves behind does nothing any more.
+        state.queue.lone_parts.push(remove.entity);
     }
 }
 
@@ -76,17 +78,6 @@ pub(crate) fn on_enabled(
             Some(_) => state.queue.toggled.push(remove.entity),
             None => state.queue.arrived.push(remove.entity),
         }
-    }
-}
-
-/// Observer: an entity got a shape; perhaps it never becomes a body.
-pub(crate) fn on_shape_added(
-    add: On<Add<(ConvexMesh, Compound, HalfSpaceShape, StaticMesh)>>,
-    bodies: Query<(), (With<RigidBody>, Allow<Disabled>)>,
-    mut state: ResMut<PluginState>,
-) {
-    if !bodies.contains(add.entity) {
-        state.queue.lone_shapes.push(add.entity);
     }
 }
 
