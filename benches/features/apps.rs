@@ -119,7 +119,7 @@ fn featured() -> [Row; 2] {
     }
 
     [
-        Row::new("Seen", "app: `DrawShape` on all", || {
+        Row::new("Smooth motion", "app: `DrawShape` on all", || {
             let draw = |world: &mut World, bodies: &[Entity]| {
                 for &body in bodies {
                     world.entity_mut(body).insert(DrawShape::new());
@@ -127,7 +127,7 @@ fn featured() -> [Row; 2] {
             };
             Pair::new(heap(with_meshes, |_, _| {}), heap(with_meshes, draw))
         }),
-        Row::new("Seen", "app: `CleaveDiagnosticsPlugin`", || {
+        Row::new("Smooth motion", "app: `CleaveDiagnosticsPlugin`", || {
             let plugin = |app: &mut App| {
                 bevy_diagnostic::DiagnosticsPlugin.build(app);
                 app.add_plugins(CleaveDiagnosticsPlugin);

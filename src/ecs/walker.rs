@@ -13,6 +13,7 @@ use crate::query::{
 };
 use crate::solver::config::Gravity;
 use bevy_ecs::prelude::*;
+use bevy_ecs::query::QueryData;
 use bevy_math::Vec3;
 use bevy_time::Time;
 use bevy_transform::components::Transform;
@@ -64,12 +65,44 @@ impl Walking {
 
 /// What a character is made of.
 type Character = (
-    (Entity, Option<&'static RigidBody>, Has<ChildOf>),
-    Option<&'static BodyHandle>,
+    (Entity, Stance),
     &'static mut Walker,
     &'static mut Walking,
-    Option<&'static mut Transform>,
+    &'static mut Transform,
 );
+
+/// What decides whether an entity can walk.
+#[derive(QueryData)]
+pub(crate) struct Stance {
+    kind: Option<&'static RigidBody>,
+    is_child: Has<ChildOf>,
+    handle: Option<&'static BodyHandle>,
+}
+
+impl StanceItem<'_, '_> {
+    /// Where its body is kept.
+    fn slot(&self, bodies: &Bodies) -> Option<u32> {
+        let handle = self.handle.and_then(BodyHandle::get);
+        let current = handle.filter(|&(slot, id)| bodies.is_current(slot, id));
+        current.map(|(slot, _)| slot)
+    }
+
+    /// Whether it can walk; one that has no shape yet may have one soon.
+    fn check(&self, walker: &Walker, bodies: &Bodies) -> Result<(), WalkerError> {
+        if self.kind != Some(&RigidBody::Kinematic) {
+            return Err(WalkerError::NotKinematic);
+        }
+        if self.is_child {
+            return Err(WalkerError::Child);
+        }
+        let slot = self.slot(bodies);
+        if slot.is_some_and(|slot| cast_shape(&bodies.info(slot).shape).is_none()) {
+            return Err(WalkerError::Shape);
+        }
+        let is_finite = walker.velocity.is_finite() && walker.jump.is_finite();
+        is_finite.then_some(()).ok_or(WalkerError::NotFinite)
+    }
+}
 
 /// Whether there are [`WalkerPlugin`](crate::plugin::WalkerPlugin)s.
 #[derive(Debug, Default, Resource)]
@@ -93,29 +126,39 @@ pub(crate) fn on_walker_removed(remove: On<Remove<Walker>>, mut state: ResMut<Pl
     state.issues.mend(remove.entity, Source::Walker);
 }
 
+/// System: says who cannot walk.
+pub(crate) fn check_walkers(
+    walkers: Query<(Entity, Stance, &Walker)>,
+    bodies: Res<Bodies>,
+    mut state: ResMut<PluginState>,
+    mut warnings: ResMut<Messages<BodyWarning>>,
+) {
+    for (entity, stance, walker) in &walkers {
+        let able = stance.check(walker, &bodies);
+        let issues = &mut state.issues;
+        issues.note(&mut warnings, entity, Source::Walker, able);
+    }
+}
+
 /// System: moves all characters, one after the other.
 pub(crate) fn walk(
     (spatial, bodies): (SpatialQuery, Res<Bodies>),
     (gravity, time): (Res<Gravity>, Option<Res<Time>>),
     mut characters: Query<Character>,
     mut forces: Query<&mut AppliedForces>,
-    (mut plugin, mut warnings): (ResMut<PluginState>, ResMut<Messages<BodyWarning>>),
     mut pushes: Local<Vec<Push>>,
 ) {
     let step_dt = time.map_or(0.0, |time| time.delta_secs());
-    let issues = &mut plugin.issues;
-    for ((entity, kind, is_child), handle, mut walker, mut walking, transform) in &mut characters {
-        let body = handle.and_then(BodyHandle::get);
-        let body = body.filter(|&(slot, id)| bodies.is_current(slot, id));
-        let shape = body.map(|(slot, _)| &bodies.info(slot).shape);
-        let able = is_able((kind, is_child, shape), &walker);
-        issues.note(&mut warnings, entity, Source::Walker, able);
-        let (Ok(()), Some((slot, _)), Some(mut transform)) = (able, body, transform) else {
+    for ((entity, stance), mut walker, mut walking, mut transform) in &mut characters {
+        let Some(slot) = stance.slot(&bodies) else {
             continue;
         };
-        let Some(shape) = shape.and_then(cast_shape) else {
+        let Some(shape) = cast_shape(&bodies.info(slot).shape) else {
             continue;
         };
+        if stance.check(&walker, &bodies).is_err() {
+            continue;
+        }
         let mut state = walking.state(&transform, &bodies);
         let input = walker.input(gravity.0, step_dt);
         if jumps(&input, &state) {
@@ -157,24 +200,6 @@ fn cast_shape(shape: &Shape) -> Option<QueryShape<'_>> {
         Shape::Compound(mesh) => Some(QueryShape::from(mesh)),
         Shape::HalfSpace(_) | Shape::Level(_) => None,
     }
-}
-
-/// Whether an entity can walk; one that has no shape yet may have one soon.
-fn is_able(
-    (kind, is_child, shape): (Option<&RigidBody>, bool, Option<&Shape>),
-    walker: &Walker,
-) -> Result<(), WalkerError> {
-    if kind != Some(&RigidBody::Kinematic) {
-        return Err(WalkerError::NotKinematic);
-    }
-    if is_child {
-        return Err(WalkerError::Child);
-    }
-    if shape.is_some_and(|shape| cast_shape(shape).is_none()) {
-        return Err(WalkerError::Shape);
-    }
-    let is_finite = walker.velocity.is_finite() && walker.jump.is_finite();
-    is_finite.then_some(()).ok_or(WalkerError::NotFinite)
 }
 
 /// Whether a character is to be told that it has jumped.

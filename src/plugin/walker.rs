@@ -1,6 +1,6 @@
 //! The plugin of characters that walk.
 
-use crate::ecs::walker::{WalkersMove, walk};
+use crate::ecs::walker::{WalkersMove, check_walkers, walk};
 use crate::plugin::{PhysicsSchedule, PhysicsSystems};
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
@@ -12,6 +12,11 @@ pub struct WalkerPlugin;
 impl Plugin for WalkerPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<WalkersMove>();
-        app.add_systems(PhysicsSchedule, walk.before(PhysicsSystems::MassProperties));
+        app.add_systems(
+            PhysicsSchedule,
+            (check_walkers, walk)
+                .chain()
+                .before(PhysicsSystems::MassProperties),
+        );
     }
 }

@@ -1,7 +1,7 @@
 //! What does nothing says so on its entity, as long as it does nothing, in whatever order things come and go.
 
 use crate::app::app;
-use bevy_app::App;
+use bevy_app::{App, Plugin};
 use bevy_cleave::prelude::*;
 use bevy_ecs::prelude::*;
 use bevy_math::Vec3;
@@ -50,7 +50,7 @@ macro_rules! parts {
     ($($type:ty: $value:expr,)*) => {
         vec![$((
             |entity| { entity.insert($value); },
-            |entity| { entity.remove::<$type>(); },
+            |entity| { entity.remove_with_requires::<$type>(); },
         )),*]
     };
 }
@@ -272,7 +272,7 @@ fn walkers(world: &mut World) -> Vec<(Entity, WalkerError)> {
 #[test]
 fn walkers_that_cannot_walk_say_why_until_they_can() {
     let mut app = weightless();
-    app.add_plugins(WalkerPlugin);
+    WalkerPlugin.build(&mut app);
     let walkers = walkers(app.world_mut());
     steps(&mut app);
     for &(entity, error) in &walkers {
@@ -311,7 +311,7 @@ fn a_walker_in_an_app_without_their_plugin_is_an_issue() {
     steps(&mut app);
     let nobody = BodyProblem::Walker(WalkerError::NoPlugin);
     assert_eq!(issues(&app, walker), [nobody]);
-    app.add_plugins(WalkerPlugin);
+    WalkerPlugin.build(&mut app);
     steps(&mut app);
     assert_eq!(issues(&app, walker), []);
 }
