@@ -1,7 +1,7 @@
 //! The same bits, however often and wherever.
 
 use crate::common::scenes::awake_on_floor;
-use crate::scene::{H, Random, chain, heavy};
+use crate::scene::{Chain, H, Random, chain, fixed_substeps, heavy};
 use bevy_cleave::prelude::*;
 use bevy_cleave::testing::simd::LaneWidth;
 use glam::Vec3;
@@ -109,4 +109,43 @@ fn slots_that_were_used_before_change_nothing() {
         used.simulation.step(H);
     }
     assert_eq!(state(&fresh.simulation), state(&used.simulation));
+}
+
+/// What a step does is told by the state alone, and not by what the solver still has of the step before: a joint that holds nothing, comes and goes,
+/// has all rows written anew.
+#[test]
+fn what_was_solved_before_changes_no_bit() {
+    for (count, ratio) in [(1, 1.0), (2, 100.0), (4, 1000.0)] {
+        let run = |is_disturbed: bool| {
+            let Chain {
+                mut simulation,
+                joints,
+            } = chain(12, ratio, Vec3::X, Vec3::ZERO);
+            simulation.config = SolverConfig {
+                sleep: simulation.config.sleep,
+                ..fixed_substeps(count)
+            };
+            let ball = *simulation.joints.get(joints[6]).expect("there");
+            let with_angles = Joint {
+                angular: Joint::cone_twist(1.0, 0.2).angular,
+                ..ball
+            };
+            let bodies = &mut simulation.bodies;
+            let set = simulation.joints.set(bodies, joints[6], with_angles);
+            set.expect("usable");
+            let [a, b] = simulation.joints.bodies(joints[5]).expect("there");
+            let free = Joint::six_axis([JointAxis::FREE; 3], [JointAxis::FREE; 3]);
+            for _ in 0..60 {
+                let extra = is_disturbed.then(|| simulation.join(a, b.expect("a link"), free));
+                simulation.step(H);
+                if let Some(extra) = extra {
+                    let extra = extra.expect("usable");
+                    simulation.joints.remove(&mut simulation.bodies, extra);
+                }
+                simulation.step(H);
+            }
+            state(&simulation)
+        };
+        assert_eq!(run(false), run(true), "{count} sub-steps, load {ratio}");
+    }
 }

@@ -247,7 +247,7 @@ fn a_straight_bridge_under_a_load_stays_together() {
 }
 
 /// Of 28 random chains with 300 to 1500 times a link at their end, let go level, how many come open by a hundredth of a link in 15 s: none is the aim.
-const KNOWN_OPEN: usize = 8;
+const KNOWN_OPEN: usize = 4;
 
 #[test]
 fn heavy_loads_swing_on_chains() {
@@ -262,7 +262,7 @@ fn heavy_loads_swing_on_chains() {
         worst = worst.max(gap);
     }
     println!("heavy loads on chains: {open} of 28 come open, the worst by {worst:e} m");
-    assert!(open <= KNOWN_OPEN && worst < 10.0, "{open}, {worst}");
+    assert!(open <= KNOWN_OPEN && worst < 3.0, "{open}, {worst}");
 }
 
 /// With fewer sub-steps than a heavy load at the end of a chain asks for, joints open; nothing gains energy.

@@ -23,6 +23,11 @@ const NONE: u32 = u32::MAX;
 /// Rounding of a coordinate, as a share of it: half a unit in the last place of a center and of an anchor.
 const ROUNDING: f32 = 1.2e-7;
 
+/// Softness of rows that push what is far apart together, of joints alone and beside contacts. Where joints cannot be met, as those of a straight
+/// chain that is to be shorter, rigid rows would move bodies by any amount, to where others stand; so soft that a link gives way, they do not lift
+/// a thousand times its mass either.
+const PUSH_SOFTNESS: [f64; 2] = [1e-4, 1e-2];
+
 /// A jointed body within its batch.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct JointedNumber {
@@ -52,6 +57,12 @@ pub struct BatchJoints {
     last_given: Vec<SolverBody>,
     /// Whether there are contacts too.
     has_contacts: bool,
+    /// Velocities at the start of the sub-step, where joints are alone.
+    pub(super) start: Vec<SolverBody>,
+    /// How often the sub-step has been halved.
+    pub(super) halvings: u32,
+    /// Whether that was of no use in this step.
+    pub(super) halving_fails: bool,
 }
 
 impl BatchJoints {
@@ -125,6 +136,8 @@ impl Batch {
             return;
         }
         self.joints.has_contacts = !self.layout.places.is_empty();
+        self.joints.halving_fails = false;
+        self.joints.system.push_softness = PUSH_SOFTNESS[usize::from(self.joints.has_contacts)];
         self.joints.numbers.clear();
         self.joints.ends.clear();
         self.joints.ends.resize(self.bodies.velocities.len(), None);
@@ -256,7 +269,7 @@ impl Batch {
         let half = self.half(self.joints.shares()[0]);
         let system = &mut self.joints.system;
         if is_first {
-            system.linearise();
+            system.begin_step();
         }
         system.begin_ahead(&half);
         self.return_velocities();
@@ -284,8 +297,9 @@ impl Batch {
         self.return_velocities();
     }
 
-    /// After the bodies have moved: turns those of joints, and has the rows be where they are now.
-    pub(crate) fn turn_jointed_bodies(&mut self) {
+    /// After the bodies have moved: turns those of joints, and has the rows be where they are now. Where it is
+    /// the last motion of the step, that is where the next one will find them.
+    pub(crate) fn turn_jointed_bodies(&mut self, is_last: bool) {
         if !self.joints.any() {
             return;
         }
@@ -314,14 +328,20 @@ impl Batch {
             velocity.angular = moved.angular;
             velocity.linear += gravity;
             body.spin = moved.spin;
-            body.center = number.start + self.bodies.displacements[i].linear.as_dvec3();
+            let shift = self.bodies.displacements[i].linear;
+            body.center = if is_last {
+                (number.start.as_vec3() + shift).as_dvec3()
+            } else {
+                number.start + shift.as_dvec3()
+            };
             let turning = &mut self.bodies.turning[number.turning as usize];
             turning.spin = moved.spin;
             let r = Mat3::from_quat(moved.spin.rotation);
             let inertia = r * turning.inverse_inertia * r.transpose();
             self.bodies.masses[i].set_inverse_inertia(&inertia);
         }
-        for body in &mut system.fixed {
+        let moving = |body: &&mut FixedBody| body.velocity != Vector6::default();
+        for body in system.fixed.iter_mut().filter(moving) {
             body.place = body.after(half.substep_dt);
         }
         system.linearise();

@@ -14,6 +14,7 @@ mod energy_guard;
 #[cfg(feature = "exact")]
 mod exact_substep;
 mod impacts;
+mod joint_halves;
 mod joint_results;
 mod joints;
 pub(crate) mod layout;

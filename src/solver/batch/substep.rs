@@ -21,8 +21,8 @@ impl Batch {
                 self.reanchor_with_contact_velocity_changes(team);
             }
             self.budget.begin(substeps - substep);
-            self.substep(substep == 0, manifolds, team);
             let is_last = substep + 1 == substeps;
+            self.substep([substep == 0, is_last], manifolds, team);
             let is_looked_at = is_last || self.impacts.may_break && self.impacts.can_hit();
             if is_looked_at && self.find_overloaded(manifolds, bodies) {
                 self.impacts.is_broken = self.impacts.may_break;
@@ -34,7 +34,8 @@ impl Batch {
         self.note_strains(manifolds, bodies);
     }
 
-    /// One sub-step of `h` seconds; `is_first` of the step.
+    /// One sub-step of `h` seconds; whether it is the first and the last of the step. One for which no motion is found at whose end joints
+    /// hold is taken back and made in halves.
     ///
     /// ```text
     /// v += h (g + a)     gravity, and what drives some bodies
@@ -47,15 +48,28 @@ impl Batch {
     /// warm start         goes back to what contacts bore before an impact
     /// free rotation
     /// ```
-    fn substep(&mut self, is_first: bool, manifolds: &Manifolds, team: Option<&Team>) {
+    fn substep(
+        &mut self,
+        [is_first, is_last]: [bool; 2],
+        manifolds: &Manifolds,
+        team: Option<&Team>,
+    ) {
+        self.remember_start();
         self.apply_drives();
         self.apply_gravity(team);
         let targets = self.set_targets(is_first, team);
         self.solve_with_bias(is_first, &targets, team);
         self.keep_joints_together();
+        if self.loses_joints() {
+            self.begin_halves();
+            for is_second in [false, true] {
+                self.substep([false, is_last && is_second], manifolds, team);
+            }
+            return self.end_halves();
+        }
         self.restrain_driven();
         self.move_bodies(manifolds, team);
-        self.turn_jointed_bodies();
+        self.turn_jointed_bodies(is_last);
         self.reanchor_hits(&targets, team);
         self.relax(&targets, team);
         self.set_joints_apart();

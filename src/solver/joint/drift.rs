@@ -22,10 +22,6 @@ const ROUNDS: usize = 24;
 /// What may be amiss, as a share of the joint's levers, or rad: a few roundings of a rotation.
 const TOLERANCE: f64 = 2e-7;
 
-/// Softness of rows that push, as [`EPSILON`]: where bodies are so far apart that joints cannot be met, as those of a straight chain
-/// that is to be shorter, rigid rows would move them by any amount.
-const PUSH_EPSILON: f64 = 1e-2;
-
 /// Farthest way of a body that is pushed, over that by which what is apart comes together.
 const MOST_PUSH: f64 = 2.0;
 
@@ -49,8 +45,9 @@ impl JointSystem {
     /// together what is apart for another reason than motion.
     pub(crate) fn keep_together(&mut self, drift: &mut Drift, h: f64, width: LaneWidth) {
         self.pushes.clear();
-        self.rounds.begin(self.sparsity.component_count.max(1));
+        self.rounds.begin(self.components.len());
         let mut has_retreated = false;
+        drift.bodies.resize(self.bodies.len(), Moved::default());
         for round in 0..ROUNDS {
             drift.follow(self, h, width);
             let system = &mut *self;
@@ -62,6 +59,9 @@ impl JointSystem {
             }
             if round + 1 == ROUNDS || !goes_on {
                 break;
+            }
+            for (component, number) in self.components.iter_mut().zip(0..) {
+                component.is_asked = self.rounds.next(number) == Move::Step;
             }
             self.apply_missing();
         }
@@ -75,12 +75,23 @@ impl JointSystem {
         }
     }
 
+    /// Whether for some joints no motion was found at whose end they hold.
+    pub(crate) fn is_lost(&self) -> bool {
+        self.rounds.any_lost()
+    }
+
+    /// Takes a sub-step back whose motion was not found, once the velocities are what they were: the rows are where the bodies are again.
+    pub(crate) fn take_back(&mut self) {
+        self.linearise();
+        self.is_bent = false;
+    }
+
     /// Finds the impulses that rows miss for what is amiss after a motion.
     #[inline(always)]
     fn find_misses(&mut self, drift: &Drift, h: f64) {
         self.missing.clear();
         for joint in &self.joints {
-            let Some(progress) = self.rounds.going_on(joint.component(&self.sparsity)) else {
+            let Some(progress) = self.rounds.going_on(joint.component) else {
                 self.missing.resize(joint.rows.end, 0.0);
                 continue;
             };
@@ -94,6 +105,7 @@ impl JointSystem {
             let along_end = progress
                 .is_along_end()
                 .then(|| frames.measure(&joint.joint, joint.angle));
+            let is_stale = &mut self.components[joint.component as usize].is_stale;
             for row in &mut self.rows[joint.rows.clone()] {
                 let tolerance = if row.is_angular { angular } else { linear };
                 if row.push != 0.0 {
@@ -110,7 +122,7 @@ impl JointSystem {
                 if row.state != RowState::Free && is_off && row.side * amiss > 0.0 {
                     // A limit that turns out to be reached.
                     row.state = RowState::Free;
-                    self.is_factored = false;
+                    *is_stale = true;
                     progress.forget();
                 }
                 if row.state != RowState::Free {
@@ -121,7 +133,7 @@ impl JointSystem {
                     && let Some(measure) = measure_of(measures, row)
                 {
                     row.jacobian = measure.jacobian;
-                    self.is_factored = false;
+                    *is_stale = true;
                 }
                 progress.note(amiss.abs() / tolerance);
                 self.missing.push(row.stiffness * amiss / h);
@@ -157,7 +169,7 @@ impl JointSystem {
             }
         }
         for joint in joints.iter() {
-            let component = joint.component(sparsity);
+            let component = joint.component;
             let (next, is_along_end) = (rounds.next(component), rounds.is_along_end(component));
             for number in joint.rows.clone() {
                 let (row, missing) = (&mut rows[number], &mut missing[number]);
@@ -185,7 +197,7 @@ impl JointSystem {
     /// Where joints stay open, what the rounds found is no motion that comes again.
     fn forget_curves_of_open(&mut self) {
         for joint in &self.joints {
-            if self.rounds.leave_open(joint.component(&self.sparsity)) {
+            if self.rounds.leave_open(joint.component) {
                 for row in &mut self.rows[joint.rows.clone()] {
                     row.curve = 0.0;
                 }
@@ -201,7 +213,7 @@ impl JointSystem {
             // An angle goes by its arc at a lever of 1 m.
             farthest = farthest.max(row.push.abs());
             if row.is_rigid() {
-                row.stiffness *= EPSILON / PUSH_EPSILON;
+                row.stiffness *= EPSILON / self.push_softness;
             }
             let acts = row.state == RowState::Free;
             let missing = if acts {
@@ -212,7 +224,10 @@ impl JointSystem {
             self.missing.push(missing);
         }
         // The rows are written anew before they are solved again.
-        self.is_factored = false;
+        for component in &mut self.components {
+            component.is_asked = true;
+            component.is_stale = true;
+        }
         self.find_changes();
         let speed = |change: &Vector6| split(change)[0].length();
         let fastest = self.changes.iter().map(speed).fold(0.0, f64::max);
@@ -252,26 +267,35 @@ fn step_back(now: f64, before: f64, share: f64) -> f64 {
 }
 
 impl Drift {
-    /// Moves all bodies from where they are.
+    /// Moves the bodies from where they are, unless they go where they have gone.
     fn follow(&mut self, system: &JointSystem, h: f64, width: LaneWidth) {
-        self.bodies.clear();
-        let bodies = system.bodies.chunks(SPINS);
-        for (bodies, velocities) in bodies.zip(system.velocities.chunks(SPINS)) {
+        let is_pushed = !system.pushes.is_empty();
+        let moves = |&component: &u32| is_pushed || system.rounds.moves(component);
+        let components = system.sparsity.components.chunks(SPINS);
+        let bodies = system.bodies.chunks(SPINS).zip(components);
+        let to = self.bodies.chunks_mut(SPINS);
+        for (((bodies, components), velocities), to) in
+            bodies.zip(system.velocities.chunks(SPINS)).zip(to)
+        {
+            if !components.iter().any(moves) {
+                continue;
+            }
             let mut spins = FreeRotations::default();
             for (body, velocity) in bodies.iter().zip(velocities) {
                 spins.push(body.spin, split(velocity)[1].as_vec3());
             }
             spins.advance(h as f32, width);
             let moved = bodies.iter().zip(velocities).zip(spins.iter());
-            self.bodies
-                .extend(moved.map(|((body, velocity), (spin, angular))| Moved {
+            for (to, ((body, velocity), (spin, angular))) in to.iter_mut().zip(moved) {
+                *to = Moved {
                     place: Place {
                         center: body.center + h * split(velocity)[0],
                         rotation: spin.rotation.as_dquat().normalize(),
                     },
                     spin: *spin,
                     angular,
-                }));
+                };
+            }
         }
         for (moved, push) in self.bodies.iter_mut().zip(&system.pushes) {
             let [linear, angular] = split(push);

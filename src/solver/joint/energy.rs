@@ -1,4 +1,4 @@
-//! Which joints stay open in a sub-step, and what drives have given in it.
+//! Which joints may gain energy in a sub-step, and what drives have given in it.
 
 use crate::solver::joint::row::RowKind;
 use crate::solver::joint::system::{BatchJoint, JointSystem};
@@ -8,7 +8,13 @@ impl JointSystem {
     /// Whether some of these joints are among components that do not hold at the end of the motion.
     pub(crate) fn stay_open(&self, joints: Range<usize>) -> bool {
         let mut joints = self.joints[joints].iter();
-        joints.any(|joint| self.rounds.leave_open(joint.component(&self.sparsity)))
+        joints.any(|joint| self.rounds.leave_open(joint.component))
+    }
+
+    /// Whether some do by impulses along the rows of its end, which are not symmetric in time.
+    pub(crate) fn hold_along_end(&self, joints: Range<usize>) -> bool {
+        let mut joints = self.joints[joints].iter();
+        joints.any(|joint| self.rounds.is_along_end(joint.component))
     }
 
     /// What motors and springs of these joints have given in the sub-step, J, those that have taken some not counted.

@@ -20,18 +20,23 @@ pub(crate) struct Factor {
 }
 
 impl Factor {
-    /// Begins with zero.
-    pub(crate) fn clear(&mut self, sparsity: &Sparsity) {
-        self.diagonal.clear();
+    /// Makes room for the factor of such a matrix.
+    pub(crate) fn lay_out(&mut self, sparsity: &Sparsity, rows: &impl AddRows) {
         self.diagonal.resize(sparsity.order.len(), ZERO);
-        self.beside.clear();
         self.beside.resize(sparsity.columns.len(), ZERO);
         self.links.clear();
+        for at in 0..sparsity.order.len() {
+            self.links.reserve(rows.most_rows(at));
+        }
     }
 
-    /// The block of the body at a place.
-    pub(crate) fn diagonal_mut(&mut self, at: usize) -> &mut Block6 {
-        &mut self.diagonal[at]
+    /// Begins with zero for the body at a place, but for its inertia.
+    #[inline(always)]
+    pub(crate) fn begin(&mut self, at: usize, sparsity: &Sparsity, inertia: Block6) {
+        self.diagonal[at] = inertia;
+        for column in sparsity.columns_of(at) {
+            self.beside[column.block as usize] = ZERO;
+        }
     }
 
     /// Adds `stiffness j j^T` of a row of the body at a place.
@@ -54,19 +59,31 @@ impl Factor {
         );
     }
 
-    /// Makes the factor; `rows`: those by which bodies are eliminated.
+    /// Makes the factor; `rows`: those by which bodies are eliminated, `is_asked`: of which components.
     #[inline(always)]
-    pub(crate) fn factorise(&mut self, sparsity: &Sparsity, rows: &impl AddRows) {
+    pub(crate) fn factorise(
+        &mut self,
+        sparsity: &Sparsity,
+        rows: &impl AddRows,
+        is_asked: impl Fn(usize) -> bool,
+    ) {
         let mut updates = sparsity.updates.iter();
         for at in 0..self.diagonal.len() {
+            if !is_asked(at) {
+                let columns = sparsity.columns_of(at).len();
+                if columns > 1 {
+                    updates.nth(columns * (columns - 1) / 2 - 1);
+                }
+                continue;
+            }
             if let Elimination::Rows(parent) = sparsity.eliminations[at] {
+                self.links.begin(at);
                 rows.add_rows(at, &mut self.links);
                 let (done, later) = self.diagonal.split_at_mut(at + 1);
                 let parent = parent.map(|place| (place, &mut later[place as usize - at - 1]));
-                self.links.eliminate(&mut done[at], parent);
+                self.links.eliminate(at, &mut done[at], parent);
                 continue;
             }
-            self.links.end_block();
             cholesky(&mut self.diagonal[at]);
             let triangle = self.diagonal[at];
             let columns = sparsity.columns_of(at);
@@ -92,10 +109,17 @@ impl Factor {
     }
 
     /// Solves `A x = b`, by places, in the place of `b`, which is without the rows that bodies are eliminated by: `impulses` has what these miss,
-    /// and then what they get.
+    /// and then what they get. `is_asked`: of which components.
     #[inline(always)]
-    pub(crate) fn solve(&mut self, sparsity: &Sparsity, x: &mut [Vector6], impulses: &mut [f64]) {
-        for (at, triangle) in self.diagonal.iter().enumerate() {
+    pub(crate) fn solve(
+        &mut self,
+        sparsity: &Sparsity,
+        x: &mut [Vector6],
+        impulses: &mut [f64],
+        is_asked: impl Fn(usize) -> bool,
+    ) {
+        let asked = |&(at, _): &(usize, &Block6)| is_asked(at);
+        for (at, triangle) in self.diagonal.iter().enumerate().filter(asked) {
             if let Elimination::Rows(_) = sparsity.eliminations[at] {
                 self.links.pass_on(at, triangle, impulses, x);
                 continue;
@@ -110,7 +134,7 @@ impl Factor {
                 }
             }
         }
-        for (at, triangle) in self.diagonal.iter().enumerate().rev() {
+        for (at, triangle) in self.diagonal.iter().enumerate().rev().filter(asked) {
             if let Elimination::Rows(_) = sparsity.eliminations[at] {
                 self.links.resolve(at, x, impulses);
                 continue;

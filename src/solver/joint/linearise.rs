@@ -3,9 +3,12 @@
 use crate::simd::dispatch::run;
 use crate::simd::lanes::{Kernel, Lanes};
 use crate::solver::joint::measure::Frames;
+use crate::solver::joint::row::{JointRow, RowState};
 use crate::solver::joint::rows::add_rows;
 use crate::solver::joint::sparsity::Elimination;
-use crate::solver::joint::system::{BatchJoint, JointEndpoint, JointSystem};
+use crate::solver::joint::system::{
+    BatchJoint, Component, JointEndpoint, JointSystem, JointedBody,
+};
 use crate::solver::joint::vector6::{Vector6, split};
 use glam::{DMat3, DVec3};
 
@@ -51,6 +54,63 @@ impl JointSystem {
         }
     }
 
+    /// Begins a step: with the rows that the one before ended with, if nothing was moved or changed since, else with new ones. Either way
+    /// nothing is left of what these bore.
+    pub(crate) fn begin_step(&mut self) {
+        self.is_bent = false;
+        if self.is_as_it_ended() {
+            self.take_over_rows();
+        } else {
+            self.linearise();
+        }
+    }
+
+    /// Whether joints and bodies are as the step before left them.
+    fn is_as_it_ended(&self) -> bool {
+        let before = &self.before;
+        let mut fixed = self.fixed.iter().zip(&before.fixed);
+        let mut bodies = self.bodies.iter().zip(&before.bodies);
+        let mut joints = self.joints.iter().zip(&before.joints);
+        before.is_written
+            && self.fixed.len() == before.fixed.len()
+            && self.bodies.len() == before.bodies.len()
+            && self.joints.len() == before.joints.len()
+            && fixed.all(|(now, before)| now.place == before.place)
+            && bodies.all(|(now, before)| now.is_as_loaded(before))
+            && joints.all(|(now, before)| now.is_as_loaded(before))
+    }
+
+    fn take_over_rows(&mut self) {
+        for (body, before) in self.bodies.iter_mut().zip(&self.before.bodies) {
+            body.rotation = before.rotation;
+            body.inertia = before.inertia;
+            body.inverse_inertia = before.inverse_inertia;
+        }
+        for (joint, before) in self.joints.iter_mut().zip(&self.before.joints) {
+            joint.rows = before.rows.clone();
+            joint.now = before.now;
+            if joint.has_angles {
+                joint.angle = before.angle;
+            }
+        }
+        for row in &mut self.rows {
+            *row = JointRow {
+                state: RowState::Unknown,
+                impulse: 0.0,
+                spent: 0.0,
+                curve: 0.0,
+                bounds: [0.0; 2],
+                velocity_before: 0.0,
+                fixed_velocity: 0.0,
+                ..*row
+            };
+        }
+        for at in 0..self.joints.len() {
+            self.add_fixed_velocity(at);
+        }
+        self.is_written = true;
+    }
+
     /// Writes the rows anew for where the bodies are now; those that were there keep their impulses.
     pub(crate) fn linearise(&mut self) {
         run(self.width, Linearise(self));
@@ -58,7 +118,6 @@ impl JointSystem {
 
     #[inline(always)]
     fn write_rows(&mut self) {
-        self.is_factored = false;
         for body in &mut self.bodies {
             body.rotation = body.spin.rotation.as_dquat().normalize();
             let axes = DMat3::from_quat(body.rotation * body.frame);
@@ -94,21 +153,34 @@ impl JointSystem {
                     row.velocity_before = before.velocity_before;
                 }
             }
-            if joint.pair().is_none() {
-                let fixed = joint.ends.map(|end| self.fixed_velocity(end));
-                for row in &mut self.rows[first..] {
-                    let still = [fixed[0].as_ref(), fixed[1].as_ref()];
-                    row.fixed_velocity = row.velocity(still);
-                }
-            }
             let joint = &mut self.joints[at];
             joint.rows = first..self.rows.len();
             if joint.has_angles {
                 joint.angle = frames.twist(joint.angle);
             }
             joint.now = Some(frames);
+            self.add_fixed_velocity(at);
         }
         self.has_springs = self.rows.iter().any(|row| !row.is_rigid());
+        self.components.clear();
+        let components = self.sparsity.component_count.max(1);
+        self.components.resize(components, Component::default());
+        self.outdate();
+        self.lay_out_factor();
+        self.is_written = true;
+    }
+
+    /// Has the rows of a joint know how fast what joints do not move is along them.
+    #[inline(always)]
+    fn add_fixed_velocity(&mut self, at: usize) {
+        let joint = &self.joints[at];
+        if joint.pair().is_some() {
+            return;
+        }
+        let fixed = joint.ends.map(|end| self.fixed_velocity(end));
+        for row in &mut self.rows[joint.rows.clone()] {
+            row.fixed_velocity = row.velocity([fixed[0].as_ref(), fixed[1].as_ref()]);
+        }
     }
 
     fn fixed_velocity(&self, end: JointEndpoint) -> Option<Vector6> {
@@ -130,6 +202,33 @@ impl JointSystem {
             linear.length_squared() / body.mass + angular.dot(body.inverse_inertia * angular)
         };
         of(0) + of(1)
+    }
+}
+
+impl JointedBody {
+    /// Whether it is, as it was loaded, what it was when a step ended.
+    fn is_as_loaded(&self, ended: &Self) -> bool {
+        self.spin == ended.spin
+            && self.center == ended.center
+            && self.mass == ended.mass
+            && self.principal == ended.principal
+            && self.frame == ended.frame
+    }
+}
+
+impl BatchJoint {
+    /// Whether it is, as it was loaded, what it was when a step ended: angles of a turn are told in single precision between steps.
+    fn is_as_loaded(&self, ended: &Self) -> bool {
+        let angle = if ended.has_angles {
+            f64::from(ended.angle as f32)
+        } else {
+            self.angle
+        };
+        self.ends == ended.ends
+            && self.angle == angle
+            && self.anchors == ended.anchors
+            && self.frames == ended.frames
+            && self.joint == ended.joint
     }
 }
 

@@ -17,12 +17,13 @@
 //! Featherstone, "Rigid Body Dynamics Algorithms", 2008, chapter 7 (articulated-body inertia).
 
 use crate::solver::joint::vector6::{Block6, Vector6, add_outer, add_scaled, dot, invert, product};
+use std::ops::Range;
 
 /// Marks a body that hangs on none.
 const NONE: u32 = u32::MAX;
 
 /// A row that acts and holds the body whose turn it is.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct LinkRow {
     /// Its number.
     row: u32,
@@ -40,8 +41,11 @@ pub(super) struct LinkRow {
 
 /// Says by which rows bodies are eliminated.
 pub(super) trait AddRows {
-    /// Adds those of the body at a place.
+    /// Adds those of the body at a place, whose turn it is.
     fn add_rows(&self, at: usize, links: &mut Links);
+
+    /// The most that a body at a place may have.
+    fn most_rows(&self, at: usize) -> usize;
 }
 
 impl LinkRow {
@@ -63,9 +67,25 @@ impl LinkRow {
 struct Link {
     /// Place of the one that it hangs on.
     parent: u32,
-    /// Where its rows end, and the entries of its `L`.
-    row_end: u32,
-    entry_end: u32,
+    /// Where its rows begin, and how many there are.
+    first_row: u32,
+    row_count: u32,
+    /// Where the entries of its `L` begin.
+    first_entry: u32,
+}
+
+impl Link {
+    #[inline(always)]
+    fn rows(&self) -> Range<usize> {
+        let first = self.first_row as usize;
+        first..first + self.row_count as usize
+    }
+
+    #[inline(always)]
+    fn entries(&self) -> Range<usize> {
+        let first = self.first_entry as usize;
+        first..first + entries_of(self.row_count as usize)
+    }
 }
 
 /// All of them, by place in the order of elimination.
@@ -75,6 +95,9 @@ pub(super) struct Links {
     rows: Vec<LinkRow>,
     /// Of each `L` what is below the diagonal, row by row.
     entries: Vec<f64>,
+    /// For how many rows and entries there is room so far.
+    row_end: usize,
+    entry_end: usize,
 }
 
 /// Runs an expression on rows of which the compiler knows how many there are where they are those of one ball, one hinge, or two balls.
@@ -95,55 +118,57 @@ macro_rules! with_known_count {
 impl Links {
     pub(super) fn clear(&mut self) {
         self.links.clear();
-        self.rows.clear();
-        self.entries.clear();
+        (self.row_end, self.entry_end) = (0, 0);
     }
 
-    /// Adds a row of the next body.
+    /// Makes room for the rows of the next body, so many at most.
+    pub(super) fn reserve(&mut self, most: usize) {
+        self.links.push(Link {
+            parent: NONE,
+            first_row: self.row_end as u32,
+            row_count: 0,
+            first_entry: self.entry_end as u32,
+        });
+        self.row_end += most;
+        self.entry_end += entries_of(most);
+        if self.rows.len() < self.row_end {
+            self.rows.resize(self.row_end, LinkRow::default());
+        }
+        if self.entries.len() < self.entry_end {
+            self.entries.resize(self.entry_end, 0.0);
+        }
+    }
+
+    /// Begins with the rows of the body at a place.
     #[inline(always)]
-    pub(super) fn push(&mut self, row: LinkRow) {
-        self.rows.push(row);
+    pub(super) fn begin(&mut self, at: usize) {
+        self.links[at].row_count = 0;
     }
 
-    /// Eliminates the next body by its rows. `inertia` becomes its inverse; `parent`: place and inertia of the one that it hangs on.
+    /// Adds a row of the body at a place.
+    #[inline(always)]
+    pub(super) fn push(&mut self, at: usize, row: LinkRow) {
+        let link = &mut self.links[at];
+        link.row_count += 1;
+        let last = link.rows().end - 1;
+        self.rows[last] = row;
+    }
+
+    /// Eliminates the body at a place by its rows. `inertia` becomes its inverse; `parent`: place and inertia of the one that it hangs on.
     #[inline(always)]
     pub(super) fn eliminate(
         &mut self,
+        at: usize,
         inertia: &mut Block6,
-        mut parent: Option<(u32, &mut Block6)>,
+        parent: Option<(u32, &mut Block6)>,
     ) {
-        let [first, entry] = self.ends_before(self.links.len());
-        let rows = &mut self.rows[first..];
-        self.entries.resize(entry + entries_of(rows.len()), 0.0);
-        let entries = &mut self.entries[entry..];
+        let link = &mut self.links[at];
+        let (place, of_parent) = parent.unzip();
+        link.parent = place.unwrap_or(NONE);
+        let rows = &mut self.rows[link.rows()];
+        let entries = &mut self.entries[link.entries()];
         invert(inertia);
-        let of_parent = parent.as_mut().map(|(_, inertia)| &mut **inertia);
         with_known_count!(rows => combine(rows, entries, inertia, of_parent));
-        self.end(parent.map_or(NONE, |(place, _)| place));
-    }
-
-    /// Leaves out the next body, which is eliminated as a block.
-    #[inline(always)]
-    pub(super) fn end_block(&mut self) {
-        self.end(NONE);
-    }
-
-    #[inline(always)]
-    fn end(&mut self, parent: u32) {
-        self.links.push(Link {
-            parent,
-            row_end: self.rows.len() as u32,
-            entry_end: self.entries.len() as u32,
-        });
-    }
-
-    /// Where the rows and entries of the body at a place begin.
-    #[inline(always)]
-    fn ends_before(&self, at: usize) -> [usize; 2] {
-        let before = at.checked_sub(1).map(|before| &self.links[before]);
-        before.map_or([0; 2], |link| {
-            [link.row_end as usize, link.entry_end as usize]
-        })
     }
 
     /// Takes what the body at a place has got, and its rows miss, to the one that it hangs on. `x`: by place, `b` so far; of this one
@@ -156,9 +181,9 @@ impl Links {
         missing: &[f64],
         x: &mut [Vector6],
     ) {
-        let ([row, entry], link) = (self.ends_before(at), self.links[at]);
-        let rows = &mut self.rows[row..link.row_end as usize];
-        let entries = &self.entries[entry..link.entry_end as usize];
+        let link = self.links[at];
+        let rows = &mut self.rows[link.rows()];
+        let entries = &self.entries[link.entries()];
         let b = x[at];
         let passed = with_known_count!(rows => load(rows, entries, missing, &b));
         if let Some(parent) = x.get_mut(link.parent as usize) {
@@ -170,9 +195,9 @@ impl Links {
     /// Goes back: finds the change of the body at a place and the impulses of its rows.
     #[inline(always)]
     pub(super) fn resolve(&mut self, at: usize, x: &mut [Vector6], impulses: &mut [f64]) {
-        let ([row, entry], link) = (self.ends_before(at), self.links[at]);
-        let rows = &mut self.rows[row..link.row_end as usize];
-        let entries = &self.entries[entry..link.entry_end as usize];
+        let link = self.links[at];
+        let rows = &mut self.rows[link.rows()];
+        let entries = &self.entries[link.entries()];
         let parent = x.get(link.parent as usize).copied();
         let own = &mut x[at];
         with_known_count!(rows => unload(rows, entries, parent.as_ref(), (own, impulses)));

@@ -27,7 +27,7 @@ use glam::{DMat3, DQuat, DVec3};
 use smallvec::SmallVec;
 
 /// A body where a joint is: center of mass and rotation, world, and the joint's frame, relative to the center of mass, body's axes.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Place {
     pub(crate) center: DVec3,
     pub(crate) rotation: DQuat,

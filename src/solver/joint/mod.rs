@@ -10,14 +10,16 @@
 //! | `links.rs` | bodies that hang on one other, eliminated by the rows of their joints |
 //! | `factor.rs` | `M + J^T K J`, factored body by body |
 //! | `system.rs` | the bodies and joints of a batch, and their rows |
-//! | `linearise.rs` | these rows anew where the bodies are now |
+//! | `linearise.rs` | these rows anew where the bodies are now, or those that the step before ended with |
 //! | `solve.rs` | which rows act; velocities that satisfy them |
+//! | `bend.rs` | how much what turns is pulled inward |
 //! | `drift.rs` | where the bodies go, and the impulses that keep the joints together there |
 //! | `energy.rs` | which joints stay open, and what drives give |
 //! | `rounds.rs` | how long the search for these goes on, in each component of connected bodies |
 //!
 //! Must not know contacts, batches and threads. Read `row.rs` first, then `system.rs`.
 
+mod bend;
 pub(crate) mod drift;
 mod energy;
 mod factor;

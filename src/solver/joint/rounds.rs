@@ -40,8 +40,10 @@ pub(super) struct Progress {
     along: Along,
     next: Move,
     has_stopped: bool,
-    /// Whether joints stay open, as far as is known.
-    is_open: bool,
+    /// Whether joints are pushed together, from farther apart than motion makes.
+    is_pushed: bool,
+    /// Whether no motion was found at whose end the joints hold.
+    is_lost: bool,
     /// The most that was amiss before the last step, in tolerances.
     last: f64,
     /// The most that is amiss now.
@@ -53,7 +55,8 @@ impl Progress {
         along: Along::Start,
         next: Move::Step,
         has_stopped: false,
-        is_open: false,
+        is_pushed: false,
+        is_lost: false,
         last: f64::INFINITY,
         worst: 0.0,
     };
@@ -76,7 +79,12 @@ impl Progress {
 
     /// Takes note of a joint that is pushed together from farther apart than motion makes.
     pub(super) fn note_push(&mut self) {
-        self.is_open = true;
+        self.is_pushed = true;
+    }
+
+    /// Whether none was found, as far as is known, of joints that are not pushed.
+    fn is_lost(&self) -> bool {
+        !self.is_pushed && (self.is_lost || !self.has_stopped)
     }
 
     fn judge(&mut self) {
@@ -94,7 +102,7 @@ impl Progress {
         }
         if self.last == f64::INFINITY {
             // What is not finite at the start has nothing to go back to.
-            self.is_open = true;
+            self.is_lost = true;
             return self.stop(Move::Stop);
         }
         match self.along {
@@ -104,7 +112,7 @@ impl Progress {
                 self.forget();
             }
             Along::End(HALVINGS) => {
-                self.is_open = true;
+                self.is_lost = true;
                 self.stop(Move::Retreat(1.0));
             }
             Along::End(halvings) => {
@@ -158,15 +166,25 @@ impl Rounds {
         any
     }
 
+    /// Whether joints of any component are lost.
+    pub(super) fn any_lost(&self) -> bool {
+        self.progress.iter().any(Progress::is_lost)
+    }
+
     /// Whether joints of a component stay open at the end of the motion.
     pub(super) fn leave_open(&self, component: u32) -> bool {
         let progress = &self.progress[component as usize];
-        progress.is_open || !progress.has_stopped
+        progress.is_pushed || progress.is_lost || !progress.has_stopped
     }
 
     /// Whether a component searches along the rows of where the bodies would be.
     pub(super) fn is_along_end(&self, component: u32) -> bool {
         self.progress[component as usize].is_along_end()
+    }
+
+    /// Whether the bodies of a component go elsewhere than in the last round.
+    pub(super) fn moves(&self, component: u32) -> bool {
+        self.next(component) != Move::Stop
     }
 
     /// What a component does next.

@@ -62,6 +62,8 @@ pub(crate) struct JointRow {
     pub(crate) slot: u8,
     pub(crate) kind: RowKind,
     pub(crate) state: RowState,
+    /// The state that it has in the factor.
+    pub(crate) factored: RowState,
     /// On which side of its place it is to stay: 1 above, -1 below, 0 on either.
     pub(crate) side: f64,
     /// Whether it is about an angle.

@@ -174,6 +174,11 @@ impl JointRow {
         usize::from(self.slot) / 4
     }
 
+    /// Whether it holds an anchor along an axis.
+    pub(crate) fn is_of_anchor(&self) -> bool {
+        self.axis() < 3 && self.always_acts()
+    }
+
     /// Aims at where the bodies are to be at the end of the sub-step. `swing`: `h^2 k J M^-1 J^T` of all springs of the two bodies;
     /// `slack`: what rounding of places leaves open, m or rad; `size`: the joint's levers, m, or 1 rad.
     ///

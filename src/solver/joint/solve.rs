@@ -11,15 +11,15 @@ use crate::solver::joint::vector6::add_scaled;
 const ROUNDS: usize = 12;
 
 impl JointSystem {
-    /// Rows that have not been asked yet act if they would alone.
+    /// Rows that do not act yet do if they would alone.
     pub(super) fn guess_states(&mut self) {
         for joint in &self.joints {
             let velocities = joint.velocities(&self.velocities);
+            let is_stale = &mut self.components[joint.component as usize].is_stale;
             for row in &mut self.rows[joint.rows.clone()] {
                 if row.state != RowState::Free {
-                    let state = row.state_at(|| row.velocity(velocities));
-                    self.is_factored &= state == row.state;
-                    row.state = state;
+                    row.state = row.state_at(|| row.velocity(velocities));
+                    *is_stale |= row.state != row.factored;
                 }
             }
         }
@@ -27,6 +27,9 @@ impl JointSystem {
 
     /// Finds impulses and velocities that satisfy all rows.
     pub(crate) fn solve(&mut self) {
+        for component in &mut self.components {
+            component.is_asked = true;
+        }
         for round in 0..ROUNDS {
             run(self.width, FindMissing(self));
             self.apply_missing();
@@ -40,6 +43,9 @@ impl JointSystem {
     fn find_missing(&mut self) {
         self.missing.resize(self.rows.len(), 0.0);
         for joint in &self.joints {
+            if !self.is_asked(joint) {
+                continue;
+            }
             let velocities = joint.velocities(&self.velocities);
             let rows = self.rows[joint.rows.clone()].iter();
             for (missing, row) in self.missing[joint.rows.clone()].iter_mut().zip(rows) {
@@ -48,11 +54,13 @@ impl JointSystem {
         }
     }
 
-    /// Gives the rows the impulses that they miss, less what they get by each other's.
+    /// Gives the rows that are asked the impulses that they miss, less what they get by each other's.
     pub(crate) fn apply_missing(&mut self) {
         self.find_changes();
         let position = &self.sparsity.position;
-        for joint in &self.joints {
+        let components = &self.components;
+        let asked = |joint: &&BatchJoint| components[joint.component as usize].is_asked;
+        for joint in self.joints.iter().filter(asked) {
             let rows = self.rows[joint.rows.clone()].iter_mut();
             let missing = &self.missing[joint.rows.clone()];
             if joint.link.is_some() {
@@ -87,7 +95,8 @@ impl JointSystem {
     /// which bodies are eliminated miss nothing then: what they have instead is what they get.
     pub(super) fn find_changes(&mut self) {
         let width = self.width;
-        if !self.is_factored {
+        let mut components = self.components.iter();
+        if components.any(|component| component.is_asked && component.is_stale) {
             run(width, Factorise(self));
         }
         run(width, FindChanges(self));
@@ -99,6 +108,9 @@ impl JointSystem {
         self.changes.resize(self.bodies.len(), [0.0; 6]);
         let position = &self.sparsity.position;
         for joint in &self.joints {
+            if !self.is_asked(joint) {
+                continue;
+            }
             let is_link = joint.link.is_some();
             let places = joint.ends.map(|end| match end {
                 JointEndpoint::Jointed(body) => Some(position[body as usize] as usize),
@@ -117,14 +129,24 @@ impl JointSystem {
                 }
             }
         }
-        self.factor
-            .solve(&self.sparsity, &mut self.changes, &mut self.missing);
+        let (sparsity, components) = (&self.sparsity, &self.components);
+        let is_asked = |at: usize| components[sparsity.component_at(at)].is_asked;
+        let (changes, missing) = (&mut self.changes, &mut self.missing);
+        self.factor.solve(sparsity, changes, missing, is_asked);
     }
 
-    /// Asks each row whether it acts; whether any has changed. With `only_less`, none begins to.
+    /// Asks each row whether it acts; only components of which any has changed are asked further, if there are some. With `only_less`, none
+    /// begins to act.
     fn renew_states(&mut self, only_less: bool) -> bool {
+        for component in &mut self.components {
+            component.was_asked = std::mem::take(&mut component.is_asked);
+        }
         let mut has_changed = false;
         for joint in &self.joints {
+            let component = &mut self.components[joint.component as usize];
+            if !component.was_asked {
+                continue;
+            }
             let velocities = joint.velocities(&self.velocities);
             for row in &mut self.rows[joint.rows.clone()] {
                 if row.always_acts() {
@@ -134,34 +156,42 @@ impl JointSystem {
                 let begins = state == RowState::Free || row.state != RowState::Free;
                 if state != row.state && !(only_less && begins) {
                     row.state = state;
+                    component.is_stale |= state != row.factored;
+                    component.is_asked = true;
                     has_changed = true;
                 }
             }
         }
-        self.is_factored &= !has_changed;
         has_changed
     }
 
+    /// Makes the factor of what is asked and has changed.
     #[inline(always)]
     fn factorise(&mut self) {
-        self.factor.clear(&self.sparsity);
-        for (body, &at) in self.bodies.iter().zip(&self.sparsity.position) {
-            let block = self.factor.diagonal_mut(at as usize);
-            for i in 0..3 {
-                block[i][i] = body.mass;
-                for j in 0..3 {
-                    block[3 + i][3 + j] = body.inertia.col(j)[i];
-                }
+        let (sparsity, components) = (&self.sparsity, &mut self.components);
+        for component in components.iter_mut() {
+            component.is_renewed = component.is_asked && component.is_stale;
+            component.is_stale &= !component.is_renewed;
+        }
+        let is_renewed = |at: usize| components[sparsity.component_at(at)].is_renewed;
+        for (body, &at) in self.bodies.iter().zip(&sparsity.position) {
+            if is_renewed(at as usize) {
+                self.factor
+                    .begin(at as usize, sparsity, body.spatial_inertia());
             }
         }
-        for joint in self.joints.iter().filter(|joint| joint.link.is_none()) {
-            for row in &self.rows[joint.rows.clone()] {
-                if row.state != RowState::Free {
+        for joint in &self.joints {
+            if !components[joint.component as usize].is_renewed {
+                continue;
+            }
+            for row in &mut self.rows[joint.rows.clone()] {
+                row.factored = row.state;
+                if row.state != RowState::Free || joint.link.is_some() {
                     continue;
                 }
                 for (side, end) in joint.ends.into_iter().enumerate() {
                     if let JointEndpoint::Jointed(body) = end {
-                        let at = self.sparsity.position[body as usize] as usize;
+                        let at = sparsity.position[body as usize] as usize;
                         self.factor.add(at, row.stiffness, &row.jacobian[side]);
                     }
                 }
@@ -177,8 +207,18 @@ impl JointSystem {
             starts: &self.link_starts,
             numbers: &self.link_joints,
         };
-        self.factor.factorise(&self.sparsity, &rows);
-        self.is_factored = true;
+        self.factor.factorise(sparsity, &rows, is_renewed);
+    }
+
+    /// Makes room for a factor, whichever rows act.
+    pub(super) fn lay_out_factor(&mut self) {
+        let rows = RowsOfLinks {
+            joints: &self.joints,
+            rows: &self.rows,
+            starts: &self.link_starts,
+            numbers: &self.link_joints,
+        };
+        self.factor.lay_out(&self.sparsity, &rows);
     }
 }
 
@@ -191,12 +231,20 @@ struct RowsOfLinks<'a> {
     numbers: &'a [u32],
 }
 
+impl RowsOfLinks<'_> {
+    /// The joints of the body at a place.
+    #[inline(always)]
+    fn joints_at(&self, at: usize) -> impl Iterator<Item = &BatchJoint> {
+        let own = self.starts[at] as usize..self.starts[at + 1] as usize;
+        let numbers = self.numbers[own].iter();
+        numbers.map(|&number| &self.joints[number as usize])
+    }
+}
+
 impl AddRows for RowsOfLinks<'_> {
     #[inline(always)]
     fn add_rows(&self, at: usize, links: &mut Links) {
-        let own = self.starts[at] as usize..self.starts[at + 1] as usize;
-        for &number in &self.numbers[own] {
-            let joint = &self.joints[number as usize];
+        for joint in self.joints_at(at) {
             let side = joint.link.unwrap_or_default();
             let is_alone = matches!(joint.ends[1 - side], JointEndpoint::Fixed(_));
             for number in joint.rows.clone() {
@@ -206,10 +254,14 @@ impl AddRows for RowsOfLinks<'_> {
                     if is_alone {
                         jacobians[1] = [0.0; 6];
                     }
-                    links.push(LinkRow::new(number, row.stiffness, jacobians));
+                    links.push(at, LinkRow::new(number, row.stiffness, jacobians));
                 }
             }
         }
+    }
+
+    fn most_rows(&self, at: usize) -> usize {
+        self.joints_at(at).map(|joint| joint.rows.len()).sum()
     }
 }
 

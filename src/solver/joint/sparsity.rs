@@ -4,6 +4,7 @@
 //! all those that it is still coupled with. Least degree first: along a tree the leaves go before what they hang on, nothing
 //! couples that was not coupled before, and the work is linear in the number of joints. A loop costs what it fills in.
 
+use crate::disjoint_sets::DisjointSets;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -65,6 +66,7 @@ impl Sparsity {
         }
         self.edges.clear();
         self.edges.extend_from_slice(edges);
+        self.find_components(count);
         let neighbors = self.eliminate(count);
         self.number(&neighbors);
         self.find_updates();
@@ -76,7 +78,6 @@ impl Sparsity {
             self.edge_blocks.push(EdgeBlock { block, is_flipped });
         }
         self.find_eliminations();
-        self.find_components();
     }
 
     fn find_eliminations(&mut self) {
@@ -90,23 +91,23 @@ impl Sparsity {
         self.eliminations = eliminations;
     }
 
-    /// Bodies whose elimination ends with the same one are connected.
-    fn find_components(&mut self) {
-        let mut components = std::mem::take(&mut self.components);
-        components.clear();
-        components.resize(self.order.len(), 0);
-        self.component_count = 0;
-        for at in (0..self.order.len()).rev() {
-            let body = self.order[at] as usize;
-            components[body] = match self.columns_of(at).first() {
-                Some(column) => components[self.order[column.to as usize] as usize],
-                None => {
-                    self.component_count += 1;
-                    self.component_count as u32 - 1
-                }
-            };
+    /// Numbers the components by the first body of each.
+    fn find_components(&mut self, count: usize) {
+        let mut sets = DisjointSets::new(count);
+        for &[a, b] in &self.edges {
+            sets.join(a, b);
         }
-        self.components = components;
+        self.components.clear();
+        self.components.resize(count, u32::MAX);
+        self.component_count = 0;
+        for body in 0..count {
+            let root = sets.root(body as u32) as usize;
+            if self.components[root] == u32::MAX {
+                self.components[root] = self.component_count as u32;
+                self.component_count += 1;
+            }
+            self.components[body] = self.components[root];
+        }
     }
 
     /// Finds the order; by body, those that it is coupled with when its turn comes.
@@ -116,14 +117,15 @@ impl Sparsity {
             insert(&mut neighbors[a as usize], b);
             insert(&mut neighbors[b as usize], a);
         }
-        let mut heap: BinaryHeap<Reverse<(usize, u32)>> = (0..)
+        let components = &self.components;
+        let mut heap: BinaryHeap<Reverse<(u32, usize, u32)>> = (0..)
             .zip(&neighbors)
-            .map(|(node, list)| Reverse((list.len(), node)))
+            .map(|(node, list)| Reverse((components[node as usize], list.len(), node)))
             .collect();
         self.order.clear();
         self.position.clear();
         self.position.resize(count, u32::MAX);
-        while let Some(Reverse((degree, node))) = heap.pop() {
+        while let Some(Reverse((component, degree, node))) = heap.pop() {
             let i = node as usize;
             // What it was listed with before its neighbors went.
             if self.position[i] != u32::MAX || degree != neighbors[i].len() {
@@ -138,7 +140,7 @@ impl Sparsity {
                 list.iter()
                     .filter(|&&n| n != other)
                     .for_each(|&n| insert(of_other, n));
-                heap.push(Reverse((of_other.len(), other)));
+                heap.push(Reverse((component, of_other.len(), other)));
             }
         }
         neighbors
@@ -174,6 +176,12 @@ impl Sparsity {
             }
         }
         self.updates = updates;
+    }
+
+    /// The component of the body at a place.
+    #[inline(always)]
+    pub(super) fn component_at(&self, at: usize) -> usize {
+        self.components[self.order[at] as usize] as usize
     }
 
     /// Columns of the body at a place.

@@ -9,7 +9,7 @@ use crate::solver::joint::rounds::Rounds;
 use crate::solver::joint::row::JointRow;
 use crate::solver::joint::rows::HalfSettings;
 use crate::solver::joint::sparsity::{EdgeBlock, Sparsity};
-use crate::solver::joint::vector6::{Vector6, split};
+use crate::solver::joint::vector6::{Block6, Vector6, split};
 use glam::{DMat3, DQuat, DVec3};
 use std::ops::Range;
 
@@ -78,6 +78,8 @@ pub(crate) struct BatchJoint {
     pub(super) levers: f64,
     /// Whether angles make rows of it.
     pub(crate) has_angles: bool,
+    /// The component of connected bodies that it belongs to.
+    pub(super) component: u32,
     /// Its rows.
     pub(crate) rows: Range<usize>,
     /// The block that couples its bodies.
@@ -96,6 +98,29 @@ pub(crate) struct BatchJoint {
     pub(crate) slack: f64,
 }
 
+/// Where the solution of a component of connected bodies has come to.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Component {
+    /// Whether it is to be solved for.
+    pub(super) is_asked: bool,
+    /// Whether it was, in the round before.
+    pub(super) was_asked: bool,
+    /// Whether the factor is not that of its rows as they are.
+    pub(super) is_stale: bool,
+    /// Whether its factor is being made.
+    pub(super) is_renewed: bool,
+}
+
+/// A step as it ended.
+#[derive(Debug, Default)]
+pub(super) struct Ended {
+    /// Whether the rows are those of these joints and bodies.
+    pub(super) is_written: bool,
+    pub(super) bodies: Vec<JointedBody>,
+    pub(super) fixed: Vec<FixedBody>,
+    pub(super) joints: Vec<BatchJoint>,
+}
+
 /// The problem.
 #[derive(Debug, Default)]
 pub(crate) struct JointSystem {
@@ -105,20 +130,27 @@ pub(crate) struct JointSystem {
     pub(crate) joints: Vec<BatchJoint>,
     pub(crate) rows: Vec<JointRow>,
     pub(super) old_rows: Vec<JointRow>,
+    /// The step before, whose rows are still there.
+    pub(super) before: Ended,
+    /// Whether the rows are those of the joints where they are.
+    pub(super) is_written: bool,
+    /// Whether the rows know how much what turns is pulled inward.
+    pub(super) is_bent: bool,
     edges: Vec<[u32; 2]>,
     /// By place: where the joints begin by whose rows the body is eliminated, and the end of all; and these.
     pub(super) link_starts: Vec<u32>,
     pub(super) link_joints: Vec<u32>,
+    /// Softness of rows that push, as [`EPSILON`](super::row::EPSILON).
+    pub(crate) push_softness: f64,
     /// Registers of loops over bodies and rows.
     pub(crate) width: LaneWidth,
     pub(super) sparsity: Sparsity,
     pub(super) factor: Factor,
-    /// Whether the factor is that of the rows as they are.
-    pub(super) is_factored: bool,
+    pub(super) components: Vec<Component>,
     /// Whether there are springs among the rows.
     pub(super) has_springs: bool,
-    /// Time for which springs act in the factor, s.
-    factored_kick: f64,
+    /// Time for which springs act in the factor, and length of its sub-step, s.
+    factored_for: [f64; 2],
     /// Changes of velocities, by place in the order.
     pub(super) changes: Vec<Vector6>,
     /// By body: velocities that it is pushed with in this sub-step, and does not keep; empty if none is.
@@ -130,13 +162,16 @@ pub(crate) struct JointSystem {
 }
 
 impl JointSystem {
-    /// Forgets the step before, but not in which order bodies are eliminated.
+    /// Begins a step. What the one before has written is kept, and in which order bodies are eliminated.
     pub(crate) fn clear(&mut self) {
+        std::mem::swap(&mut self.bodies, &mut self.before.bodies);
+        std::mem::swap(&mut self.fixed, &mut self.before.fixed);
+        std::mem::swap(&mut self.joints, &mut self.before.joints);
+        self.before.is_written = std::mem::take(&mut self.is_written);
         self.bodies.clear();
         self.velocities.clear();
         self.fixed.clear();
         self.joints.clear();
-        self.rows.clear();
     }
 
     /// Adds a joint.
@@ -155,6 +190,7 @@ impl JointSystem {
             ends,
             anchors,
             frames: frames.map(DQuat::normalize),
+            component: 0,
             rows: 0..0,
             edge: None,
             link: None,
@@ -175,6 +211,8 @@ impl JointSystem {
         let mut blocks = self.sparsity.edge_blocks.iter();
         for joint in &mut self.joints {
             joint.edge = joint.pair().and_then(|_| blocks.next().copied());
+            let body = joint.jointed().next();
+            joint.component = body.map_or(0, |body| self.sparsity.components[body]);
         }
         self.find_links();
     }
@@ -208,10 +246,14 @@ impl JointSystem {
     /// be any where a chain is as good as straight between fixed ends, and along rows that have turned since they would throw it.
     pub(crate) fn begin_ahead(&mut self, half: &HalfSettings) {
         self.find_swings(half.substep_dt);
-        if self.factored_kick != half.kick && self.has_springs {
-            self.is_factored = false;
+        let acts_for = [half.kick, half.substep_dt];
+        if self.factored_for != acts_for && self.has_springs {
+            self.outdate();
         }
-        self.factored_kick = half.kick;
+        self.factored_for = acts_for;
+        if !std::mem::replace(&mut self.is_bent, true) {
+            self.bend_rows(half.substep_dt);
+        }
         let Self {
             joints,
             rows,
@@ -241,7 +283,7 @@ impl JointSystem {
     /// Begins the second half, where the bodies are at its end.
     pub(crate) fn begin_along(&mut self, half: &HalfSettings) {
         self.find_swings(half.substep_dt);
-        self.factored_kick = half.kick;
+        self.factored_for = [half.kick, half.substep_dt];
         let Self {
             joints,
             rows,
@@ -255,6 +297,19 @@ impl JointSystem {
             }
         }
         self.guess_states();
+    }
+
+    /// The factor is none of the rows any more.
+    pub(super) fn outdate(&mut self) {
+        for component in &mut self.components {
+            component.is_stale = true;
+        }
+    }
+
+    /// Whether a joint is among those that are to be solved.
+    #[inline(always)]
+    pub(super) fn is_asked(&self, joint: &BatchJoint) -> bool {
+        self.components[joint.component as usize].is_asked
     }
 
     fn find_swings(&mut self, substep_dt: f64) {
@@ -293,6 +348,21 @@ impl JointSystem {
     }
 }
 
+impl JointedBody {
+    /// Mass and inertia, about its center of mass.
+    #[inline(always)]
+    pub(super) fn spatial_inertia(&self) -> Block6 {
+        let mut block = Block6::default();
+        for i in 0..3 {
+            block[i][i] = self.mass;
+            for j in 0..3 {
+                block[3 + i][3 + j] = self.inertia.col(j)[i];
+            }
+        }
+        block
+    }
+}
+
 impl BatchJoint {
     /// Its bodies that joints move.
     fn jointed(&self) -> impl Iterator<Item = usize> + use<> {
@@ -301,12 +371,6 @@ impl BatchJoint {
             JointEndpoint::Jointed(body) => Some(body as usize),
             JointEndpoint::Fixed(_) => None,
         })
-    }
-
-    /// The component of connected bodies that it belongs to.
-    pub(super) fn component(&self, sparsity: &Sparsity) -> u32 {
-        let body = self.jointed().next();
-        body.map_or(0, |body| sparsity.components[body])
     }
 
     /// Its bodies, if joints move both.
