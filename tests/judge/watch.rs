@@ -41,7 +41,7 @@ pub(crate) fn judge(scene: &Scene) -> Vec<Breach> {
 }
 
 /// What is looked at in each step.
-struct Watches {
+pub(crate) struct Watches {
     energy: Energy,
     momentum: Momentum,
     overlap: Option<Overlap>,
@@ -51,7 +51,7 @@ struct Watches {
 }
 
 impl Watches {
-    fn new(run: &Run<'_>) -> Self {
+    pub(crate) fn new(run: &Run<'_>) -> Self {
         Self {
             energy: Energy::new(run),
             momentum: Momentum::new(run),
@@ -63,7 +63,7 @@ impl Watches {
         }
     }
 
-    fn look(&mut self, run: &Run<'_>, step: u32) {
+    pub(crate) fn look(&mut self, run: &Run<'_>, step: u32) {
         self.energy.look(run, step);
         self.momentum.look(run, step);
         self.stand.look(run, step);
@@ -74,7 +74,7 @@ impl Watches {
         }
     }
 
-    fn breaches(self, run: &Run<'_>) -> [Option<Breach>; 7] {
+    pub(crate) fn breaches(self, run: &Run<'_>) -> [Option<Breach>; 7] {
         [
             self.energy.breach(),
             self.energy.loss(),

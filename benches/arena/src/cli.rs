@@ -12,6 +12,7 @@ arena scale   [--scene pile,pile-at-rest,pyramids] [--bodies 1000,2000,..] [--en
 arena ask     [--bodies 1000,..] [--triangles 500000,..] [--questions N] [--repeats N]
 arena level   [--bodies N] [--cells N] [--spacings 0.7,..]
 arena events  [--bodies N]
+arena heaps   [--scenes N] [--seed N] [--families a,b,..] [--engines a,b,..] [--game]
 arena report  [FILE.csv] [--out DIR | --page FILE.md]
 arena list
 

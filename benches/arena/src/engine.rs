@@ -10,7 +10,7 @@ pub(crate) struct Settings {
     pub(crate) value: u32,
     /// Threads that may work at once, the calling one included.
     pub(crate) threads: usize,
-    /// Whether bodies at rest may be left out of the step; our engine cannot do that.
+    /// Whether bodies at rest may be left out of the step.
     #[allow(
         dead_code,
         reason = "not read without the features of the other engines"

@@ -6,7 +6,10 @@ mod compare;
 mod engine;
 mod engines;
 mod events;
+mod heaps;
 mod job;
+#[path = "../../../tests/judge/mod.rs"]
+mod judge;
 mod level;
 mod measure;
 mod race;
@@ -29,6 +32,7 @@ fn main() -> std::process::ExitCode {
         "ask" => ask::run(rest),
         "level" => level::run(rest),
         "events" => events::run(rest),
+        "heaps" => heaps::run(rest),
         "report" => report::run(rest),
         "list" => cli::list(rest),
         job::COMMAND => job::run(rest),

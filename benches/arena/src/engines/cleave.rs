@@ -145,6 +145,10 @@ impl Engine for Cleave {
         }));
     }
 
+    fn num_awake(&self) -> Option<usize> {
+        Some(self.simulation.report.awake)
+    }
+
     fn num_contacts(&self) -> Option<usize> {
         Some(self.simulation.report.contacts)
     }

@@ -1,5 +1,6 @@
 //! Descriptions of scenes that know no engine. Units: metres, kilograms, seconds; y is up.
 
+pub(crate) mod drawn;
 mod joint;
 mod jointed;
 mod library;
