@@ -56,7 +56,7 @@ fn soak() -> Result<(), support::Error> {
         ..DebrisRules::default()
     };
     let (mut times, mut counts, mut breaks) = (Vec::new(), Vec::new(), Vec::new());
-    let mut work: [Vec<f64>; 3] = Default::default();
+    let mut work: [Vec<f64>; 2] = Default::default();
     let (mut dropped, mut blocks) = (0.0, 0);
     for step in 0..(minutes * 60.0 / f64::from(H)) as usize {
         if step % EVERY == 0 {
@@ -69,11 +69,7 @@ fn soak() -> Result<(), support::Error> {
         counts.push(simulation.bodies.len() as f64);
         breaks.push(!simulation.fractures.done.is_empty());
         let report = &simulation.report;
-        let swept = report
-            .islands
-            .iter()
-            .map(|it| it.contacts * it.sweeps as usize);
-        let counted = [report.awake, report.contacts, swept.sum()];
+        let counted = [report.awake, report.contacts];
         for (counts, count) in work.iter_mut().zip(counted) {
             counts.push(count as f64);
         }
@@ -159,19 +155,16 @@ fn report_breaks(times: &[f64], breaks: &[bool]) {
     }
 }
 
-/// What sets steps apart in which nothing broke: how much of the scatter of their times goes with the bodies that are awake, with the contacts, and with
-/// contacts times sweeps; and how much of it there is in the longest hundredth beside the median.
-fn report_work(times: &[f64], breaks: &[bool], work: &[Vec<f64>; 3]) {
+/// What sets steps apart in which nothing broke: how much of the scatter of their times goes with the bodies that are awake and with the contacts;
+/// and how many of these there are in the longest hundredth beside the median.
+fn report_work(times: &[f64], breaks: &[bool], work: &[Vec<f64>; 2]) {
     // Not while the scene fills.
     let first = times.len() / 4;
     let others: Vec<usize> = (first..times.len()).filter(|&i| !breaks[i]).collect();
     let of = |values: &[f64]| others.iter().map(|&i| values[i]).collect::<Vec<_>>();
     let times = of(times);
     let least = stats::percentile(&times, 0.99);
-    for (name, work) in ["awake", "contacts", "contacts_times_sweeps"]
-        .iter()
-        .zip(work)
-    {
+    for (name, work) in ["awake", "contacts"].iter().zip(work) {
         let work = of(work);
         let longest = times.iter().zip(&work).filter(|(time, _)| **time >= least);
         let longest: Vec<f64> = longest.map(|(_, work)| *work).collect();
