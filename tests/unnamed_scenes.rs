@@ -42,7 +42,7 @@ const KNOWN: [Known; FAMILIES.len()] = [
     known("round", FEW, 0),
     known("plates", FEW, 2),
     known("rods", FEW, 2),
-    known("needles", FEW, 2),
+    known("needles", FEW, 1),
     known("wedges", MANY, 0),
     known("sizes", MANY, 0),
     known("masses", MANY, 1),

@@ -220,10 +220,6 @@ impl SubstepSettings {
         };
         RowSoftness {
             contacts: of(self.stiffness, self.damping_ratio),
-            friction: match self.relax_sweeps {
-                0 => 1.0,
-                _ => RowSoftness::BIASED_FRICTION,
-            },
             bonds: of(1.0, BOND_DAMPING),
         }
     }
@@ -232,9 +228,7 @@ impl SubstepSettings {
     pub fn bias(&self) -> Bias {
         let rates = match self.method {
             MethodKind::SoftStep => {
-                let RowSoftness {
-                    contacts, bonds, ..
-                } = self.softness();
+                let RowSoftness { contacts, bonds } = self.softness();
                 [contacts.bias_rate, bonds.bias_rate]
             }
             _ => [self.baumgarte / self.substep_dt; 2],

@@ -13,12 +13,8 @@ use glam::Vec3;
 #[test]
 fn sliding_over_a_compound_of_flush_parts_is_sliding_over_one() {
     let [failed, ran] = count_different(Floor::Compound);
-    assert!(failed <= KNOWN_TO_DIFFER, "{failed} of {ran} slides differ");
+    assert_eq!(failed, 0, "of {ran} slides differ");
 }
-
-/// A cube at 5 cm/s that friction stops within three steps: it has 0.1 mm/s more in one of them than on one piece, a tenth of what sweeps may
-/// leave.
-const KNOWN_TO_DIFFER: usize = 1;
 
 /// A slab of tiles that slides over the ground, or over tiles.
 #[test]

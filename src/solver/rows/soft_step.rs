@@ -59,8 +59,6 @@ impl Softness {
 pub struct RowSoftness {
     /// Of contacts.
     pub contacts: Softness,
-    /// How far the friction of contacts goes in a sweep towards stopping a point: a share of the change that would.
-    pub friction: f32,
     /// Of bonds.
     pub bonds: Softness,
 }
@@ -69,14 +67,8 @@ impl RowSoftness {
     /// No compliance.
     pub const HARD: Self = Self {
         contacts: Softness::HARD,
-        friction: 1.0,
         bonds: Softness::HARD,
     };
-
-    /// How far friction goes in a sweep with position bias that others without it follow. What pushes overlap out moves points
-    /// along their tangents too, only while bodies move: friction that followed all of that would pass it on through a deck of thin plates,
-    /// and they would rock and creep for ever (`docs/decisions/soft_step.md`).
-    pub const BIASED_FRICTION: f32 = 0.5;
 }
 
 /// The normal velocity that a point should have after the bodies have moved, m/s. A `rebound` that is not positive is added to the
