@@ -39,17 +39,20 @@ impl Network {
         }
     }
 
-    /// Bonds that a blow loads with at least a share of their strengths, as long as it leaves them whole; the most that each bore, as a share
-    /// of what it can. Ascending.
+    /// Bonds that a blow loads with at least a share of their strengths, as long as it leaves them whole, but for those that are known to be `broken`
+    /// (ascending); the most that each bore, as a share of what it can. Ascending.
     pub(crate) fn strained(
         &self,
         hit: Hit,
         endurance: f32,
         is_held: impl Fn(u32) -> bool,
+        broken: &[u32],
     ) -> Vec<(u32, f32)> {
         let instant = self.follow((hit, endurance), is_held);
         let links = instant.links.iter();
-        let strained = links.filter(|link| link.is_strained() && !link.is_broken);
+        let strained = links.filter(|link| {
+            link.is_strained() && !link.is_broken && broken.binary_search(&link.bond).is_err()
+        });
         let mut bonds: Vec<(u32, f32)> = strained.map(|link| (link.bond, link.peak)).collect();
         bonds.sort_unstable_by_key(|&(bond, _)| bond);
         bonds

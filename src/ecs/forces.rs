@@ -107,11 +107,11 @@ impl AppliedForces {
         self.0.get_or_insert_default()
     }
 
-    /// An impulse, N s, at a point so far from the origin of the body's frame, world axes, m.
-    pub(super) fn push_at(&mut self, impulse: Vec3, lever: Vec3) {
+    /// A force, N, and an impulse, N s, at a point so far from the origin of the body's frame, world axes, m.
+    pub(super) fn act_at(&mut self, lever: Vec3, [force, impulse]: [Vec3; 2]) {
         self.sum().at_points.push(PointForce {
             lever,
-            force: Vec3::ZERO,
+            force,
             impulse,
         });
     }
@@ -182,11 +182,7 @@ impl ForcesItem<'_, '_> {
     /// A force, N, at a point of the world, m. Of a body whose parts bonds hold it loads the part that is there, see [`Bodies::apply_at`].
     pub fn apply_force_at(&mut self, force: Vec3, point: Vec3) {
         let lever = point - self.origin();
-        self.applied.sum().at_points.push(PointForce {
-            lever,
-            force,
-            impulse: Vec3::ZERO,
-        });
+        self.applied.act_at(lever, [force, Vec3::ZERO]);
     }
 
     /// A torque, N m.
@@ -202,7 +198,7 @@ impl ForcesItem<'_, '_> {
     /// An impulse, N s, at a point of the world, m. Of a body whose parts bonds hold it hits the part that is there, see [`Bodies::apply_at`].
     pub fn apply_impulse_at(&mut self, impulse: Vec3, point: Vec3) {
         let lever = point - self.origin();
-        self.applied.push_at(impulse, lever);
+        self.applied.act_at(lever, [Vec3::ZERO, impulse]);
     }
 
     /// An angular impulse, N m s.

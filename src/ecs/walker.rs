@@ -187,7 +187,7 @@ pub(crate) fn walk(
             let pushed = pushed.and_then(|pushed| forces.get_mut(pushed).ok());
             if let Some(mut forces) = pushed {
                 let lever = push.point - bodies.pose(push.body).position;
-                forces.push_at(push.impulse, lever);
+                forces.act_at(lever, [Vec3::ZERO, push.impulse]);
             }
         }
     }

@@ -150,8 +150,8 @@ fn wear(
     if energy <= network.least_strain(fatigue.endurance) {
         return Vec::new();
     }
-    let mut strained = network.strained(hit, fatigue.endurance, |part| state.holds(part));
-    strained.retain(|(bond, _)| broken.binary_search(bond).is_err());
+    let is_held = |part| state.holds(part);
+    let strained = network.strained(hit, fatigue.endurance, is_held, broken);
     if strained.is_empty() {
         return Vec::new();
     }

@@ -209,12 +209,21 @@ impl PendingBreak {
 
 /// A body that waits for its turn to break, unless it bears the blow.
 pub(super) fn wait(bodies: &Bodies, blow: &Blow) -> Option<PendingBreak> {
-    let slot = blow.slot;
-    let impact = blow.impact(bodies);
     let bonds = (!blow.bonds.is_empty()).then(|| BrokenBonds {
-        of: bodies.cluster(slot).map_or(0, |it| it.network.bonds.len()),
+        of: (bodies.cluster(blow.slot)).map_or(0, |it| it.network.bonds.len()),
         bonds: blow.bonds.clone(),
     });
+    let (impact, report) = (blow.impact(bodies), blow.report(bodies, 1.0));
+    wait_for(bodies, blow.slot, (impact, report), bonds)
+}
+
+/// The same of a blow to the body in `slot` with its report, which says that all of it acted, and of the bonds within the body that it breaks.
+pub(super) fn wait_for(
+    bodies: &Bodies,
+    slot: u32,
+    (impact, blow): (Impact, BreakingImpact),
+    bonds: Option<BrokenBonds>,
+) -> Option<PendingBreak> {
     // Whether it breaks does not depend on the number of pieces, and how it does is found when its turn comes.
     let most = bodies.max_pieces(slot).min(MIN_PIECES);
     if bonds.is_none() {
@@ -225,7 +234,7 @@ pub(super) fn wait(bodies: &Bodies, blow: &Blow) -> Option<PendingBreak> {
         slot,
         cause: PendingCause::Blow {
             impact,
-            blow: blow.report(bodies, 1.0),
+            blow,
             bonds,
         },
     })

@@ -6,7 +6,7 @@ use crate::bodies::body::RigidBody;
 use crate::bodies::explosion::Explosion;
 use crate::bodies::store::Bodies;
 use crate::fracture::budget::FractureBudget;
-use crate::fracture::pending::{Division, PendingBreak, PendingCause, cut_triangles, divide};
+use crate::fracture::pending::{Division, cut_triangles, divide, wait_for};
 use crate::fracture::{Bonds, BreakingImpact, Fractures, MIN_PIECES, impact};
 use crate::math::rotate;
 use crate::slice::Impact;
@@ -48,7 +48,9 @@ impl Fractures {
         let left = self.state.left(budget);
         let triangles = cut_triangles(bodies, slot, &impact);
         if left < MIN_PIECES || !budget.may_cut(self.state.cut, triangles) {
-            self.wait_for_turn(bodies, slot, (impact, report(1.0)));
+            let is_known = (self.state.waiting.iter()).any(|it| it.body == bodies.id(slot));
+            let turn = wait_for(bodies, slot, (impact, report(1.0)), None);
+            self.state.waiting.extend(turn.filter(|_| !is_known));
             // All of it acts on what waits.
             return push(bodies, slot, explosion, 1.0);
         }
@@ -67,27 +69,6 @@ impl Fractures {
                 share_out(bodies, &pieces, explosion, (1.0 - withstood) * load.impulse);
             }
             Err(_) => push(bodies, slot, explosion, 1.0 - withstood),
-        }
-    }
-
-    /// Lets a body break under a blow once there is a budget, unless it waits already or bears it.
-    fn wait_for_turn(
-        &mut self,
-        bodies: &Bodies,
-        slot: u32,
-        (impact, blow): (Impact, BreakingImpact),
-    ) {
-        let body = bodies.id(slot);
-        let is_known = self.state.waiting.iter().any(|entry| entry.body == body);
-        let most = bodies.max_pieces(slot).min(MIN_PIECES);
-        if !is_known && impact::cutting(bodies, slot, &impact, most).is_some() {
-            let bonds = None;
-            let cause = PendingCause::Blow {
-                impact,
-                blow,
-                bonds,
-            };
-            self.state.waiting.push(PendingBreak { body, slot, cause });
         }
     }
 }

@@ -49,10 +49,8 @@ struct CellGroup {
 /// A part of a mesh that holds all that some cells have of it.
 #[derive(Clone, Debug)]
 enum Part {
-    /// All of it, to be cut by planes.
-    Whole,
-    /// A closed part, to be cut by planes.
-    Mesh(Arc<TriMesh>),
+    /// A closed part, or all of it, to be cut by planes.
+    Mesh(Option<Arc<TriMesh>>),
     /// Those of its triangles that may reach into the cells, to be cut one by one.
     Triangles(Vec<u32>),
 }
@@ -65,7 +63,7 @@ impl ClipQueue {
         let part = mesh.filter(|mesh| {
             mesh.triangles.len() > TRIANGLES_OF_A_PART && CellSolid::takes(mesh, options)
         });
-        let part = part.map_or(Part::Whole, |mesh| {
+        let part = part.map_or(Part::Mesh(None), |mesh| {
             Part::Triangles((0..mesh.triangles.len() as u32).collect())
         });
         Self {
@@ -85,7 +83,7 @@ impl ClipQueue {
     fn take_up_left(&mut self) {
         if self.groups.is_empty() && !self.left.is_empty() {
             let cells = std::mem::take(&mut self.left);
-            let part = Part::Whole;
+            let part = Part::Mesh(None);
             self.groups.push(CellGroup { part, cells });
         }
     }
@@ -121,10 +119,7 @@ impl PieceCutter {
                 [cell] => self.cut_solid((mesh, &triangles), cell, queue, pieces, options),
                 _ => self.divide_triangles((mesh, &triangles), cells, queue, pieces),
             },
-            Part::Whole => self.clip_group(mesh, None, cells, (queue, pieces), options),
-            Part::Mesh(part) => {
-                self.clip_group(mesh, Some(part), cells, (queue, pieces), options);
-            }
+            Part::Mesh(part) => self.clip_group(mesh, part, cells, (queue, pieces), options),
         }
         queue.take_up_left();
     }
@@ -213,8 +208,7 @@ impl PieceCutter {
             return;
         }
         let mut push = |part: Option<Arc<TriMesh>>, cells: &[u32]| {
-            let cells = cells.to_vec();
-            let part = part.map_or(Part::Whole, Part::Mesh);
+            let (part, cells) = (Part::Mesh(part), cells.to_vec());
             queue.groups.push(CellGroup { part, cells });
         };
         if cells.len() <= CELLS_OF_A_PART || whole.triangles.len() <= TRIANGLES_OF_A_PART {

@@ -23,6 +23,16 @@ enum Place {
     Outside,
 }
 
+impl Place {
+    fn of(is_inside: bool) -> Self {
+        if is_inside {
+            Self::Inside
+        } else {
+            Self::Outside
+        }
+    }
+}
+
 /// Where the surface crosses an edge between two walls.
 #[derive(Clone, Copy, Debug)]
 struct Crossing {
@@ -87,13 +97,14 @@ impl CellCaps {
                 let Some(other) = surface.other_wall(vertex, rim.wall) else {
                     continue;
                 };
-                let pair = [rim.wall, other];
-                // The other wall tells the same.
-                let Some(edge) = walls.edges.iter().position(|edge| edge.walls == pair) else {
-                    let is_edge = |edge: &WallEdge| edge.walls == [other, rim.wall];
-                    walls.edges.iter().find(|edge| is_edge(edge))?;
-                    continue;
+                let is_edge = |edge: &WallEdge| {
+                    edge.walls == [rim.wall, other] || edge.walls == [other, rim.wall]
                 };
+                let edge = walls.edges.iter().position(is_edge)?;
+                // The other wall tells the same.
+                if walls.edges[edge].walls[0] != rim.wall {
+                    continue;
+                }
                 let [a, b] = (walls.edges[edge].ends)
                     .map(|corner| cell.hull.vertices()[corner as usize].as_dvec3());
                 let position = surface.new.positions[vertex as usize].as_dvec3();
@@ -105,11 +116,10 @@ impl CellCaps {
                 });
             }
         }
-        let order = |c: &Crossing| (c.edge, c.vertex);
         self.crossings.sort_unstable_by(|a, b| {
             (a.edge.cmp(&b.edge))
                 .then(a.along.total_cmp(&b.along))
-                .then(order(a).cmp(&order(b)))
+                .then(a.vertex.cmp(&b.vertex))
         });
         let mut pairs = self.crossings.windows(2);
         let alternate =
@@ -129,11 +139,7 @@ impl CellCaps {
             let ends = walls.edges[run[0].edge as usize].ends;
             let is_inside = [!run[0].begins, run[run.len() - 1].begins];
             for (end, is_inside) in ends.into_iter().zip(is_inside) {
-                let place = if is_inside {
-                    Place::Inside
-                } else {
-                    Place::Outside
-                };
+                let place = Place::of(is_inside);
                 let known = &mut self.places[end as usize];
                 if *known != Place::Unknown && *known != place {
                     return None;
@@ -152,12 +158,8 @@ impl CellCaps {
         for corner in 0..self.places.len() {
             if walls.is_used[corner] && self.places[corner] == Place::Unknown {
                 let position = cell.hull.vertices()[corner];
-                let inside = is_inside(cell.mesh, position, 4.0 * walls.tolerance)?;
-                self.places[corner] = if inside {
-                    Place::Inside
-                } else {
-                    Place::Outside
-                };
+                let is_inside = is_inside(cell.mesh, position, 4.0 * walls.tolerance)?;
+                self.places[corner] = Place::of(is_inside);
                 self.spread_places(walls)?;
             }
         }

@@ -8,7 +8,7 @@ use crate::slice::cell_solid::cell::Cell;
 const NONE: u32 = u32::MAX;
 
 /// Walls that a cell may have: one bit each.
-pub(super) const MAX_WALLS: usize = 64;
+const MAX_WALLS: usize = 64;
 
 /// An edge of the cell between two walls.
 #[derive(Clone, Copy, Debug)]

@@ -53,7 +53,7 @@ impl Batch {
             }
             let strikers = self.strikers(number, manifolds, bodies);
             let hit = Hit::of(&strikers);
-            let bonds = network.strained(hit, fatigue.endurance, |part| state.holds(part));
+            let bonds = network.strained(hit, fatigue.endurance, |part| state.holds(part), &[]);
             if !bonds.is_empty() {
                 self.impacts.strains.push(Strain {
                     slot,
@@ -98,13 +98,11 @@ impl Batch {
             });
             return None;
         }
-        let mut strained = bodies.fatigue(slot).map_or_else(Vec::new, |fatigue| {
-            let network = &state.network;
-            network.strained(Hit::of(&strikers), fatigue.endurance, |part| {
-                state.holds(part)
-            })
+        let strained = bodies.fatigue(slot).map_or_else(Vec::new, |fatigue| {
+            let (network, hit) = (&state.network, Hit::of(&strikers));
+            let is_held = |part| state.holds(part);
+            network.strained(hit, fatigue.endurance, is_held, &outcome.broken)
         });
-        strained.retain(|(bond, _)| outcome.broken.binary_search(bond).is_err());
         Some(Blow {
             bonds: outcome.broken,
             bond_work: outcome.work,
