@@ -220,6 +220,7 @@ impl SubstepSettings {
         };
         RowSoftness {
             contacts: of(self.stiffness, self.damping_ratio),
+            friction: 1.0,
             bonds: of(1.0, BOND_DAMPING),
         }
     }
@@ -228,7 +229,9 @@ impl SubstepSettings {
     pub fn bias(&self) -> Bias {
         let rates = match self.method {
             MethodKind::SoftStep => {
-                let RowSoftness { contacts, bonds } = self.softness();
+                let RowSoftness {
+                    contacts, bonds, ..
+                } = self.softness();
                 [contacts.bias_rate, bonds.bias_rate]
             }
             _ => [self.baumgarte / self.substep_dt; 2],

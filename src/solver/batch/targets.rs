@@ -2,6 +2,7 @@
 
 use crate::solver::batch::Batch;
 use crate::solver::batch::sweeps::SweepKind;
+use crate::solver::rows::soft_step::RowSoftness;
 use crate::solver::wide::pass::Pass;
 use crate::threads::team::Team;
 
@@ -37,7 +38,7 @@ pub(crate) struct Targets {
 impl Batch {
     /// Sets the target velocities or, where nothing hits anything and nothing is bonded, leaves it to the first sweep.
     pub(crate) fn set_targets(&mut self, is_first: bool, team: Option<&Team>) -> Targets {
-        let (bias, softness) = (self.settings.bias(), self.settings.softness());
+        let (bias, softness) = (self.settings.bias(), self.softness());
         let update = Pass::UpdateBias { bias, is_first };
         if !self.is_calm() {
             self.pass(update, team);
@@ -68,6 +69,15 @@ impl Batch {
             tolerance: self.tolerance(MOVING_TOLERANCE, 0.0),
             hits: Hits::default(),
         }
+    }
+
+    /// The compliance of the rows, whose friction is cautious where an earlier sub-step of the step ended above the tolerance.
+    fn softness(&self) -> RowSoftness {
+        let mut softness = self.settings.softness();
+        if self.budget.is_unconverged && self.settings.is_relaxed() {
+            softness.friction = RowSoftness::UNCONVERGED_FRICTION;
+        }
+        softness
     }
 
     /// Whether nothing hits anything in this sub-step, so that targets need not be known before the warm start.

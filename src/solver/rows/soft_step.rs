@@ -59,6 +59,8 @@ impl Softness {
 pub struct RowSoftness {
     /// Of contacts.
     pub contacts: Softness,
+    /// How far the friction of contacts goes in a sweep towards stopping a point: a share of the change that would.
+    pub friction: f32,
     /// Of bonds.
     pub bonds: Softness,
 }
@@ -67,8 +69,15 @@ impl RowSoftness {
     /// No compliance.
     pub const HARD: Self = Self {
         contacts: Softness::HARD,
+        friction: 1.0,
         bonds: Softness::HARD,
     };
+
+    /// How far friction goes in sweeps with position bias that end before rows agree. What pushes overlap out moves points along their
+    /// tangents too, only while bodies move: friction that follows all of it passes it on through a deck of thin plates, the sweeps without
+    /// bias do not get to take all of it back, and the plates rock and creep for ever (`docs/decisions/soft_step.md`). Where sweeps go on until
+    /// rows agree, half steps end at the same impulses, but what rolls, for which one sweep is enough, would gain speed.
+    pub const UNCONVERGED_FRICTION: f32 = 0.5;
 }
 
 /// The normal velocity that a point should have after the bodies have moved, m/s. A `rebound` that is not positive is added to the

@@ -149,10 +149,10 @@ impl<L: Lanes, const BONDED: bool> State<'_, L, BONDED> {
         delta
     }
 
-    /// The friction that stops the point.
+    /// The friction that stops the point, or goes a `share` of the way there.
     #[inline(always)]
-    fn stopping_friction(&self) -> [L; 2] {
-        let mass = L::load(&self.point.tangent_mass);
+    fn stopping_friction(&self, share: L) -> [L; 2] {
+        let mass = share * L::load(&self.point.tangent_mass);
         let [_, t1, t2] = self.impulse;
         let [_, v1, v2] = self.velocity;
         [t1 - v1 * mass, t2 - v2 * mass]
@@ -187,6 +187,8 @@ trait PointUpdate<L> {
 /// With position bias, friction before the normal.
 struct SolveWithBias<L> {
     contacts: SoftRow<L>,
+    /// Share of the friction that stops a point.
+    friction: L,
     bonds: SoftRow<L>,
 }
 
@@ -211,14 +213,15 @@ impl<L: Lanes> SolveWithBias<L> {
     fn new(softness: RowSoftness) -> Self {
         Self {
             contacts: SoftRow::new(softness.contacts),
+            friction: L::splat(softness.friction),
             bonds: SoftRow::new(softness.bonds),
         }
     }
 
-    /// Friction that stops the point or, where it is bonded, takes it back as softly as the normal does.
+    /// Friction that goes its share of the way to stopping the point or, where it is bonded, takes it back as softly as the normal does.
     #[inline(always)]
     fn friction<const BONDED: bool>(&self, state: &State<'_, L, BONDED>) -> [L; 2] {
-        let stopping = state.stopping_friction();
+        let stopping = state.stopping_friction(self.friction);
         if !BONDED {
             return stopping;
         }
@@ -273,7 +276,7 @@ impl<L: Lanes> PointUpdate<L> for RelaxPoint {
             .if_above(zero, state.rebound, at_rest + state.rebound);
         let mass = L::load(&state.point.normal_mass);
         let unbounded = state.impulse[0] - (state.velocity[0] - target) * mass;
-        let [t1, t2] = state.stopping_friction();
+        let [t1, t2] = state.stopping_friction(L::splat(1.0));
         let [to_t1, to_t2] = load_coupling(state.point, L::load(&state.point.tangent_mass));
         let normal = state.move_normal(unbounded);
         let [t1, t2] = state.move_tangents([t1 - to_t1 * normal, t2 - to_t2 * normal]);

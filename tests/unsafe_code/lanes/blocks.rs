@@ -230,7 +230,11 @@ impl Blocks {
             impulse_scale: 0.1,
         };
         let bonds = Softness::HARD;
-        let softness = RowSoftness { contacts, bonds };
+        let softness = RowSoftness {
+            contacts,
+            friction: 0.5,
+            bonds,
+        };
         let mut displacements: Vec<_> = self.bodies.iter().map(|body| scaled(body, 1e-2)).collect();
         let mut last = vec![[F8::default(); 3]; self.points.len()];
         let (bias, measure, weight) = (FEEDBACK, true, 0.5);
