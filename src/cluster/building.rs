@@ -5,8 +5,12 @@ use crate::geometry::{
 };
 use crate::slice::compound::shape_of;
 use crate::slice::roughen::CutLooks;
+use crate::slice::separate::fit_hulls;
 use crate::slice::{FracturePattern, Impact, Piece, PieceCutter, Relief, SliceError};
 use glam::Vec3;
+
+/// How far rounding may put a drawn corner out of its hull, as a share of the hull's size.
+const ROUNDING: f32 = 1e-5;
 
 /// Parts and the bonds between them, from which a [`Compound`] is made that breaks along its bonds.
 ///
@@ -118,7 +122,8 @@ impl Cluster {
         (strength, relief): (f32, Option<Relief>),
     ) -> Result<Self, ClusterError> {
         check(strength)?;
-        let parts = divided(&CompoundPart::from(mesh.clone()), pattern, (seed, relief))?;
+        let looks = CellLooks { relief, slack: 0.0 };
+        let parts = divided(&CompoundPart::from(mesh.clone()), pattern, seed, looks)?;
         if parts.len() < 2 {
             return Err(ClusterError::NoPieces);
         }
@@ -136,7 +141,38 @@ impl Cluster {
         seed: u64,
         strength: f32,
     ) -> Result<Self, ClusterError> {
+        self.refined_with(pattern, seed, (strength, None))
+    }
+
+    /// As [`refined`](Self::refined), with a relief on the faces of the new cuts, each part with one of its own. Relief that parts have
+    /// already stays, in either. Parts are what they would be without it.
+    ///
+    /// # Errors
+    /// As [`Cluster::refined`], and [`ClusterError::Relief`] if the lengths of the relief are not positive and finite.
+    pub fn refined_rough(
+        &self,
+        pattern: &FracturePattern,
+        seed: u64,
+        strength: f32,
+        relief: Relief,
+    ) -> Result<Self, ClusterError> {
+        if !relief.is_usable() {
+            return Err(ClusterError::Relief(relief));
+        }
+        self.refined_with(pattern, seed, (strength, Some(relief)))
+    }
+
+    fn refined_with(
+        &self,
+        pattern: &FracturePattern,
+        seed: u64,
+        (strength, relief): (f32, Option<Relief>),
+    ) -> Result<Self, ClusterError> {
         check(strength)?;
+        let looks = CellLooks {
+            relief,
+            slack: roughness(&self.parts),
+        };
         let mut parts = Vec::new();
         let mut origins = Vec::new();
         for (index, part) in self.parts.iter().enumerate() {
@@ -144,7 +180,7 @@ impl Cluster {
             let seed = seed
                 .wrapping_mul(0x9e37_79b9_7f4a_7c15)
                 .wrapping_add(index as u64);
-            let pieces = divided(part, pattern, (seed, None))?;
+            let pieces = divided(part, pattern, seed, looks)?;
             origins.extend(pieces.iter().map(|_| index as u32));
             parts.extend(pieces);
         }
@@ -221,11 +257,38 @@ fn check(strength: f32) -> Result<(), ClusterError> {
         .ok_or(ClusterError::Strength { strength })
 }
 
-/// The pieces of a part, in its own frame; a relief for the faces of the cuts.
+/// What the cells of a part look like.
+#[derive(Clone, Copy, Debug)]
+struct CellLooks {
+    /// Of the faces of the cuts.
+    relief: Option<Relief>,
+    /// How far faces that were cut before may lie within hulls, m.
+    slack: f64,
+}
+
+/// The farthest that a drawn corner is outside of the hull of its part, m: the height of the relief that parts have. Both sides of a crack were moved by
+/// the same, so that none lies deeper within its own.
+fn roughness(parts: &[CompoundPart]) -> f64 {
+    let outside = |part: &CompoundPart| {
+        let mesh = part.shape.visual()?;
+        let faces = part.shape.hull().faces();
+        let height = |&p: &Vec3| {
+            let heights = faces.iter().map(|face| face.plane.distance(p));
+            heights.fold(f32::NEG_INFINITY, f32::max)
+        };
+        let height = mesh.positions().iter().map(height).fold(0.0, f32::max);
+        let rounding = ROUNDING * part.shape.hull().aabb().extents().max_element();
+        (height > rounding).then_some(height)
+    };
+    f64::from(parts.iter().filter_map(outside).fold(0.0, f32::max))
+}
+
+/// The pieces of a part, in its own frame.
 fn divided(
     part: &CompoundPart,
     pattern: &FracturePattern,
-    (seed, relief): (u64, Option<Relief>),
+    seed: u64,
+    cells: CellLooks,
 ) -> Result<Vec<CompoundPart>, ClusterError> {
     let hull = part.shape.hull();
     let impact = Impact {
@@ -238,7 +301,7 @@ fn divided(
         return Ok(vec![part.clone()]);
     };
     let looks = CutLooks {
-        relief: relief.map(|relief| (relief, seed)),
+        relief: cells.relief.map(|relief| (relief, seed)),
         ..CutLooks::default()
     };
     let visual = looks.visual_of(&part.shape);
@@ -248,9 +311,9 @@ fn divided(
     if part.shape.visual().is_some() {
         pieces.retain(Piece::is_seen);
         cutter.separate(&mut pieces)?;
-        PieceCutter::fit_hulls(&mut pieces)?;
+        fit_hulls(&mut pieces, cells.slack)?;
     }
-    if let Some(relief) = &relief {
+    if let Some(relief) = &cells.relief {
         // Last: hulls are what they would be without it.
         cutter.roughen(&mut pieces, relief, seed);
     }

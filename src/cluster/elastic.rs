@@ -1,15 +1,16 @@
 //! The parts of a cluster as rigid bodies on elastic bonds: how loads move them.
 
 use crate::cluster::network::Network;
-use crate::cluster::skyline::{Block, Six, Skyline};
+use crate::cluster::sparse::{Block, Pattern, Six, Sparse};
 use crate::geometry::PartBond;
 use glam::{DMat3, DVec3};
 
 /// Shear modulus over Young's modulus: that of concrete and brick, and near that of steel.
 const SHEAR: f64 = 0.4;
 
-/// Products of blocks up to which the system is factorised; beyond, conjugate gradients are faster.
-const MOST_WORK: usize = 400_000;
+/// Blocks that a factor may have, 144 MB: that of a cluster of some 5000 parts which is as thick as it is long, or of 10 000 in a wall. Beyond,
+/// conjugate gradients are used, which need a hundredth of that, and as much time as it takes.
+const MOST_BLOCKS: usize = 500_000;
 
 /// Error of the forces, relative to the loads, that conjugate gradients leave.
 const TOLERANCE: f64 = 1e-4;
@@ -43,22 +44,32 @@ pub(crate) struct Elastic {
     order: Vec<u32>,
     /// By part: its number among them.
     number: Vec<u32>,
-    /// None where conjugate gradients are faster.
-    system: Option<Skyline>,
+    /// None where there are too many parts.
+    system: Option<Sparse>,
 }
 
 impl Elastic {
     pub(super) fn new(network: &Network, held: &[bool], is_broken: &[bool]) -> Self {
         let (order, number) = network.order(held, is_broken);
-        let first = network.envelope(&order, &number, is_broken);
-        let system = (Skyline::work(&first) <= MOST_WORK).then(|| {
-            let mut system = Skyline::new(first);
-            for (bond, blocks) in network.springs(is_broken) {
-                let at = network.bonds[bond].parts.map(|part| number[part as usize]);
+        let springs = || network.springs(is_broken);
+        let at = |bond: usize| network.bonds[bond].parts.map(|part| number[part as usize]);
+        let whole = (0..network.bonds.len()).filter(|&bond| !is_broken[bond]);
+        let links = whole.filter(|&bond| !at(bond).contains(&NONE)).map(|bond| {
+            let [a, b] = at(bond);
+            [a.max(b), a.min(b)]
+        });
+        let pattern = Pattern::of(order.len(), links);
+        let system = (pattern.len() <= MOST_BLOCKS).then(|| {
+            let mut system = Sparse::new(pattern);
+            for (bond, blocks) in springs() {
+                let at = at(bond);
                 for (i, &row) in at.iter().enumerate() {
                     for (j, &column) in at.iter().enumerate() {
-                        if row != NONE && column != NONE && row >= column {
-                            let to = system.block_mut(row as usize, column as usize);
+                        if row != NONE
+                            && column != NONE
+                            && row >= column
+                            && let Some(to) = system.block_mut(row, column)
+                        {
                             add_block(to, &blocks[i][j]);
                         }
                     }
@@ -101,8 +112,8 @@ impl Elastic {
 }
 
 impl Network {
-    /// The parts that move, reversed from a search by breadth from what is held, or from a first part that then does not move; and by
-    /// part its number in this order.
+    /// The parts that move, all that hang together with what is held, or with a first part that then does not move; and by part its number in this
+    /// order.
     fn order(&self, held: &[bool], is_broken: &[bool]) -> (Vec<u32>, Vec<u32>) {
         let count = self.nodes.len() as u32;
         let mut seen: Vec<bool> = held.to_vec();
@@ -114,8 +125,7 @@ impl Network {
         }
         let fixed = order.len();
         self.search(&mut order, &mut seen, is_broken);
-        let mut order = order.split_off(fixed);
-        order.reverse();
+        let order = self.dissected(order.split_off(fixed), is_broken);
         let mut number = vec![NONE; self.nodes.len()];
         for (index, &part) in (0..).zip(&order) {
             number[part as usize] = index;
@@ -145,18 +155,6 @@ impl Network {
         seen[0] = true;
         self.search(&mut order, &mut seen, is_broken);
         order.last().copied().unwrap_or(0)
-    }
-
-    fn envelope(&self, order: &[u32], number: &[u32], is_broken: &[bool]) -> Vec<u32> {
-        (0..)
-            .zip(order)
-            .map(|(row, &part)| {
-                let bonds = self.bonds_of(part).iter();
-                let bonds = bonds.filter(|&&bond| !is_broken[bond as usize]);
-                let columns = bonds.map(|&bond| number[self.other(bond, part) as usize]);
-                columns.fold(row, u32::min)
-            })
-            .collect()
     }
 
     /// Stiffness of the bonds: by bond, forces on its two parts by motions of its two parts.
@@ -223,22 +221,21 @@ impl Network {
     /// Conjugate gradients, preconditioned by the blocks of the diagonal.
     fn iterate(&self, rows: &mut [Six], number: &[u32], is_broken: &[bool]) {
         let springs: Vec<_> = self.springs(is_broken).collect();
-        let mut diagonal: Vec<Skyline> = (0..rows.len()).map(|_| Skyline::new(vec![0])).collect();
+        let mut diagonal = Sparse::new(Pattern::of(rows.len(), std::iter::empty()));
         for (bond, blocks) in &springs {
             for (side, part) in self.bonds[*bond].parts.into_iter().enumerate() {
-                if let Some(own) = diagonal.get_mut(number[part as usize] as usize) {
-                    add_block(own.block_mut(0, 0), &blocks[side][side]);
+                let row = number[part as usize];
+                if row != NONE
+                    && let Some(own) = diagonal.block_mut(row, row)
+                {
+                    add_block(own, &blocks[side][side]);
                 }
             }
         }
-        for own in &mut diagonal {
-            own.factorise(&mut usize::MAX.clone());
-        }
+        diagonal.factorise(&mut usize::MAX.clone());
         let precondition = |r: &[Six]| {
             let mut z = r.to_vec();
-            for (z, own) in z.iter_mut().zip(&diagonal) {
-                own.solve(std::slice::from_mut(z));
-            }
+            diagonal.solve(&mut z);
             z
         };
         let multiply = |x: &[Six]| {

@@ -1,9 +1,9 @@
 //! The instant of a blow: bodies, bonds and what hits, followed in time.
 
 use crate::cluster::hit::{Hit, Striker};
-use crate::cluster::link::{Body, Link};
+use crate::cluster::link::{Body, Link, length};
 use crate::cluster::network::Network;
-use glam::{Mat3, Vec3};
+use glam::{Mat3, Vec3, Vec4};
 
 /// Share of what it bears up to which a bond to parts that stay where they are may be loaded, at most.
 const HEARD: f32 = 0.25;
@@ -146,50 +146,20 @@ impl Instant {
         let outer = self.links.iter();
         let outer = outer.filter(|link| !link.is_broken && link.bodies.contains(&outside));
         outer.into_iter().any(|link| {
-            let [a, b] = link.bodies.map(|body| &self.bodies[body as usize]);
+            let parts = link.bodies.map(|body| &self.bodies[body as usize]);
             let heard = self.heard * link.limits[0].min(link.limits[1]) / link.stiffness;
-            link.corners.iter().any(|corner| {
-                let moved = (b.displacement + b.turn.cross(corner.arms[1]))
-                    - (a.displacement + a.turn.cross(corner.arms[0]));
-                moved.length() > heard
-            })
+            let moved = length(link.corners.moved(parts));
+            moved.cmpgt(Vec4::splat(heard)).any()
         })
     }
 
     /// Forces of a bond, and what they break.
     fn pull(&mut self, index: usize) {
         let link = &mut self.links[index];
-        let [a, b] = link.bodies.map(|body| self.bodies[body as usize]);
-        let (mut force, mut torque_a, mut torque_b) = (Vec3::ZERO, Vec3::ZERO, Vec3::ZERO);
-        let mut work = 0.0;
-        let mut is_torn = false;
-        let mut borne = [(0.0, Vec3::ZERO); 4];
-        for (number, corner) in link.corners.iter_mut().enumerate() {
-            let moved = (b.displacement + b.turn.cross(corner.arms[1]))
-                - (a.displacement + a.turn.cross(corner.arms[0]));
-            let open = moved.dot(link.normal);
-            let mut pull = if link.is_broken {
-                (link.stiffness * open).min(0.0) * link.normal
-            } else {
-                let (pulled, done) = corner.yielding(link.stiffness, link.limits, self.friction, {
-                    (open, moved - open * link.normal)
-                });
-                work += done;
-                is_torn |= corner.opened.max(corner.slid.length()) > link.way;
-                borne[number] = pulled;
-                pulled.0 * link.normal + pulled.1
-            };
-            // On A; B gets the opposite.
-            pull = if pull.is_finite() { pull } else { Vec3::ZERO };
-            force += pull;
-            torque_a += corner.arms[0].cross(pull);
-            torque_b -= corner.arms[1].cross(pull);
-        }
-        let friction = self.friction;
-        (borne.into_iter()).for_each(|pulled| link.note_load(friction, pulled));
-        link.is_broken |= is_torn;
-        self.work += work;
         let [a, b] = link.bodies.map(|body| body as usize);
+        let parts = [&self.bodies[a], &self.bodies[b]];
+        let (force, [torque_a, torque_b], work) = link.pull(self.friction, parts);
+        self.work += work;
         self.bodies[a].force += force;
         self.bodies[a].torque += torque_a;
         self.bodies[b].force -= force;
@@ -258,21 +228,11 @@ impl Instant {
 
     /// Energy of the springs, J.
     fn held_energy(&self) -> f32 {
-        let springs = self.links.iter().flat_map(|link| {
-            let [a, b] = link.bodies.map(|body| &self.bodies[body as usize]);
-            link.corners.iter().map(move |corner| {
-                let moved = (b.displacement + b.turn.cross(corner.arms[1]))
-                    - (a.displacement + a.turn.cross(corner.arms[0]));
-                let stretched = moved - corner.slid - corner.opened * link.normal;
-                let is_pressed = stretched.dot(link.normal) < 0.0;
-                if link.is_broken && !is_pressed {
-                    0.0
-                } else {
-                    link.stiffness * stretched.length_squared()
-                }
-            })
+        let springs = self.links.iter().map(|link| {
+            let parts = link.bodies.map(|body| &self.bodies[body as usize]);
+            link.held_energy(parts)
         });
-        0.5 * springs.sum::<f32>()
+        springs.sum()
     }
 }
 
@@ -282,10 +242,11 @@ fn time_step(bodies: &[Body], links: &[Link]) -> f32 {
     let mut stiffness = vec![[0.0f32; 2]; bodies.len()];
     for link in links {
         for (side, &body) in link.bodies.iter().enumerate() {
-            for corner in &link.corners {
-                let own = &mut stiffness[body as usize];
+            let arms = &link.corners.arms[side];
+            let own = &mut stiffness[body as usize];
+            for square in arms.dot(*arms).to_array() {
                 own[0] += link.stiffness;
-                own[1] += link.stiffness * corner.arms[side].length_squared();
+                own[1] += link.stiffness * square;
             }
         }
     }

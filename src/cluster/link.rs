@@ -3,7 +3,9 @@
 use crate::cluster::hit::Push;
 use crate::cluster::network::Network;
 use crate::geometry::PartBond;
-use glam::{Mat3, Vec3};
+use crate::simd::float4::{higher, lower};
+use crate::simd::vec3::V3;
+use glam::{Mat3, Vec3, Vec4};
 
 /// Share of the way to breaking up to which a bond is elastic; it yields for the rest, so that the work is force times way.
 const ELASTIC: f32 = 0.5;
@@ -23,14 +25,14 @@ pub(super) struct Body {
     pub(super) torque: Vec3,
 }
 
-/// A corner of a bonded face.
+/// The corners of a bonded face, one in each lane.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Corner {
+pub(super) struct Corners {
     /// From the centers of both parts, m.
-    pub(super) arms: [Vec3; 2],
-    /// How far it has yielded: opened, and slid, m.
-    pub(super) opened: f32,
-    pub(super) slid: Vec3,
+    pub(super) arms: [V3<Vec4>; 2],
+    /// How far they have yielded: opened, and slid, m.
+    opened: Vec4,
+    slid: V3<Vec4>,
 }
 
 /// A bond in the instant of the blow.
@@ -39,7 +41,7 @@ pub(super) struct Link {
     pub(super) bond: u32,
     pub(super) bodies: [u32; 2],
     pub(super) normal: Vec3,
-    pub(super) corners: [Corner; 4],
+    pub(super) corners: Corners,
     /// Of a corner, N/m.
     pub(super) stiffness: f32,
     /// What a corner bears in tension and in shear, N.
@@ -133,6 +135,7 @@ impl Link {
         let centers = shape
             .parts
             .map(|part| network.nodes[part as usize].center.as_vec3());
+        let corners = Network::corners(shape);
         let (limits, stiffness) = corner(shape, opening);
         let is_asked = endurance.is_finite();
         let breaking = limits[0].min(limits[1]) * opening;
@@ -140,11 +143,11 @@ impl Link {
             bond,
             bodies: shape.parts.map(place),
             normal: shape.normal,
-            corners: Network::corners(shape).map(|at| Corner {
-                arms: centers.map(|center| at - center),
-                opened: 0.0,
-                slid: Vec3::ZERO,
-            }),
+            corners: Corners {
+                arms: centers.map(|center| by_axis(corners.map(|at| at - center))),
+                opened: Vec4::ZERO,
+                slid: splat(Vec3::ZERO),
+            },
             stiffness,
             limits,
             strained_from: if is_asked {
@@ -170,45 +173,129 @@ impl Link {
         self.peak > 0.0 && self.peak >= self.strained_from
     }
 
-    /// Notes what a corner pulls with, along the normal and across, N.
-    pub(super) fn note_load(&mut self, friction: f32, (pull, shear): (f32, Vec3)) {
+    /// How it pulls at the first part, and the opposite at the second one: a force, and torques on both; and the work that it takes to let it
+    /// yield, J. What that tears is broken.
+    pub(super) fn pull(&mut self, friction: f32, [a, b]: [&Body; 2]) -> (Vec3, [Vec3; 2], f32) {
+        let moved = self.corners.moved([a, b]);
+        let normal = splat(self.normal);
+        let open = moved.dot(normal);
+        let mut work = 0.0;
+        let pull = if self.is_broken {
+            normal.times(lower(self.stiffness * open, Vec4::ZERO))
+        } else {
+            let across = moved.minus(normal.times(open));
+            let way = (open, across);
+            let (pull, shear, done) =
+                (self.corners).yielding(self.stiffness, self.limits, friction, way);
+            work = sum(done);
+            self.is_broken = self.corners.farthest().cmpgt(Vec4::splat(self.way)).any();
+            self.note_load(friction, (pull, shear));
+            normal.times(pull).plus(shear)
+        };
+        let pull = finite(pull);
+        let [arm_a, arm_b] = self.corners.arms.map(|arm| arm.cross(pull));
+        (sums(pull), [sums(arm_a), -sums(arm_b)], work)
+    }
+
+    /// Notes what the corners pull with, along the normal and across, N.
+    fn note_load(&mut self, friction: f32, (pull, shear): (Vec4, V3<Vec4>)) {
         if self.strained_from == f32::INFINITY {
             return;
         }
-        let across = self.limits[1] + friction * (-pull).max(0.0);
-        let share = (pull / self.limits[0]).max(shear.length() / across);
+        let across = self.limits[1] + friction * higher(-pull, Vec4::ZERO);
+        let share = higher(pull / self.limits[0], length(shear) / across);
+        let most = share.to_array().into_iter().fold(0.0, f32::max);
         // Rounding of a corner that yields.
-        self.peak = self.peak.max(if share > 0.999 { 1.0 } else { share });
+        self.peak = self.peak.max(if most > 0.999 { 1.0 } else { most });
+    }
+
+    /// What its springs hold, J.
+    pub(super) fn held_energy(&self, parts: [&Body; 2]) -> f32 {
+        let corners = &self.corners;
+        let normal = splat(self.normal);
+        let yielded = corners.slid.plus(normal.times(corners.opened));
+        let stretched = corners.moved(parts).minus(yielded);
+        let energy = 0.5 * self.stiffness * stretched.dot(stretched);
+        // Broken, it still holds what is pressed.
+        let holds = stretched.dot(normal).cmplt(Vec4::ZERO);
+        sum(if self.is_broken {
+            Vec4::select(holds, energy, Vec4::ZERO)
+        } else {
+            energy
+        })
     }
 }
 
-impl Corner {
-    /// Its pull on the first part, along the normal and across, N, if it is open and slid so far; it yields where that is more than it
-    /// bears. And the work that this takes, J.
-    pub(super) fn yielding(
+impl Corners {
+    /// How far they have moved apart, m.
+    pub(super) fn moved(&self, parts: [&Body; 2]) -> V3<Vec4> {
+        let [a, b] = [0, 1].map(|side: usize| {
+            let Body {
+                displacement, turn, ..
+            } = parts[side];
+            splat(*displacement).plus(splat(*turn).cross(self.arms[side]))
+        });
+        b.minus(a)
+    }
+
+    /// How far each has yielded in the one or the other way, m.
+    fn farthest(&self) -> Vec4 {
+        higher(self.opened, length(self.slid))
+    }
+
+    /// Their pulls on the first part, along the normal and across, N, if they are open and slid so far; they yield where that is more than they
+    /// bear. And the work that this takes, J.
+    fn yielding(
         &mut self,
         stiffness: f32,
         limits: [f32; 2],
         friction: f32,
-        (open, across): (f32, Vec3),
-    ) -> ((f32, Vec3), f32) {
-        let mut work = 0.0;
-        let mut pull = stiffness * (open - self.opened);
-        if pull > limits[0] {
-            let more = (pull - limits[0]) / stiffness;
-            self.opened += more;
-            work += limits[0] * more;
-            pull = limits[0];
-        }
-        let mut shear = stiffness * (across - self.slid);
-        let most = limits[1] + friction * (-pull).max(0.0);
-        let size = shear.length();
-        if size > most {
-            let more = (size - most) / stiffness;
-            self.slid += shear * (more / size);
-            work += most * more;
-            shear *= most / size;
-        }
-        ((pull, shear), work)
+        (open, across): (Vec4, V3<Vec4>),
+    ) -> (Vec4, V3<Vec4>, Vec4) {
+        let [tension, shear_limit] = limits.map(Vec4::splat);
+        let wanted = stiffness * (open - self.opened);
+        let opened = higher(wanted - tension, Vec4::ZERO) / stiffness;
+        self.opened += opened;
+        let pull = lower(wanted, tension);
+        let shear = across.minus(self.slid).times(Vec4::splat(stiffness));
+        let most = shear_limit + friction * higher(-pull, Vec4::ZERO);
+        let size = length(shear);
+        let is_over = size.cmpgt(most);
+        let slid = higher(size - most, Vec4::ZERO) / stiffness;
+        let along = Vec4::select(is_over, slid / size, Vec4::ZERO);
+        self.slid = self.slid.plus(shear.times(along));
+        let kept = Vec4::select(is_over, most / size, Vec4::ONE);
+        (pull, shear.times(kept), tension * opened + most * slid)
     }
+}
+
+/// The same vector in all lanes.
+fn splat(v: Vec3) -> V3<Vec4> {
+    V3(v.to_array().map(Vec4::splat))
+}
+
+/// A vector in each lane.
+fn by_axis(v: [Vec3; 4]) -> V3<Vec4> {
+    let axis = |axis: usize| Vec4::from_array(v.map(|v| v[axis]));
+    V3([axis(0), axis(1), axis(2)])
+}
+
+pub(super) fn length(v: V3<Vec4>) -> Vec4 {
+    v.dot(v).sqrt()
+}
+
+/// Zero in lanes that are not finite.
+fn finite(v: V3<Vec4>) -> V3<Vec4> {
+    let is_finite = v.0.map(Vec4::is_finite_mask);
+    let all = is_finite[0] & is_finite[1] & is_finite[2];
+    V3(v.0.map(|x| Vec4::select(all, x, Vec4::ZERO)))
+}
+
+/// From the first lane to the last.
+fn sum(v: Vec4) -> f32 {
+    v.x + v.y + v.z + v.w
+}
+
+fn sums(v: V3<Vec4>) -> Vec3 {
+    Vec3::from_array(v.0.map(sum))
 }

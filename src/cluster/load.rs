@@ -11,7 +11,7 @@
 
 use crate::cluster::elastic::{Elastic, Wrench};
 use crate::cluster::network::Network;
-use crate::cluster::skyline::Six;
+use crate::cluster::sparse::Six;
 use crate::geometry::PartBond;
 use crate::geometry::groups_of;
 use glam::DVec3;

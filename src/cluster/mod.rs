@@ -7,19 +7,20 @@
 //! | `hit.rs` | what a cluster is hit with |
 //! | `blow.rs`, `instant.rs`, `link.rs` | what a blow breaks: the parts around it in motion for an instant |
 //! | `blast.rs` | how what comes off moves that was pushed part by part |
-//! | `load.rs`, `elastic.rs`, `skyline.rs` | what a sustained load breaks: forces as in an elastic body |
+//! | `load.rs`, `elastic.rs`, `sparse.rs`, `dissection.rs` | what a sustained load breaks: forces as in an elastic body |
 //!
 //! Must not know contacts or bodies: all is in the frame of the compound, and pushes come as numbers. Read `network.rs` first.
 
 mod blast;
 pub(crate) mod blow;
 mod building;
+mod dissection;
 pub(crate) mod elastic;
 pub(crate) mod hit;
 mod instant;
 mod link;
 pub(crate) mod load;
 pub(crate) mod network;
-mod skyline;
+mod sparse;
 
 pub use building::{Cluster, ClusterError};

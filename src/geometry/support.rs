@@ -68,7 +68,7 @@ impl<'s> Core<'s> {
         }
     }
 
-    /// A point inside.
+    /// A point of it.
     pub(crate) fn middle(&self) -> Vec3 {
         match self {
             Self::Hull(points) => point(points, 0),
@@ -184,5 +184,10 @@ impl<'s> PlacedCore<'s> {
 
     pub(crate) fn middle(&self) -> DVec3 {
         self.exact_turn * self.core.middle().as_dvec3() + self.shift
+    }
+
+    /// The middle of the box around it: on the side of a plane that most of it is on, unlike [`middle`](Self::middle), which may be a corner.
+    pub(crate) fn center(&self) -> Vec3 {
+        self.bounds().center()
     }
 }

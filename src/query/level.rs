@@ -95,7 +95,7 @@ pub(crate) fn cast_shape(mesh: &StaticMesh, cast: &LocalCast) -> Option<LocalHit
         max: b.max - origin,
     };
     let walk = RayWalk::new(origin, cast.direction, about);
-    let middle = cast.core.middle().as_vec3();
+    let middle = cast.core.center();
     let mut best: Option<LocalHit> = None;
     mesh.tree().along_ray(walk, cast.end, |leaf, end| {
         let triangle = &mesh.triangles()[leaf as usize];

@@ -64,7 +64,7 @@ fn of_compound(mesh: &Compound, core: &PlacedCore, limit: f32) -> Option<LocalHi
 
 fn of_level(mesh: &StaticMesh, core: &PlacedCore, limit: f32) -> Option<LocalHit> {
     let mut best: Option<LocalHit> = None;
-    let middle = core.middle().as_vec3();
+    let middle = core.center();
     mesh.tree().within(&core.bounds().fattened(limit), |leaf| {
         let triangle = &mesh.triangles()[leaf as usize];
         let is_behind = triangle.plane.distance(middle) < 0.0;

@@ -12,8 +12,12 @@ use crate::slice::cut::Cut;
 use crate::slice::{Piece, SliceError};
 use glam::Vec3;
 
-/// A hull with less air than this share of it is left as it is: it is the same but for rounding.
+/// A hull with more air than this share of it is made anew.
 const FITTING_SHARE: f64 = 1e-3;
+
+/// How far a corner of a hull that is left as it is may be from all that is seen, as a share of the hull's size: a tip of this length has next
+/// to no volume, and what lies on it would float.
+const TIP_SHARE: f32 = 3e-3;
 
 /// As [`PieceCutter::separate`](crate::slice::PieceCutter::separate).
 pub(super) fn separate(
@@ -40,12 +44,7 @@ pub(crate) fn fit_hulls(pieces: &mut [Piece], slack: f64) -> Result<bool, SliceE
     let mut is_changed = false;
     for piece in pieces {
         let seen = piece.visual.as_ref().filter(|m| !m.triangles.is_empty());
-        // No area is asked for where nothing is slack.
-        let filled = |mesh: &TriMesh| match slack {
-            0.0 => mesh.volume(),
-            _ => mesh.volume() + slack * mesh.area(),
-        };
-        let loose = seen.filter(|mesh| filled(mesh) < (1.0 - FITTING_SHARE) * piece.volume);
+        let loose = seen.filter(|mesh| is_loose(piece, mesh, slack));
         let Some(mesh) = loose else { continue };
         if let Some(hull) = hull_unless_flat(&mesh.used_positions())? {
             piece.volume = hull.volume();
@@ -54,6 +53,27 @@ pub(crate) fn fit_hulls(pieces: &mut [Piece], slack: f64) -> Result<bool, SliceE
         }
     }
     Ok(is_changed)
+}
+
+/// Whether a piece's hull holds air, or has a tip that does.
+fn is_loose(piece: &Piece, mesh: &TriMesh, slack: f64) -> bool {
+    // No area is asked for where nothing is slack.
+    let filled = match slack {
+        0.0 => mesh.volume(),
+        _ => mesh.volume() + slack * mesh.area(),
+    };
+    let air = 1.0 - filled / piece.volume;
+    air > FITTING_SHARE || has_tip(&piece.hull, mesh, slack as f32)
+}
+
+/// Whether a corner of the hull is far from all corners of the mesh in it.
+fn has_tip(hull: &ConvexHull, mesh: &TriMesh, slack: f32) -> bool {
+    let near = slack + TIP_SHARE * hull.aabb().extents().max_element();
+    let is_near = |corner: Vec3| {
+        let mut seen = mesh.positions.iter();
+        seen.any(|&position| position.distance_squared(corner) <= near * near)
+    };
+    !hull.vertices().iter().all(|&corner| is_near(corner))
 }
 
 /// A piece for each part of a mesh; none if the mesh is in one part.

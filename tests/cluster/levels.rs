@@ -165,3 +165,52 @@ fn a_relief_is_seen_on_the_faces_of_the_cuts_and_changes_nothing_else() {
     let refused = Cluster::cut_rough(&whole, &halves, 1, 1e5, flat);
     assert!(matches!(refused, Err(ClusterError::Relief(_))));
 }
+
+/// Parts are what they would be without relief, whatever level has it; walls of both levels fit, and are rough.
+#[test]
+fn relief_of_a_level_changes_what_is_drawn_and_nothing_else() {
+    let mut dice = Dice::new(348);
+    for round in 0..8 {
+        let size = dice.vector(0.6, 1.5);
+        let whole = ConvexMesh::cuboid(size.x, size.y, size.z).expect("a box");
+        let mut cells = |least: f32| {
+            let cells = dice.in_range(least, 2.5 * least) as u16;
+            FracturePattern::Voronoi { cells, focus: 0.0 }
+        };
+        let (chunks, crumbs) = (cells(4.0), cells(3.0));
+        let relief = Relief::of_size(dice.in_range(0.08, 0.16));
+        let smooth = Cluster::cut(&whole, &chunks, round, 1e5).expect("cells");
+        let coarse = [
+            smooth.clone(),
+            Cluster::cut_rough(&whole, &chunks, round, 1e5, relief).expect("cells"),
+        ];
+        let flat = smooth.refined(&crumbs, 7, 1e6).expect("crumbs");
+        let mut triangles = Vec::new();
+        for coarse in &coarse {
+            let rough = coarse.refined_rough(&crumbs, 7, 1e6, relief);
+            for fine in [coarse.refined(&crumbs, 7, 1e6), rough] {
+                let fine = fine.expect("crumbs");
+                assert_eq!(fine.bonds, flat.bonds, "round {round}");
+                let (mut seen, mut count) = (0.0, 0);
+                for (flat, fine) in flat.parts.iter().zip(&fine.parts) {
+                    assert_eq!(flat.shape.hull().vertices(), fine.shape.hull().vertices());
+                    let mesh = fine.shape.render_mesh();
+                    assert!(mesh.is_closed());
+                    seen += mesh.volume();
+                    count += mesh.triangles().len();
+                }
+                let volume = f64::from(size.element_product());
+                assert!((seen - volume).abs() < 1e-5 * volume, "{seen} of {volume}");
+                triangles.push(count);
+            }
+        }
+        let is_rougher = |a: usize, b: usize| triangles[b] as f32 > 1.3 * triangles[a] as f32;
+        assert!(is_rougher(0, 1) && is_rougher(0, 2), "{triangles:?}");
+        assert!(is_rougher(1, 3) && is_rougher(2, 3), "{triangles:?}");
+    }
+    let whole = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("a box");
+    let halves = FracturePattern::Slabs { count: 2 };
+    let cluster = Cluster::cut(&whole, &halves, 1, 1e5).expect("halves");
+    let refused = cluster.refined_rough(&halves, 1, 1e5, Relief::of_size(f32::NAN));
+    assert!(matches!(refused, Err(ClusterError::Relief(_))));
+}

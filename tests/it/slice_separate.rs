@@ -1,6 +1,7 @@
 //! Pieces whose visual meshes fall apart: which parts become pieces of their own, and with which hulls.
 
-use crate::common::mesh_parts::{cuboid, joined};
+use crate::common::dice::Dice;
+use crate::common::mesh_parts::{cuboid, joined, torus};
 use crate::common::scenes::awake;
 use bevy_cleave::geometry::{TriMesh, primitives};
 use bevy_cleave::math::Plane;
@@ -264,6 +265,52 @@ fn shards_of_a_cup_are_all_seen_and_their_hulls_are_around_what_is_seen() {
                 ledger.dropped.mass
             );
             assert!((ledger.before.mass / (volume * density) - 1.0).abs() < 1e-6);
+        }
+    }
+}
+
+/// Hollow solids of many kinds.
+fn hollow(dice: &mut Dice) -> TriMesh {
+    match dice.below(4) {
+        0 => cup(),
+        1 => torus(0.5, dice.in_range(0.05, 0.2), 12, 8),
+        2 => table(),
+        _ => {
+            let size = dice.vector(0.4, 1.5);
+            let room = dice.in_range(0.6, 0.95) * size;
+            joined(&[
+                (cuboid(size, Vec3::ZERO), false),
+                (cuboid(room, Vec3::ZERO), true),
+            ])
+        }
+    }
+}
+
+/// A tip of a hull that nothing is seen in may have next to no volume, and still be a tenth as long as the hull.
+#[test]
+fn no_tip_of_a_hull_is_far_from_what_is_seen() {
+    let mut dice = Dice::new(349);
+    let mut cutter = PieceCutter::default();
+    for round in 0..120 {
+        let shape = ConvexMesh::from_mesh(hollow(&mut dice)).unwrap();
+        let extents = shape.aabb().extents();
+        let middle = shape.aabb().center();
+        let site = |_| middle + 0.6 * extents * dice.vector(-1.0, 1.0);
+        let sites: Vec<Vec3> = (0..24).map(site).collect();
+        let (hull, visual) = (shape.hull(), shape.visual());
+        let sites = Cutting::Sites(sites);
+        let mut pieces = (cutter.cut(hull, visual, &sites, 24, SliceOptions::default())).unwrap();
+        pieces.retain(|piece| (piece.visual.as_ref()).is_some_and(|m| !m.triangles().is_empty()));
+        cutter.separate(&mut pieces).unwrap();
+        PieceCutter::fit_hulls(&mut pieces).unwrap();
+        for piece in &pieces {
+            let mesh = piece.visual.as_ref().unwrap();
+            let near = 0.004 * piece.hull.aabb().extents().max_element();
+            for corner in piece.hull.vertices() {
+                let gaps = mesh.positions().iter().map(|p| p.distance(*corner));
+                let gap = gaps.fold(f32::INFINITY, f32::min);
+                assert!(gap < near, "round {round}: a tip of {gap} m");
+            }
         }
     }
 }

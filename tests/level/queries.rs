@@ -582,3 +582,34 @@ fn single_answers_take_no_memory() {
     assert_eq!(allocated.count_total, 0, "{allocated:?}");
     assert!(hits > 500, "{hits}");
 }
+
+/// What lies on a one-sided level is on its front, though some of its corners have sunk in by the slop: levels are named by what is near,
+/// overlaps, and is cast along them.
+#[test]
+fn what_rests_on_a_level_is_near_it() {
+    let mut dice = Dice::new(31);
+    let corners = [(-9.0, -9.0), (9.0, -9.0), (9.0, 9.0), (-9.0, 9.0)];
+    let corners = corners.map(|(x, z)| Vec3::new(x, 0.0, z));
+    let level = StaticMesh::new(&corners, &[[0, 2, 1], [0, 3, 2]]).expect("a level");
+    for round in 0..60 {
+        let mut simulation = awake();
+        let ground = simulation.bodies.insert(BodyDesc::level(level.clone()));
+        let ground = ground.expect("usable");
+        let size = dice.vector(0.1, 1.0);
+        let shape = ConvexMesh::cuboid(size.x, size.y, size.z).expect("a box");
+        let sunk = dice.in_range(0.0, 1e-3) * size.y;
+        let tilt = Quat::from_rotation_z(dice.in_range(-1e-4, 1e-4));
+        let turn = tilt * Quat::from_rotation_y(dice.in_range(-3.0, 3.0));
+        let at = Vec3::new(dice.in_range(-5.0, 5.0), 0.5 * size.y - sunk, 0.0);
+        let pose = Pose::new(at, turn);
+        let queries = simulation.queries();
+        let (query, all) = (QueryShape::hull(shape.hull()), QueryFilter::all());
+        let mut hits = Vec::new();
+        let near = queries.near_shape(&query, &pose, 0.01, &all, &mut hits);
+        near.expect("usable");
+        assert!(hits.iter().any(|hit| hit.body == ground), "round {round}");
+        let cast = ShapeCast::new(query, pose, -Vec3::Y, 1.0).expect("usable");
+        let hit = queries.cast_shape(&cast, &all).expect("the ground");
+        assert_eq!((hit.body, hit.distance), (ground, 0.0), "round {round}");
+    }
+}
