@@ -78,6 +78,7 @@ fn soak() -> Result<(), support::Error> {
     }
     report(&simulation, &times, dropped, blocks)?;
     report_breaks(&times, &breaks);
+    report_neighbors(&times, &breaks);
     report_work(&times, &breaks, &work);
     plot(&times, &counts)
 }
@@ -152,6 +153,20 @@ fn report_breaks(times: &[f64], breaks: &[bool]) {
             stats::percentile(&times, 0.99)
         );
         println!("{name}_steps_ms_longest: {:.3}", stats::max(&times));
+    }
+}
+
+/// How much longer steps are than both of their neighbors, once the scene is full.
+fn report_neighbors(times: &[f64], breaks: &[bool]) {
+    let first = times.len() / 4;
+    let inner = first.max(1)..times.len().saturating_sub(1);
+    let over = |i: usize| times[i] / times[i - 1].max(times[i + 1]);
+    for (name, broke) in [("breaking", true), ("other", false)] {
+        let steps = inner.clone().filter(|&i| breaks[i] == broke);
+        let over: Vec<f64> = steps.map(over).collect();
+        let spikes = over.iter().filter(|&&over| over > 1.5).count();
+        println!("{name}_steps_over_1.5_of_both_neighbors: {spikes}");
+        println!("{name}_steps_over_neighbors_most: {:.2}", stats::max(&over));
     }
 }
 

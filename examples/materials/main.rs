@@ -86,9 +86,12 @@ fn draw(demo: &Demo) -> Picture {
     let bodies = &demo.simulation.bodies;
     let mut scene = Scene::default();
     for slot in bodies.iter() {
+        let (color, pose) = (demo.colors[slot as usize], bodies.pose(slot));
         if let Some(mesh) = bodies.convex(slot) {
-            let color = demo.colors[slot as usize];
-            scene.draw(&mesh.render_mesh(), bodies.pose(slot), color);
+            scene.draw(&mesh.render_mesh(), pose, color);
+        }
+        if let Some(compound) = bodies.compound(slot) {
+            scene.draw(&compound.render_mesh(), pose, color);
         }
     }
     let camera = Camera::look_at(demo.eye, demo.target, Vec3::Y, 40.0, 800, 560);

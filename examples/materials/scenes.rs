@@ -162,25 +162,33 @@ pub(crate) fn stone() -> Result<Demo, Error> {
     Ok(demo)
 }
 
-/// A wall that stands, cast around bars of steel, and a ball.
+/// A wall that stands, cast around bars of steel, and two balls. Lumps break off; the bars, bodies of their own, go on standing.
 pub(crate) fn concrete() -> Result<Demo, Error> {
-    let (eye, target) = (Vec3::new(2.1, 1.5, 2.8), Vec3::new(0.2, 0.75, -0.1));
-    let mut demo = Demo::new("concrete", [6, 60], eye, target)?;
+    let (eye, target) = (Vec3::new(1.5, 1.5, 3.0), Vec3::new(0.15, 0.75, 0.0));
+    let mut demo = Demo::new("concrete", [7, 70], eye, target)?;
     let size = Vec3::new(2.4, 1.6, 0.16);
-    let mut wall = BodyDesc::dynamic(
-        ConvexMesh::cuboid(size.x, size.y, size.z)?,
-        0.5 * size.y * Vec3::Y,
-    );
-    wall.kind = RigidBody::Static;
-    wall.density = 2400.0;
-    wall.fracturable = Some(recipes::concrete());
-    demo.add(wall, Vec3::new(0.46, 0.45, 0.43))?;
-    for x in [-0.8, 0.0, 0.8] {
-        demo.fix(
-            Vec3::new(0.03, size.y, 0.03),
-            Vec3::new(x, 0.5 * size.y, 0.0),
-        )?;
+    let at = Pose::from_position(0.5 * size.y * Vec3::Y);
+    let (wall, bars) = recipes::concrete(size, 0.4)?;
+    let wall = BodyDesc {
+        kind: RigidBody::Static,
+        pose: at,
+        density: 2400.0,
+        ..BodyDesc::compound(wall.compound()?, Vec3::ZERO)
+    };
+    let wall = demo.add(wall, Vec3::new(0.46, 0.45, 0.43))?;
+    // It stands on its foot, and is not hung up on the bars.
+    let foot = Anchors::none().and_behind(Vec3::Y, 0.02 - 0.5 * size.y);
+    demo.simulation.bodies.set_anchors(wall, Some(foot))?;
+    for bar in bars {
+        let bar = BodyDesc {
+            pose: at * bar.pose,
+            ..BodyDesc::new(RigidBody::Static, Shape::Convex(bar.shape))
+        };
+        demo.add(bar, Vec3::new(0.30, 0.15, 0.08))?;
     }
-    demo.shoot(0.2, Vec3::new(0.38, 1.1, 2.4), Vec3::new(0.0, 0.5, -18.0))?;
+    // Through the grid, on both sides of a crossing, from behind.
+    for at in [Vec3::new(0.0, 1.2, -2.0), Vec3::new(0.4, 0.8, -2.6)] {
+        demo.shoot(0.15, at, Vec3::new(0.0, 0.4, 24.0))?;
+    }
     Ok(demo)
 }
