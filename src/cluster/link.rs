@@ -86,6 +86,16 @@ impl Body {
         }
     }
 
+    /// Makes it heavier; it keeps its momentum.
+    pub(super) fn enlarge(&mut self, factor: f32) {
+        self.mass *= factor;
+        self.inertia *= factor;
+        self.inverse_mass /= factor;
+        self.inverse_inertia *= factor.recip();
+        self.velocity /= factor;
+        self.angular /= factor;
+    }
+
     /// Is pushed.
     pub(super) fn take(&mut self, push: &Push) {
         self.velocity += self.inverse_mass * push.impulse;

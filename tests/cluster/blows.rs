@@ -1,5 +1,6 @@
 //! Blows: what they break does not depend on the length of a step, and what is weaker breaks no later.
 
+use crate::common::dice::Dice;
 use crate::common::scenes::awake_on_floor;
 use crate::shapes::{ball, parts_of, standing, wall};
 use bevy_cleave::prelude::*;
@@ -105,4 +106,57 @@ fn what_falls_apart_into_more_than_a_step_may_make_comes_apart_step_by_step() {
         most <= 9 && waited > 0 && apart > 40,
         "{most} {waited} {apart}"
     );
+}
+
+/// Share of a wall that a ball breaks off, if a slice of each brick that is `thin` (a share of its length) is a part of its own, in some bricks.
+fn share_broken_off(thin: Option<f32>, seed: u64) -> f32 {
+    let mut dice = Dice::new(seed);
+    let whole = wall(8, 10, 1e6);
+    let mut parts = Vec::new();
+    for part in whole.parts() {
+        let size = part.shape.aabb().extents();
+        let is_divided = dice.below(4) == 0;
+        let (Some(thin), true) = (thin, is_divided) else {
+            parts.push(part.clone());
+            continue;
+        };
+        for (share, side) in [(thin, -1.0), (1.0 - thin, 1.0)] {
+            let shape = ConvexMesh::cuboid(share * size.x, size.y, size.z).expect("a slice");
+            let middle = part.shape.aabb().center() + 0.5 * side * (1.0 - share) * size.x * Vec3::X;
+            let place = Pose::from_position(part.pose.transform_point(middle));
+            parts.push(CompoundPart::new(place, shape));
+        }
+    }
+    let cluster = Cluster::new(parts, 1e6).expect("parts");
+    let mut simulation = awake_on_floor();
+    let shape = cluster.compound().expect("one wall");
+    let body = simulation.bodies.insert(standing(shape)).expect("usable");
+    let at = Vec3::new(0.07, 0.62, 0.3);
+    let missile = ball(0.1, 2000.0, at, -25.0 * Vec3::Z);
+    simulation.bodies.insert(missile).expect("usable");
+    (0..20).for_each(|_| simulation.step(1.0 / 60.0));
+    let bodies = &simulation.bodies;
+    let volume = |slot: u32| {
+        let parts = bodies
+            .compound(slot)
+            .map_or(&[][..], Compound::parts)
+            .iter();
+        parts
+            .map(|part| part.shape.hull().volume() as f32)
+            .sum::<f32>()
+    };
+    1.0 - volume(body) / (2.0 * 1.0 * 0.12)
+}
+
+/// A part that is much lighter than its neighbors, and has stiffer bonds, vibrates so fast that a blow could not be followed for long enough.
+#[test]
+fn a_blow_breaks_off_as_much_with_slivers_as_without() {
+    let whole = share_broken_off(None, 0);
+    assert!((0.05..0.6).contains(&whole), "{whole}");
+    for thin in [0.1, 0.01, 0.002] {
+        let shares = [1, 2, 3].map(|seed| share_broken_off(Some(thin), seed));
+        let mean = shares.iter().sum::<f32>() / 3.0;
+        let is_alike = mean > 0.7 * whole && mean < 1.5 * whole;
+        assert!(is_alike, "{thin}: {shares:?} beside {whole}");
+    }
 }
