@@ -278,6 +278,8 @@ pub(crate) fn note_blows(
     if !bodies.wearing.is_empty() {
         bodies.wear_out(solver.borne_loads(first_batch));
     }
+    let fading = &mut fractures.fading;
+    fading.retain(|piece| bodies.is_current(piece.slot, piece.body));
     let state = &mut fractures.state;
     for (slot, bonds) in apply_cracks(bodies, solver, first_batch) {
         state.waiting.push(PendingBreak {

@@ -104,6 +104,36 @@ fn pieces_fade_before_they_go() {
     assert!(pieces(&simulation) <= 9 * 6);
 }
 
+/// What is told after a step is there: a piece may break in the step in which it fades.
+#[test]
+fn what_fades_is_there() {
+    let mut simulation = scene([floor()]);
+    simulation.budget.debris = DebrisRules {
+        max_pieces: 4,
+        fade: 0.5,
+        ..Default::default()
+    };
+    let (mut fading, mut broken) = (0, 0);
+    for step in 0..120 {
+        if step % 15 == 0 {
+            let mut block = BodyDesc::dynamic(cuboid(Vec3::splat(0.5)), 1.5 * Vec3::Y);
+            block.linear_velocity = -6.0 * Vec3::Y;
+            block.fracturable = Some(voronoi(5, 10.0, step));
+            simulation.bodies.insert(block).expect("usable");
+        }
+        let told = simulation.fractures.fading.clone();
+        simulation.step(H);
+        let done = simulation.fractures.done.iter();
+        let is_told = |&parent: &BodyId| told.iter().any(|piece| piece.body == parent);
+        broken += done.map(|f| f.parent).filter(is_told).count();
+        for piece in &simulation.fractures.fading {
+            fading += 1;
+            assert!(simulation.bodies.is_current(piece.slot, piece.body));
+        }
+    }
+    assert!(fading > 100 && broken > 3, "{fading}, {broken}");
+}
+
 #[test]
 fn dust_goes_when_it_sleeps_and_what_is_large_stays() {
     let rules = DebrisRules {
