@@ -260,7 +260,8 @@ impl WideTree {
         [low - slack, high + slack]
     }
 
-    /// As [`around`](crate::geometry::bvh::around).
+    /// As [`around`](crate::geometry::bvh::around), in search of what is nearest: where each side of a box is touched by what is in it, some of
+    /// that is not farther than the farthest corner of the nearest side, and nothing beyond is visited.
     pub(crate) fn around(
         &self,
         point: Vec3,
@@ -285,13 +286,29 @@ impl WideTree {
             }
             let node = &self.nodes[child as usize];
             let mut squares = Vec4::ZERO;
+            let (mut nearer, mut farther) = ([Vec4::ZERO; 3], [Vec4::ZERO; 3]);
             for axis in 0..3 {
                 let before = node.min[axis] - Vec4::splat(above[axis]);
                 let behind = Vec4::splat(below[axis]) - node.max[axis];
                 let apart = before.max(behind).max(Vec4::ZERO);
                 squares += apart * apart;
+                let ends = [node.min[axis], node.max[axis]]
+                    .map(|end| (end - Vec4::splat(point[axis])).abs() + Vec4::splat(slack));
+                nearer[axis] = ends[0].min(ends[1]);
+                farther[axis] = ends[0].max(ends[1]);
             }
-            let near = squares.cmple(Vec4::splat(limit * limit)).bitmask() & node.used();
+            let [x, y, z] = nearer.map(|near| near * near);
+            let [far_x, far_y, far_z] = farther.map(|far| far * far);
+            let most = (x + far_y + far_z)
+                .min(far_x + y + far_z)
+                .min(far_x + far_y + z);
+            let used = node.used();
+            for (child, most) in most.to_array().into_iter().enumerate() {
+                if used >> child & 1 != 0 && most < limit * limit {
+                    limit = most.sqrt() * (1.0 + 4.0 * ROUNDING);
+                }
+            }
+            let near = squares.cmple(Vec4::splat(limit * limit)).bitmask() & used;
             push_far_first(&mut stack, node, near, squares.to_array());
         }
     }
@@ -364,8 +381,21 @@ mod tests {
                 };
                 along_ray(&two, walk, 9.0, |leaf, end| keep(&mut a, leaf, end));
                 four.along_ray(walk, 9.0, |leaf, end| keep(&mut b, leaf, end));
-                around(&two, origin, 4.0, |leaf, end| keep(&mut a, leaf, end));
-                four.around(origin, 4.0, |leaf, end| keep(&mut b, leaf, end));
+                let nearest = |found: &mut (f32, u32), leaf: u32, end: f32| {
+                    let b = boxes[leaf as usize];
+                    let [min, max] = [b.min, b.max].map(|corner| Vec3::from(corner.to_array()));
+                    let away = origin.clamp(min, max).distance(origin);
+                    if (away, leaf) < *found {
+                        *found = (away, leaf);
+                    }
+                    end.min(away)
+                };
+                let mut least = [(f32::INFINITY, 0); 2];
+                around(&two, origin, 4.0, |leaf, end| {
+                    nearest(&mut least[0], leaf, end)
+                });
+                four.around(origin, 4.0, |leaf, end| nearest(&mut least[1], leaf, end));
+                assert_eq!(least[0].0, least[1].0);
                 a.sort_unstable();
                 b.sort_unstable();
                 assert_eq!(a, b);

@@ -30,6 +30,16 @@ impl Ball {
         })
     }
 
+    /// The least that the surface in the ball may be away from a point, less than nothing from within, and the most, m.
+    #[inline]
+    pub(crate) fn distances_from(&self, point: Vec3) -> [f32; 2] {
+        let apart = point - self.center;
+        let away = apart.length();
+        let slack =
+            ROUNDING * (self.radius + apart.abs().max_element() + point.abs().max_element());
+        [away - self.radius - slack, away + self.radius + slack]
+    }
+
     /// Around a box.
     pub(crate) fn around(b: &Aabb) -> Self {
         Self {

@@ -8,6 +8,7 @@
 //! | `blade.rs` | the blade between two rays of a camera |
 //! | `hit.rs` | what is found |
 //! | `target.rs` | one body: its shape where it lies now |
+//! | `waiting.rs` | bodies that are looked at closer later |
 //! | `slide.rs`, `walk.rs`, `walker.rs` | a shape that slides along what it meets; a character that walks |
 //! | `nearness.rs`, `convex.rs`, `cuboid.rs`, `compound.rs`, `hull.rs`, `round.rs`, `half_space.rs`, `level.rs`, `local.rs` | the exact tests, in the frame of the body |
 //!
@@ -35,6 +36,7 @@ pub(crate) mod shape;
 pub(crate) mod slide;
 mod target;
 pub(crate) mod view;
+mod waiting;
 pub(crate) mod walk;
 pub(crate) mod walker;
 

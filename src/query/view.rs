@@ -12,6 +12,7 @@ use crate::query::index::QueryIndex;
 use crate::query::request::{Ray, ShapeCast};
 use crate::query::shape::QueryShape;
 use crate::query::target::Target;
+use crate::query::waiting::Waiting;
 use glam::{Quat, Vec3};
 
 /// A read-only view of the bodies that answers questions. Cheap to copy, and good for several threads at once.
@@ -158,14 +159,31 @@ impl<'q> Queries<'q> {
         filter: &QueryFilter,
     ) -> Result<Option<QueryHit>, QueryError> {
         let mut best: Option<QueryHit> = None;
+        let mut waiting = Waiting::default();
         self.near(point, max_distance, |slot, limit| {
             let within = Ball {
                 center: point,
                 radius: limit,
             };
             let target = self.target(slot, filter, within, NOWHERE)?;
-            keep_first(&mut best, target.closest(point, limit)?)
+            let ball = Ball::of(self.bodies, slot);
+            match ball.map(|ball| ball.distances_from(point)) {
+                Some([least, most]) if waiting.has_room() => {
+                    waiting.add(least, slot);
+                    (most < limit).then_some(most)
+                }
+                _ => keep_first(&mut best, target.closest(point, limit)?),
+            }
         })?;
+        for &(least, slot) in waiting.nearest_first() {
+            let limit = best.map_or(max_distance, |best| best.distance);
+            if least > limit {
+                break;
+            }
+            let target = Target::of(self.bodies, slot);
+            let found = target.closest(point, limit.max(0.0));
+            found.and_then(|hit| keep_first(&mut best, hit));
+        }
         Ok(best)
     }
 
