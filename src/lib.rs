@@ -75,8 +75,8 @@ pub mod prelude {
         ForcesItem, FractureCause, Fractured, GravityScale, JointA, JointB, JointBroken,
         JointCommands, JointHandle, JointProblem, JointsOfA, JointsOfB, LinearDamping,
         LinearVelocity, Mass, MassOverride, MaxSpeed, PieceOf, PieceRules, Pieces, Remains, Sensor,
-        ShapeConstructor, Sleeping, SliceCommands, SpatialQuery, SpawnBody, Walker, WalkerError,
-        Walking,
+        ShapeAwaited, ShapeConstructor, Sleeping, SliceCommands, SpatialQuery, SpawnBody, Walker,
+        WalkerError, Walking,
     };
     #[cfg(feature = "diagnostics")]
     pub use crate::extras::CleaveDiagnosticsPlugin;

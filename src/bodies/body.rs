@@ -208,13 +208,14 @@ pub enum BodyError {
     /// A static body has a velocity.
     #[error("a Static body has a velocity, which does nothing: make it Kinematic")]
     StaticVelocity,
+    /// A body that forces do not move is pushed all the time.
+    #[error("ConstantForce and ConstantTorque move Dynamic bodies only")]
+    IdleForce,
     /// What has no inside, or what no blow meets, is to break.
     #[error("Fracturable does nothing to a half-space, a StaticMesh or a Sensor")]
     UnbreakableShape,
     /// What is seen of a body that is to break does not enclose anything.
-    #[error(
-        "Fracturable does nothing, because the visual mesh cannot be cut: {0}; import::Model closes holes"
-    )]
+    #[error("Fracturable does nothing: its mesh cannot be cut ({0}); import::Model closes holes")]
     UnbreakableVisual(MeshError),
     /// What is to be made of several materials has no triangles with slots.
     #[error("SurfaceMaterials do nothing without a StaticMesh that has material slots")]

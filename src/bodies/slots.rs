@@ -15,6 +15,7 @@ impl Bodies {
         if i >= self.slots() || self.status[i] == Status::Free {
             return;
         }
+        self.departures += 1;
         self.disturb(slot);
         self.fracturable -= usize::from(self.info(slot).fracturable.is_some());
         self.dynamic -= usize::from(self.kind(slot) == RigidBody::Dynamic);

@@ -94,6 +94,8 @@ pub struct Bodies {
     pub(super) free: Vec<u32>,
     /// Slots that become free with the next step: something may name them until then.
     pub(super) retired: Vec<u32>,
+    /// How often a body has gone, or was kept out of the scene: a slot that was noted before may not have its body any more.
+    pub(crate) departures: u64,
     pub(super) next_id: u32,
     pub(super) alive: usize,
 }
@@ -383,12 +385,9 @@ impl Bodies {
         if frozen == is_frozen {
             return;
         }
+        self.departures += 1;
         self.disturb(slot);
-        self.status[slot as usize] = if frozen {
-            Status::Frozen
-        } else {
-            Status::Active
-        };
+        self.status[slot as usize] = [Status::Active, Status::Frozen][usize::from(frozen)];
     }
 
     pub(super) fn renew_version(&mut self, slot: u32) {

@@ -101,12 +101,6 @@ impl NarrowPhase {
         });
     }
 
-    /// Whether the body in `slot` is surely still in the box that the broad phase keeps for it.
-    #[inline]
-    pub(crate) fn surely_holds(&self, bodies: &Bodies, slot: u32) -> bool {
-        self.boxes.surely_hold(bodies, slot)
-    }
-
     /// Those of `pairs` that touched when they were last looked at.
     pub(crate) fn touching_pairs(&self, pairs: &[Pair]) -> impl Iterator<Item = Pair> {
         self.parts.iter().flat_map(move |part| {

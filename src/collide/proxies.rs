@@ -149,24 +149,6 @@ impl ProxyState {
             && self.span <= span(reach, travel) + reach + SPARE
     }
 
-    /// Whether the body in `slot`, which the last step may have moved, is in its box: it was told with all that it may reach.
-    fn surely_holds(&self, bodies: &Bodies, slot: u32) -> bool {
-        let i = slot as usize;
-        let turn = (bodies.rotation[i] - self.rotation).length();
-        let slack = self.slack + self.reach - 2.0 * turn * bodies.radius(slot);
-        let moved = bodies.center[i] - self.center;
-        let steps = moved.dot(self.travel) / self.travel.length_squared();
-        let off = if steps > 0.0 {
-            moved - steps.min(STEPS_TOLD) * self.travel
-        } else {
-            moved
-        };
-        self.id == bodies.ids[i]
-            && self.version == bodies.version[i]
-            && slack > 0.0
-            && off.length_squared() < slack * slack
-    }
-
     /// Whether a center of mass that goes on by `travel` (m) in this step is nearer than `slack` (m), at either end of it, to
     /// where one is that kept its velocity.
     fn is_on_its_way(&self, center: Vec3, travel: Vec3, slack: f32) -> bool {
@@ -213,13 +195,6 @@ impl Boxes {
             self.tell(broadphase, bodies, ahead);
             broadphase.find_pairs();
         });
-    }
-
-    /// Whether the body in `slot` is surely still in its box.
-    #[inline]
-    pub(crate) fn surely_hold(&self, bodies: &Bodies, slot: u32) -> bool {
-        let told = self.told.get(slot as usize).and_then(Option::as_ref);
-        told.is_some_and(|told| told.surely_holds(bodies, slot))
     }
 
     /// Finds the bodies that the broad phase is to be told of.

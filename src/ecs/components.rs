@@ -8,7 +8,9 @@ use crate::joints::JointError;
 use crate::mass::MassProperties;
 use crate::math::Plane;
 use bevy_ecs::change_detection::Tick;
+use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
+use bevy_ecs::world::DeferredWorld;
 use bevy_math::Vec3;
 use bevy_transform::components::Transform;
 use smallvec::SmallVec;
@@ -50,6 +52,23 @@ impl BodyHandle {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Component)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Sleeping;
+
+/// The shape of this body comes later: until it does, it is no issue that there is none.
+///
+/// Constructors that wait for assets or children put it on and take it off; so may those of your own.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Component)]
+#[component(clone_behavior = Ignore)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub struct ShapeAwaited;
+
+impl ShapeAwaited {
+    /// Hook of a constructor that goes: nothing is to come any more.
+    pub(crate) fn end(mut world: DeferredWorld, context: HookContext) {
+        if let Ok(mut entity) = world.commands().get_entity(context.entity) {
+            entity.try_remove::<Self>();
+        }
+    }
+}
 
 /// What broke a body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -1,4 +1,7 @@
 //! What pushes bodies: forces of a step, forces that last, damping, locked axes, explosions.
+//!
+//! All of it is for dynamic bodies. On others, what would push all the time is an issue of the entity; what bounds a motion
+//! ([`GravityScale`], damping, [`MaxSpeed`], locked axes) is kept to by what does not move, and waits until the body is dynamic.
 
 use crate::bodies::body::BodyError;
 use crate::bodies::drive::StepForces;
@@ -12,7 +15,7 @@ use bevy_ecs::query::QueryData;
 use bevy_math::{Quat, Vec3};
 use bevy_transform::components::{GlobalTransform, Transform};
 
-/// How much of [`Gravity`](crate::solver::Gravity) acts on a body: 0 lets it float, -1 lets it rise.
+/// How much of [`Gravity`](crate::solver::Gravity) acts on a dynamic body: 0 lets it float, -1 lets it rise.
 #[derive(Clone, Copy, Debug, PartialEq, Component)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct GravityScale(pub f32);
@@ -24,17 +27,17 @@ impl Default for GravityScale {
     }
 }
 
-/// Slows a body: `v' = -damping v`, 1/s. 0.1 takes a tenth of the velocity in a second.
+/// Slows a dynamic body: `v' = -damping v`, 1/s. 0.1 takes a tenth of the velocity in a second.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Component)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct LinearDamping(pub f32);
 
-/// Slows the turning of a body: `omega' = -damping omega`, 1/s.
+/// Slows the turning of a dynamic body: `omega' = -damping omega`, 1/s.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Component)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct AngularDamping(pub f32);
 
-/// Limits of a body's speeds, at the end of every sub-step.
+/// Limits of a dynamic body's speeds, at the end of every sub-step.
 #[derive(Clone, Copy, Debug, PartialEq, Component)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct MaxSpeed {
@@ -54,12 +57,13 @@ impl Default for MaxSpeed {
     }
 }
 
-/// A force at the center of mass in every step, world axes, N.
+/// A force at the center of mass in every step, world axes, N. On a body that is not dynamic it is an issue
+/// ([`BodyError::IdleForce`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Component)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct ConstantForce(pub Vec3);
 
-/// A torque in every step, world axes, N m.
+/// A torque in every step, world axes, N m. On a body that is not dynamic it is an issue ([`BodyError::IdleForce`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Component)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct ConstantTorque(pub Vec3);

@@ -227,7 +227,9 @@ pub(crate) fn register_bodies(
             continue;
         }
         let inserted = insert(&mut bodies, item.as_ref(), &parents);
-        match issues.note(&mut warnings, entity, Source::Body, inserted) {
+        let inserted = unless_awaited(item.as_ref(), inserted);
+        let inserted = issues.note(&mut warnings, entity, Source::Body, inserted);
+        match inserted.flatten() {
             Some(arrival) => {
                 let (slot, id) = (arrival.slot, bodies.id(arrival.slot));
                 handle.0 = Some((slot, id));
@@ -344,14 +346,15 @@ fn redescribe(
             continue;
         };
         // Pose and velocity are read elsewhere: broken ones must not hide a new shape.
-        let parts = parts.as_ref().ok_or(BodyError::Incomplete);
-        let desc = parts.and_then(|parts| {
+        let parts = parts.as_ref();
+        let desc = parts.ok_or(BodyError::Incomplete).and_then(|parts| {
             let (_, scale) = readings.parents.place(parts.transform, parts.child_of)?;
             let desc = describe(parts, Pose::IDENTITY, scale)?;
             issues.note(warnings, entity, Source::Breaking, idle_part(parts, &desc));
             Ok(desc)
         });
         let taken = desc.and_then(|desc| bodies.redescribe(slot, desc));
+        let taken = unless_awaited(parts, taken);
         issues.note(warnings, entity, Source::Description, taken);
     }
 }

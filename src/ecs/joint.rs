@@ -132,6 +132,7 @@ pub(crate) struct JointReadings<'w, 's> {
     changed: Query<'w, 's, Entity, Changed<Joint>>,
     parts: Query<'w, 's, JointParts>,
     handles: Query<'w, 's, &'static BodyHandle>,
+    awaited: Query<'w, 's, (), With<ShapeAwaited>>,
     marks: Query<'w, 's, &'static mut JointHandle>,
 }
 
@@ -182,16 +183,42 @@ pub(crate) fn read_joints(
                 }
             }
             Err(error) => {
+                let waits = error == JointError::NoBody && waits(parts, &readings.awaited);
                 let before = refused.iter().find(|(other, _)| *other == entity);
-                // As texts, because a NaN in the reason is not equal to itself.
-                if before.map(|(_, why)| why.to_string()) != Some(error.to_string()) {
-                    warn(&mut warnings, entity, error);
-                    queue.problems.push((entity, Some(error)));
-                }
-                queue.refused.push((entity, error));
+                let before = before.map(|(_, why)| *why);
+                let problem = (!waits).then_some(error);
+                refuse(queue, &mut warnings, entity, problem, before);
             }
         }
     }
+}
+
+/// Whether a body is still to come that is to be joined.
+fn waits(
+    (_, a, b): (&Joint, Option<&JointA>, Option<&JointB>),
+    awaited: &Query<(), With<ShapeAwaited>>,
+) -> bool {
+    let ends = [a.map(|a| a.0), b.map(|b| b.0)];
+    ends.into_iter().flatten().any(|end| awaited.contains(end))
+}
+
+/// A joint does not hold, because of a problem or because it waits; that is told unless it was so before.
+fn refuse(
+    queue: &mut JointQueue,
+    warnings: &mut Messages<BodyWarning>,
+    entity: Entity,
+    problem: Option<JointError>,
+    before: Option<Option<JointError>>,
+) {
+    // As texts, because a NaN in the reason is not equal to itself.
+    let text = |why: Option<JointError>| why.map(|why| why.to_string());
+    if before.map(text) != Some(text(problem)) {
+        if let Some(error) = problem {
+            warn(warnings, entity, error);
+        }
+        queue.problems.push((entity, problem));
+    }
+    queue.refused.push((entity, problem));
 }
 
 /// Follows what became of the joints that hold; those that are to be made anew. `asked`: entities that describe their joints anew, sorted.

@@ -61,7 +61,7 @@ pub use collisions::{
 };
 pub use components::{
     AngularVelocity, BodyHandle, BodyProblem, BodyWarning, BondBroken, DebrisRemoved, Fading,
-    FractureCause, Fractured, LinearVelocity, MassOverride, Sleeping, WalkerError,
+    FractureCause, Fractured, LinearVelocity, MassOverride, ShapeAwaited, Sleeping, WalkerError,
 };
 pub use cut::SliceCommands;
 pub use forces::{

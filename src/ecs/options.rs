@@ -117,6 +117,7 @@ fn read_option(
     let is_usable = (!force.is_nan()).then_some(());
     let taken = is_usable.ok_or(BodyError::Drive("ContactForceEvents"));
     let taken = taken.and(bodies.set_drive(slot, drive));
+    let taken = taken.and(idle_force(bodies.kind(slot), &drive));
     issues.note(warnings, entity, Source::Options, taken);
     let scale = entities.seen[slot as usize].scale;
     let held = read_anchors(bodies, slot, item.anchors, scale);
@@ -132,6 +133,15 @@ fn read_option(
         force: if force.is_nan() { f32::INFINITY } else { force },
     };
     queue.watches.push((slot, id, watch));
+}
+
+/// A push that does nothing. What bounds a motion is no such thing: what stands still keeps to it.
+fn idle_force(kind: RigidBody, drive: &BodyDrive) -> Result<(), BodyError> {
+    let is_pushed = (drive.force, drive.torque) != (Vec3::ZERO, Vec3::ZERO);
+    if is_pushed && kind != RigidBody::Dynamic {
+        return Err(BodyError::IdleForce);
+    }
+    Ok(())
 }
 
 /// Takes over where a body holds on to the world.

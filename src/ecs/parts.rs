@@ -1,7 +1,7 @@
 //! Bodies whose parts are their children.
 
 use crate::bodies::body::{BodyError, RigidBody};
-use crate::ecs::components::{BodyProblem, BodyWarning};
+use crate::ecs::components::{BodyProblem, BodyWarning, ShapeAwaited};
 use crate::ecs::issues::Source;
 use crate::ecs::parents::place;
 use crate::ecs::state::PluginState;
@@ -14,7 +14,8 @@ use bevy_math::{Affine3A, Vec3};
 use bevy_transform::components::Transform;
 
 /// The [`Compound`] of a body is made of its children: each that has a [`ConvexMesh`] and no [`RigidBody`] is a part, and so are
-/// their children. Made anew whenever their shapes or `Transform`s change, or children come or go.
+/// their children. Made as soon as none of them waits for its shape ([`ShapeAwaited`]), and anew whenever their shapes or `Transform`s
+/// change, or children come or go.
 ///
 /// ```
 /// use bevy_cleave::prelude::*;
@@ -34,7 +35,7 @@ use bevy_transform::components::Transform;
 /// If no part is usable the entity gets [`BodyIssues`](crate::ecs::BodyIssues).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Component)]
 #[require(MadeOf)]
-#[component(clone_behavior = Ignore)]
+#[component(on_remove = ShapeAwaited::end, clone_behavior = Ignore)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct CompoundOfChildren;
 
@@ -72,12 +73,14 @@ type Root = (
     Option<&'static Children>,
     &'static mut MadeOf,
     Option<&'static mut Compound>,
+    Has<ShapeAwaited>,
 );
 
 type Member = (
     Option<&'static Transform>,
     Option<&'static ConvexMesh>,
     Option<&'static Children>,
+    Has<ShapeAwaited>,
 );
 
 /// Run condition of [`make_compounds`].
@@ -93,11 +96,18 @@ pub(crate) fn make_compounds(
     mut roots: Query<Root, With<CompoundOfChildren>>,
     members: Query<Member, Without<RigidBody>>,
 ) {
-    for (entity, children, mut made_of, compound) in &mut roots {
+    for (entity, children, mut made_of, compound, is_awaited) in &mut roots {
         let mut found = Found::default();
         let children = children.into_iter().flatten();
         let ways = children.map(|&child| (child, Affine3A::IDENTITY));
         found.collect(ways.collect(), &members);
+        // What begins to move has all of its parts.
+        if found.is_incomplete && compound.is_none() {
+            if !is_awaited {
+                commands.entity(entity).insert(ShapeAwaited);
+            }
+            continue;
+        }
         let known = made_of.0.as_ref();
         let is_known = known.is_some_and(|known| {
             let mut both = known.iter().zip(&found.children);
@@ -123,6 +133,9 @@ pub(crate) fn make_compounds(
             }
             (None, None) => {}
         }
+        if is_awaited {
+            commands.entity(entity).remove::<ShapeAwaited>();
+        }
         made_of.0 = Some(found.children);
     }
 }
@@ -133,6 +146,8 @@ struct Found {
     children: Vec<Child>,
     entities: Vec<Entity>,
     error: Option<BodyError>,
+    /// Whether the shape of a part is still to come.
+    is_incomplete: bool,
 }
 
 impl Found {
@@ -144,10 +159,11 @@ impl Found {
     ) {
         ways.reverse();
         while let Some((entity, above)) = ways.pop() {
-            let Ok((transform, shape, children)) = members.get(entity) else {
+            let Ok((transform, shape, children, is_awaited)) = members.get(entity) else {
                 continue;
             };
             let own = transform.copied().unwrap_or_default();
+            self.is_incomplete |= is_awaited;
             if let Some(shape) = shape {
                 self.entities.push(entity);
                 match place(&own, Some(above)) {

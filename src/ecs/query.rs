@@ -6,7 +6,6 @@ use crate::math::{Aabb, Pose};
 use crate::query::{
     Queries, QueryError, QueryFilter, QueryHit, QueryIndex, QueryShape, Ray, ShapeCast,
 };
-use crate::step::Contacts;
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 use bevy_math::Vec3;
@@ -20,7 +19,6 @@ pub struct SpatialQuery<'w, 's> {
     // First, so that the index is there when the others look for it.
     _wish: Local<'s, IndexWish>,
     bodies: Res<'w, Bodies>,
-    contacts: Res<'w, Contacts>,
     state: Res<'w, PluginState>,
     index: Res<'w, QueryIndex>,
 }
@@ -41,11 +39,8 @@ impl FromWorld for IndexWish {
     fn from_world(world: &mut World) -> Self {
         if !world.contains_resource::<QueryIndex>() {
             let mut index = QueryIndex::default();
-            if let (Some(bodies), Some(contacts)) = (
-                world.get_resource::<Bodies>(),
-                world.get_resource::<Contacts>(),
-            ) {
-                contacts.refresh(&mut index, bodies);
+            if let Some(bodies) = world.get_resource::<Bodies>() {
+                index.refresh(bodies);
             }
             world.insert_resource(index);
         }
@@ -54,18 +49,14 @@ impl FromWorld for IndexWish {
 }
 
 /// System: looks where the step has left the bodies.
-pub(crate) fn refresh_index(
-    mut index: ResMut<QueryIndex>,
-    bodies: Res<Bodies>,
-    contacts: Res<Contacts>,
-) {
-    contacts.refresh(&mut index, &bodies);
+pub(crate) fn refresh_index(mut index: ResMut<QueryIndex>, bodies: Res<Bodies>) {
+    index.refresh(&bodies);
 }
 
 impl SpatialQuery<'_, '_> {
     /// The view on plain data, whose bodies are slots.
     pub fn queries(&self) -> Queries<'_> {
-        self.contacts.queries(&self.bodies, &self.index)
+        self.index.queries(&self.bodies)
     }
 
     /// The first body that a ray hits; see [`Queries::cast_ray`].

@@ -11,7 +11,9 @@ use crate::contact::layers::CollisionLayers;
 use crate::contact::material::{Density, Friction, Restitution};
 use crate::contact::surface::SurfaceMaterials;
 use crate::ecs::collisions::{CollisionEvents, ContactForceEvents, Sensor};
-use crate::ecs::components::{AngularVelocity, LinearVelocity, MassOverride, Sleeping};
+use crate::ecs::components::{
+    AngularVelocity, LinearVelocity, MassOverride, ShapeAwaited, Sleeping,
+};
 use crate::ecs::forces::*;
 use crate::ecs::parts::CompoundOfChildren;
 use crate::ecs::piece_children::ChildrenOfPieces;
@@ -48,6 +50,7 @@ pub(crate) fn register_types(app: &mut App) {
     component_with_default::<SurfaceMaterials>(app);
     component_with_default::<CollisionLayers>(app);
     component_with_default::<Sleeping>(app);
+    component_with_default::<ShapeAwaited>(app);
     component_with_default::<CollisionEvents>(app);
     component_with_default::<ContactForceEvents>(app);
     component_with_default::<Sensor>(app);

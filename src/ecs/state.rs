@@ -40,8 +40,8 @@ pub(crate) struct PluginState {
 pub(crate) struct JointQueue {
     /// Entities that became joints, or stopped to be, in order.
     pub(crate) arrived: Vec<Entity>,
-    /// Entities that could not become joints, with the reason; tried again each step, warned about once.
-    pub(crate) refused: Vec<(Entity, JointError)>,
+    /// Entities that could not become joints, with the reason, or none if a shape is still to come; tried again each step, warned about once.
+    pub(crate) refused: Vec<(Entity, Option<JointError>)>,
     /// Joints that hold, and their entities, ascending.
     pub(crate) entities: Vec<(JointId, Entity)>,
     /// What is to be written to entities of what is wrong with them.

@@ -125,23 +125,25 @@ fn on_level(hull: &ConvexHull, level: &StaticMesh, pose: &Pose, reach: f32, enou
     let corners = hull.vertices().iter();
     let around = Aabb::of_points(corners.map(|&v| level_from_piece.transform_point(v)));
     let mut area = 0.0;
-    level.tree().within(&around.fattened(reach), |leaf| {
-        if area > enough {
-            return;
-        }
-        let triangle = &level.triangles()[leaf as usize];
-        let outline = triangle.corners.map(|corner| pose.transform_point(corner));
-        let normal = rotate(pose.rotation, triangle.plane.normal);
-        area += area_of(&inside_of(Polygon::from_slice(&outline), hull));
-        for face in faces_opposed(hull, normal) {
-            let on_face = overlap(Polygon::from_slice(&outline), hull, face);
-            if on_face
-                .iter()
-                .any(|&at| face.plane.distance(at).abs() <= reach)
-            {
-                area += area_of(&on_face);
+    level
+        .tree()
+        .within(level.triangles(), &around.fattened(reach), |leaf| {
+            if area > enough {
+                return;
             }
-        }
-    });
+            let triangle = &level.triangles()[leaf as usize];
+            let outline = triangle.corners.map(|corner| pose.transform_point(corner));
+            let normal = rotate(pose.rotation, triangle.plane.normal);
+            area += area_of(&inside_of(Polygon::from_slice(&outline), hull));
+            for face in faces_opposed(hull, normal) {
+                let on_face = overlap(Polygon::from_slice(&outline), hull, face);
+                if on_face
+                    .iter()
+                    .any(|&at| face.plane.distance(at).abs() <= reach)
+                {
+                    area += area_of(&on_face);
+                }
+            }
+        });
     area > enough
 }

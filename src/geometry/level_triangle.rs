@@ -28,8 +28,9 @@ impl EdgeKind {
     }
 }
 
-/// A triangle as collision tests and questions read it.
+/// A triangle as collision tests and questions read it: in one line of the cache.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(align(64))]
 pub(crate) struct LevelTriangle {
     pub(crate) corners: [Vec3; 3],
     pub(crate) plane: Plane,

@@ -14,7 +14,7 @@
 //! | `compound.rs`, `compound_part.rs`, `compound_cover.rs`, `compound_seen.rs` | a shape of several convex parts, what of them is covered by others, and how much something sees |
 //! | `part_bond.rs`, `compound_bonds.rs`, `shared_area.rs` | what holds parts together, and which of them hang together; faces that two shapes share |
 //! | `constant_shapes.rs` | shapes of constant sizes, as macros |
-//! | `static_mesh.rs`, `level_triangle.rs`, `level_edges.rs`, `flat_ground.rs`, `bvh.rs`, `wide_tree.rs` | a level of triangles, where it is a plane, and walks through trees |
+//! | `static_mesh.rs`, `level_triangle.rs`, `level_edges.rs`, `flat_ground.rs`, `bvh.rs`, `wide_tree.rs`, `wide_tree_build.rs`, `tree_queue.rs` | a level of triangles, where it is a plane, and walks through trees |
 //! | `support.rs`, `distance.rs`, `simplex.rs` | distances and casts of convex shapes |
 //! | `kd_code.rs` | cells of a box, for the contact cache |
 //!
@@ -61,10 +61,12 @@ pub(crate) mod shared_area;
 mod simplex;
 pub(crate) mod static_mesh;
 pub(crate) mod support;
+mod tree_queue;
 mod triangle_corners;
 pub(crate) mod triangle_distance;
 mod weld;
 pub(crate) mod wide_tree;
+mod wide_tree_build;
 
 pub(crate) use closed::{EdgeCensus, KnownClosed};
 pub use compound::{Compound, CompoundError, MAX_PARTS};

@@ -28,6 +28,7 @@ pub struct StaticMesh(Arc<MeshLevel>);
 
 #[derive(Clone)]
 struct MeshLevel {
+    /// In the order of the tree's leaves: what lies together stands together.
     triangles: Vec<LevelTriangle>,
     tree: WideTree,
     /// Where it is a plane.
@@ -144,15 +145,16 @@ impl StaticMesh {
     /// # Errors
     /// [`MeshError::Empty`] if no triangle has an area then, [`MeshError::NotFinite`] if a vertex is too far out.
     pub fn scaled(&self, scale: Vec3) -> Result<Self, MeshError> {
-        let corners = self.0.triangles.iter().flat_map(|t| t.corners);
+        let triangles = self.in_order();
+        let corners = triangles.iter().flat_map(|t| t.corners);
         let positions: Vec<Vec3> = corners.map(|corner| scale * corner).collect();
-        let indices: Vec<[u32; 3]> = (0..self.0.triangles.len() as u32)
+        let indices: Vec<[u32; 3]> = (0..triangles.len() as u32)
             .map(|i| [3 * i, 3 * i + 1, 3 * i + 2])
             .collect();
         let mut level = Self::new(&positions, &indices)?.0;
         let scaled = Arc::make_mut(&mut level);
         for triangle in &mut scaled.triangles {
-            triangle.index = self.0.triangles[triangle.index as usize].index;
+            triangle.index = triangles[triangle.index as usize].index;
         }
         scaled.left_out += self.0.left_out;
         scaled.is_two_sided = self.0.is_two_sided;
@@ -183,7 +185,9 @@ impl StaticMesh {
         find_edges(&mut triangles, &corners);
         let box_of = |t: &LevelTriangle| Aabb::of_points(t.corners);
         let boxes: Vec<_> = triangles.iter().map(|t| tree_box(&box_of(t))).collect();
-        let tree = WideTree::of(&tree_of(&boxes, PlocSearchDistance::VeryLow));
+        let mut tree = WideTree::of(&tree_of(&boxes, PlocSearchDistance::VeryLow));
+        let order = tree.renumber().into_iter();
+        let triangles: Vec<LevelTriangle> = order.map(|at| triangles[at as usize]).collect();
         let all = || triangles.iter().flat_map(|t| t.corners);
         let farthest = all().map(|p| p.length_squared()).fold(0.0, f32::max);
         Ok(Self(Arc::new(MeshLevel {
@@ -200,12 +204,13 @@ impl StaticMesh {
 
     /// Its triangles as a mesh to draw, each with corners of its own.
     pub fn to_mesh(&self) -> TriMesh {
-        let corners = self.0.triangles.iter().map(|triangle| triangle.corners);
+        let triangles = self.in_order();
+        let corners = triangles.iter().map(|triangle| triangle.corners);
         let positions: Vec<Vec3> = corners.flatten().collect();
         let numbers: Vec<u32> = (0..positions.len() as u32).collect();
         // All of them are finite and have an area.
         let mesh = TriMesh::new(positions, numbers.as_chunks().0.to_vec()).unwrap_or_default();
-        let slots = self.0.triangles.iter().map(|t| self.material_of(t.index));
+        let slots = triangles.iter().map(|t| self.material_of(t.index));
         match slots.collect::<Option<Vec<u16>>>() {
             Some(slots) => mesh.with_materials(slots).unwrap_or_default(),
             None => mesh,
@@ -249,7 +254,14 @@ impl StaticMesh {
 
     /// What lies beyond the three edges of the triangles that were not left out, in order.
     pub fn edge_kinds(&self) -> impl Iterator<Item = [EdgeKind; 3]> + '_ {
-        self.0.triangles.iter().map(|triangle| triangle.edges)
+        self.in_order().into_iter().map(|triangle| triangle.edges)
+    }
+
+    /// Its triangles in the order in which they were given.
+    fn in_order(&self) -> Vec<LevelTriangle> {
+        let mut triangles = self.0.triangles.clone();
+        triangles.sort_unstable_by_key(|triangle| triangle.index);
+        triangles
     }
 
     pub(crate) fn triangles(&self) -> &[LevelTriangle] {

@@ -8,31 +8,29 @@
 //! Graphics Forum 27(4), 2008: nodes of four from nodes of two, the largest box first.
 
 use crate::geometry::bvh::{ROUNDING, RayWalk, largest};
+use crate::geometry::tree_queue::{Stack, Waiting, pop_nearest, push_heap};
 use crate::math::Aabb;
+use crate::simd::prefetch::prefetch;
 use glam::{Vec3, Vec3A, Vec4};
-use obvhs::bvh2::Bvh2;
 use smallvec::SmallVec;
 
 /// Children of a node.
-const WIDTH: usize = 4;
+pub(super) const WIDTH: usize = 4;
 
 /// Says of a child that it is a leaf, and the rest its number.
-const LEAF: u32 = 1 << 31;
-
-/// Children that wait to be looked at, each with its distance or the square of it. Deeper trees take memory.
-type Stack = SmallVec<[(f32, u32); 96]>;
+pub(super) const LEAF: u32 = 1 << 31;
 
 /// Two lines of the cache.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 #[repr(C, align(64))]
-struct Node {
+pub(super) struct Node {
     /// Of the children's boxes, by axis and child, m.
-    min: [Vec4; 3],
-    max: [Vec4; 3],
+    pub(super) min: [Vec4; 3],
+    pub(super) max: [Vec4; 3],
     /// Numbers of nodes, or of leaves.
-    children: [u32; WIDTH],
+    pub(super) children: [u32; WIDTH],
     /// How many there are.
-    count: u32,
+    pub(super) count: u32,
 }
 
 /// What a walk that looks at nodes too does after one child.
@@ -49,17 +47,32 @@ pub(crate) enum Visit {
 /// The tree.
 #[derive(Clone, Default)]
 pub(crate) struct WideTree {
-    nodes: Vec<Node>,
+    pub(super) nodes: Vec<Node>,
     /// Corners of the box around all.
-    bounds: [Vec3A; 2],
+    pub(super) bounds: [Vec3A; 2],
 }
 
 impl Node {
-    fn set(&mut self, child: usize, b: &obvhs::aabb::Aabb) {
-        let (min, max) = (b.min.to_array(), b.max.to_array());
+    /// Without children.
+    pub(super) const EMPTY: Self = Self {
+        min: [Vec4::INFINITY; 3],
+        max: [Vec4::NEG_INFINITY; 3],
+        children: [0; WIDTH],
+        count: 0,
+    };
+
+    pub(super) fn set(&mut self, child: usize, b: &Aabb) {
         for axis in 0..3 {
-            self.min[axis][child] = min[axis];
-            self.max[axis][child] = max[axis];
+            self.min[axis][child] = b.min[axis];
+            self.max[axis][child] = b.max[axis];
+        }
+    }
+
+    /// The box around all children, m.
+    pub(super) fn around_all(&self) -> Aabb {
+        Aabb {
+            min: self.min.map(Vec4::min_element).into(),
+            max: self.max.map(Vec4::max_element).into(),
         }
     }
 
@@ -90,62 +103,11 @@ impl Node {
     }
 }
 
-/// Up to four nodes of the tree of two below one of its nodes: the largest box is opened first.
-fn opened(tree: &Bvh2, node: u32) -> SmallVec<[u32; WIDTH]> {
-    let mut children = SmallVec::from_slice(&[node]);
-    while children.len() < WIDTH {
-        let area = |&at: &usize| tree.nodes[children[at] as usize].aabb().half_area();
-        let inner = (0..children.len()).filter(|&at| !tree.nodes[children[at] as usize].is_leaf());
-        let Some(at) = inner.max_by(|a, b| area(a).total_cmp(&area(b))) else {
-            break;
-        };
-        let first = tree.nodes[children[at] as usize].first_index;
-        children[at] = first;
-        children.insert(at + 1, first + 1);
-    }
-    children
-}
-
 impl WideTree {
-    /// From a tree of two with one box a leaf, whose number it keeps.
-    pub(crate) fn of(tree: &Bvh2) -> Self {
-        let Some(root) = tree.nodes.first() else {
-            return Self::default();
-        };
-        let b = root.aabb();
-        let bounds = [b.min, b.max].map(|corner| Vec3A::from_array(corner.to_array()));
-        let mut nodes: Vec<Node> = Vec::with_capacity(tree.nodes.len() / 4 + 1);
-        // Nodes that are to be made, and who wants to know their number: what lies together stands together.
-        let mut wanted = vec![(0_u32, None::<(usize, usize)>)];
-        while let Some((source, parent)) = wanted.pop() {
-            let number = nodes.len();
-            if let Some((node, child)) = parent {
-                nodes[node].children[child] = number as u32;
-            }
-            let mut node = Node::default();
-            let children = opened(tree, source);
-            node.count = children.len() as u32;
-            for (child, &from) in children.iter().enumerate() {
-                let from_node = &tree.nodes[from as usize];
-                node.set(child, from_node.aabb());
-                if from_node.is_leaf() {
-                    node.children[child] =
-                        LEAF | tree.primitive_indices[from_node.first_index as usize];
-                }
-            }
-            nodes.push(node);
-            for (child, &from) in children.iter().enumerate().rev() {
-                if !tree.nodes[from as usize].is_leaf() {
-                    wanted.push((from, Some((number, child))));
-                }
-            }
-        }
-        Self { nodes, bounds }
-    }
-
-    /// As [`along_ray`](crate::geometry::bvh::along_ray).
-    pub(crate) fn along_ray(
+    /// As [`along_ray`](crate::geometry::bvh::along_ray). `leaves` are what leaves are of: it is brought near before it is visited.
+    pub(crate) fn along_ray<T>(
         &self,
+        leaves: &[T],
         ray: RayWalk,
         mut end: f32,
         mut visit: impl FnMut(u32, f32) -> f32,
@@ -154,33 +116,43 @@ impl WideTree {
             return;
         }
         let ray = ray.among(self.bounds);
-        let (low_corner, high_corner) = (ray.moved[1], ray.moved[0]);
+        let splat = |v: Vec3A| v.to_array().map(Vec4::splat);
+        let [low_corner, high_corner, inverse] =
+            [ray.moved[1], ray.moved[0], ray.inverse].map(splat);
         let mut stack = Stack::new();
-        stack.push((0.0, 0));
-        while let Some((enters, child)) = stack.pop() {
-            if enters > end {
+        let mut next = Some(Waiting::ROOT);
+        while let Some(waiting) = next {
+            let child = waiting.child();
+            if waiting.distance() > end {
+                next = stack.pop();
                 continue;
             }
             if child & LEAF != 0 {
                 end = visit(child & !LEAF, end);
+                next = stack.pop();
                 continue;
             }
             let node = &self.nodes[child as usize];
             let (mut first, mut last) = (Vec4::ZERO, Vec4::splat(end));
             for axis in 0..3 {
-                let inverse = Vec4::splat(ray.inverse[axis]);
-                let low = (node.min[axis] - Vec4::splat(low_corner[axis])) * inverse;
-                let high = (node.max[axis] - Vec4::splat(high_corner[axis])) * inverse;
+                let low = (node.min[axis] - low_corner[axis]) * inverse[axis];
+                let high = (node.max[axis] - high_corner[axis]) * inverse[axis];
                 first = first.max(low.min(high));
                 last = last.min(low.max(high));
             }
             let met = first.cmple(last).bitmask() & node.used();
-            push_far_first(&mut stack, node, met, first.to_array());
+            let children = self.waiting(leaves, node, met, first.to_array());
+            let count = met.count_ones() as usize;
+            stack.extend(children[..count].iter().skip(1).rev().copied());
+            next = match count {
+                0 => stack.pop(),
+                _ => Some(children[0]),
+            };
         }
     }
 
-    /// As [`within`](crate::geometry::bvh::within).
-    pub(crate) fn within(&self, b: &Aabb, mut visit: impl FnMut(u32)) {
+    /// As [`within`](crate::geometry::bvh::within). `leaves` as [along a ray](Self::along_ray).
+    pub(crate) fn within<T>(&self, leaves: &[T], b: &Aabb, mut visit: impl FnMut(u32)) {
         let [low, high] = self.with_slack(b);
         let mut stack: SmallVec<[u32; 96]> = SmallVec::new();
         if !self.nodes.is_empty() {
@@ -193,8 +165,10 @@ impl WideTree {
             }
             let node = &self.nodes[child as usize];
             let met = node.met(low, high);
-            let met = (0..WIDTH).rev().filter(|child| met >> child & 1 != 0);
-            stack.extend(met.map(|child| node.children[child]));
+            for child in (0..WIDTH).rev().filter(|child| met >> child & 1 != 0) {
+                self.bring(leaves, node.children[child]);
+                stack.push(node.children[child]);
+            }
         }
     }
 
@@ -260,10 +234,11 @@ impl WideTree {
         [low - slack, high + slack]
     }
 
-    /// As [`around`](crate::geometry::bvh::around), in search of what is nearest: where each side of a box is touched by what is in it, some of
-    /// that is not farther than the farthest corner of the nearest side, and nothing beyond is visited.
-    pub(crate) fn around(
+    /// As [`around`](crate::geometry::bvh::around), but strictly from the nearest box outwards: nothing is looked at that is farther than
+    /// what is found at last. `leaves` as [along a ray](Self::along_ray).
+    pub(crate) fn around<T>(
         &self,
+        leaves: &[T],
         point: Vec3,
         mut limit: f32,
         mut visit: impl FnMut(u32, f32) -> f32,
@@ -273,57 +248,77 @@ impl WideTree {
         }
         let point = Vec3A::from(point);
         let slack = ROUNDING * largest([point, self.bounds[0], self.bounds[1]]);
+        let splat = |v: Vec3A| v.to_array().map(Vec4::splat);
         let (above, below) = (point + Vec3A::splat(slack), point - Vec3A::splat(slack));
-        let mut stack = Stack::new();
-        stack.push((0.0, 0));
-        while let Some((square, child)) = stack.pop() {
-            if square > limit * limit {
-                continue;
+        let (above, below) = (splat(above), splat(below));
+        let mut queue = Stack::new();
+        let mut next = Some(Waiting::ROOT);
+        while let Some(waiting) = next {
+            let child = waiting.child();
+            if waiting.distance() > limit * limit {
+                return;
             }
             if child & LEAF != 0 {
                 limit = visit(child & !LEAF, limit);
+                next = pop_nearest(&mut queue);
                 continue;
             }
             let node = &self.nodes[child as usize];
             let mut squares = Vec4::ZERO;
-            let (mut nearer, mut farther) = ([Vec4::ZERO; 3], [Vec4::ZERO; 3]);
             for axis in 0..3 {
-                let before = node.min[axis] - Vec4::splat(above[axis]);
-                let behind = Vec4::splat(below[axis]) - node.max[axis];
+                let before = node.min[axis] - above[axis];
+                let behind = below[axis] - node.max[axis];
                 let apart = before.max(behind).max(Vec4::ZERO);
                 squares += apart * apart;
-                let ends = [node.min[axis], node.max[axis]]
-                    .map(|end| (end - Vec4::splat(point[axis])).abs() + Vec4::splat(slack));
-                nearer[axis] = ends[0].min(ends[1]);
-                farther[axis] = ends[0].max(ends[1]);
             }
-            let [x, y, z] = nearer.map(|near| near * near);
-            let [far_x, far_y, far_z] = farther.map(|far| far * far);
-            let most = (x + far_y + far_z)
-                .min(far_x + y + far_z)
-                .min(far_x + far_y + z);
-            let used = node.used();
-            for (child, most) in most.to_array().into_iter().enumerate() {
-                if used >> child & 1 != 0 && most < limit * limit {
-                    limit = most.sqrt() * (1.0 + 4.0 * ROUNDING);
+            let met = squares.cmple(Vec4::splat(limit * limit)).bitmask() & node.used();
+            let children = self.waiting(leaves, node, met, squares.to_array());
+            for &child in children[..met.count_ones() as usize].iter().skip(1) {
+                push_heap(&mut queue, child);
+            }
+            next = match queue.first() {
+                Some(&known) if known < children[0] => {
+                    let nearest = pop_nearest(&mut queue);
+                    if children[0] != Waiting::LAST {
+                        push_heap(&mut queue, children[0]);
+                    }
+                    nearest
                 }
-            }
-            let near = squares.cmple(Vec4::splat(limit * limit)).bitmask() & used;
-            push_far_first(&mut stack, node, near, squares.to_array());
+                _ => (children[0] != Waiting::LAST).then_some(children[0]),
+            };
         }
     }
-}
 
-/// Lets the children whose bits are set wait, so that the nearest one comes first.
-#[inline(always)]
-fn push_far_first(stack: &mut Stack, node: &Node, met: u32, distances: [f32; WIDTH]) {
-    let begin = stack.len();
-    for child in (0..WIDTH).filter(|child| met >> child & 1 != 0) {
-        let mut at = stack.len();
-        stack.push((distances[child], node.children[child]));
-        while at > begin && stack[at - 1].0 < stack[at].0 {
-            stack.swap(at - 1, at);
-            at -= 1;
+    /// The children whose bits are set, the nearest one first.
+    #[inline(always)]
+    fn waiting<T>(
+        &self,
+        leaves: &[T],
+        node: &Node,
+        met: u32,
+        distances: [f32; WIDTH],
+    ) -> [Waiting; WIDTH] {
+        let mut children = [Waiting::LAST; WIDTH];
+        for child in 0..WIDTH {
+            if met >> child & 1 != 0 {
+                self.bring(leaves, node.children[child]);
+                children[child] = Waiting::new(distances[child], node.children[child]);
+            }
+        }
+        for [a, b] in [[0, 1], [2, 3], [0, 2], [1, 3], [1, 2]] {
+            let pair = [children[a], children[b]];
+            (children[a], children[b]) = (pair[0].min(pair[1]), pair[0].max(pair[1]));
+        }
+        children
+    }
+
+    /// Asks for a child that waits: walks through large trees wait for memory, and so do so for several children at once.
+    #[inline(always)]
+    fn bring<T>(&self, leaves: &[T], child: u32) {
+        if child & LEAF == 0 {
+            prefetch(&self.nodes[child as usize]);
+        } else if let Some(leaf) = leaves.get((child & !LEAF) as usize) {
+            prefetch(leaf);
         }
     }
 }
@@ -369,7 +364,7 @@ mod tests {
                 };
                 let (mut a, mut b) = (Vec::new(), Vec::new());
                 within(&two, &region, |leaf| a.push(leaf));
-                four.within(&region, |leaf| b.push(leaf));
+                four.within(&boxes, &region, |leaf| b.push(leaf));
                 let small = Aabb {
                     min: -0.1 * half,
                     max: 0.1 * half,
@@ -380,7 +375,7 @@ mod tests {
                     end
                 };
                 along_ray(&two, walk, 9.0, |leaf, end| keep(&mut a, leaf, end));
-                four.along_ray(walk, 9.0, |leaf, end| keep(&mut b, leaf, end));
+                four.along_ray(&boxes, walk, 9.0, |leaf, end| keep(&mut b, leaf, end));
                 let nearest = |found: &mut (f32, u32), leaf: u32, end: f32| {
                     let b = boxes[leaf as usize];
                     let [min, max] = [b.min, b.max].map(|corner| Vec3::from(corner.to_array()));
@@ -394,7 +389,9 @@ mod tests {
                 around(&two, origin, 4.0, |leaf, end| {
                     nearest(&mut least[0], leaf, end)
                 });
-                four.around(origin, 4.0, |leaf, end| nearest(&mut least[1], leaf, end));
+                four.around(&boxes, origin, 4.0, |leaf, end| {
+                    nearest(&mut least[1], leaf, end)
+                });
                 assert_eq!(least[0].0, least[1].0);
                 a.sort_unstable();
                 b.sort_unstable();
@@ -402,6 +399,9 @@ mod tests {
             }
         }
         let none = WideTree::default();
-        none.within(&Aabb::of_points([Vec3::ZERO]), |_| panic!("it has no leaf"));
+        let boxes_of_none: [u8; 0] = [];
+        none.within(&boxes_of_none, &Aabb::of_points([Vec3::ZERO]), |_| {
+            panic!("it has no leaf")
+        });
     }
 }

@@ -1,6 +1,5 @@
 //! Balls around bodies and shapes: most pairs are told apart by their balls.
 
-use crate::bodies::store::Bodies;
 use crate::math::Aabb;
 use glam::Vec3;
 
@@ -20,26 +19,6 @@ pub(crate) struct Ball {
 }
 
 impl Ball {
-    /// Around a body; of none that has no end, or is new, anything is known.
-    #[inline]
-    pub(crate) fn of(bodies: &Bodies, slot: u32) -> Option<Self> {
-        let radius = bodies.radius(slot);
-        (radius > 0.0).then(|| Self {
-            center: bodies.center_of_mass(slot),
-            radius,
-        })
-    }
-
-    /// The least that the surface in the ball may be away from a point, less than nothing from within, and the most, m.
-    #[inline]
-    pub(crate) fn distances_from(&self, point: Vec3) -> [f32; 2] {
-        let apart = point - self.center;
-        let away = apart.length();
-        let slack =
-            ROUNDING * (self.radius + apart.abs().max_element() + point.abs().max_element());
-        [away - self.radius - slack, away + self.radius + slack]
-    }
-
     /// Around a box.
     pub(crate) fn around(b: &Aabb) -> Self {
         Self {

@@ -62,6 +62,11 @@ impl<'f, Body> QueryFilter<'f, Body> {
 }
 
 impl QueryFilter<'_> {
+    /// Whether all bodies count.
+    pub(crate) fn is_open(&self) -> bool {
+        self.layers.is_none() && self.excluded.is_empty() && self.predicate.is_none()
+    }
+
     /// Whether the body in `slot` counts.
     pub(crate) fn accepts(&self, bodies: &Bodies, slot: u32) -> bool {
         let layers = || bodies.info(slot).layers;

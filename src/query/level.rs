@@ -50,28 +50,29 @@ pub(crate) fn cast_ray(mesh: &StaticMesh, ray: &LocalRay) -> Option<LocalHit> {
     };
     let walk = RayWalk::new(ray.origin, ray.direction, point);
     let mut best: Option<LocalHit> = None;
-    mesh.tree().along_ray(walk, ray.end, |leaf, end| {
-        let triangle = &mesh.triangles()[leaf as usize];
-        let Some((distance, is_front)) = pierce(triangle, ray) else {
-            return end;
-        };
-        if distance > end || !(is_front || mesh.is_two_sided()) {
-            return end;
-        }
-        let normal = triangle.plane.normal;
-        keep_first(
-            &mut best,
-            LocalHit {
-                point: ray.origin + distance * ray.direction,
-                normal: if is_front { normal } else { -normal },
-                distance,
-                part: 0,
-                triangle: Some(triangle.index),
-                face: None,
-            },
-        );
-        end.min(distance)
-    });
+    mesh.tree()
+        .along_ray(mesh.triangles(), walk, ray.end, |leaf, end| {
+            let triangle = &mesh.triangles()[leaf as usize];
+            let Some((distance, is_front)) = pierce(triangle, ray) else {
+                return end;
+            };
+            if distance > end || !(is_front || mesh.is_two_sided()) {
+                return end;
+            }
+            let normal = triangle.plane.normal;
+            keep_first(
+                &mut best,
+                LocalHit {
+                    point: ray.origin + distance * ray.direction,
+                    normal: if is_front { normal } else { -normal },
+                    distance,
+                    part: 0,
+                    triangle: Some(triangle.index),
+                    face: None,
+                },
+            );
+            end.min(distance)
+        });
     best
 }
 
@@ -97,22 +98,24 @@ pub(crate) fn cast_shape(mesh: &StaticMesh, cast: &LocalCast) -> Option<LocalHit
     let walk = RayWalk::new(origin, cast.direction, about);
     let middle = cast.core.center();
     let mut best: Option<LocalHit> = None;
-    mesh.tree().along_ray(walk, cast.end, |leaf, end| {
-        let triangle = &mesh.triangles()[leaf as usize];
-        let is_behind = triangle.plane.distance(middle) < 0.0;
-        if is_behind && !mesh.is_two_sided() {
-            return end;
-        }
-        if stays_off(triangle, is_behind, cast, end) {
-            return end;
-        }
-        let Some(hit) = cast_against_core(&core_of(triangle), &LocalCast { end, ..*cast }) else {
-            return end;
-        };
-        let triangle = Some(triangle.index);
-        keep_first(&mut best, LocalHit { triangle, ..hit });
-        end.min(hit.distance)
-    });
+    mesh.tree()
+        .along_ray(mesh.triangles(), walk, cast.end, |leaf, end| {
+            let triangle = &mesh.triangles()[leaf as usize];
+            let is_behind = triangle.plane.distance(middle) < 0.0;
+            if is_behind && !mesh.is_two_sided() {
+                return end;
+            }
+            if stays_off(triangle, is_behind, cast, end) {
+                return end;
+            }
+            let Some(hit) = cast_against_core(&core_of(triangle), &LocalCast { end, ..*cast })
+            else {
+                return end;
+            };
+            let triangle = Some(triangle.index);
+            keep_first(&mut best, LocalHit { triangle, ..hit });
+            end.min(hit.distance)
+        });
     best
 }
 
@@ -136,18 +139,19 @@ fn stays_off(triangle: &LevelTriangle, is_behind: bool, cast: &LocalCast, end: f
 pub(crate) fn overlaps(mesh: &StaticMesh, core: &PlacedCore, radius: f32) -> bool {
     let mut is_met = false;
     let cuboid = Cuboid::of(core).filter(|_| radius == 0.0);
-    mesh.tree().within(&core.bounds().fattened(radius), |leaf| {
-        let triangle = &mesh.triangles()[leaf as usize];
-        if is_met || cuboid.is_some_and(|cuboid| cuboid.is_off(&triangle.plane)) {
-            return;
-        }
-        let triangle = core_of(triangle);
-        is_met = match distance(&triangle, core, f64::from(radius)) {
-            Separation::Overlap => true,
-            Separation::Near(nearest) => nearest.distance <= f64::from(radius),
-            Separation::Far => false,
-        };
-    });
+    mesh.tree()
+        .within(mesh.triangles(), &core.bounds().fattened(radius), |leaf| {
+            let triangle = &mesh.triangles()[leaf as usize];
+            if is_met || cuboid.is_some_and(|cuboid| cuboid.is_off(&triangle.plane)) {
+                return;
+            }
+            let triangle = core_of(triangle);
+            is_met = match distance(&triangle, core, f64::from(radius)) {
+                Separation::Overlap => true,
+                Separation::Near(nearest) => nearest.distance <= f64::from(radius),
+                Separation::Far => false,
+            };
+        });
     is_met
 }
 
@@ -155,34 +159,35 @@ pub(crate) fn overlaps(mesh: &StaticMesh, core: &PlacedCore, radius: f32) -> boo
 pub(crate) fn closest(mesh: &StaticMesh, point: Vec3, limit: f32) -> Option<LocalHit> {
     let there = point.as_dvec3();
     let mut best: Option<LocalHit> = None;
-    mesh.tree().around(point, limit, |leaf, limit| {
-        let triangle = &mesh.triangles()[leaf as usize];
-        let beside = triangle.corners.map(|corner| corner - point);
-        let most = limit * (1.0 + ROUGH) + ROUGH * point.abs().max_element();
-        if rough_square(beside, triangle.plane.normal) > most * most {
-            return limit;
-        }
-        let at = nearest_on_triangle(triangle.corners.map(|corner| corner.as_dvec3()), there);
-        let apart = there - at;
-        let away = apart.length();
-        if away > f64::from(limit) {
-            return limit;
-        }
-        let normal = apart.try_normalize().map(|normal| normal.as_vec3());
-        let normal = normal.unwrap_or(triangle.plane.normal);
-        let (at, away) = (at.as_vec3(), away as f32);
-        keep_first(
-            &mut best,
-            LocalHit {
-                point: at,
-                normal,
-                distance: away,
-                part: 0,
-                triangle: Some(triangle.index),
-                face: None,
-            },
-        );
-        limit.min(away)
-    });
+    mesh.tree()
+        .around(mesh.triangles(), point, limit, |leaf, limit| {
+            let triangle = &mesh.triangles()[leaf as usize];
+            let beside = triangle.corners.map(|corner| corner - point);
+            let most = limit * (1.0 + ROUGH) + ROUGH * point.abs().max_element();
+            if rough_square(beside, triangle.plane.normal) > most * most {
+                return limit;
+            }
+            let at = nearest_on_triangle(triangle.corners.map(|corner| corner.as_dvec3()), there);
+            let apart = there - at;
+            let away = apart.length();
+            if away > f64::from(limit) {
+                return limit;
+            }
+            let normal = apart.try_normalize().map(|normal| normal.as_vec3());
+            let normal = normal.unwrap_or(triangle.plane.normal);
+            let (at, away) = (at.as_vec3(), away as f32);
+            keep_first(
+                &mut best,
+                LocalHit {
+                    point: at,
+                    normal,
+                    distance: away,
+                    part: 0,
+                    triangle: Some(triangle.index),
+                    face: None,
+                },
+            );
+            limit.min(away)
+        });
     best
 }

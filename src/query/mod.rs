@@ -3,18 +3,16 @@
 //! | file | holds |
 //! |---|---|
 //! | `view.rs` | [`Queries`]: one read-only view that answers all of it |
-//! | `index.rs` | what the view knows besides the tree of the broad phase |
+//! | `index.rs`, `place.rs` | where bodies are, laid out for it |
 //! | `request.rs`, `shape.rs`, `filter.rs`, `error.rs` | what is asked: a ray, a cast, a shape, who counts |
 //! | `blade.rs` | the blade between two rays of a camera |
 //! | `hit.rs` | what is found |
 //! | `target.rs` | one body: its shape where it lies now |
-//! | `waiting.rs` | bodies that are looked at closer later |
 //! | `slide.rs`, `walk.rs`, `walker.rs` | a shape that slides along what it meets; a character that walks |
 //! | `nearness.rs`, `convex.rs`, `cuboid.rs`, `compound.rs`, `hull.rs`, `round.rs`, `half_space.rs`, `level.rs`, `local.rs` | the exact tests, in the frame of the body |
 //!
-//! Bodies are seen where they are now; the tree holds boxes that they have not left, and what has left its box since the last step, or
-//! has come, is in a small tree of its own. Nothing here changes a scene or is remembered by it. Must not know contacts, the solver
-//! or the ECS. Read `view.rs` first.
+//! Bodies are seen where they were when the index was refreshed; a scene that asks nothing has none. Nothing here changes a scene or is
+//! remembered by it. Must not know contacts, the solver or the ECS. Read `view.rs` first.
 
 mod ball;
 mod blade;
@@ -30,13 +28,13 @@ pub(crate) mod index;
 mod level;
 mod local;
 pub(crate) mod nearness;
+mod place;
 pub(crate) mod request;
 mod round;
 pub(crate) mod shape;
 pub(crate) mod slide;
 mod target;
 pub(crate) mod view;
-mod waiting;
 pub(crate) mod walk;
 pub(crate) mod walker;
 

@@ -65,27 +65,28 @@ fn of_compound(mesh: &Compound, core: &PlacedCore, limit: f32) -> Option<LocalHi
 fn of_level(mesh: &StaticMesh, core: &PlacedCore, limit: f32) -> Option<LocalHit> {
     let mut best: Option<LocalHit> = None;
     let middle = core.center();
-    mesh.tree().within(&core.bounds().fattened(limit), |leaf| {
-        let triangle = &mesh.triangles()[leaf as usize];
-        let is_behind = triangle.plane.distance(middle) < 0.0;
-        if is_behind && !mesh.is_two_sided() {
-            return;
-        }
-        let near = match of_core(&Core::of_triangle(triangle.corners), core, limit) {
-            Found::Far => return,
-            Found::Near(near) => near,
-            Found::Overlap if is_behind => LocalHit::at(middle, -triangle.plane.normal, 0.0),
-            Found::Overlap => LocalHit::at(middle, triangle.plane.normal, 0.0),
-        };
-        let near = LocalHit {
-            triangle: Some(triangle.index),
-            ..near
-        };
-        let order = |hit: &LocalHit| (hit.distance, hit.triangle);
-        if best.as_ref().is_none_or(|best| order(&near) < order(best)) {
-            best = Some(near);
-        }
-    });
+    mesh.tree()
+        .within(mesh.triangles(), &core.bounds().fattened(limit), |leaf| {
+            let triangle = &mesh.triangles()[leaf as usize];
+            let is_behind = triangle.plane.distance(middle) < 0.0;
+            if is_behind && !mesh.is_two_sided() {
+                return;
+            }
+            let near = match of_core(&Core::of_triangle(triangle.corners), core, limit) {
+                Found::Far => return,
+                Found::Near(near) => near,
+                Found::Overlap if is_behind => LocalHit::at(middle, -triangle.plane.normal, 0.0),
+                Found::Overlap => LocalHit::at(middle, triangle.plane.normal, 0.0),
+            };
+            let near = LocalHit {
+                triangle: Some(triangle.index),
+                ..near
+            };
+            let order = |hit: &LocalHit| (hit.distance, hit.triangle);
+            if best.as_ref().is_none_or(|best| order(&near) < order(best)) {
+                best = Some(near);
+            }
+        });
     best
 }
 

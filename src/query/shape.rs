@@ -157,6 +157,15 @@ impl<'s> QueryShape<'s> {
 
     /// The box around the shape at a pose.
     pub(crate) fn bounds(&self, pose: &Pose) -> Aabb {
+        if let Form::Convex(core) = self.form {
+            let radius = self.radius;
+            return QueryPart {
+                core,
+                radius,
+                pose: *pose,
+            }
+            .bounds();
+        }
         let boxes = self.parts(pose).map(|part| part.bounds());
         Aabb::of_points(boxes.flat_map(|b| [b.min, b.max]))
     }

@@ -1,13 +1,13 @@
 //! One body: its shape where it lies now, and what is asked in its frame.
 
 use crate::bodies::body::Shape;
-use crate::bodies::store::Bodies;
 use crate::contact::body_id::BodyId;
 use crate::geometry::support::{Core, PlacedCore};
 use crate::math::{Aabb, Pose, rotate};
 use crate::query::hit::QueryHit;
 use crate::query::local::{LocalCast, LocalHit, LocalRay};
 use crate::query::nearness::nearest_to;
+use crate::query::place::Place;
 use crate::query::request::{Ray, ShapeCast};
 use crate::query::shape::QueryShape;
 use crate::query::{compound, convex, half_space, level};
@@ -23,12 +23,12 @@ pub(crate) struct Target<'b> {
 }
 
 impl<'b> Target<'b> {
-    pub(crate) fn of(bodies: &'b Bodies, slot: u32) -> Self {
+    pub(crate) fn at(place: &'b Place) -> Self {
         Self {
-            slot,
-            id: bodies.id(slot),
-            pose: bodies.pose(slot),
-            shape: &bodies.info(slot).shape,
+            slot: place.slot,
+            id: place.id,
+            pose: place.pose(),
+            shape: &place.shape,
         }
     }
 

@@ -1,18 +1,17 @@
 //! `Queries`: all questions that can be asked of the bodies as they are now.
 
 use crate::bodies::store::Bodies;
-use crate::contact::pairs::broad_phase::Broadphase;
-use crate::geometry::bvh::{RayWalk, along_ray, around, within};
+use crate::geometry::bvh::RayWalk;
 use crate::math::{Aabb, Pose};
 use crate::query::ball::{Ball, NOWHERE};
 use crate::query::error::{QueryError, check_length, check_point, check_pose};
 use crate::query::filter::QueryFilter;
 use crate::query::hit::QueryHit;
 use crate::query::index::QueryIndex;
+use crate::query::place::Place;
 use crate::query::request::{Ray, ShapeCast};
 use crate::query::shape::QueryShape;
 use crate::query::target::Target;
-use crate::query::waiting::Waiting;
 use glam::{Quat, Vec3};
 
 /// A read-only view of the bodies that answers questions. Cheap to copy, and good for several threads at once.
@@ -21,24 +20,22 @@ use glam::{Quat, Vec3};
 #[derive(Clone, Copy, Debug)]
 pub struct Queries<'q> {
     bodies: &'q Bodies,
-    broadphase: &'q Broadphase,
     index: &'q QueryIndex,
+    is_current: bool,
+}
+
+impl QueryIndex {
+    /// A view of the bodies, for which the index was refreshed since they changed.
+    pub fn queries<'q>(&'q self, bodies: &'q Bodies) -> Queries<'q> {
+        Queries {
+            bodies,
+            index: self,
+            is_current: self.is_current(bodies),
+        }
+    }
 }
 
 impl<'q> Queries<'q> {
-    /// A view, of an index that was refreshed since the bodies changed.
-    pub(crate) fn new(
-        bodies: &'q Bodies,
-        broadphase: &'q Broadphase,
-        index: &'q QueryIndex,
-    ) -> Self {
-        Self {
-            bodies,
-            broadphase,
-            index,
-        }
-    }
-
     /// The bodies that are asked.
     pub fn bodies(&self) -> &'q Bodies {
         self.bodies
@@ -48,8 +45,8 @@ impl<'q> Queries<'q> {
     pub fn cast_ray(&self, ray: &Ray, filter: &QueryFilter) -> Option<QueryHit> {
         let mut best: Option<QueryHit> = None;
         let (way, ball) = Way::of_ray(ray);
-        self.along(way, |slot, end| {
-            let target = self.target(slot, filter, ball, (ray.direction, end))?;
+        self.along(way, |place, end| {
+            let target = self.target(place, filter, ball, (ray.direction, end))?;
             keep_first(&mut best, target.cast_ray(ray, end)?)
         });
         best
@@ -59,8 +56,8 @@ impl<'q> Queries<'q> {
     pub fn cast_ray_all(&self, ray: &Ray, filter: &QueryFilter, hits: &mut Vec<QueryHit>) {
         hits.clear();
         let (way, ball) = Way::of_ray(ray);
-        self.along(way, |slot, end| {
-            let target = self.target(slot, filter, ball, (ray.direction, end))?;
+        self.along(way, |place, end| {
+            let target = self.target(place, filter, ball, (ray.direction, end))?;
             hits.extend(target.cast_ray(ray, end));
             None
         });
@@ -71,8 +68,8 @@ impl<'q> Queries<'q> {
     pub fn is_ray_blocked(&self, ray: &Ray, filter: &QueryFilter) -> bool {
         let mut is_blocked = false;
         let (way, ball) = Way::of_ray(ray);
-        self.along(way, |slot, end| {
-            let target = self.target(slot, filter, ball, (ray.direction, end))?;
+        self.along(way, |place, end| {
+            let target = self.target(place, filter, ball, (ray.direction, end))?;
             let hit = target.cast_ray(ray, end);
             is_blocked |= hit.is_some();
             hit.map(|_| STOP)
@@ -84,8 +81,8 @@ impl<'q> Queries<'q> {
     pub fn cast_shape(&self, cast: &ShapeCast, filter: &QueryFilter) -> Option<QueryHit> {
         let mut best: Option<QueryHit> = None;
         let (way, ball, touch) = Way::of_cast(cast);
-        self.along(way, |slot, end| {
-            let target = self.target(slot, filter, ball, (cast.direction, end))?;
+        self.along(way, |place, end| {
+            let target = self.target(place, filter, ball, (cast.direction, end))?;
             keep_first(&mut best, target.cast_shape(cast, touch, end)?)
         });
         best
@@ -95,8 +92,8 @@ impl<'q> Queries<'q> {
     pub fn cast_shape_all(&self, cast: &ShapeCast, filter: &QueryFilter, hits: &mut Vec<QueryHit>) {
         hits.clear();
         let (way, ball, touch) = Way::of_cast(cast);
-        self.along(way, |slot, end| {
-            let target = self.target(slot, filter, ball, (cast.direction, end))?;
+        self.along(way, |place, end| {
+            let target = self.target(place, filter, ball, (cast.direction, end))?;
             hits.extend(target.cast_shape(cast, touch, end));
             None
         });
@@ -118,15 +115,14 @@ impl<'q> Queries<'q> {
         found.clear();
         let bounds = shape.bounds(pose);
         let ball = shape.ball(pose, &bounds);
-        self.inside(&bounds, |slot| {
-            if let Some(target) = self.target(slot, filter, ball, NOWHERE)
+        self.index.inside(&bounds, |place| {
+            if let Some(target) = self.target(place, filter, ball, NOWHERE)
                 && target.overlaps(shape, pose)
             {
-                found.push(slot);
+                found.push(place.slot);
             }
         });
         found.sort_unstable_by_key(|&slot| self.bodies.id(slot));
-        found.dedup();
         Ok(())
     }
 
@@ -159,31 +155,14 @@ impl<'q> Queries<'q> {
         filter: &QueryFilter,
     ) -> Result<Option<QueryHit>, QueryError> {
         let mut best: Option<QueryHit> = None;
-        let mut waiting = Waiting::default();
-        self.near(point, max_distance, |slot, limit| {
+        self.near(point, max_distance, |place, limit| {
             let within = Ball {
                 center: point,
                 radius: limit,
             };
-            let target = self.target(slot, filter, within, NOWHERE)?;
-            let ball = Ball::of(self.bodies, slot);
-            match ball.map(|ball| ball.distances_from(point)) {
-                Some([least, most]) if waiting.has_room() => {
-                    waiting.add(least, slot);
-                    (most < limit).then_some(most)
-                }
-                _ => keep_first(&mut best, target.closest(point, limit)?),
-            }
+            let target = self.target(place, filter, within, NOWHERE)?;
+            keep_first(&mut best, target.closest(point, limit)?)
         })?;
-        for &(least, slot) in waiting.nearest_first() {
-            let limit = best.map_or(max_distance, |best| best.distance);
-            if least > limit {
-                break;
-            }
-            let target = Target::of(self.bodies, slot);
-            let found = target.closest(point, limit.max(0.0));
-            found.and_then(|hit| keep_first(&mut best, hit));
-        }
         Ok(best)
     }
 
@@ -203,8 +182,8 @@ impl<'q> Queries<'q> {
             center: point,
             radius,
         };
-        self.near(point, radius, |slot, _| {
-            let target = self.target(slot, filter, within, NOWHERE)?;
+        self.near(point, radius, |place, _| {
+            let target = self.target(place, filter, within, NOWHERE)?;
             hits.extend(target.closest(point, radius));
             None
         })?;
@@ -230,8 +209,8 @@ impl<'q> Queries<'q> {
         hits.clear();
         let region = shape.bounds(pose).fattened(max_distance);
         let ball = Ball::around(&region);
-        self.inside(&region, |slot| {
-            if let Some(target) = self.target(slot, filter, ball, NOWHERE) {
+        self.index.inside(&region, |place| {
+            if let Some(target) = self.target(place, filter, ball, NOWHERE) {
                 hits.extend(target.nearest_to(shape, pose, max_distance));
             }
         });
@@ -239,69 +218,41 @@ impl<'q> Queries<'q> {
         Ok(())
     }
 
-    /// The body in a slot, if it is there, counts, and is not surely off a ball all along a direction for a length (m).
+    /// The body at a place, if it is there, counts, and is not surely off a ball all along a direction for a length (m).
     #[inline]
     fn target(
         &self,
-        slot: u32,
+        place: &'q Place,
         filter: &QueryFilter,
         ball: Ball,
         way: (Vec3, f32),
     ) -> Option<Target<'q>> {
-        let body = Ball::of(self.bodies, slot);
-        let counts = body.is_none_or(|body| ball.may_reach(&body, way))
-            && self.bodies.is_active(slot)
-            && filter.accepts(self.bodies, slot);
-        counts.then(|| Target::of(self.bodies, slot))
+        let body = place.ball();
+        let may_meet = body.is_none_or(|body| ball.may_reach(&body, way));
+        let is_there = || self.is_current && !place.is_empty() || place.is_taken(self.bodies);
+        let counts = || filter.is_open() || filter.accepts(self.bodies, place.slot);
+        (may_meet && is_there() && counts()).then(|| Target::at(place))
     }
 
-    /// Visits what may lie along a way; some of it twice. `visit` may shorten the way.
-    fn along(&self, way: Way, mut visit: impl FnMut(u32, f32) -> Option<f32>) {
-        let mut end = way.length;
-        for &slot in self.index.half_spaces() {
-            end = visit(slot, end).unwrap_or(end);
-        }
-        along_ray(self.index.tree(), way.walk, end, |leaf, now| {
-            end = visit(self.index.strays()[leaf as usize], now).unwrap_or(now);
-            end
-        });
-        along_ray(self.broadphase.tree(), way.walk, end, |slot, now| {
-            visit(slot, now).unwrap_or(now)
+    /// Visits what may lie along a way. `visit` may shorten the way.
+    fn along(&self, way: Way, mut visit: impl FnMut(&'q Place, f32) -> Option<f32>) {
+        self.index.along(way.walk, way.length, |place, end| {
+            visit(place, end).unwrap_or(end)
         });
     }
 
-    /// Visits what may lie in a box; some of it twice.
-    fn inside(&self, b: &Aabb, mut visit: impl FnMut(u32)) {
-        self.index
-            .half_spaces()
-            .iter()
-            .for_each(|&slot| visit(slot));
-        within(self.index.tree(), b, |leaf| {
-            visit(self.index.strays()[leaf as usize]);
-        });
-        within(self.broadphase.tree(), b, visit);
-    }
-
-    /// Visits what may be near a point; some of it twice. `visit` may shorten the distance; what holds the point is visited
-    /// all the same.
+    /// Visits what may be near a point. `visit` may shorten the distance; what holds the point is visited all the same.
     fn near(
         &self,
         point: Vec3,
         max_distance: f32,
-        mut visit: impl FnMut(u32, f32) -> Option<f32>,
+        mut visit: impl FnMut(&'q Place, f32) -> Option<f32>,
     ) -> Result<(), QueryError> {
         check_point("the point", point)?;
         check_length("the distance", max_distance)?;
-        let mut limit = max_distance;
-        let mut shorten = |slot: u32, now: f32| visit(slot, now).map_or(now, |new| new.max(0.0));
-        for &slot in self.index.half_spaces() {
-            limit = shorten(slot, limit);
-        }
-        around(self.index.tree(), point, limit, |leaf, now| {
-            limit = shorten(self.index.strays()[leaf as usize], now);
-            limit
+        self.index.near(point, max_distance, |place, now| {
+            visit(place, now).map_or(now, |new| new.max(0.0))
         });
-        around(self.broadphase.tree(), point, limit, shorten);
         Ok(())
     }
 }
@@ -359,8 +310,7 @@ fn keep_first(best: &mut Option<QueryHit>, hit: QueryHit) -> Option<f32> {
     is_first.then(|| best.insert(hit).distance)
 }
 
-/// Puts hits in order, each body once.
-fn settle(hits: &mut Vec<QueryHit>) {
+/// Puts hits in order.
+fn settle(hits: &mut [QueryHit]) {
     hits.sort_unstable_by(QueryHit::order);
-    hits.dedup_by_key(|hit| hit.id);
 }

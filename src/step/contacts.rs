@@ -6,7 +6,6 @@ use crate::contact::manifolds::{ManifoldRef, Manifolds};
 use crate::contact::pairs::broad_phase::Broadphase;
 use crate::fracture::Fractures;
 use crate::merge::merge;
-use crate::query::{Queries, QueryIndex};
 use crate::solver::contact_solver::{ContactSolver, Round};
 use crate::solver::rows::contact_rows::PointRows;
 use crate::solver::settings::SubstepSettings;
@@ -105,16 +104,6 @@ impl Contacts {
             (solved.into_iter().chain(new)).for_each(|manifold| self.joined.push(manifold));
         }
         std::mem::swap(&mut self.manifolds, &mut self.joined);
-    }
-
-    /// Brings the index of queries up to date with the bodies.
-    pub fn refresh(&self, index: &mut QueryIndex, bodies: &Bodies) {
-        index.refresh(bodies, &self.broadphase, &self.narrow);
-    }
-
-    /// A view of the bodies for queries, of an index that was refreshed since they changed.
-    pub fn queries<'q>(&'q self, bodies: &'q Bodies, index: &'q QueryIndex) -> Queries<'q> {
-        Queries::new(bodies, &self.broadphase, index)
     }
 
     /// Manifolds of the last step with the impulses that were found, sorted by body ids. Those of bodies that sleep are not

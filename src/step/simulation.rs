@@ -35,7 +35,7 @@ pub struct Simulation {
     pub budget: FractureBudget,
     /// What the last step did.
     pub report: StepReport,
-    /// Where bodies are that the broad phase does not know of, for queries.
+    /// Where bodies are, for queries.
     pub query_index: QueryIndex,
     /// What a test wants otherwise.
     #[doc(hidden)]
@@ -73,14 +73,8 @@ impl Simulation {
     /// A view of the bodies as they are now, for rays, casts, overlaps and what is near. To make it takes a look at each body (some
     /// 10 ns); it lasts until something changes.
     pub fn queries(&mut self) -> Queries<'_> {
-        let Self {
-            bodies,
-            contacts,
-            query_index,
-            ..
-        } = self;
-        contacts.refresh(query_index, bodies);
-        contacts.queries(bodies, query_index)
+        self.query_index.refresh(&self.bodies);
+        self.query_index.queries(&self.bodies)
     }
 
     /// Joins the body in slot `b` to the one in slot `a`, or to the world.

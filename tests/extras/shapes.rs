@@ -2,7 +2,7 @@
 
 use crate::{all_with, mesh_app};
 use bevy_app::App;
-use bevy_asset::{Assets, Handle, RenderAssetUsages};
+use bevy_asset::{AssetServer, Assets, Handle, RenderAssetUsages};
 use bevy_cleave::geometry::primitives;
 use bevy_cleave::prelude::*;
 use bevy_ecs::prelude::*;
@@ -48,6 +48,133 @@ fn a_shape_waits_until_its_mesh_is_loaded() {
             "it falls"
         );
     }
+}
+
+/// Bodies that wait for a mesh: by each of the wishes, as a part of a compound, and below a scene that is loaded. The joint of the first
+/// of them to the world is the last.
+fn waiting(app: &mut App, mesh: &Handle<Mesh>) -> Vec<Entity> {
+    let wishes = [
+        ShapeFromMesh::Hull,
+        ShapeFromMesh::HullWithVisual,
+        ShapeFromMesh::Static {
+            is_two_sided: false,
+        },
+        ShapeFromMesh::Static { is_two_sided: true },
+    ];
+    let mesh = Mesh3d(mesh.clone());
+    let world = app.world_mut();
+    let wishes = wishes.map(|wish| {
+        let kind = match wish {
+            ShapeFromMesh::Static { .. } => RigidBody::Static,
+            _ => RigidBody::Dynamic,
+        };
+        world.spawn((kind, wish, mesh.clone())).id()
+    });
+    let at = |x: f32| Transform::from_xyz(x, 0.0, 0.0);
+    let part = (ShapeFromMesh::Hull, mesh.clone(), at(2.0));
+    let cube = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("a box");
+    let compound = (RigidBody::Dynamic, CompoundOfChildren, at(50.0));
+    let compound = world
+        .spawn((compound, children![(cube, at(0.0)), part]))
+        .id();
+    let ask = ShapesOfScene {
+        body: RigidBody::Static,
+        shape: ShapeFromMesh::Hull,
+    };
+    let node = world.spawn((mesh, at(5.0))).id();
+    world.spawn((ask, Transform::default())).add_child(node);
+    let joint = world.spawn((Joint::fixed(), JointB(wishes[0]))).id();
+    let mut all = wishes.to_vec();
+    all.extend([compound, node, joint]);
+    all
+}
+
+/// Which of them have something wrong.
+fn complaining(app: &App, entities: &[Entity]) -> Vec<bool> {
+    let of = |&entity: &Entity| {
+        let entity = app.world().entity(entity);
+        entity.contains::<BodyIssues>() || entity.contains::<JointProblem>()
+    };
+    entities.iter().map(of).collect()
+}
+
+#[test]
+fn what_waits_for_a_mesh_is_no_issue() {
+    let mut app = mesh_app();
+    let handle = reserve(&app);
+    let entities = waiting(&mut app, &handle);
+    let told = |app: &App| app.world().resource::<Messages<BodyWarning>>().len();
+    for _ in 0..5 {
+        app.update();
+        assert_eq!(complaining(&app, &entities), [false; 7]);
+        assert_eq!(told(&app), 0);
+    }
+    assert_eq!(app.world().resource::<Bodies>().len(), 0);
+    load(&mut app, &handle, ball());
+    (0..4).for_each(|_| app.update());
+    assert_eq!(complaining(&app, &entities), [false; 7]);
+    assert_eq!(told(&app), 0);
+    assert_eq!(app.world().resource::<Bodies>().len(), 6);
+    assert_eq!(all_with::<ShapeAwaited>(&mut app), []);
+    let parts = app
+        .world()
+        .get::<Compound>(entities[4])
+        .map(|c| c.parts().len());
+    assert_eq!(parts, Some(2));
+}
+
+#[test]
+fn a_mesh_that_does_not_come_is_an_issue() {
+    let mut app = mesh_app();
+    let server = app.world().resource::<AssetServer>();
+    let lost = server.load::<Mesh>("there/is/no.such");
+    let entities = waiting(&mut app, &lost);
+    for _ in 0..200 {
+        app.update();
+        std::thread::sleep(std::time::Duration::from_millis(5));
+        if !all_with::<ShapeRefused>(&mut app).is_empty() {
+            break;
+        }
+    }
+    (0..3).for_each(|_| app.update());
+    // The compound is made of what there is; the part that is missing says so.
+    let expected = [true, true, true, true, false, true, true];
+    assert_eq!(complaining(&app, &entities), expected);
+    let refused = all_with::<ShapeRefused>(&mut app);
+    assert_eq!(refused.len(), 6);
+    for entity in refused {
+        let why = app.world().get::<ShapeRefused>(entity).map(|why| &why.0);
+        assert!(
+            matches!(why, Some(ShapeFromMeshError::NotLoaded(_))),
+            "{why:?}"
+        );
+    }
+    // Mended by another mesh; who takes the wish away mends it with a shape of their own.
+    let good = app.world_mut().resource_mut::<Assets<Mesh>>().add(ball());
+    app.world_mut().entity_mut(entities[0]).insert(Mesh3d(good));
+    let mut own = app.world_mut().entity_mut(entities[1]);
+    own.remove::<ShapeFromMesh>();
+    own.insert(ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("a box"));
+    (0..4).for_each(|_| app.update());
+    let complaining = complaining(&app, &entities);
+    assert_eq!([complaining[0], complaining[1], complaining[6]], [false; 3]);
+    assert!(!app.world().entity(entities[0]).contains::<ShapeRefused>());
+}
+
+#[test]
+fn a_wish_without_a_mesh_is_an_issue() {
+    let mut app = mesh_app();
+    let body = (RigidBody::Dynamic, ShapeFromMesh::Hull);
+    let body = app.world_mut().spawn(body).id();
+    (0..3).for_each(|_| app.update());
+    assert_eq!(complaining(&app, &[body]), [true]);
+    let why = app.world().get::<ShapeRefused>(body).map(|why| &why.0);
+    assert_eq!(why, Some(&ShapeFromMeshError::NoMesh));
+    let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(ball());
+    app.world_mut().entity_mut(body).insert(Mesh3d(mesh));
+    (0..4).for_each(|_| app.update());
+    assert_eq!(complaining(&app, &[body]), [false]);
+    assert!(!app.world().entity(body).contains::<ShapeRefused>());
 }
 
 #[test]

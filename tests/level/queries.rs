@@ -156,6 +156,78 @@ fn scene(dice: &mut Dice, count: usize) -> Simulation {
     simulation
 }
 
+/// What may happen to bodies between two looks at them.
+fn disturb(simulation: &mut Simulation, dice: &mut Dice) {
+    for _ in 0..dice.below(5) {
+        let bodies = &mut simulation.bodies;
+        let there: Vec<u32> = bodies.iter().collect();
+        let slot = there[dice.below(there.len())];
+        let pose = bodies.pose(slot);
+        match dice.below(5) {
+            0 if there.len() > 2 => bodies.remove(slot),
+            1 => {
+                let shape = Shape::Convex(random_shape(dice));
+                let mut desc = BodyDesc::new(RigidBody::Dynamic, shape);
+                desc.pose = random_pose(dice, 4.0);
+                bodies.insert(desc).expect("usable");
+            }
+            2 => bodies
+                .set_pose(slot, random_pose(dice, 4.0))
+                .expect("usable"),
+            3 => {
+                let near = pose.position + dice.vector(-1e-3, 1e-3);
+                let near = Pose::new(near, pose.rotation);
+                bodies.set_pose(slot, near).expect("usable");
+            }
+            _ => {
+                let plane = Plane::through(pose.position, dice.direction());
+                simulation.slice(slot, plane).expect("a body");
+            }
+        }
+    }
+}
+
+/// The index goes from look to look with what moves a little, far, comes, goes and is cut.
+#[test]
+fn an_index_that_is_kept_answers_as_a_new_one_does() {
+    let mut dice = Dice::new(12);
+    for count in [3, 12, 200] {
+        let mut simulation = scene(&mut dice, count);
+        let solids = solids(&simulation);
+        for round in 0..80 {
+            disturb(&mut simulation, &mut dice);
+            if dice.below(3) > 0 {
+                simulation.step(H);
+            }
+            let mut new = QueryIndex::default();
+            new.refresh(&simulation.bodies);
+            simulation.query_index.refresh(&simulation.bodies);
+            let bodies = &simulation.bodies;
+            let views = [&new, &simulation.query_index].map(|index| index.queries(bodies));
+            for _ in 0..20 {
+                let all = QueryFilter::all();
+                let ray = random_ray(&mut dice, &solids);
+                let point = dice.vector(-6.0, 6.0);
+                let (mut hits, mut found) = (Vec::new(), Vec::new());
+                let answers = views.map(|queries| {
+                    queries.cast_ray_all(&ray, &all, &mut hits);
+                    let region = Aabb {
+                        min: point - Vec3::ONE,
+                        max: point + Vec3::ONE,
+                    };
+                    queries
+                        .overlap_box(&region, &all, &mut found)
+                        .expect("usable");
+                    let near = queries.closest_point(point, 3.0, &all).expect("usable");
+                    let first = queries.cast_ray(&ray, &all);
+                    (hits.clone(), found.clone(), near, first)
+                });
+                assert_eq!(answers[0], answers[1], "{count} bodies, round {round}");
+            }
+        }
+    }
+}
+
 fn solids(simulation: &Simulation) -> Vec<(u32, Solid)> {
     let bodies = &simulation.bodies;
     let solid = |slot| {

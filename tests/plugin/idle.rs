@@ -137,6 +137,51 @@ fn parts_of_a_compound_and_what_is_despawned_are_no_issues() {
     assert!(app.world().get::<Compound>(table).is_some());
 }
 
+#[test]
+fn what_pushes_a_body_that_forces_do_not_move_is_an_issue_and_what_bounds_it_is_none() {
+    let pushes: Vec<Part> = parts! {
+        ConstantForce: ConstantForce(Vec3::X),
+        ConstantTorque: ConstantTorque(Vec3::X),
+    };
+    let harmless: Vec<Part> = parts! {
+        ConstantForce: ConstantForce::default(),
+        ConstantTorque: ConstantTorque::default(),
+        GravityScale: GravityScale(0.5),
+        LinearDamping: LinearDamping(0.1),
+        AngularDamping: AngularDamping(0.1),
+        MaxSpeed: MaxSpeed { linear: 1.0, angular: 1.0 },
+        LockedAxes: LockedAxes::ROTATION,
+        Mass: Mass(3.0),
+    };
+    let all = pushes.into_iter().map(|part| (part, true));
+    let all = all.chain(harmless.into_iter().map(|part| (part, false)));
+    for (number, ((give, take), is_push)) in all.enumerate() {
+        for kind in [RigidBody::Static, RigidBody::Kinematic] {
+            let idle = [BodyProblem::Body(BodyError::IdleForce)];
+            let expected = |is_idle: bool| &idle[..usize::from(is_idle)];
+            let mut app = weightless();
+            let mut body = app.world_mut().spawn((kind, cube()));
+            give(&mut body);
+            let body = body.id();
+            steps(&mut app);
+            assert_eq!(issues(&app, body), expected(is_push), "{number} {kind:?}");
+            let at = app.world().get::<Transform>(body).copied();
+            assert_eq!(at, Some(Transform::default()), "{number} {kind:?}");
+            app.world_mut().entity_mut(body).insert(RigidBody::Dynamic);
+            steps(&mut app);
+            assert_eq!(issues(&app, body), [], "{number} {kind:?}");
+            app.world_mut().entity_mut(body).insert(kind);
+            steps(&mut app);
+            assert_eq!(issues(&app, body), expected(is_push), "{number} {kind:?}");
+            take(&mut app.world_mut().entity_mut(body));
+            steps(&mut app);
+            // It may have kept a velocity from when it was dynamic.
+            let issues = issues(&app, body);
+            assert!(!issues.contains(&idle[0]), "{number} {kind:?}");
+        }
+    }
+}
+
 /// A body that something is wrong with, and what mends that.
 type Spoiled = (fn(&mut World) -> Entity, fn(&mut EntityWorldMut));
 

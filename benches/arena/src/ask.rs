@@ -164,12 +164,13 @@ fn differing(a: &[Option<f32>], b: &[Option<f32>]) -> f64 {
 /// Runs what the command line says.
 pub(crate) fn run(mut words: Arguments) -> Result<(), Error> {
     let (mut bodies, mut triangles) = (vec![1000, 10_000, 100_000], vec![500_000]);
-    let (mut count, mut rounds) = (20_000, 5);
+    let (mut count, mut rounds, mut asked) = (20_000, 5, Vec::<String>::new());
     while let Some(flag) = words.word() {
         match flag.as_str() {
             "--bodies" => bodies = words.list(&flag)?,
             "--triangles" => triangles = words.list(&flag)?,
             "--questions" => count = words.value(&flag)?,
+            "--kinds" => asked = words.list(&flag)?,
             "--repeats" => rounds = words.value(&flag)?,
             _ => return Err(cli::unknown(&flag)),
         }
@@ -191,7 +192,9 @@ pub(crate) fn run(mut words: Arguments) -> Result<(), Error> {
             0 => format!("{bodies} bodies"),
             _ => format!("level of {triangles} triangles"),
         };
-        for (kind, question) in KINDS {
+        let is_asked =
+            |name: &str| asked.is_empty() || asked.iter().any(|asked| name.ends_with(asked));
+        for (kind, question) in KINDS.into_iter().filter(|kind| is_asked(kind.1)) {
             let mut least = [f64::INFINITY; 2];
             let mut answers = [Vec::new(), Vec::new()];
             for _ in 0..rounds {

@@ -158,8 +158,13 @@ impl LevelPair<'_> {
     pub(in crate::contact::narrow) fn follow(&self, tight: Aabb, scratch: &mut LevelScratch) {
         self.find_near(tight, scratch);
         // In the order of the mesh, whatever its tree is like.
-        scratch.near.sort_unstable();
+        scratch.near.sort_unstable_by_key(|&leaf| self.number(leaf));
         scratch.near.dedup();
+    }
+
+    /// The number of a triangle in the list that the level was made from: contacts are in this order.
+    fn number(&self, leaf: u32) -> u32 {
+        self.mesh.triangles()[leaf as usize].index
     }
 
     fn find_near(&self, tight: Aabb, scratch: &mut LevelScratch) {
@@ -179,10 +184,10 @@ impl LevelPair<'_> {
             ahead.clear();
             self.mesh
                 .tree()
-                .within(&swept.fattened(self.reach), |leaf| {
+                .within(self.mesh.triangles(), &swept.fattened(self.reach), |leaf| {
                     ahead.push(leaf);
                 });
-            ahead.sort_unstable();
+            ahead.sort_unstable_by_key(|&leaf| self.number(leaf));
             near.extend_from_slice(ahead);
             if way.length() <= SHALLOW * size {
                 return;

@@ -139,12 +139,6 @@ impl Broadphase {
         self.tree.tree()
     }
 
-    /// Whether the box kept for this body, and no other one in its slot, holds `b`.
-    pub(crate) fn holds(&self, slot: u32, id: BodyId, b: &Aabb) -> bool {
-        let kept = self.kept.get(slot as usize).and_then(Option::as_ref);
-        kept.is_some_and(|kept| kept.proxy.id == id && kept.fat.contains(b))
-    }
-
     /// The box kept for the body in `slot`, if it has one.
     pub fn kept_box(&self, slot: u32) -> Option<Aabb> {
         let kept = self.kept.get(slot as usize)?.as_ref()?;

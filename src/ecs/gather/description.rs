@@ -26,6 +26,7 @@ pub(crate) struct BodyParts {
     compound: Option<&'static Compound>,
     half_space: Option<&'static HalfSpaceShape>,
     level: Option<&'static StaticMesh>,
+    is_shape_awaited: Has<ShapeAwaited>,
     pub(super) transform: &'static Transform,
     pub(super) linear: &'static LinearVelocity,
     pub(super) angular: &'static AngularVelocity,
@@ -77,6 +78,17 @@ pub(super) fn describe(
         is_sensor: parts.sensor,
         fracturable: parts.fracturable.cloned(),
     })
+}
+
+/// What came of a description, unless all that is wrong with it is that its shape is still to come.
+pub(super) fn unless_awaited<T>(
+    parts: Option<&BodyPartsItem>,
+    found: Result<T, BodyError>,
+) -> Result<Option<T>, BodyError> {
+    match found {
+        Err(BodyError::NoShape) if parts.is_some_and(|parts| parts.is_shape_awaited) => Ok(None),
+        found => found.map(Some),
+    }
 }
 
 /// The shape of a body, scaled.

@@ -2,18 +2,21 @@
 
 use super::convert::{MeshConversionError, unread_attributes};
 use crate::bodies::body::RigidBody;
+use crate::ecs::ShapeAwaited;
 use crate::geometry::{ConvexMesh, HalfSpaceShape, HullError, MeshError, StaticMesh, TriMesh};
 use crate::import::{ImportError, ImportOptions, Model, ModelObject};
-use bevy_asset::Assets;
+use bevy_asset::{AssetServer, Assets, LoadState};
 use bevy_ecs::prelude::*;
 use bevy_math::Vec3;
 use bevy_mesh::{Mesh, Mesh3d};
 
 /// Makes the shape of a body from the entity's `Mesh3d`, as soon as that is loaded; goes when it is done.
 ///
-/// What cannot be made leaves a [`ShapeRefused`] on the entity, and a warning in the log.
+/// While the mesh loads it is no issue that there is no shape ([`ShapeAwaited`]). What cannot be made leaves a [`ShapeRefused`] on the
+/// entity, and a warning in the log; a mesh that could not be loaded, or is missing, may still come.
 #[derive(Clone, Copy, Component, Debug, PartialEq)]
-#[component(clone_behavior = Ignore)]
+#[require(ShapeAwaited)]
+#[component(on_remove = ShapeAwaited::end, clone_behavior = Ignore)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 #[cfg_attr(feature = "reflect", reflect(Component))]
 pub enum ShapeFromMesh {
@@ -38,6 +41,12 @@ pub struct ShapeRefused(pub ShapeFromMeshError);
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShapeFromMeshError {
+    /// The entity has no `Mesh3d`.
+    #[error("the entity has no Mesh3d")]
+    NoMesh,
+    /// The mesh could not be loaded.
+    #[error("its mesh was not loaded: {0}")]
+    NotLoaded(String),
     /// The mesh cannot be read.
     #[error(transparent)]
     Conversion(#[from] MeshConversionError),
@@ -99,30 +108,72 @@ pub(super) fn ask_for_shapes(
     }
 }
 
+/// What waits for its shape.
+type Waiting = (
+    Entity,
+    &'static ShapeFromMesh,
+    Option<&'static Mesh3d>,
+    Option<&'static ShapeRefused>,
+    Has<ShapeAwaited>,
+);
+
 /// System: shapes of those whose meshes are loaded.
 pub(super) fn construct_shapes(
     mut commands: Commands,
     meshes: Res<Assets<Mesh>>,
-    waiting: Query<(Entity, &ShapeFromMesh, &Mesh3d)>,
+    server: Option<Res<AssetServer>>,
+    waiting: Query<Waiting>,
 ) {
-    for (entity, wish, handle) in &waiting {
-        let Some(mesh) = meshes.get(&handle.0) else {
-            continue;
-        };
-        let unread = unread_attributes(mesh);
-        if *wish == ShapeFromMesh::HullWithVisual && !unread.is_empty() {
-            log::info!("pieces of {entity} will not have the attributes {unread:?} of its mesh");
-        }
+    for (entity, wish, handle, refused, is_awaited) in &waiting {
+        let mesh = handle.map(|handle| (handle, meshes.get(&handle.0)));
         let mut entity = commands.entity(entity);
-        entity.remove::<(ShapeFromMesh, ShapeRefused)>();
-        if let Err(error) = wish.construct(mesh, &mut entity) {
-            log::warn!("no shape for {} comes of its mesh: {error}", entity.id());
-            entity.insert(ShapeRefused(error));
+        let wanting = match mesh {
+            Some((_, Some(mesh))) => {
+                wish.finish(mesh, &mut entity);
+                continue;
+            }
+            Some((handle, None)) => failure(server.as_deref(), handle),
+            None => Some(ShapeFromMeshError::NoMesh),
+        };
+        if refused.map(|refused| &refused.0) == wanting.as_ref() && is_awaited == wanting.is_none()
+        {
+            continue;
+        }
+        match wanting {
+            Some(error) => {
+                log::warn!("no shape for {} comes of its mesh: {error}", entity.id());
+                entity.remove::<ShapeAwaited>().insert(ShapeRefused(error));
+            }
+            None => {
+                entity.remove::<ShapeRefused>().insert(ShapeAwaited);
+            }
         }
     }
 }
 
+/// Why a mesh does not come, if that is known.
+fn failure(server: Option<&AssetServer>, handle: &Mesh3d) -> Option<ShapeFromMeshError> {
+    match server?.get_load_state(&handle.0)? {
+        LoadState::Failed(error) => Some(ShapeFromMeshError::NotLoaded(error.to_string())),
+        LoadState::NotLoaded | LoadState::Loading | LoadState::Loaded => None,
+    }
+}
+
 impl ShapeFromMesh {
+    /// Gives the entity what comes of its mesh, a shape or the reason why there is none.
+    fn finish(self, mesh: &Mesh, entity: &mut EntityCommands) {
+        let unread = unread_attributes(mesh);
+        if self == Self::HullWithVisual && !unread.is_empty() {
+            let entity = entity.id();
+            log::info!("pieces of {entity} will not have the attributes {unread:?} of its mesh");
+        }
+        entity.remove::<(Self, ShapeRefused)>();
+        if let Err(error) = self.construct(mesh, entity) {
+            log::warn!("no shape for {} comes of its mesh: {error}", entity.id());
+            entity.insert(ShapeRefused(error));
+        }
+    }
+
     fn construct(self, mesh: &Mesh, entity: &mut EntityCommands) -> Result<(), ShapeFromMeshError> {
         match self {
             Self::Hull => {
