@@ -26,7 +26,9 @@ pub struct SolverConfig {
     pub method: Method,
     /// Fastest speed at which overlap is pushed out, m/s.
     pub push_out_speed: f32,
-    /// Approach speed below which restitution is not applied, m/s; without it resting bodies would buzz.
+    /// Approach speed below which restitution is not applied, m/s; without it resting bodies would buzz. It is less where gravity is
+    /// weak, steps are short or bodies small, so that bounces of a few steps count as such, and for a restitution above 0.75, so that what
+    /// hardly loses speed goes on bouncing.
     pub restitution_threshold: f32,
     /// Start each solve from the multipliers in the [`ContactCache`](crate::contact::impulses::ContactCache).
     pub warm_start: bool,

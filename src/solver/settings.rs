@@ -13,6 +13,16 @@ use glam::Vec3;
 /// would give way like a foot under a load of many times its mass, or ask for that many more sub-steps (`docs/decisions/joints.md`).
 const STIFFNESS_AMONG_JOINTS: f32 = 4.0;
 
+/// A bounce that lasts as many steps or fewer is none: with half as much time for the speed to come to nothing, and the same to come
+/// back. At 60 Hz and on Earth that is more than the 0.5 m/s of [`SolverConfig::restitution_threshold`].
+const REBOUND_STEPS: f32 = 8.0;
+
+/// Rebounds that lose less than this share of the speed are the less left out the less they lose.
+const ELASTIC: f32 = 0.25;
+
+/// What rests may approach by the speed of so many sub-steps' fall.
+const REST_SUBSTEPS: f32 = 2.5;
+
 /// Which of the [`Method`]s solves, without its settings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MethodKind {
@@ -242,6 +252,17 @@ impl SubstepSettings {
             bond_rate: BOND_RATE * rates[1],
             max_bias_velocity: self.push_out_speed,
         }
+    }
+
+    /// Approach speed below which what accelerates no faster than `acceleration` does not rebound, m/s: a bounce that lasts
+    /// [`REBOUND_STEPS`] steps or less, unless it is one that hardly loses speed and goes on for ever. What rests, and gains speed in each
+    /// sub-step, must not take it for a bounce in any case.
+    pub fn rebound_threshold(&self, acceleration: f32, restitution: f32) -> f32 {
+        let short = 0.5 * REBOUND_STEPS * acceleration * self.step_dt();
+        let share = ((1.0 - restitution) / ELASTIC).min(1.0);
+        let rest = REST_SUBSTEPS * acceleration * self.substep_dt;
+        let asked = self.restitution_threshold;
+        (share * short.min(asked)).max(rest).min(asked)
     }
 
     /// Length of the step, s.

@@ -23,7 +23,7 @@ pub(crate) const GOLDEN: [(Scene, u64, u64); 20] = [
     (Scene::HeapColored, 0x20ee5ea976072a94, 0xe4d2e9589792625f),
     (Scene::HeapKept, 0xb750743a92d580af, 0x1398abc58b7c7b46),
     (Scene::ColdStart, 0x2fe790697694a357, 0x1d2f340733905b7b),
-    (Scene::Blows, 0xde39f96795858afa, 0x0298be3319b0c331),
+    (Scene::Blows, 0x9b60ca7d17f22eb1, 0xef2f613c6b4c7d89),
     (Scene::Spinning, 0xf13923e1cf7854d9, 0xef1e9d263dc3d822),
     (Scene::Carried, 0xe02b3efd1c27d38a, 0x3951f0857714cce3),
 ];

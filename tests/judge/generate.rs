@@ -72,8 +72,6 @@ pub(crate) struct Draft {
     pub(crate) laws: Vec<Law>,
     /// Steps of the unit of time, at least [`COARSEST`].
     pub(crate) min_steps_per_unit: f32,
-    /// Least unit of speed, `sqrt(g L)`, m/s.
-    pub(crate) min_speed: f32,
     /// See [`Scene::soft`].
     pub(crate) soft: u32,
     /// Which way gravity acts, a unit vector; zero: not at all.
@@ -126,8 +124,7 @@ impl Draft {
             let rate = [60.0, 60.0, 60.0, 60.0, 30.0, 50.0, 120.0, 240.0][dice.below(8)];
             let unit = rate * (length / gravity).sqrt();
             let steps = self.steps(unit, rate);
-            let is_fast = (gravity * length).sqrt() >= self.min_speed;
-            if is_fast && unit >= self.min_steps_per_unit && steps <= MAX_STEPS {
+            if unit >= self.min_steps_per_unit && steps <= MAX_STEPS {
                 break (length, gravity, rate, steps.ceil() as u32);
             }
         };

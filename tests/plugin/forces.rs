@@ -180,6 +180,27 @@ fn a_constant_force_holds_a_body_up_and_lets_it_go_when_removed() {
 }
 
 #[test]
+fn what_a_force_presses_on_a_floor_rests_however_elastic_it_is() {
+    let mut app = weightless();
+    let bouncy = |restitution| Restitution::new(restitution);
+    let floor = HalfSpaceShape { normal: Vec3::Y };
+    app.world_mut()
+        .spawn((RigidBody::Static, floor, bouncy(1.0)));
+    let bricks = [0.3, 0.8, 1.0].map(|restitution| {
+        let at = Transform::from_xyz(5.0 * restitution, 0.25, 0.0);
+        let weight = ConstantForce(-9.81 * 100.0 * Vec3::Y);
+        spawn(&mut app, (at, bouncy(restitution), Mass(100.0), weight))
+    });
+    for _ in 0..120 {
+        steps(&mut app, 1);
+        for brick in bricks {
+            let velocity = velocity(&app, brick);
+            assert!(velocity.length() < 0.01, "{velocity}");
+        }
+    }
+}
+
+#[test]
 fn damping_and_limits_of_speed() {
     let mut app = weightless();
     let fast = (

@@ -20,6 +20,13 @@ impl Batch {
         self.bodies.driven.extend(driven);
     }
 
+    /// Bound of the acceleration of bodies by gravity and drives together, m/s2.
+    pub(super) fn fastest_acceleration(&self) -> f32 {
+        let driven = self.bodies.driven.iter();
+        let fastest = driven.map(|(_, drive)| drive.acceleration.length());
+        self.settings.gravity.length() + fastest.fold(0.0, f32::max)
+    }
+
     /// The velocities that drives give within a sub-step.
     pub(super) fn apply_drives(&mut self) {
         let h = self.settings.substep_dt;

@@ -37,6 +37,8 @@ struct Bouncing<'a> {
     lane: usize,
     normal: Vec3,
     restitution: f32,
+    /// Approach speed below which points do not rebound, m/s.
+    threshold: f32,
     /// Numbers of its bodies.
     bodies: [u32; 2],
     /// How much gravity changes the speed of the gap in a sub-step, m/s.
@@ -53,6 +55,7 @@ impl<'a> Bouncing<'a> {
         impacts: &'a mut [PointImpact],
         bodies: &[SolverBody],
         settings: &SubstepSettings,
+        acceleration: f32,
     ) -> Option<Self> {
         let lane = place.lane as usize;
         let restitution = block.restitution.0[lane];
@@ -67,6 +70,7 @@ impl<'a> Bouncing<'a> {
             lane,
             normal,
             restitution,
+            threshold: settings.rebound_threshold(acceleration, restitution),
             bodies: pair,
             fall: settings.substep_dt * normal.dot(settings.gravity) * (b - a),
             points: &mut points[range.clone()],
@@ -85,7 +89,7 @@ impl<'a> Bouncing<'a> {
         let h = settings.substep_dt;
         let hits = |this: &Self, i: usize, h: f32| {
             let speed = -this.velocity(i, bodies);
-            speed > settings.restitution_threshold && speed * h > this.gap(i, settings)
+            speed > this.threshold && speed * h > this.gap(i, settings)
         };
         // Corners of a face that all but lie at one height hit together, or the face would start to rock.
         let any = (0..self.points.len()).any(|i| hits(self, i, h));
@@ -122,8 +126,8 @@ impl<'a> Bouncing<'a> {
 
     /// Says what becomes of each point, once those that hit have been stopped: by the velocities `before` the contacts acted, and
     /// those now in `bodies`.
-    fn weigh(&mut self, before: &[SolverBody], bodies: &[SolverBody], threshold: f32) {
-        let e = self.restitution;
+    fn weigh(&mut self, before: &[SolverBody], bodies: &[SolverBody]) {
+        let (e, threshold) = (self.restitution, self.threshold);
         for i in 0..self.points.len() {
             let (came, stopped) = (self.velocity(i, before), self.velocity(i, bodies));
             let square = e * e * self.square_at_contact(came, stopped);
@@ -177,7 +181,7 @@ impl Batch {
         }
         let settings = self.settings;
         self.each_bouncing(|bouncing, _, bodies, before| {
-            bouncing.weigh(before, bodies, settings.restitution_threshold);
+            bouncing.weigh(before, bodies);
         });
         let mut lifts = std::mem::take(&mut self.impacts.lifts);
         let (now, before) = (&self.bodies.velocities, self.velocities_before());
@@ -218,10 +222,18 @@ impl Batch {
         let settings = &self.settings;
         let before = velocities_before(settings, &self.bodies, &self.scratch);
         let points = &mut self.contacts.points[..];
+        let acceleration = self.impacts.acceleration;
         let (impacts, bodies) = (&mut self.impacts.points[..], &self.bodies.velocities);
         for &(_, place) in &self.layout.places {
             let block = &self.contacts.blocks[place.block as usize];
-            let bouncing = Bouncing::new((place, block), points, impacts, bodies, settings);
+            let bouncing = Bouncing::new(
+                (place, block),
+                points,
+                impacts,
+                bodies,
+                settings,
+                acceleration,
+            );
             if let Some(mut bouncing) = bouncing {
                 let scale = block.speed_scale.0[place.lane as usize];
                 look(&mut bouncing, scale, bodies, before);

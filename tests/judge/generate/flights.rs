@@ -35,8 +35,6 @@ pub(super) fn bounces(dice: &mut Dice) -> Draft {
         laws: laws[..if is_lossless { 4 } else { 3 }].into(),
         // Turning by up to 3 in the unit of time.
         min_steps_per_unit: 3.0,
-        // Approach speeds below 0.5 m/s get no restitution (`SolverConfig::restitution_threshold`): that must be little.
-        min_speed: if is_lossless { 5.0 } else { 0.0 },
         soft: 0,
         down: Vec3::NEG_Y,
     }
@@ -68,7 +66,6 @@ pub(super) fn swarms(dice: &mut Dice) -> Draft {
         time: (8.0 / speed).min(60.0),
         laws: vec![Law::Finite, Law::Energy, Law::Momentum, Law::Overlap],
         min_steps_per_unit: COARSEST,
-        min_speed: 0.0,
         soft: 0,
         down: Vec3::ZERO,
     }
@@ -113,7 +110,6 @@ pub(super) fn shots(dice: &mut Dice) -> Draft {
         time: (start + 10.0) / speed,
         laws: vec![Law::Finite, Law::Tunnel],
         min_steps_per_unit: COARSEST,
-        min_speed: 0.0,
         soft: 0,
         down: Vec3::ZERO,
     }

@@ -48,7 +48,6 @@ fn settle(dice: &mut Dice, mut bodies: Vec<Actor>, height: f32, rolling: f32) ->
         time: time_to_rest(height, friction, restitution) + rolling,
         laws: LAWS.into(),
         min_steps_per_unit: COARSEST,
-        min_speed: 0.0,
         soft: 0,
         down: Vec3::NEG_Y,
     }

@@ -70,7 +70,6 @@ pub(super) fn passes(dice: &mut Dice) -> Draft {
         time: 2.0 * start / speed,
         laws: vec![Law::Finite, Law::Cause],
         min_steps_per_unit: COARSEST,
-        min_speed: 0.0,
         soft: 0,
         down: Vec3::ZERO,
     }

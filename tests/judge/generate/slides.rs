@@ -202,7 +202,6 @@ pub(super) fn slides(dice: &mut Dice) -> Draft {
         time,
         laws: vec![Law::Finite, Law::Seam],
         min_steps_per_unit: COARSEST,
-        min_speed: 0.0,
         soft: 0,
         down,
     }
@@ -226,7 +225,6 @@ pub(super) fn ledges(dice: &mut Dice) -> Draft {
         time: (3.0 * way / speed).min(60.0),
         laws: vec![Law::Finite, Law::Energy, Law::Overlap, Law::Tunnel],
         min_steps_per_unit: COARSEST,
-        min_speed: 0.0,
         soft: 0,
         down: Vec3::NEG_Y,
     }

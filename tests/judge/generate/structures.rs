@@ -26,7 +26,6 @@ fn standing(mut actors: Vec<Actor>, friction: f32) -> Draft {
         time: TIME,
         laws: LAWS.into(),
         min_steps_per_unit: COARSEST,
-        min_speed: 0.0,
         soft: 0,
         down: Vec3::NEG_Y,
     }
