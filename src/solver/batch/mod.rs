@@ -129,7 +129,7 @@ pub struct Impacts {
     pub points: Vec<PointImpact>,
     /// Whether any point rebounds.
     pub has_restitution: bool,
-    /// How fast bodies may gain speed without contacts, if any point rebounds, m/s2.
+    /// How fast bodies may gain speed without contacts, m/s2.
     pub(crate) acceleration: f32,
     /// By island, where bodies rebound: energy that they have been given by not falling as far as they were to, J.
     pub(crate) lifts: Vec<f64>,
