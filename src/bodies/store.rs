@@ -381,13 +381,16 @@ impl Bodies {
     /// Takes a body out of the simulation, or lets it in again.
     pub(crate) fn set_frozen(&mut self, slot: u32, frozen: bool) {
         debug_assert!(self.contains(slot), "no body to freeze");
-        let is_frozen = self.status[slot as usize] == Status::Frozen;
-        if frozen == is_frozen {
+        if frozen == (self.status[slot as usize] == Status::Frozen) {
             return;
         }
         self.departures += 1;
         self.disturb(slot);
-        self.status[slot as usize] = [Status::Active, Status::Frozen][usize::from(frozen)];
+        self.status[slot as usize] = if frozen {
+            Status::Frozen
+        } else {
+            Status::Active
+        };
     }
 
     pub(super) fn renew_version(&mut self, slot: u32) {

@@ -109,9 +109,6 @@ impl Cluster {
         strength: f32,
         relief: Relief,
     ) -> Result<Self, ClusterError> {
-        if !relief.is_usable() {
-            return Err(ClusterError::Relief(relief));
-        }
         Self::cut_with(mesh, pattern, seed, (strength, Some(relief)))
     }
 
@@ -121,6 +118,7 @@ impl Cluster {
         seed: u64,
         (strength, relief): (f32, Option<Relief>),
     ) -> Result<Self, ClusterError> {
+        check_relief(relief)?;
         check(strength)?;
         let looks = CellLooks { relief, slack: 0.0 };
         let parts = divided(&CompoundPart::from(mesh.clone()), pattern, seed, looks)?;
@@ -156,9 +154,6 @@ impl Cluster {
         strength: f32,
         relief: Relief,
     ) -> Result<Self, ClusterError> {
-        if !relief.is_usable() {
-            return Err(ClusterError::Relief(relief));
-        }
         self.refined_with(pattern, seed, (strength, Some(relief)))
     }
 
@@ -168,6 +163,7 @@ impl Cluster {
         seed: u64,
         (strength, relief): (f32, Option<Relief>),
     ) -> Result<Self, ClusterError> {
+        check_relief(relief)?;
         check(strength)?;
         let looks = CellLooks {
             relief,
@@ -255,6 +251,13 @@ fn check(strength: f32) -> Result<(), ClusterError> {
     is_usable
         .then_some(())
         .ok_or(ClusterError::Strength { strength })
+}
+
+fn check_relief(relief: Option<Relief>) -> Result<(), ClusterError> {
+    match relief {
+        Some(relief) if !relief.is_usable() => Err(ClusterError::Relief(relief)),
+        _ => Ok(()),
+    }
 }
 
 /// What the cells of a part look like.

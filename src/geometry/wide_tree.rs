@@ -1,7 +1,7 @@
-//! A bounding volume hierarchy of four boxes a node, for what does not change: half the depth of a tree of two, and less than half the
-//! memory that a walk goes through, which is what walks through large trees wait for.
+//! A bounding volume hierarchy of four boxes a node, for what does not change, or is refitted: half the depth of a tree of two, and less
+//! than half the memory that a walk goes through, which is what walks through large trees wait for.
 //!
-//! Boxes and their order of tests are those of the tree of two that it is made from, so answers are the same.
+//! Boxes are those of the tree of two that it is made from, so answers are the same.
 //!
 //! # References
 //! H. Dammertz, J. Hanika, A. Keller, "Shallow Bounding Volume Hierarchies for Fast SIMD Ray Tracing of Incoherent Rays", Computer

@@ -3,7 +3,7 @@
 //!
 //! To be looked at costs a body that stands still one comparison. One that moves gets a box with room to go on as it did, so that it
 //! changes the tree every few looks only, and then the boxes above are made anew in one pass. What is new, of another shape, or gone,
-//! is a stray until so many are that the tree is built anew.
+//! is a stray until so many are, or have been for so long, that the tree is built anew.
 
 use crate::bodies::store::Bodies;
 use crate::contact::body_id::BodyId;
@@ -109,6 +109,8 @@ pub struct QueryIndex {
     surface: [f32; 2],
     strays: Vec<Leaf>,
     stray_tree: WideTree,
+    /// How many strays have been sorted since the tree was built, each as often as it was.
+    sorted: usize,
     /// Of the bodies when they were looked at.
     departures: u64,
 }
@@ -149,7 +151,12 @@ impl QueryIndex {
         }
         let odd = self.strays.len() + self.gone;
         let is_odd = odd > FEW && odd as f32 > SHARE * self.places.len() as f32;
-        if is_odd || self.surface[1] > LOOSE * self.surface[0] {
+        // What stays is sorted once and for all, before it has been sorted again and again at the same price.
+        self.sorted += self.strays.len();
+        if is_odd
+            || self.sorted > self.places.len().max(FEW)
+            || self.surface[1] > LOOSE * self.surface[0]
+        {
             self.rebuild();
             return;
         }
@@ -244,7 +251,7 @@ impl QueryIndex {
             self.places.push(leaf.place);
             self.bounds.push(leaf.bounds);
         }
-        (self.stray_tree, self.gone) = (WideTree::default(), 0);
+        (self.stray_tree, self.gone, self.sorted) = (WideTree::default(), 0, 0);
         let bounds = &self.bounds;
         let surface = self.tree.refit(|leaf| bounds[leaf as usize]);
         self.surface = [surface; 2];

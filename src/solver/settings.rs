@@ -13,8 +13,7 @@ use glam::Vec3;
 /// would give way like a foot under a load of many times its mass, or ask for that many more sub-steps (`docs/decisions/joints.md`).
 const STIFFNESS_AMONG_JOINTS: f32 = 4.0;
 
-/// A bounce that lasts as many steps or fewer is none: with half as much time for the speed to come to nothing, and the same to come
-/// back. At 60 Hz and on Earth that is more than the 0.5 m/s of [`SolverConfig::restitution_threshold`].
+/// A bounce that lasts as many steps or fewer is none; its speed comes to nothing in half of them. At 60 Hz and on Earth that is more than the 0.5 m/s of [`SolverConfig::restitution_threshold`].
 const REBOUND_STEPS: f32 = 8.0;
 
 /// Rebounds that lose less than this share of the speed are the less left out the less they lose.

@@ -94,7 +94,6 @@ impl Batch {
         self.contacts.curvatures.resize(round_points, FLAT);
         self.fill_blocks(manifolds, team);
         self.impacts.has_restitution = islands.list[range.clone()].iter().any(|i| i.bounces);
-        self.impacts.acceleration = self.fastest_acceleration();
         if requirements.can_hit || self.settings.is_exact() {
             self.impacts
                 .points

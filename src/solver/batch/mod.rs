@@ -129,8 +129,6 @@ pub struct Impacts {
     pub points: Vec<PointImpact>,
     /// Whether any point rebounds.
     pub has_restitution: bool,
-    /// How fast bodies may gain speed without contacts, m/s2.
-    pub(crate) acceleration: f32,
     /// By island, where bodies rebound: energy that they have been given by not falling as far as they were to, J.
     pub(crate) lifts: Vec<f64>,
     /// By body: whether it was hit in this sub-step.

@@ -219,10 +219,10 @@ impl Batch {
         &mut self,
         mut look: impl FnMut(&mut Bouncing<'_>, f32, &[SolverBody], &[SolverBody]),
     ) {
+        let acceleration = self.fastest_acceleration();
         let settings = &self.settings;
         let before = velocities_before(settings, &self.bodies, &self.scratch);
         let points = &mut self.contacts.points[..];
-        let acceleration = self.impacts.acceleration;
         let (impacts, bodies) = (&mut self.impacts.points[..], &self.bodies.velocities);
         for &(_, place) in &self.layout.places {
             let block = &self.contacts.blocks[place.block as usize];
