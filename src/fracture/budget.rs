@@ -24,7 +24,7 @@ pub struct FractureBudget {
     pub growth: f32,
     /// Triangles of meshes that blows may cut in one step. A body whose mesh has more than are left waits for another step. One that has
     /// more than a step may cut is cut over as many steps as it takes, and breaks when that is done: a step in between does
-    /// its share and at most one cell more. What is cut by a few planes ([`FracturePattern::Star`](crate::slice::FracturePattern::Star) and its like) and parts of
+    /// its share and at most one cell more. What is cut by a few planes ([`FracturePattern::SinglePlane`](crate::slice::FracturePattern::SinglePlane) and its like) and parts of
     /// [`Compound`](crate::geometry::Compound)s wait too, but are cut in one go. Bodies that are drawn as their hulls have no triangles, nor have clusters,
     /// which were cut before.
     pub triangles_per_step: usize,

@@ -12,7 +12,7 @@
 //! cuts of convex hulls (`convex.rs`) and of cells (`cells.rs`), which know more and are faster, against it and against each other.
 //! Flat faces that cuts divide are few triangles again afterwards (`merge_faces.rs`); what a face is goes with its triangles, and is
 //! found once (`flat_faces.rs`).
-//! How an impact divides a body is a pattern (`pattern.rs`), which gives planes, cells or sites (`cutting.rs`, `even_sites.rs`); another pattern goes
+//! How an impact divides a body is a pattern (`pattern.rs`), which gives planes, cells or sites (`cutting.rs`, `tilings.rs`, `even_sites.rs`); another pattern goes
 //! there. What makes a body breakable is `fracturable.rs`.
 //!
 //! Where it is asked for, faces of cuts get relief afterwards (`relief/`).
@@ -55,6 +55,7 @@ mod relief;
 pub(crate) mod rim_fill;
 pub(crate) mod roughen;
 pub(crate) mod separate;
+mod tilings;
 
 pub use cells::{Piece, PieceCutter, cut_by_planes};
 pub use components::split_components;

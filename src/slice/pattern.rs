@@ -5,12 +5,13 @@
 
 use crate::geometry::ConvexHull;
 use crate::geometry::predicates::length_scale;
-use crate::math::{Aabb, Plane, tangents};
+use crate::math::{Plane, tangents};
 use crate::slice::cutting::CellPlanes;
 use crate::slice::cutting::Cutting;
 use crate::slice::cutting::Planes;
 use crate::slice::even_sites::even_sites;
 use crate::slice::random::{PointsInHull, centered, unit_interval, unit_vector};
+use crate::slice::tilings::{between, bricks, sectors};
 use glam::{Vec2, Vec3};
 use rand_core::SeedableRng;
 use rand_pcg::Pcg32;
@@ -142,10 +143,10 @@ impl FracturePattern {
             // Each plane makes two sectors.
             Self::Star { planes } => {
                 let planes = planes.clamp(1, STAR_MAX_PLANES).min(most_u8 / 2);
-                Cutting::Planes(blow.star(planes, &mut random))
+                sectors(&blow.star(planes, &mut random))
             }
             // Two sectors are divided by one plane.
-            Self::Radial { .. } if most < 3 => Cutting::Planes(blow.star(1, &mut random)),
+            Self::Radial { .. } if most < 3 => sectors(&blow.star(1, &mut random)),
             Self::Radial { rays, rings } => {
                 let rays = u32::from(rays.clamp(*RAYS.start(), *RAYS.end())).min(most);
                 let rings = u32::from(rings).min((most / rays).saturating_sub(1));
@@ -229,7 +230,7 @@ impl ImpactFrame<'_> {
                 let jitter = STAR_JITTER * centered(random);
                 let part = (f32::from(index) + jitter) / f32::from(count);
                 // Half a turn is all of it: a normal and its opposite belong to the same plane.
-                let turn = direction_at(0.5 * part) * 1.0_f32.copysign(part);
+                let turn = direction_at(0.5 * part);
                 Plane::through(self.point, turn.x * u + turn.y * v)
             })
             .collect()
@@ -329,57 +330,6 @@ impl ImpactFrame<'_> {
             .map(|slab| between(&walls, slab))
             .collect()
     }
-}
-
-/// The planes around what lies between two of a row of planes, the one before and the one after place `index`.
-fn between(walls: &[Plane], index: usize) -> CellPlanes {
-    let before = index.checked_sub(1).map(|wall| walls[wall].flipped());
-    before
-        .into_iter()
-        .chain(walls.get(index).copied())
-        .collect()
-}
-
-/// Boxes of the given size in a running bond that fill `aabb`; none if the size is not finite and positive.
-fn bricks(aabb: &Aabb, size: Vec3, most: u32) -> Option<Vec<CellPlanes>> {
-    if !(size.is_finite() && size.min_element() > 0.0) {
-        return None;
-    }
-    let mut size = size;
-    let count = |size: Vec3| (aabb.extents() / size).ceil().max(Vec3::ONE);
-    // A shifted course has one brick more. A size that overflows is larger than any body, and the only brick.
-    let number = |n: Vec3| f64::from(n.x + 0.5) * f64::from(n.y) * f64::from(n.z);
-    while number(count(size)) > f64::from(most) && size.is_finite() {
-        size *= 2.0;
-    }
-    let count = count(size).as_uvec3();
-    let row = |normal: Vec3, first: f32, length: f32, walls: u32| -> Vec<Plane> {
-        (0..walls)
-            .map(|wall| Plane {
-                normal,
-                offset: first + wall as f32 * length,
-            })
-            .collect()
-    };
-    let courses = row(Vec3::Y, aabb.min.y + size.y, size.y, count.y - 1);
-    let depths = row(Vec3::Z, aabb.min.z + size.z, size.z, count.z - 1);
-    let joints = [
-        row(Vec3::X, aabb.min.x + size.x, size.x, count.x - 1),
-        row(Vec3::X, aabb.min.x + 0.5 * size.x, size.x, count.x),
-    ];
-    let mut cells = Vec::new();
-    for course in 0..=courses.len() {
-        let joints = &joints[course % 2];
-        for depth in 0..=depths.len() {
-            for brick in 0..=joints.len() {
-                let mut cell = between(&courses, course);
-                cell.extend(between(&depths, depth));
-                cell.extend(between(joints, brick));
-                cells.push(cell);
-            }
-        }
-    }
-    Some(cells)
 }
 
 /// The unit vector at about `fraction` of a turn from `(1, 0)`.

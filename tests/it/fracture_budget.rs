@@ -237,7 +237,7 @@ fn large_meshes_are_cut_one_step_after_the_other() {
             let ball = ConvexMesh::from_mesh(mesh).expect("closed");
             let at = Vec3::new(2.0 * f32::from(i), 2.25, 0.0);
             let fracturable = Fracturable {
-                pattern: FracturePattern::Star { planes: 2 },
+                pattern: FracturePattern::SinglePlane,
                 generations: 0,
                 ..Fracturable::with_strength(50.0)
             };
