@@ -27,7 +27,10 @@ fn slider(dice: &mut Dice) -> Form {
         }
         3 => {
             let sphere = primitives::icosphere(0.5, 1 + dice.below(2) as u32).expect("valid");
-            Form::Hull(sphere.vertices().to_vec())
+            // On a face: on an edge or a corner it would tip over sooner or later, on any floor.
+            let down = sphere.faces()[0].plane.normal;
+            let turn = Quat::from_rotation_arc(down, Vec3::NEG_Y);
+            Form::Hull(sphere.vertices().iter().map(|&v| turn * v).collect())
         }
         4 => Form::Box(Vec3::new(1.0, 0.02, 0.02)),
         _ => super::forms::cuboid(dice),
