@@ -5,7 +5,7 @@ use crate::collide::narrow_phase::compound_near::{
     PartScratch, examine_on_plane, find_near, gap_of_boxes, part_pair,
 };
 use crate::collide::narrow_phase::level::examine_level;
-use crate::collide::narrow_phase::part::{OVERLAP, PairRun, Scene, touch_of};
+use crate::collide::narrow_phase::part::{PairRun, Scene, touch_of};
 use crate::collide::narrow_phase::relative_pose;
 use crate::collide::proxies::CONTACT_MARGIN;
 use crate::contact::local_manifold::LocalManifold;
@@ -194,7 +194,7 @@ impl<'s> BodyPair<'s> {
             let cast = Cast {
                 hulls: parts.sides.map(|side| side.shape.hull()),
                 course,
-                tolerance: OVERLAP * extent,
+                tolerance: self.scene.passable(self.pair),
                 reach,
                 margin,
             };
