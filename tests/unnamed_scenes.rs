@@ -61,7 +61,7 @@ const KNOWN: [Known; FAMILIES.len()] = [
     known("swarms", MANY, 1),
     known("shots", MANY, 0),
     known("ledges", MANY, 0),
-    known("slides", MANY, 1),
+    known("slides", MANY, 0),
     known("passes", MANY, 0),
     known("copies", MANY, 1),
     known("steps", MANY, 0),

@@ -10,9 +10,11 @@ pub(super) mod compound_sense;
 mod level;
 pub(super) mod part;
 pub(super) mod round;
+mod scene;
 
 use crate::bodies::store::Bodies;
-use crate::collide::narrow_phase::part::{PairRun, Scene};
+use crate::collide::narrow_phase::part::PairRun;
+use crate::collide::narrow_phase::scene::Scene;
 use crate::collide::proxies::{Boxes, Lookahead};
 use crate::contact::body_id::BodyId;
 use crate::contact::body_manifold::BodyPlace;

@@ -5,8 +5,9 @@ use crate::collide::narrow_phase::compound_near::{
     PartScratch, examine_on_plane, find_near, gap_of_boxes, part_pair,
 };
 use crate::collide::narrow_phase::level::examine_level;
-use crate::collide::narrow_phase::part::{PairRun, Scene, touch_of};
+use crate::collide::narrow_phase::part::{PairRun, touch_of};
 use crate::collide::narrow_phase::relative_pose;
+use crate::collide::narrow_phase::scene::Scene;
 use crate::collide::proxies::CONTACT_MARGIN;
 use crate::contact::local_manifold::LocalManifold;
 use crate::contact::narrow::cast::{Cast, CastResult};

@@ -1,8 +1,9 @@
 //! Pairs of a hull and a level of triangles: several manifolds, one for each direction.
 
 use crate::collide::narrow_phase::compound_near::PartScratch;
-use crate::collide::narrow_phase::part::{PairRun, Scene, touch_of};
+use crate::collide::narrow_phase::part::{PairRun, touch_of};
 use crate::collide::narrow_phase::relative_pose;
+use crate::collide::narrow_phase::scene::Scene;
 use crate::contact::local_manifold::LocalManifold;
 use crate::contact::narrow::level::LevelPair;
 use crate::contact::pairs::broad_phase::Pair;

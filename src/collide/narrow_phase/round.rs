@@ -2,8 +2,9 @@
 
 use crate::bodies::body::Shape;
 use crate::bodies::store::Bodies;
-use crate::collide::narrow_phase::part::{PairRun, Scene, touch_of};
+use crate::collide::narrow_phase::part::{PairRun, touch_of};
 use crate::collide::narrow_phase::relative_pose;
+use crate::collide::narrow_phase::scene::Scene;
 use crate::collide::proxies::CONTACT_MARGIN;
 use crate::contact::local_manifold::LocalManifold;
 use crate::contact::narrow::cast::CastResult;
