@@ -1,11 +1,15 @@
 //! Limits, motors, springs and friction do what their equations say.
 
 use crate::common::scenes::awake;
-use crate::scene::{H, gap, heavy};
+use crate::scene::{H, Random, gap, heavy};
 use bevy_cleave::prelude::*;
 use glam::Vec3;
+use std::ops::Range;
 
 const G: f32 = 9.81;
+
+/// Joints with friction that are tried: where what is asked of a step goes against what sticks, which is seldom.
+const FRICTIONS: Range<u64> = 300..380;
 
 /// A box of 2 kg on a slider along x, without gravity, 3 m from the origin.
 fn slider(joint: Joint, velocity: f32) -> (Simulation, u32, JointId) {
@@ -104,6 +108,68 @@ fn springs_swing_and_decay_as_their_closed_form_says() {
         );
         assert!(worst < 0.02 * 3.0, "{ratio}: {worst}");
     }
+}
+
+/// A power of ten with a random exponent.
+#[expect(
+    clippy::disallowed_methods,
+    reason = "a test may differ in the last bit"
+)]
+fn decades(random: &mut Random, from: f32, to: f32) -> f32 {
+    10.0_f32.powf(random.range(from, to))
+}
+
+/// Friction along and about all that a joint lets move, each as strong as it likes: which of it sticks turns at once where the motion does.
+#[test]
+fn friction_gives_no_energy() {
+    let (mut gains, mut worst) = (0, 0.0_f64);
+    for seed in FRICTIONS {
+        let mut random = Random::new(seed);
+        let mut simulation = awake();
+        let length = random.range(0.2, 0.8);
+        let mut joint =
+            [Joint::rod(length), Joint::rope(length), Joint::ball()][(seed % 3) as usize];
+        for axis in joint.linear.iter_mut().chain(&mut joint.angular) {
+            if axis.range == AxisRange::Free {
+                axis.friction = decades(&mut random, -2.0, 2.0);
+            }
+        }
+        let mut body = heavy(
+            random.vector(0.2, 0.8),
+            Vec3::ZERO,
+            decades(&mut random, 0.0, 2.0),
+        );
+        body.pose.rotation = random.rotation();
+        body.linear_velocity = random.vector(-2.0, 2.0);
+        body.angular_velocity = random.vector(-5.0, 5.0);
+        let slot = simulation.bodies.insert(body).expect("usable");
+        let at = Pose::new(random.vector(-0.4, 0.4), random.rotation());
+        let poses = [Pose::IDENTITY, simulation.bodies.pose(slot)];
+        let mut joint = joint.with_frame(at, poses);
+        if joint.distance.range != AxisRange::Free {
+            joint.frame_a.position += length * Vec3::Y;
+        }
+        simulation.join(None, slot, joint).expect("usable");
+        let energy = |simulation: &Simulation| {
+            let weight = 9.81 * f64::from(simulation.bodies.mass(slot).mass);
+            let height = f64::from(simulation.bodies.center_of_mass(slot).y);
+            (
+                simulation.bodies.kinetic_energy(slot) + weight * height,
+                weight,
+            )
+        };
+        simulation.step(1.0 / 120.0);
+        let (before, weight) = energy(&simulation);
+        let mut gain = 0.0_f64;
+        for _ in 0..240 {
+            simulation.step(1.0 / 120.0);
+            gain = gain.max((energy(&simulation).0 - before) / weight);
+        }
+        gains += usize::from(gain > 1e-2);
+        worst = worst.max(gain);
+    }
+    println!("friction: {gains} gain more than a centimeter's height, the worst {worst:e} m");
+    assert!(gains == 0, "{gains}, {worst}");
 }
 
 /// Amplitude at a time after release from rest.

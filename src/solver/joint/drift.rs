@@ -64,6 +64,7 @@ impl JointSystem {
                 component.is_asked = self.rounds.next(number) == Move::Step;
             }
             self.apply_missing();
+            self.take_back_slips();
         }
         self.forget_curves_of_open();
         let is_pushed = self.rows.iter().any(|row| row.push != 0.0);
@@ -126,7 +127,12 @@ impl JointSystem {
                     progress.forget();
                 }
                 if row.state != RowState::Free {
-                    self.missing.push(0.0);
+                    let slips = !row.is_position();
+                    self.missing.push(if slips {
+                        row.missing_impulse(|| 0.0)
+                    } else {
+                        0.0
+                    });
                     continue;
                 }
                 if let (Some(measures), Some(_)) = (&along_end, position)
@@ -189,6 +195,45 @@ impl JointSystem {
                     } else {
                         0.0
                     };
+                }
+            }
+        }
+    }
+
+    /// Friction and drives that a step would have bear more than they can slip instead: such steps are not taken, and the next ones know.
+    fn take_back_slips(&mut self) {
+        if !self.has_bounds {
+            return;
+        }
+        for joint in &self.joints {
+            let component = joint.component;
+            if self.rounds.next(component) != Move::Step {
+                continue;
+            }
+            let rows = self.rows[joint.rows.clone()].iter_mut();
+            for row in rows.filter(|row| row.state == RowState::Free && !row.is_position()) {
+                row.state = row.state_at(|| 0.0);
+                if row.state != RowState::Free {
+                    self.components[component as usize].is_stale = true;
+                    self.rounds.take_back(component);
+                }
+            }
+        }
+        let Self {
+            rounds,
+            velocities,
+            rows,
+            ..
+        } = self;
+        for (body, &component) in self.sparsity.components.iter().enumerate() {
+            if rounds.is_taken_back(component) {
+                velocities[body] = rounds.velocities[body];
+            }
+        }
+        for joint in &self.joints {
+            if rounds.is_taken_back(joint.component) {
+                for number in joint.rows.clone() {
+                    rows[number].impulse = rounds.impulses[number];
                 }
             }
         }

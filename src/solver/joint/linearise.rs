@@ -162,6 +162,7 @@ impl JointSystem {
             self.add_fixed_velocity(at);
         }
         self.has_springs = self.rows.iter().any(|row| !row.is_rigid());
+        self.has_bounds = self.rows.iter().any(|row| !row.always_acts());
         self.components.clear();
         let components = self.sparsity.component_count.max(1);
         self.components.resize(components, Component::default());

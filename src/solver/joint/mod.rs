@@ -12,6 +12,7 @@
 //! | `system.rs` | the bodies and joints of a batch, and their rows |
 //! | `linearise.rs` | these rows anew where the bodies are now, or those that the step before ended with |
 //! | `solve.rs` | which rows act; velocities that satisfy them |
+//! | `settle.rs` | the same where that goes round in circles |
 //! | `bend.rs` | how much what turns is pulled inward |
 //! | `drift.rs` | where the bodies go, and the impulses that keep the joints together there |
 //! | `energy.rs` | which joints stay open, and what drives give |
@@ -29,6 +30,7 @@ pub(crate) mod measure;
 mod rounds;
 pub(crate) mod row;
 pub(crate) mod rows;
+mod settle;
 mod solve;
 mod sparsity;
 pub(crate) mod system;

@@ -44,6 +44,8 @@ pub(super) struct Progress {
     is_pushed: bool,
     /// Whether no motion was found at whose end the joints hold.
     is_lost: bool,
+    /// Whether the last step was not taken.
+    is_taken_back: bool,
     /// The most that was amiss before the last step, in tolerances.
     last: f64,
     /// The most that is amiss now.
@@ -57,6 +59,7 @@ impl Progress {
         has_stopped: false,
         is_pushed: false,
         is_lost: false,
+        is_taken_back: false,
         last: f64::INFINITY,
         worst: 0.0,
     };
@@ -89,6 +92,7 @@ impl Progress {
 
     fn judge(&mut self) {
         let worst = std::mem::take(&mut self.worst);
+        self.is_taken_back = false;
         if worst <= 1.0 {
             return self.stop(Move::Stop);
         }
@@ -133,7 +137,7 @@ impl Progress {
 pub(super) struct Rounds {
     /// By component.
     progress: Vec<Progress>,
-    /// By body and by row: before the last step.
+    /// By body and by row: before the last step, or the search for the rows that act.
     pub(super) velocities: Vec<Vector6>,
     pub(super) impulses: Vec<f64>,
 }
@@ -185,6 +189,18 @@ impl Rounds {
     /// Whether the bodies of a component go elsewhere than in the last round.
     pub(super) fn moves(&self, component: u32) -> bool {
         self.next(component) != Move::Stop
+    }
+
+    /// The last step of a component is not taken.
+    pub(super) fn take_back(&mut self, component: u32) {
+        let progress = &mut self.progress[component as usize];
+        progress.forget();
+        progress.is_taken_back = true;
+    }
+
+    /// Whether the last step of a component was not taken.
+    pub(super) fn is_taken_back(&self, component: u32) -> bool {
+        self.progress[component as usize].is_taken_back
     }
 
     /// What a component does next.

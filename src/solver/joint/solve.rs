@@ -5,10 +5,10 @@ use crate::simd::lanes::{Kernel, Lanes};
 use crate::solver::joint::links::{AddRows, LinkRow, Links};
 use crate::solver::joint::row::{JointRow, RowState};
 use crate::solver::joint::system::{BatchJoint, JointEndpoint, JointSystem};
-use crate::solver::joint::vector6::add_scaled;
+use crate::solver::joint::vector6::{Vector6, add_scaled};
 
-/// Most rounds in which it is found out which rows act; in the second half of them none that has been found idle acts again.
-const ROUNDS: usize = 12;
+/// Most rounds in which it is found out which rows act, before each is made to gain something.
+const ROUNDS: usize = 8;
 
 impl JointSystem {
     /// Rows that do not act yet do if they would alone.
@@ -30,13 +30,15 @@ impl JointSystem {
         for component in &mut self.components {
             component.is_asked = true;
         }
-        for round in 0..ROUNDS {
+        self.remember_unsettled();
+        for _ in 0..ROUNDS {
             run(self.width, FindMissing(self));
             self.apply_missing();
-            if !self.renew_states(round >= ROUNDS / 2) {
-                break;
+            if !self.renew_states() {
+                return;
             }
         }
+        self.settle();
     }
 
     #[inline(always)]
@@ -57,38 +59,51 @@ impl JointSystem {
     /// Gives the rows that are asked the impulses that they miss, less what they get by each other's.
     pub(crate) fn apply_missing(&mut self) {
         self.find_changes();
-        let position = &self.sparsity.position;
+        self.find_given();
+        self.give(1.0);
+    }
+
+    /// Has what rows miss be what they are given, once it is known how velocities change.
+    pub(super) fn find_given(&mut self) {
+        let mut given = std::mem::take(&mut self.missing);
+        for joint in &self.joints {
+            if joint.link.is_some() || !self.is_asked(joint) {
+                continue;
+            }
+            let changes = self.changes_of(joint);
+            let rows = self.rows[joint.rows.clone()].iter();
+            for (row, given) in rows.zip(&mut given[joint.rows.clone()]) {
+                if row.state == RowState::Free {
+                    let change = row.velocity(changes) - row.fixed_velocity;
+                    *given -= row.stiffness * change;
+                }
+            }
+        }
+        self.missing = given;
+    }
+
+    /// Gives rows and bodies a share of what has been found.
+    pub(super) fn give(&mut self, share: f64) {
         let components = &self.components;
         let asked = |joint: &&BatchJoint| components[joint.component as usize].is_asked;
         for joint in self.joints.iter().filter(asked) {
             let rows = self.rows[joint.rows.clone()].iter_mut();
-            let missing = &self.missing[joint.rows.clone()];
-            if joint.link.is_some() {
-                for (row, given) in rows.zip(missing) {
-                    row.impulse += given;
-                }
-                continue;
-            }
-            let of = |end| match end {
-                JointEndpoint::Jointed(body) => {
-                    Some(&self.changes[position[body as usize] as usize])
-                }
-                JointEndpoint::Fixed(_) => None,
-            };
-            let changes = joint.ends.map(of);
-            for (row, missing) in rows.zip(missing) {
-                let change = row.velocity(changes) - row.fixed_velocity;
-                let given = if row.state == RowState::Free {
-                    missing - row.stiffness * change
-                } else {
-                    *missing
-                };
-                row.impulse += given;
+            for (row, given) in rows.zip(&self.missing[joint.rows.clone()]) {
+                row.impulse += share * given;
             }
         }
-        for (velocity, &at) in self.velocities.iter_mut().zip(position) {
-            add_scaled(velocity, 1.0, &self.changes[at as usize]);
+        for (velocity, &at) in self.velocities.iter_mut().zip(&self.sparsity.position) {
+            add_scaled(velocity, share, &self.changes[at as usize]);
         }
+    }
+
+    /// How the velocities of a joint's bodies change.
+    pub(super) fn changes_of(&self, joint: &BatchJoint) -> [Option<&Vector6>; 2] {
+        let position = &self.sparsity.position;
+        joint.ends.map(|end| match end {
+            JointEndpoint::Jointed(body) => Some(&self.changes[position[body as usize] as usize]),
+            JointEndpoint::Fixed(_) => None,
+        })
     }
 
     /// Finds the changes of velocities, by place in the order, that the missing impulses of all rows make; rows by
@@ -135,9 +150,8 @@ impl JointSystem {
         self.factor.solve(sparsity, changes, missing, is_asked);
     }
 
-    /// Asks each row whether it acts; only components of which any has changed are asked further, if there are some. With `only_less`, none
-    /// begins to act.
-    fn renew_states(&mut self, only_less: bool) -> bool {
+    /// Asks each row whether it acts; only components of which any has changed are asked further, if there are some.
+    fn renew_states(&mut self) -> bool {
         for component in &mut self.components {
             component.was_asked = std::mem::take(&mut component.is_asked);
         }
@@ -153,8 +167,7 @@ impl JointSystem {
                     continue;
                 }
                 let state = row.state_at(|| row.velocity(velocities));
-                let begins = state == RowState::Free || row.state != RowState::Free;
-                if state != row.state && !(only_less && begins) {
+                if state != row.state {
                     row.state = state;
                     component.is_stale |= state != row.factored;
                     component.is_asked = true;

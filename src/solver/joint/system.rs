@@ -149,6 +149,8 @@ pub(crate) struct JointSystem {
     pub(super) components: Vec<Component>,
     /// Whether there are springs among the rows.
     pub(super) has_springs: bool,
+    /// Whether there are rows that do not always act.
+    pub(super) has_bounds: bool,
     /// Time for which springs act in the factor, and length of its sub-step, s.
     factored_for: [f64; 2],
     /// Changes of velocities, by place in the order.
