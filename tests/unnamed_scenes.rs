@@ -69,7 +69,7 @@ const KNOWN: [Known; FAMILIES.len()] = [
 
 /// Files in `data/judge` that break a law: all of these and no others. A mend takes them off the list; none is added but with a
 /// new file.
-const OPEN: [&str; 2] = ["broken_overlap_0", "needles_overlap_14"];
+const OPEN: [&str; 3] = ["broken_overlap_0", "needles_overlap_14", "slides_seam_184"];
 
 fn list(breaches: &[Breach]) -> String {
     let say = |breach: &Breach| format!("{}: {}", breach.law.name(), breach.what);

@@ -7,7 +7,7 @@ use crate::collide::narrow_phase::compound_near::{
 use crate::collide::narrow_phase::level::examine_level;
 use crate::collide::narrow_phase::part::{PairRun, touch_of};
 use crate::collide::narrow_phase::relative_pose;
-use crate::collide::narrow_phase::scene::Scene;
+use crate::collide::narrow_phase::scene::{OVERLAP, Scene};
 use crate::collide::proxies::CONTACT_MARGIN;
 use crate::contact::local_manifold::LocalManifold;
 use crate::contact::narrow::cast::{Cast, CastResult};
@@ -195,7 +195,7 @@ impl<'s> BodyPair<'s> {
             let cast = Cast {
                 hulls: parts.sides.map(|side| side.shape.hull()),
                 course,
-                tolerance: self.scene.passable(self.pair),
+                tolerance: OVERLAP * extent,
                 reach,
                 margin,
             };

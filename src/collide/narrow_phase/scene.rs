@@ -10,12 +10,9 @@ use crate::contact::pairs::recycle::{
 };
 use crate::math::Pose;
 
-/// Overlap along an axis, as a share of the least extent of the larger body that contacts move, up to which bodies count as getting past
-/// each other there: some times the sag of a soft contact, by which neighbors in a floor stand higher or lower.
-const OVERLAP: f32 = 3e-4;
-
-/// The same of the smaller body at most: what stands higher is an obstacle.
-const OBSTACLE: f32 = 5e-3;
+/// Overlap along an axis, as a share of the smaller body's least extent, up to which the bodies count as getting past each other
+/// there: some times the sag of a soft contact.
+pub(super) const OVERLAP: f32 = 3e-4;
 
 /// Bodies that move together meet if one of them is stopped within the step. They have a contact then if the gap between them is
 /// less than this share of the smaller one's least extent.
@@ -80,21 +77,10 @@ impl Scene<'_> {
         Some(Cast {
             hulls: [a?.hull(), b?.hull()],
             course: self.course(pair, b_in_a),
-            tolerance: self.passable(pair),
+            tolerance: OVERLAP * extent,
             reach,
             margin: CONTACT_MARGIN * extent + self.fall,
         })
-    }
-
-    /// Overlap along an axis up to which the bodies of a pair count as getting past each other there, m.
-    pub(super) fn passable(&self, pair: Pair) -> f32 {
-        let extent = smaller_extent(self.paces(pair));
-        let moved = [pair.a, pair.b].map(|slot| {
-            let is_moved = self.bodies.velocity[slot as usize].inverse_mass > 0.0;
-            f32::from(u8::from(is_moved)) * self.paces[slot as usize].min_extent
-        });
-        let sag = OVERLAP * moved[0].max(moved[1]);
-        sag.clamp(OVERLAP * extent, OBSTACLE * extent)
     }
 
     /// Up to which gap the bodies of a pair may touch within the step by how they move, m.
