@@ -51,6 +51,8 @@ pub(super) struct Instant {
     step: f32,
     /// Taken by the bonds, J.
     pub(super) work: f32,
+    /// Bonds times time steps.
+    pub(super) followed: usize,
     /// Velocity of something that stands, in which frame energies are told; none if nothing does.
     standing: Option<Vec3>,
 }
@@ -68,10 +70,9 @@ impl Instant {
             number[part as usize] = index;
         }
         let outside = members.len() as u32;
-        let parts = members.iter().map(|&part| (part, is_held(part)));
-        let mut bodies: Vec<Body> = parts
-            .map(|(part, is_held)| Body::of(network, part, is_held))
-            .collect();
+        let parts = members.iter();
+        let parts = parts.map(|&part| Body::of(network, part, is_held(part)));
+        let mut bodies: Vec<Body> = parts.collect();
         for push in hit.pushes {
             bodies[number[push.part as usize] as usize].take(push);
         }
@@ -112,18 +113,19 @@ impl Instant {
             friction: network.friction,
             heard: HEARD.min(endurance),
             work: 0.0,
+            followed: 0,
             standing,
         };
         instant.hit();
         instant
     }
 
-    /// Follows the motion; whether no part that does not take part has heard of it.
-    pub(super) fn run(&mut self) -> bool {
+    /// Follows the motion; whether no part that does not take part has heard of it, if somebody `asks`.
+    pub(super) fn run(&mut self, asks: bool) -> bool {
         let (mut most, mut work, mut calm) = (0.0f32, 0.0, 0);
         for step in 0..MOST_STEPS {
             if step % STEPS_PER_LOOK == 0 {
-                if self.is_heard_outside() {
+                if asks && self.is_heard_outside() {
                     return false;
                 }
                 let held = self.held_energy();
@@ -134,6 +136,7 @@ impl Instant {
                 }
                 (most, work) = (most.max(held), self.work);
             }
+            self.followed += self.links.len();
             for index in 0..self.links.len() {
                 self.pull(index);
             }

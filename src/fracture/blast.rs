@@ -3,6 +3,7 @@
 use crate::bodies::body::RigidBody;
 use crate::bodies::pushes::PointPush;
 use crate::bodies::store::Bodies;
+use crate::cluster::blow::FOLLOWED_PER_STEP;
 use crate::cluster::elastic::Wrench;
 use crate::cluster::hit::{Hit, Push};
 use crate::cluster::network::Network;
@@ -95,7 +96,10 @@ impl Fractures {
         let energy = network.push_energy(pushes, |part| state.holds(part));
         let hit = Hit::of_pushes(pushes);
         let is_enough = energy >= network.least_energy;
-        let outcome = is_enough.then(|| network.blow(hit, |part| state.holds(part)));
+        let is_held = |part| state.holds(part);
+        // An explosion strikes each once.
+        let mut follow = FOLLOWED_PER_STEP;
+        let outcome = is_enough.then(|| network.blow(hit, is_held, &mut follow));
         let outcome = outcome.unwrap_or_default();
         bodies.wake(slot);
         let left = self.state.left(budget);
@@ -151,7 +155,8 @@ fn wear(
         return Vec::new();
     }
     let is_held = |part| state.holds(part);
-    let strained = network.strained(hit, fatigue.endurance, is_held, broken);
+    let mut follow = FOLLOWED_PER_STEP;
+    let strained = network.strained(hit, fatigue.endurance, is_held, broken, &mut follow);
     if strained.is_empty() {
         return Vec::new();
     }

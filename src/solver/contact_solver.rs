@@ -1,6 +1,7 @@
 //! From manifolds and bodies to new velocities, motions and impulses, batch of islands by batch.
 
 use crate::bodies::store::Bodies;
+use crate::cluster::blow::FOLLOWED_PER_STEP;
 use crate::contact::manifolds::Manifolds;
 use crate::joints::store::JointRecord;
 use crate::solver::adaptivity::IslandRequirements;
@@ -46,6 +47,8 @@ pub struct ContactSolver {
     pub(crate) put_off_slots: Vec<u32>,
     /// Number of batches of the step itself, if there were local steps after it.
     pub(crate) whole_batches: Option<usize>,
+    /// What may still be followed in the step of blows to clusters, see [`FOLLOWED_PER_STEP`].
+    pub(crate) follow_left: usize,
     /// Slots of bodies that move by themselves, and no contact moves.
     pub(crate) carriers: Vec<u32>,
 }
@@ -111,6 +114,7 @@ impl ContactSolver {
             self.put_off.clear();
             self.put_off_slots.clear();
             self.whole_batches = None;
+            self.follow_left = FOLLOWED_PER_STEP;
         } else {
             self.earlier += self.ranges.len();
             let waiting = self
@@ -229,7 +233,7 @@ impl ContactSolver {
     ) {
         let new_batches = &mut self.batches[self.earlier..][..self.ranges.len()];
         let (islands, requirements, bonded) = (&self.islands, &self.requirements, &self.bonded);
-        let joints = &self.joints;
+        let (joints, follow_left) = (&self.joints, self.follow_left);
         let solve = |batch: &mut Batch, range: &Range<usize>, team: Option<&Team>| {
             let requirement = &requirements[range.start];
             let step = Step {
@@ -239,6 +243,7 @@ impl ContactSolver {
                 settings,
                 team,
                 may_break: may_break && !is_large(&islands.list[range.start]),
+                follow_left,
             };
             batch.load(&step, range.clone(), requirement);
             batch.load_bonds(bonded, manifolds);
@@ -257,6 +262,10 @@ impl ContactSolver {
                 solve(batch, range, None);
             }
         });
+        // Side by side, each as if it were the only one: the same by any number of threads.
+        let solved = self.batches[self.earlier..][..self.ranges.len()].iter();
+        let followed = solved.map(|batch| follow_left - batch.impacts.follow_left);
+        self.follow_left = follow_left.saturating_sub(followed.sum());
     }
 
     /// The first island that is not solved with the one at `first`: calm ones with the same sub-steps share a batch.

@@ -50,17 +50,51 @@ pub(crate) struct Split<'a> {
     pub(crate) children: Vec<Child<'a>>,
 }
 
-impl Split<'_> {
-    /// The piece that owns a point of the parent (parent's frame, m): the one that it is deepest in, or nearest to.
-    fn owner(&self, point: Vec3) -> Option<usize> {
-        let distance = |&i: &usize| self.children[i].height(point);
-        let by_distance = |a: &usize, b: &usize| distance(a).total_cmp(&distance(b));
-        (0..self.children.len()).min_by(by_distance)
+/// The planes of all faces of the pieces (parent's frame), piece by piece: a cluster of a thousand parts hands hundreds of points on.
+#[derive(Debug, Default)]
+struct PiecePlanes {
+    planes: Vec<Plane>,
+    /// Where those of each piece end.
+    ends: Vec<usize>,
+}
+
+impl PiecePlanes {
+    fn of(children: &[Child]) -> Self {
+        let mut all = Self::default();
+        for child in children {
+            all.planes.extend(child.faces());
+            all.ends.push(all.planes.len());
+        }
+        all
     }
 
+    /// The piece that owns a point of the parent (parent's frame, m): the one that it is deepest in, or nearest to; the first of
+    /// several.
+    fn owner(&self, point: Vec3) -> Option<usize> {
+        let (mut best, mut least, mut first) = (0, f32::INFINITY, 0);
+        for (piece, &end) in self.ends.iter().enumerate() {
+            // Above one face by as much as that, it is above the surface by as much.
+            let mut height = f32::NEG_INFINITY;
+            for plane in &self.planes[first..end] {
+                height = height.max(plane.distance(point));
+                if height >= least {
+                    break;
+                }
+            }
+            first = end;
+            if height < least {
+                (best, least) = (piece, height);
+            }
+        }
+        (!self.ends.is_empty()).then_some(best)
+    }
+}
+
+impl Split<'_> {
     /// For the entries of one pair: which piece has each, and what its impulses are multiplied with.
     fn shares(
         &self,
+        planes: &PiecePlanes,
         entries: &[CacheEntry],
         codes: impl Fn(&CacheEntry) -> KdCode,
     ) -> Vec<PieceShare> {
@@ -69,7 +103,7 @@ impl Split<'_> {
             let point = point(entry);
             let is_in_use = entry.age == 0;
             let impulse = if is_in_use { entry.normal_impulse } else { 0.0 };
-            Some((self.owner(point)?, point, impulse.max(0.0)))
+            Some((planes.owner(point)?, point, impulse.max(0.0)))
         });
         let owned: Vec<_> = owned.collect();
         let face = self.common_face(&owned);
@@ -133,12 +167,6 @@ impl Child<'_> {
         })
     }
 
-    /// How high a point (parent's frame) is above its surface, m: below zero inside.
-    fn height(&self, point: Vec3) -> f32 {
-        let heights = self.faces().map(|plane| plane.distance(point));
-        heights.fold(f32::NEG_INFINITY, f32::max)
-    }
-
     /// Area of its part of a face of the parent (parent's frame), m2.
     fn area_in(&self, parent: &Plane) -> f32 {
         let size = length_scale(&self.hull.aabb) + self.origin.abs().max_element();
@@ -173,11 +201,12 @@ impl ContactCache {
             let is_of =
                 |pair: &&PairRecord| pair.bodies.0 == split.parent || pair.bodies.1 == split.parent;
             let mut passed: Vec<Named> = Vec::new();
+            let planes = PiecePlanes::of(&split.children);
             for pair in current.pairs.iter().filter(is_of) {
                 let entries = &current.entries[pair.range()];
                 let is_a = pair.bodies.0 == split.parent;
                 let code = |e: &CacheEntry| if is_a { e.code_a } else { e.code_b };
-                let shares = split.shares(entries, code);
+                let shares = split.shares(&planes, entries, code);
                 let pass = |(entry, share)| pass_on(split, pair.bodies, entry, share, rotation);
                 passed.extend(entries.iter().zip(&shares).map(pass));
             }

@@ -53,7 +53,9 @@ impl Batch {
             }
             let strikers = self.strikers(number, manifolds, bodies);
             let hit = Hit::of(&strikers);
-            let bonds = network.strained(hit, fatigue.endurance, |part| state.holds(part), &[]);
+            let left = &mut self.impacts.follow_left;
+            let is_held = |part| state.holds(part);
+            let bonds = network.strained(hit, fatigue.endurance, is_held, &[], left);
             if !bonds.is_empty() {
                 self.impacts.strains.push(Strain {
                     slot,
@@ -77,9 +79,9 @@ impl Batch {
         let slot = self.layout.slots[number as usize];
         let state = bodies.cluster(slot)?;
         let strikers = self.strikers(number, manifolds, bodies);
-        let outcome: BlowOutcome = state
-            .network
-            .blow(Hit::of(&strikers), |part| state.holds(part));
+        let left = &mut self.impacts.follow_left;
+        let hit = Hit::of(&strikers);
+        let outcome: BlowOutcome = (state.network).blow(hit, |part| state.holds(part), left);
         if outcome.broken.is_empty() {
             self.impacts.limits[limit].bond_energy = RETRIED * load.energy;
             return None;
@@ -99,9 +101,10 @@ impl Batch {
             return None;
         }
         let strained = bodies.fatigue(slot).map_or_else(Vec::new, |fatigue| {
-            let (network, hit) = (&state.network, Hit::of(&strikers));
+            let (network, broken) = (&state.network, &outcome.broken);
             let is_held = |part| state.holds(part);
-            network.strained(hit, fatigue.endurance, is_held, &outcome.broken)
+            let left = &mut self.impacts.follow_left;
+            network.strained(hit, fatigue.endurance, is_held, broken, left)
         });
         Some(Blow {
             bonds: outcome.broken,

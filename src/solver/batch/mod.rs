@@ -141,6 +141,8 @@ pub struct Impacts {
     pub(crate) cracks: Vec<Crack>,
     /// Bonds within bodies that blows wear.
     pub(crate) strains: Vec<Strain>,
+    /// What may still be followed in the step of blows to clusters, see [`FOLLOWED_PER_STEP`](crate::cluster::blow::FOLLOWED_PER_STEP).
+    pub(crate) follow_left: usize,
     /// Whether the solve is to be given up when a body is overloaded.
     pub may_break: bool,
     /// Whether the solve was given up because a body breaks; velocities and motions mean nothing then.
