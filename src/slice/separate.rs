@@ -84,8 +84,9 @@ fn parts_of(mesh: &TriMesh, clipper: &mut CellClipper) -> Result<Vec<Piece>, Sli
         return Ok(Vec::new());
     }
     parts.join_thin_ones(mesh, &mut labels)?;
-    while let Some([kept, joined]) = parts.find_overlap(clipper) {
-        parts.join(mesh, &mut labels, [kept, joined])?;
+    let joined = parts.join_overlapping(&mut labels, clipper)?;
+    for part in joined {
+        parts.hulls[part] = hull_around(mesh, &labels, part as u32)?;
     }
     let hulls = parts.hulls.into_iter().flatten();
     let pieces = hulls
@@ -132,31 +133,64 @@ impl ComponentParts {
         Ok(())
     }
 
-    /// Two parts whose hulls reach into each other.
-    fn find_overlap(&self, clipper: &mut CellClipper) -> Option<[usize; 2]> {
-        let hulls = || self.hulls.iter().enumerate();
-        let pairs = hulls().flat_map(|a| hulls().skip(a.0 + 1).map(move |b| [a, b]));
-        let mut overlaps = pairs.filter_map(|[(i, a), (j, b)]| {
-            let is_overlap = overlap(a.as_ref()?, b.as_ref()?, clipper);
-            is_overlap.then_some([i, j])
-        });
-        overlaps.next()
-    }
-
-    /// Makes one part of two.
-    fn join(
+    /// Joins parts whose hulls reach into each other, in the order of the first of both, until none do; which have grown.
+    fn join_overlapping(
         &mut self,
-        mesh: &TriMesh,
         labels: &mut [u32],
-        [kept, joined]: [usize; 2],
-    ) -> Result<(), SliceError> {
-        for label in &mut *labels {
-            if *label == joined as u32 {
-                *label = kept as u32;
+        clipper: &mut CellClipper,
+    ) -> Result<Vec<usize>, SliceError> {
+        // Which part each has become a part of.
+        let mut kept: Vec<usize> = (0..self.hulls.len()).collect();
+        let mut part = 0;
+        while part < self.hulls.len() {
+            match self.find_overlap(part, clipper) {
+                // Grown, it may reach into those before it.
+                Some([first, second]) => {
+                    kept[second] = first;
+                    self.join([first, second])?;
+                    part = first;
+                }
+                None => part += 1,
             }
         }
-        self.hulls[joined] = None;
-        self.hulls[kept] = hull_around(mesh, labels, kept as u32)?;
+        // One only becomes a part of one before it.
+        for part in 0..kept.len() {
+            kept[part] = kept[kept[part]];
+        }
+        for label in labels {
+            *label = kept[*label as usize] as u32;
+        }
+        let grown = (0..kept.len()).filter(|&part| kept[part] != part);
+        let mut grown: Vec<usize> = grown.map(|part| kept[part]).collect();
+        grown.sort_unstable();
+        grown.dedup();
+        Ok(grown)
+    }
+
+    /// A part and another one whose hulls reach into each other, ascending.
+    fn find_overlap(&self, part: usize, clipper: &mut CellClipper) -> Option<[usize; 2]> {
+        let own = self.hulls[part].as_ref()?;
+        let mut others = (0..self.hulls.len()).filter(|&other| other != part);
+        let other = others.find(|&other| {
+            let hull = self.hulls[other].as_ref();
+            hull.is_some_and(|hull| {
+                let [a, b] = if other < part {
+                    [hull, own]
+                } else {
+                    [own, hull]
+                };
+                overlap(a, b, clipper)
+            })
+        })?;
+        Some([part.min(other), part.max(other)])
+    }
+
+    /// Makes one part of two, within the hull around both hulls: fewer points than those of their meshes.
+    fn join(&mut self, [kept, joined]: [usize; 2]) -> Result<(), SliceError> {
+        let both = [self.hulls[kept].take(), self.hulls[joined].take()];
+        let corners = both.iter().flatten().flat_map(|hull| hull.vertices());
+        let corners: Vec<Vec3> = corners.copied().collect();
+        self.hulls[kept] = hull_unless_flat(&corners)?;
         Ok(())
     }
 }

@@ -243,11 +243,11 @@ impl ContactSolver {
                 settings,
                 team,
                 may_break: may_break && !is_large(&islands.list[range.start]),
-                follow_left,
             };
             batch.load(&step, range.clone(), requirement);
             batch.load_bonds(bonded, manifolds);
             batch.load_joints(joints, bodies);
+            batch.impacts.follow_left = follow_left;
             batch.solve((manifolds, bodies), team);
         };
         let is_for_team =

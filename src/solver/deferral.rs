@@ -54,10 +54,10 @@ impl ContactSolver {
                     settings,
                     team: None,
                     may_break: true,
-                    follow_left: self.follow_left,
                 };
                 batch.load(&step, part..part + 1, &self.requirements[whole]);
                 batch.load_bonds(&self.bonded, manifolds);
+                batch.impacts.follow_left = self.follow_left;
                 batch.solve((manifolds, bodies), None);
                 self.follow_left = batch.impacts.follow_left;
                 if batch.impacts.is_broken {

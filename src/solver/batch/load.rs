@@ -48,8 +48,6 @@ pub struct Step<'a> {
     pub team: Option<&'a Team>,
     /// Whether the solve is to be given up when a body is overloaded.
     pub may_break: bool,
-    /// See [`Impacts::follow_left`](crate::solver::batch::Impacts::follow_left).
-    pub(crate) follow_left: usize,
 }
 
 impl Batch {
@@ -62,7 +60,6 @@ impl Batch {
             settings,
             team,
             may_break,
-            follow_left,
         } = *step;
         self.clear();
         self.settings = settings.for_requirements(requirements);
@@ -70,7 +67,6 @@ impl Batch {
         let is_kept = layout.number(islands, range.clone(), bodies, &self.settings, team);
         self.load_bodies(bodies, team);
         self.impacts.may_break = may_break;
-        self.impacts.follow_left = follow_left;
         if !is_kept {
             let (blocks, points) = (&mut self.contacts.blocks, &mut self.contacts.points);
             let (layout, order) = (&mut self.layout, self.settings.order);
