@@ -141,16 +141,16 @@ impl ComponentParts {
     ) -> Result<Vec<usize>, SliceError> {
         // Which part each has become a part of.
         let mut kept: Vec<usize> = (0..self.hulls.len()).collect();
-        let mut part = 0;
+        let (mut part, mut from) = (0, 1);
         while part < self.hulls.len() {
-            match self.find_overlap(part, clipper) {
-                // Grown, it may reach into those before it.
+            match self.find_overlap(part, from, clipper) {
+                // Grown, it may reach into those before it; others have been held against them already.
                 Some([first, second]) => {
                     kept[second] = first;
                     self.join([first, second])?;
-                    part = first;
+                    (part, from) = (first, 0);
                 }
-                None => part += 1,
+                None => (part, from) = (part + 1, part + 2),
             }
         }
         // One only becomes a part of one before it.
@@ -167,10 +167,15 @@ impl ComponentParts {
         Ok(grown)
     }
 
-    /// A part and another one whose hulls reach into each other, ascending.
-    fn find_overlap(&self, part: usize, clipper: &mut CellClipper) -> Option<[usize; 2]> {
+    /// A part and another one, number `from` or later, whose hulls reach into each other, ascending.
+    fn find_overlap(
+        &self,
+        part: usize,
+        from: usize,
+        clipper: &mut CellClipper,
+    ) -> Option<[usize; 2]> {
         let own = self.hulls[part].as_ref()?;
-        let mut others = (0..self.hulls.len()).filter(|&other| other != part);
+        let mut others = (from..self.hulls.len()).filter(|&other| other != part);
         let other = others.find(|&other| {
             let hull = self.hulls[other].as_ref();
             hull.is_some_and(|hull| {

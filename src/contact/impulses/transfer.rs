@@ -201,8 +201,11 @@ impl ContactCache {
             let is_of =
                 |pair: &&PairRecord| pair.bodies.0 == split.parent || pair.bodies.1 == split.parent;
             let mut passed: Vec<Named> = Vec::new();
-            let planes = PiecePlanes::of(&split.children);
-            for pair in current.pairs.iter().filter(is_of) {
+            let mut pairs = current.pairs.iter().filter(is_of).peekable();
+            // What touches nothing hands nothing on.
+            let children = pairs.peek().map_or(&[][..], |_| &split.children);
+            let planes = PiecePlanes::of(children);
+            for pair in pairs {
                 let entries = &current.entries[pair.range()];
                 let is_a = pair.bodies.0 == split.parent;
                 let code = |e: &CacheEntry| if is_a { e.code_a } else { e.code_b };

@@ -153,6 +153,12 @@ impl JointRow {
         } else {
             self.base
         };
+        self.unbounded_from(base, velocity)
+    }
+
+    /// The same from another base.
+    #[inline(always)]
+    pub(crate) fn unbounded_from(&self, base: f64, velocity: f64) -> f64 {
         base + self.stiffness * (self.target - velocity)
     }
 
@@ -171,9 +177,19 @@ impl JointRow {
         match self.state {
             RowState::AtLeast if wanted > self.bounds[0] => RowState::Free,
             RowState::AtMost if wanted < self.bounds[1] => RowState::Free,
-            _ if wanted <= self.bounds[0] => RowState::AtLeast,
-            _ if wanted >= self.bounds[1] => RowState::AtMost,
-            _ => RowState::Free,
+            _ => self.state_of(wanted),
+        }
+    }
+
+    /// The state that goes with an impulse without bounds.
+    #[inline(always)]
+    pub(crate) fn state_of(&self, wanted: f64) -> RowState {
+        if wanted <= self.bounds[0] {
+            RowState::AtLeast
+        } else if wanted >= self.bounds[1] {
+            RowState::AtMost
+        } else {
+            RowState::Free
         }
     }
 }

@@ -4,7 +4,7 @@
 //! least along it something is gained. Friction about many axes of one joint asks for it, and rows along which nearly nothing moves, as the
 //! twist of a joint whose first axes point against each other.
 
-use crate::solver::joint::row::{JointRow, RowState};
+use crate::solver::joint::row::JointRow;
 use crate::solver::joint::system::JointSystem;
 
 /// Most steps towards what is least for given impulses of rigid rows, and how often these are renewed: each time what the softness of these
@@ -153,20 +153,10 @@ impl JointSystem {
 impl JointRow {
     /// Impulse at a velocity, without bounds, of a row whose `base` is that of a rigid one too.
     fn wanted(&self, velocity: f64) -> f64 {
-        self.base + self.stiffness * (self.target - velocity)
+        self.unbounded_from(self.base, velocity)
     }
 
     fn within_bounds(&self, impulse: f64) -> f64 {
         impulse.max(self.bounds[0]).min(self.bounds[1])
-    }
-
-    fn state_of(&self, wanted: f64) -> RowState {
-        if wanted <= self.bounds[0] {
-            RowState::AtLeast
-        } else if wanted >= self.bounds[1] {
-            RowState::AtMost
-        } else {
-            RowState::Free
-        }
     }
 }
