@@ -234,6 +234,17 @@ impl Joint {
         self
     }
 
+    /// Whether each axis is held rigidly or let go: no end of a range is hit, nothing drives or brakes it.
+    pub(crate) fn is_free_or_rigid(&self) -> bool {
+        self.axes().all(|axis| {
+            let may_hit_an_end = match axis.range {
+                AxisRange::Limited { min, max } => min < max,
+                _ => false,
+            };
+            !may_hit_an_end && axis.drive.is_none() && axis.friction == 0.0
+        })
+    }
+
     /// All axes: three linear, three angular, distance.
     pub(crate) fn axes(&self) -> impl Iterator<Item = &JointAxis> {
         let six = self.linear.iter().chain(&self.angular);

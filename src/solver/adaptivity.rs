@@ -22,6 +22,9 @@ pub struct IslandRequirements {
     pub can_hit: bool,
     /// What holds its bodies at a distance: joints alone are solved otherwise than among contacts.
     pub joints: JointPresence,
+    /// Fastest turn of a body within the step, rad, where nothing but joints acts between the bodies, and each axis of theirs is free or rigid:
+    /// sub-steps need only follow that turn. `None` for all others.
+    pub joint_swing: Option<f32>,
     /// Sub-steps that follow from all that.
     pub substeps: u32,
     /// Steps that it takes within the step, each with contacts of its own; 1 for the step itself.

@@ -57,7 +57,8 @@ pub enum Method {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct SoftStep {
-    /// Least number of parts that each step is solved and integrated in; contact geometry is found once per step.
+    /// Least number of parts that each step is solved and integrated in; contact geometry is found once per step. Where
+    /// [`max_substeps`](Self::max_substeps) is more, bodies that only rigid joints hold take a quarter of it while they turn slowly.
     pub min_substeps: u32,
     /// Most parts. An island takes as many as keep the sag of its soft contacts below [`sag`](Self::sag) under the load that
     /// they bore in the last step.

@@ -45,7 +45,7 @@ impl ContactSolver {
         self.islands.find_moving(relative_motion);
         self.requirements.clear();
         for i in 0..self.islands.list.len() {
-            let requirement = self.requirement(i, manifolds, settings);
+            let requirement = self.requirement(i, manifolds, bodies, settings);
             self.requirements.push(requirement);
         }
     }
@@ -110,6 +110,7 @@ impl ContactSolver {
         &self,
         island: usize,
         manifolds: &Manifolds,
+        bodies: &Bodies,
         settings: &SubstepSettings,
     ) -> IslandRequirements {
         let island = &self.islands.list[island];
@@ -121,6 +122,7 @@ impl ContactSolver {
                 (false, true) => JointPresence::Alone,
                 (false, false) => JointPresence::AmongContacts,
             },
+            joint_swing: None,
             substeps: 0,
             local_steps: 1,
         };
@@ -134,9 +136,23 @@ impl ContactSolver {
                 requirement.load = requirement.load.max(load);
             }
         }
+        if settings.depends_on_load() && requirement.joints == JointPresence::Alone {
+            requirement.joint_swing = self.joint_swing(island, bodies, settings.step_dt());
+        }
         requirement.substeps = settings.substeps_for(&requirement);
         requirement.local_steps = self.local_steps(island, &requirement, manifolds, settings);
         requirement
+    }
+
+    /// See [`IslandRequirements::joint_swing`].
+    fn joint_swing(&self, island: &Island, bodies: &Bodies, step: f32) -> Option<f32> {
+        let mut joints = self.islands.joints[island.joints.clone()].iter();
+        if !joints.all(|&(joint, _)| self.joints[joint as usize].joint.is_free_or_rigid()) {
+            return None;
+        }
+        let slots = self.islands.slots[island.bodies.clone()].iter();
+        let spins = slots.map(|&slot| bodies.velocity[slot as usize].angular.length_squared());
+        Some(step * spins.fold(0.0, f32::max).sqrt())
     }
 
     /// Steps that an island takes within the step: so many that gravity moves nothing by more than [`FALL`] of its least extent in

@@ -13,6 +13,13 @@ use glam::Vec3;
 /// would give way like a foot under a load of many times its mass, or ask for that many more sub-steps (`docs/decisions/joints.md`).
 const STIFFNESS_AMONG_JOINTS: f32 = 4.0;
 
+/// Turn of a sub-step, rad, that is small enough for bodies that joints alone hold: rows are solved directly and motion is of second order, so that
+/// the period of a pendulum is off by some `SWING^2 / 24` at most (`docs/decisions/joints.md`).
+const SWING: f32 = 0.02;
+
+/// The least sub-steps over those that slow ones of them take.
+const SLOW_SHARE: u32 = 4;
+
 /// A bounce that lasts as many steps or fewer is none; its speed comes to nothing in half of them. At 60 Hz and on Earth that is more than the 0.5 m/s of [`SolverConfig::restitution_threshold`].
 const REBOUND_STEPS: f32 = 8.0;
 
@@ -196,6 +203,10 @@ impl SubstepSettings {
     pub fn substeps_for(&self, requirements: &IslandRequirements) -> u32 {
         if self.method != MethodKind::SoftStep {
             return self.substeps;
+        }
+        if let Some(swing) = requirements.joint_swing {
+            let parts = (swing / SWING).ceil() as u32;
+            return parts.clamp(self.substeps.div_ceil(SLOW_SHARE), self.substeps);
         }
         let step_dt = self.step_dt();
         let frequency = self.stiffness_for(requirements) * self.contact_frequency;

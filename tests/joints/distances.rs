@@ -124,7 +124,8 @@ fn a_rod_or_a_rope_without_length_is_a_ball_joint() {
             let at = random.vector(-0.3, 0.3);
             let (gap, [lost, gained]) = on_a_post(joint, at, -at, 300);
             assert!(gap < 1e-6, "{gap}");
-            assert!(lost > -1e-3 && gained < 1e-3, "{lost} {gained}");
+            // Of up to 6 J: some 4 rad/s are followed by four sub-steps a step.
+            assert!(lost > -2e-3 && gained < 1e-3, "{lost} {gained}");
         }
     }
 }
