@@ -27,6 +27,9 @@ const SAME: f32 = 1.0 - 5e-7;
 /// Share of its diagonal by which a neighbor may reach farther along a direction than the place: the same angle.
 const FLAT: f32 = 1e-3;
 
+/// Rounding of places, as a share of the neighbor's diagonal.
+const ROUNDING: f32 = 1e-6;
+
 /// What is left of a face, and less than this share of it, is rounding.
 const SLIVER: f32 = 1e-5;
 
@@ -270,22 +273,39 @@ fn parts_touch([a, b]: [&CompoundPart; 2], gap: f32) -> bool {
     }
 }
 
-/// Whether a neighbor is at a place and reaches farther along a direction, compound's frame.
+/// Whether a neighbor is at a place and goes on from there along a direction, compound's frame: not only far away, where it counts as flat
+/// that reaches farther by little.
 fn goes_on(other: &CompoundPart, at: Vec3, normal: Vec3, gap: f32) -> bool {
     let at = other.pose.inverse_transform_point(at);
     let normal = rotate(other.pose.rotation.inverse(), normal);
     let (core, radius) = core_of(&other.shape);
     let height = normal.dot(core.support(normal) - at) + radius;
-    if height <= gap + FLAT * other.shape.aabb().diagonal() {
+    let size = other.shape.aabb();
+    if height <= gap {
         return false;
     }
+    let is_at = match nearest(&core, at) {
+        Some((_, away)) => away <= radius + gap,
+        None => true,
+    };
+    if !is_at || height > gap + FLAT * size.diagonal() {
+        return is_at;
+    }
+    let ahead = at + size.extents().min_element() * normal;
+    let Some((on_core, away)) = nearest(&core, ahead) else {
+        return true;
+    };
+    let along = on_core + radius / away * (ahead - on_core) - at;
+    normal.dot(along) > FLAT * along.length() + ROUNDING * size.diagonal()
+}
+
+/// The point of a core that is nearest to a place, and how far away it is, m; none if the place is inside.
+fn nearest(core: &Core, at: Vec3) -> Option<(Vec3, f32)> {
     let there = Pose::new(at, Quat::IDENTITY);
     let place = PlacedCore::new(Core::of_point(Vec3::ZERO), &there);
-    let most = f64::from(radius + gap);
-    match distance(&core, &place, most) {
-        Separation::Far => false,
-        Separation::Near(near) => near.distance <= most,
-        Separation::Overlap => true,
+    match distance(core, &place, f64::INFINITY) {
+        Separation::Near(near) => Some((near.on_a.as_vec3(), near.distance as f32)),
+        Separation::Overlap | Separation::Far => None,
     }
 }
 

@@ -1,5 +1,7 @@
 //! What rolls keeps rolling, and what stands stays.
+#![expect(clippy::disallowed_methods, reason = "sizes and speeds of scenes")]
 
+use crate::common::dice::Dice;
 use crate::common::scenes::awake;
 use bevy_cleave::prelude::*;
 use glam::{Quat, Vec3};
@@ -79,4 +81,75 @@ fn what_rolls_keeps_its_speed() {
             assert!(place.z.abs() < 0.05, "{name} on {kind:?}: at {place}");
         }
     }
+}
+
+/// Shapes that roll along x about an axis that lies along z: any, of a radius (m).
+fn roller(dice: &mut Dice, radius: f32) -> (&'static str, ConvexMesh) {
+    let half = radius * dice.in_range(0.1, 3.0);
+    let (name, shape) = match dice.below(4) {
+        0 => ("sphere", ConvexMesh::sphere(radius)),
+        1 => ("capsule", ConvexMesh::capsule(radius, 2.0 * half)),
+        2 => ("cylinder", ConvexMesh::cylinder(radius, 2.0 * half)),
+        _ => ("coin", ConvexMesh::cylinder(radius, 0.3 * radius)),
+    };
+    (name, shape.expect("usable"))
+}
+
+/// A floor of boxes side by side along x, as bodies or as the parts of one.
+fn pieces(length: f32, size: Vec3, is_one_body: bool) -> Vec<BodyDesc> {
+    let count = (length / size.x) as usize + 8;
+    let mesh = ConvexMesh::cuboid(size.x, size.y, size.z).expect("a box");
+    let place = |i: usize| {
+        let along = (i as f32 - 3.6) * size.x;
+        Pose::from_position(Vec3::new(along, -0.5 * size.y, 0.0))
+    };
+    if is_one_body {
+        let parts = (0..count).map(|i| (place(i), mesh.clone()));
+        let floor = Shape::Compound(Compound::new(parts).expect("a floor"));
+        return vec![BodyDesc::new(RigidBody::Static, floor)];
+    }
+    let fixed = |i: usize| BodyDesc {
+        pose: place(i),
+        ..BodyDesc::new(RigidBody::Static, Shape::Convex(mesh.clone()))
+    };
+    (0..count).map(fixed).collect()
+}
+
+/// Edges of pieces that lie side by side once braked what rolled over them by up to all of its speed, and threw it up.
+#[test]
+fn what_rolls_over_flush_pieces_keeps_its_speed() {
+    const STEPS: usize = 150;
+    let mut worst = 0.0_f32;
+    for seed in 0..80 {
+        let dice = &mut Dice::new(seed);
+        let radius = 0.02 * 1000.0_f32.powf(dice.unit());
+        let (name, shape) = roller(dice, radius);
+        let speed = 0.3 * 25.0_f32.powf(dice.unit()) * (9.81 * radius).sqrt();
+        let step_dt = 1.0 / [30.0, 60.0, 120.0, 240.0][dice.below(4)];
+        let length = speed * step_dt * STEPS as f32;
+        let tile = (radius * dice.in_range(0.3, 3.0)).max(length / 300.0);
+        let size = Vec3::new(tile, 2.0 * radius, 24.0 * radius);
+        let is_one_body = dice.below(2) == 0;
+        let mut simulation = awake();
+        for piece in pieces(length, size, is_one_body) {
+            simulation.bodies.insert(piece).expect("usable");
+        }
+        let mut desc = BodyDesc::dynamic(shape, radius * Vec3::Y);
+        desc.pose.rotation = Quat::from_rotation_arc(Vec3::Y, Vec3::Z);
+        desc.linear_velocity = speed * Vec3::X;
+        desc.angular_velocity = -speed / radius * Vec3::Z;
+        let slot = simulation.bodies.insert(desc).expect("usable");
+        let mut off = 0.0_f32;
+        for _ in 0..STEPS {
+            simulation.step(step_dt);
+            let (linear, _) = simulation.bodies.velocity(slot);
+            off = off.max((linear - speed * Vec3::X).length() / speed);
+        }
+        worst = worst.max(off);
+        assert!(
+            off < 5e-3,
+            "{seed}: {name} of {radius} m at {speed} m/s over pieces of {tile} m, one body: {is_one_body}: off by {off:e}"
+        );
+    }
+    println!("what rolls over flush pieces is off by {worst:.1e} of its speed at most");
 }

@@ -181,6 +181,7 @@ impl<'s> BodyPair<'s> {
             let cast = RoundCast {
                 meshes: parts.sides.map(|side| side.shape),
                 course,
+                tolerance: OVERLAP * extent,
                 reach,
                 margin,
             };

@@ -4,7 +4,7 @@ use crate::bodies::body::Shape;
 use crate::bodies::store::Bodies;
 use crate::collide::narrow_phase::part::{PairRun, touch_of};
 use crate::collide::narrow_phase::relative_pose;
-use crate::collide::narrow_phase::scene::Scene;
+use crate::collide::narrow_phase::scene::{OVERLAP, Scene};
 use crate::collide::proxies::CONTACT_MARGIN;
 use crate::contact::local_manifold::LocalManifold;
 use crate::contact::narrow::cast::CastResult;
@@ -64,11 +64,13 @@ impl PairRun {
         };
         let gaps = patch.points().iter().map(|point| point.separation);
         let gap = gaps.fold(f32::INFINITY, f32::min);
+        let extent = smaller_extent(view.paces);
         let cast = RoundCast {
             meshes,
             course: scene.course(pair, b_in_a),
+            tolerance: OVERLAP * extent,
             reach,
-            margin: CONTACT_MARGIN * smaller_extent(view.paces) + scene.fall,
+            margin: CONTACT_MARGIN * extent + scene.fall,
         };
         match cast.outcome(patch.normal, gap, scratch) {
             CastResult::AsFound => view.set_near(near(&patch), reach),

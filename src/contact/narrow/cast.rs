@@ -48,11 +48,11 @@ const SHORTER: f32 = 0.9;
 const SAME: f32 = 0.9999;
 
 /// How much less the motion must run against another axis for it to be taken instead.
-const LESS: f32 = 0.5;
+pub(super) const LESS: f32 = 0.5;
 
 /// Share of its length by which a motion may take the hulls into each other along a face along which they were clear of each
 /// other: what slides fast is not held down all the way.
-const GRAZE: f32 = 0.02;
+pub(super) const GRAZE: f32 = 0.02;
 
 /// What becomes of a pair within the step.
 #[derive(Clone, Copy, Debug)]

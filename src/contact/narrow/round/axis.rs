@@ -40,7 +40,7 @@ impl SolidPair<'_> {
     }
 
     /// The point of B farthest against a unit vector of A's frame.
-    fn foot_of_b(&self, axis: DVec3) -> DVec3 {
+    pub(super) fn foot_of_b(&self, axis: DVec3) -> DVec3 {
         let turn = Mat3::from_quat(self.b_in_a.rotation).as_dmat3();
         let own = (turn.transpose() * -axis).normalize();
         turn * self.b.support(own) + self.b_in_a.position.as_dvec3()
@@ -52,6 +52,15 @@ impl SolidPair<'_> {
         axis.dot(self.foot_of_b(axis) - self.a.support(axis))
     }
 
+    /// A direction from A to B, and how far they are apart along it.
+    fn along(&self, normal: Vec3, inner: Option<DVec3>) -> PairAxis {
+        PairAxis {
+            normal,
+            separation: self.separation(normal),
+            inner,
+        }
+    }
+
     /// From the middle of A to that of B; none if it is one point.
     fn between(&self) -> Option<Vec3> {
         let middle = self.b_in_a.transform_point(self.b.middle());
@@ -60,13 +69,8 @@ impl SolidPair<'_> {
 
     /// The direction and how far they are apart along it, if it is not more than `reach` (m); else a direction that tells so.
     pub(crate) fn axis(&self, reach: f64) -> PairAxis {
-        let along = |normal: Vec3, inner| PairAxis {
-            normal,
-            separation: self.separation(normal),
-            inner,
-        };
         if let Some(between) = self.between() {
-            let axis = along(between, None);
+            let axis = self.along(between, None);
             if axis.separation > reach {
                 return axis;
             }
@@ -74,9 +78,9 @@ impl SolidPair<'_> {
         let placed = PlacedCore::new(self.b.inner, &self.b_in_a);
         match distance(&self.a.inner, &placed, f64::INFINITY) {
             Separation::Near(Nearest { normal, on_a, .. }) => {
-                along(self.straightened(normal.as_vec3()), Some(on_a))
+                self.along(self.straightened(normal.as_vec3()), Some(on_a))
             }
-            _ => along(self.deepest(), None),
+            _ => self.along(self.deepest(), None),
         }
     }
 

@@ -42,10 +42,24 @@ pub(crate) fn patch_along(
     rule: PatchRule,
     scratch: &mut RoundScratch,
 ) -> LocalManifold {
-    let normal = axis.normal;
+    let patch = wide_patch(pair, axis.normal, rule, scratch);
+    if patch.count > 0 {
+        patch
+    } else {
+        point_patch(pair, axis)
+    }
+}
+
+/// The contact of a pair along a direction on a face or along a line, if there is one: else without points.
+pub(super) fn wide_patch(
+    pair: &SolidPair,
+    normal: Vec3,
+    rule: PatchRule,
+    scratch: &mut RoundScratch,
+) -> LocalManifold {
     let face_a = pair.a.face_near(normal);
     let face_b = pair.b.face_near(-pair.seen_from_b(normal));
-    let patch = match (face_a, face_b) {
+    match (face_a, face_b) {
         (Some(face), None) => face_patch(pair, &face, rule, scratch),
         (Some(face), Some(_)) if is_larger(pair) => face_patch(pair, &face, rule, scratch),
         (_, Some(face)) => {
@@ -53,11 +67,6 @@ pub(crate) fn patch_along(
             face_patch(&turned, &face, rule, scratch).swapped(&turned.b_in_a)
         }
         (None, None) => line_patch(pair, normal, rule),
-    };
-    if patch.count > 0 {
-        patch
-    } else {
-        point_patch(pair, axis)
     }
 }
 
