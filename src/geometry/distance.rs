@@ -23,6 +23,9 @@ const TOLERANCE: f64 = 1e-7;
 /// Distance below which cores count as overlapping, as a share of the coordinates: some rounding of `f32` corners.
 const TOUCH: f64 = 3e-7;
 
+/// How many times that distance a core is taken back along the normal to tell where it touches.
+const CLEAR: f64 = 8.0;
+
 /// Most moments at which a moving core is looked at. What comes nearer all the while but is not there then, counts as there.
 const MAX_MOMENTS: usize = 64;
 
@@ -150,9 +153,10 @@ impl CoreCast {
             let nearest = match search(a, &now, &mut simplex, is_far) {
                 Separation::Far => return None,
                 Separation::Overlap => {
+                    let size = simplex.extent();
                     return Some(CastTouch {
                         distance: moved,
-                        nearest: last,
+                        nearest: last.map(|last| self.just_before(a, b, (moved, size), last)),
                     });
                 }
                 Separation::Near(nearest) => nearest,
@@ -179,6 +183,24 @@ impl CoreCast {
             distance: moved,
             nearest: last,
         })
+    }
+
+    /// Where cores of a size (m), which overlap after a way (m) because rounding leaves nothing between them, are nearest just before;
+    /// `last`: where they were at the moment before, from where the one has moved along the other since.
+    fn just_before(
+        &self,
+        a: &Core,
+        b: &PlacedCore,
+        (moved, size): (f64, f64),
+        last: Nearest,
+    ) -> Nearest {
+        let rate = -self.direction.dot(last.normal);
+        let there = b.moved((moved - CLEAR * TOUCH * size / rate) * self.direction);
+        let mut simplex = Simplex::new(corner(a, &there, last.normal));
+        match search(a, &there, &mut simplex, |_, _| false) {
+            Separation::Near(nearest) => nearest,
+            Separation::Far | Separation::Overlap => last,
+        }
     }
 
     /// Whether the cores pass each other apart, as far as one axis across the motion tells.

@@ -124,3 +124,42 @@ fn overlaps_of_round_bodies_are_where_they_are_near() {
         assert!(found.is_empty() == (distance > 0.0) || distance.abs() < 1e-4);
     }
 }
+
+/// A point of either was told that the moved shape had gone past where rounding left no gap.
+#[test]
+fn where_a_moved_shape_stops_is_a_point_of_both() {
+    let mut dice = Dice::new(4);
+    let all = QueryFilter::all();
+    let mut hits = 0;
+    for _ in 0..3000 {
+        let (mut simulation, slot) = alone(any_shape(&mut dice), &mut dice);
+        let scale = dice.in_range(0.03, 0.6);
+        let moved = any_shape(&mut dice).scaled(Vec3::splat(scale));
+        let moved = moved.expect("usable");
+        let (origin, aim) = (dice.vector(-3.0, 3.0), dice.vector(-0.2, 0.2));
+        let aim = simulation.bodies.pose(slot).position + aim;
+        let pose = Pose::new(origin, dice.rotation());
+        let shape = QueryShape::from(&moved);
+        let cast = ShapeCast::new(shape, pose, aim - origin, 10.0).expect("usable");
+        let Some(hit) = simulation.queries().cast_shape(&cast, &all) else {
+            continue;
+        };
+        if hit.distance == 0.0 {
+            continue;
+        }
+        hits += 1;
+        let there = origin + hit.distance * (aim - origin).normalize();
+        let desc = BodyDesc {
+            pose: Pose::new(there, pose.rotation),
+            ..BodyDesc::new(RigidBody::Static, Shape::Convex(moved.clone()))
+        };
+        let mut other = awake();
+        other.bodies.insert(desc).expect("usable");
+        for simulation in [&mut simulation, &mut other] {
+            let near = simulation.queries().closest_point(hit.point, 1.0, &all);
+            let off = near.expect("a point").expect("near").distance;
+            assert!(off.abs() < 1e-4, "{off} m off");
+        }
+    }
+    assert!(hits > 2000, "{hits}");
+}
