@@ -7,7 +7,7 @@
 use crate::geometry::ConvexHull;
 use crate::geometry::hull_lanes::LANES;
 use crate::geometry::support::PlacedCore;
-use crate::math::{Aabb, Plane};
+use crate::math::{Aabb, Plane, Pose};
 use glam::{DVec3, Mat3, Vec3};
 
 /// Rounding of a gap along an axis, as a share of coordinates.
@@ -45,6 +45,15 @@ impl Cuboid {
         Some(Self { center, axes, half })
     }
 
+    /// A box at a pose.
+    pub(crate) fn at(b: &Aabb, pose: &Pose) -> Self {
+        Self {
+            center: pose.transform_point(b.center()),
+            axes: Mat3::from_quat(pose.rotation),
+            half: 0.5 * b.extents(),
+        }
+    }
+
     /// Whether it comes within a radius (m) of a point.
     pub(crate) fn reaches(&self, point: Vec3, radius: f64) -> bool {
         let local = self.axes.transpose() * (point - self.center);
@@ -61,6 +70,9 @@ impl Cuboid {
 
     /// Whether a hull overlaps or touches it.
     pub(crate) fn against(&self, hull: &ConvexHull) -> Told {
+        if let Some(b) = box_of(hull) {
+            return self.against_box(&b);
+        }
         let size = hull.aabb().diagonal() + self.half.length() + self.center.abs().max_element();
         let slack = ROUNDING * size;
         let edges = Mat3::from_cols(
@@ -102,11 +114,26 @@ impl Cuboid {
                 return Told::Apart;
             }
         }
-        let told = box_of(hull).map(|b| self.across_edges(&b, slack));
-        told.unwrap_or_else(|| {
-            let face = hull.faces().get(face);
-            Told::Nothing(face.map_or(Vec3::X, |face| face.plane.normal))
-        })
+        let face = hull.faces().get(face);
+        Told::Nothing(face.map_or(Vec3::X, |face| face.plane.normal))
+    }
+
+    /// Whether a box along the axes of the frame overlaps or touches it.
+    pub(crate) fn against_box(&self, b: &Aabb) -> Told {
+        let (apart, own) = (self.center - b.center(), 0.5 * b.extents());
+        let size = 2.0 * own.length() + self.half.length() + self.center.abs().max_element();
+        let slack = ROUNDING * size;
+        if (apart.abs() - own).max_element() <= 0.0 {
+            return Told::Overlap;
+        }
+        let turn = self.axes;
+        let reaches = Mat3::from_cols(turn.x_axis.abs(), turn.y_axis.abs(), turn.z_axis.abs());
+        let along_faces = apart.abs() - own - reaches * self.half;
+        let along_own = (turn.transpose() * apart).abs() - self.half - reaches.transpose() * own;
+        if along_faces.max(along_own).max_element() > slack {
+            return Told::Apart;
+        }
+        self.across_edges(b, slack)
     }
 
     /// What the axes across an edge of each tell of a box along the axes of the frame.

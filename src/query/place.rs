@@ -4,12 +4,38 @@
 use crate::bodies::body::Shape;
 use crate::bodies::store::Bodies;
 use crate::contact::body_id::BodyId;
+use crate::geometry::round_core::RoundCore;
+use crate::math::Aabb;
 use crate::math::Pose;
 use crate::query::ball::Ball;
+use crate::query::cuboid::box_of;
 use glam::{Quat, Vec3};
 
 /// Slot of a body that is gone.
 const NOWHERE: u32 = u32::MAX;
+
+/// A shape that a few numbers tell, own frame: what is asked of it need not look for it elsewhere.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Plain {
+    /// A ball around the origin with this radius, m.
+    Ball(f32),
+    Box(Aabb),
+    /// None of these.
+    Other,
+}
+
+impl Plain {
+    fn of(shape: &Shape) -> Self {
+        let Some(mesh) = shape.convex() else {
+            return Self::Other;
+        };
+        match mesh.round() {
+            Some(round) if matches!(round.core, RoundCore::Point) => Self::Ball(round.radius),
+            Some(_) => Self::Other,
+            None => box_of(mesh.hull()).map_or(Self::Other, Self::Box),
+        }
+    }
+}
 
 /// A body where it is.
 #[derive(Clone, Debug)]
@@ -24,12 +50,14 @@ pub(crate) struct Place {
     /// Of the ball around it, m; 0 if there is none.
     radius: f32,
     pub(crate) id: BodyId,
+    pub(crate) plain: Plain,
     pub(crate) shape: Shape,
 }
 
 impl Place {
     pub(crate) fn of(bodies: &Bodies, slot: u32) -> Self {
         let Pose { position, rotation } = bodies.pose(slot);
+        let shape = bodies.info(slot).shape.clone();
         Self {
             rotation,
             position,
@@ -37,7 +65,8 @@ impl Place {
             center: bodies.center_of_mass(slot),
             radius: bodies.radius(slot),
             id: bodies.id(slot),
-            shape: bodies.info(slot).shape.clone(),
+            plain: Plain::of(&shape),
+            shape,
         }
     }
 

@@ -4,12 +4,13 @@ use crate::bodies::body::Shape;
 use crate::contact::body_id::BodyId;
 use crate::geometry::support::{Core, PlacedCore};
 use crate::math::{Aabb, Pose, rotate};
+use crate::query::cuboid::{Cuboid, Told};
 use crate::query::hit::QueryHit;
 use crate::query::local::{LocalCast, LocalHit, LocalRay};
 use crate::query::nearness::nearest_to;
-use crate::query::place::Place;
+use crate::query::place::{Place, Plain};
 use crate::query::request::{Ray, ShapeCast};
-use crate::query::shape::QueryShape;
+use crate::query::shape::{QueryPart, QueryShape};
 use crate::query::{compound, convex, half_space, level};
 use glam::{Mat3, Vec3};
 
@@ -19,6 +20,7 @@ pub(crate) struct Target<'b> {
     slot: u32,
     id: BodyId,
     pose: Pose,
+    plain: Plain,
     shape: &'b Shape,
 }
 
@@ -28,6 +30,7 @@ impl<'b> Target<'b> {
             slot: place.slot,
             id: place.id,
             pose: place.pose(),
+            plain: place.plain,
             shape: &place.shape,
         }
     }
@@ -113,7 +116,11 @@ impl<'b> Target<'b> {
     /// Whether a shape at a pose overlaps the body or touches it.
     pub(crate) fn overlaps(&self, shape: &QueryShape, pose: &Pose) -> bool {
         shape.parts(pose).any(|part| {
-            let other = PlacedCore::new(part.core, &self.own_pose(&part.pose));
+            let own = self.own_pose(&part.pose);
+            if let Some(overlaps) = self.overlaps_plainly(&part, &own) {
+                return overlaps;
+            }
+            let other = PlacedCore::new(part.core, &own);
             let radius = f64::from(part.radius);
             match self.shape {
                 Shape::Convex(mesh) => convex::overlaps(mesh, &other, part.radius),
@@ -122,6 +129,26 @@ impl<'b> Target<'b> {
                 Shape::Level(mesh) => level::overlaps(mesh, &other, part.radius),
             }
         })
+    }
+
+    /// The same of a box, at a pose in the body's frame, and a body that a few numbers tell, if these are enough.
+    fn overlaps_plainly(&self, part: &QueryPart, own: &Pose) -> Option<bool> {
+        let Core::Box(b) = part.core else {
+            return None;
+        };
+        let cuboid = Cuboid::at(&b, own);
+        match self.plain {
+            Plain::Ball(radius) => {
+                let reach = f64::from(part.radius) + f64::from(radius);
+                Some(cuboid.reaches(Vec3::ZERO, reach))
+            }
+            Plain::Box(body) if part.radius == 0.0 => match cuboid.against_box(&body) {
+                Told::Apart => Some(false),
+                Told::Overlap => Some(true),
+                Told::Nothing(_) => None,
+            },
+            Plain::Box(_) | Plain::Other => None,
+        }
     }
 
     /// Where the body is nearest to a shape at a pose, if that is within `limit` (m).
