@@ -1,7 +1,8 @@
 //! `arena level`: what it costs to stand on a level of triangles and not on a plane, and how long the level takes to build.
 //!
-//! A thousand bodies, a third each of boxes, hulls and balls, on level ground of so many triangles and on a plane: the two scenes make
-//! their steps in turns. Told are means of the times of steps while they land, while they slide and roll, and at rest.
+//! A thousand bodies, a third each of boxes, hulls and balls, on ground of so many triangles and on a plane: the two scenes make
+//! their steps in turns. Told are medians of the times of steps while they land, while they slide and roll, and at rest. The ground is
+//! level, or has hills of a height and a length, or bumps: corners that are higher than they would be by up to so much.
 
 use crate::Error;
 use crate::cli::{self, Arguments};
@@ -23,16 +24,44 @@ struct Body {
     velocity: Vec3,
 }
 
-/// Square ground: heights are zero.
+/// Square ground.
 struct Ground {
     cells: usize,
     /// m.
     spacing: f32,
+    /// Height of hills over the middle, and from one to the next, m.
+    hills: [f32; 2],
+    /// How much higher a corner may be, m.
+    bumps: f32,
 }
 
 impl Ground {
     fn half(&self) -> f32 {
         0.5 * self.spacing * self.cells as f32
+    }
+
+    /// Of the hills at a place, m.
+    fn height(&self, x: f32, z: f32) -> f32 {
+        let [height, length] = self.hills;
+        let turn = std::f32::consts::TAU / length;
+        0.5 * height * ((turn * x).sin() + (turn * z).cos())
+    }
+
+    /// Row by row, m.
+    fn heights(&self) -> Vec<f32> {
+        let (side, mut rng) = (self.cells + 1, Rng(3));
+        let at = |k: usize| self.spacing * k as f32 - self.half();
+        let corners = (0..side * side).map(|i| [at(i % side), at(i / side)]);
+        let height = corners.map(|[x, z]| self.height(x, z) + self.bumps * rng.unit());
+        height.collect()
+    }
+}
+
+impl Body {
+    /// Where it begins over a ground, or over a plane, m.
+    fn over(&self, ground: Option<&Ground>) -> Vec3 {
+        let height = ground.map_or(0.0, |ground| ground.height(self.at.x, self.at.z));
+        self.at + height * Vec3::Y
     }
 }
 
@@ -62,7 +91,7 @@ fn own(bodies: &[Body], ground: Option<&Ground>) -> Result<(ours::Simulation, f6
     let floor = match ground {
         None => ours::BodyDesc::floor(ours::HalfSpaceShape { normal: Vec3::Y }),
         Some(ground) => {
-            let heights = vec![0.0; (ground.cells + 1).pow(2)];
+            let heights = ground.heights();
             let begun = Instant::now();
             let level = ours::StaticMesh::from_heights(&heights, ground.cells + 1, ground.spacing)?;
             secs = begun.elapsed().as_secs_f64();
@@ -78,7 +107,7 @@ fn own(bodies: &[Body], ground: Option<&Ground>) -> Result<(ours::Simulation, f6
             1 => ours::ConvexMesh::from_points(&body.points)?,
             _ => ours::ConvexMesh::sphere(0.35)?,
         };
-        let mut desc = ours::BodyDesc::dynamic(shape, body.at);
+        let mut desc = ours::BodyDesc::dynamic(shape, body.over(ground));
         desc.pose.rotation = body.turn;
         desc.linear_velocity = body.velocity;
         simulation.bodies.insert(desc)?;
@@ -104,9 +133,10 @@ mod theirs {
             None => SharedShape::halfspace(Vector::Y),
             Some(ground) => {
                 let side = ground.cells + 1;
+                let heights = ground.heights();
                 let place = |i: usize| {
                     let at = |k: usize| ground.spacing * k as f32 - ground.half();
-                    Vector::new(at(i % side), 0.0, at(i / side))
+                    Vector::new(at(i % side), heights[i], at(i / side))
                 };
                 let points: Vec<Vector> = (0..side * side).map(place).collect();
                 let corner = |x: usize, z: usize| (z * side + x) as u32;
@@ -133,7 +163,7 @@ mod theirs {
                 _ => SharedShape::ball(0.35),
             };
             let builder = RigidBodyBuilder::dynamic()
-                .pose(Pose::from_parts(body.at, body.turn))
+                .pose(Pose::from_parts(body.over(ground), body.turn))
                 .linvel(body.velocity)
                 .can_sleep(false);
             let handle = world.insert_body(builder);
@@ -163,11 +193,14 @@ fn tell(name: &str, ground: &Ground, secs: f64, times: Vec<[f64; 2]>) {
 /// Runs what the command line says.
 pub(crate) fn run(mut words: Arguments) -> Result<(), Error> {
     let (mut count, mut cells, mut spacings) = (1000, 708, vec![0.7, 0.14]);
+    let (mut hills, mut bumps) = (vec![0.0, 1.0], 0.0);
     while let Some(flag) = words.word() {
         match flag.as_str() {
             "--bodies" => count = words.value(&flag)?,
             "--cells" => cells = words.value(&flag)?,
             "--spacings" => spacings = words.list(&flag)?,
+            "--hills" => hills = words.list(&flag)?,
+            "--bumps" => bumps = words.value(&flag)?,
             _ => return Err(cli::unknown(&flag)),
         }
     }
@@ -176,8 +209,14 @@ pub(crate) fn run(mut words: Arguments) -> Result<(), Error> {
     );
     println!("|---|---|---|---|---|---|---|");
     let bodies = bodies(count);
+    let hills = <[f32; 2]>::try_from(hills).map_err(|_| "--hills takes a height and a length")?;
     for spacing in spacings {
-        let ground = &Ground { cells, spacing };
+        let ground = &Ground {
+            cells,
+            spacing,
+            hills,
+            bumps,
+        };
         let (mut level, secs) = own(&bodies, Some(ground))?;
         let (mut plane, _) = own(&bodies, None)?;
         tell(
