@@ -16,7 +16,6 @@ use bevy_cleave::prelude::*;
 use bevy_cleave::slice::{Impact, Piece, PieceCutter, SliceOptions, cells_for_energy};
 use glam::{Quat, Vec3};
 use std::process::ExitCode;
-use std::sync::Arc;
 use support::picture::{Picture, contact_sheet};
 use support::render::{Camera, Scene, palette};
 
@@ -99,10 +98,7 @@ fn all_patterns() -> [(String, FracturePattern); 8] {
                 size: Vec3::new(0.6, 0.2, 0.4),
             },
         ),
-        (
-            "Own planes",
-            FracturePattern::Planes(Arc::from([diagonal, level])),
-        ),
+        ("Own planes", FracturePattern::Planes(vec![diagonal, level])),
     ]
     .map(|(name, pattern)| (name.to_owned(), pattern))
 }

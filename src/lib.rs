@@ -70,13 +70,13 @@ pub mod prelude {
     pub use crate::ecs::{
         AngularDamping, AngularVelocity, BodyHandle, BodyIssues, BodyProblem, BodyWarning,
         BondBroken, BondCommands, ChildrenOfPieces, Collision, CollisionEnd, CollisionEvents,
-        CollisionStart, Collisions, CompoundOfChildren, ConstantForce, ConstantTorque,
-        ContactForce, ContactForceEvents, DebrisRemoved, Explosion, Fading, ForceCommands, Forces,
-        ForcesItem, FractureCause, Fractured, GravityScale, JointA, JointB, JointBroken,
-        JointCommands, JointHandle, JointProblem, JointsOfA, JointsOfB, LinearDamping,
-        LinearVelocity, Mass, MassOverride, MaxSpeed, PieceOf, PieceRules, Pieces, Remains, Sensor,
-        ShapeAwaited, ShapeConstructor, Sleeping, SliceCommands, SpatialQuery, SpawnBody, Walker,
-        WalkerError, Walking,
+        CollisionStart, Collisions, CompoundConstructor, CompoundOfChildren, ConstantForce,
+        ConstantTorque, ContactForce, ContactForceEvents, DebrisRemoved, Explosion, Fading,
+        ForceCommands, Forces, ForcesItem, FractureCause, Fractured, GravityScale, JointA, JointB,
+        JointBroken, JointCommands, JointHandle, JointProblem, JointsOfA, JointsOfB,
+        LevelConstructor, LinearDamping, LinearVelocity, Mass, MassOverride, MaxSpeed, PieceOf,
+        PieceRules, Pieces, Remains, Sensor, ShapeAwaited, ShapeConstructor, Sleeping,
+        SliceCommands, SpatialQuery, SpawnBody, Walker, WalkerError, Walking,
     };
     #[cfg(feature = "diagnostics")]
     pub use crate::extras::CleaveDiagnosticsPlugin;

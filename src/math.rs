@@ -139,6 +139,7 @@ impl Default for Aabb {
 
 /// The plane of points `p` with `normal . p = offset`; the positive side is where the normal points.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Plane {
     /// Unit normal.
     pub normal: Vec3,

@@ -261,10 +261,11 @@ fn mass_properties(
         &mut warnings,
         &readings,
     );
-    let has_forces = readings.has_forces();
+    let has_forces = readings.has_forces() || !state.queue.pushed.is_empty();
     step::mass_properties(&mut bodies, &mut report);
     if has_forces {
-        forces::apply_forces(&mut bodies, &mut warnings, &mut queries.p1());
+        let waiting = &mut state.queue.pushed;
+        forces::apply_forces(&mut bodies, &mut warnings, &mut queries.p1(), waiting);
     }
     gather::publish_mass(&bodies, &state.entities, &mut masses);
 }

@@ -62,6 +62,36 @@ impl News {
     }
 }
 
+impl News {
+    /// Takes out what ends and begins in one step: another body of the same entity is no news of who touches whom.
+    fn settle(&mut self) {
+        if self.starts.is_empty() || self.ends.is_empty() {
+            return;
+        }
+        let starts = self.starts.iter().map(|start| (start.entity, start.other));
+        let ends = self.ends.iter().map(|end| (end.entity, end.other));
+        let [begun, ended] = [starts.collect::<Vec<_>>(), ends.collect()].map(|mut pairs| {
+            pairs.sort_unstable();
+            pairs
+        });
+        let [start_messages, end_messages, _] = &mut self.is_message;
+        let goes_on = |pairs: &[(Entity, Entity)], pair| pairs.binary_search(&pair).is_ok();
+        retain(&mut self.starts, start_messages, |start| {
+            !goes_on(&ended, (start.entity, start.other))
+        });
+        retain(&mut self.ends, end_messages, |end| {
+            !goes_on(&begun, (end.entity, end.other))
+        });
+    }
+}
+
+/// Keeps those events that pass, and what is noted of them.
+fn retain<E: Copy>(events: &mut Vec<E>, noted: &mut Vec<bool>, passes: impl Fn(&E) -> bool) {
+    let mut kept = events.iter().map(&passes).collect::<Vec<_>>().into_iter();
+    noted.retain(|_| kept.next().unwrap_or(true));
+    events.retain(passes);
+}
+
 /// Command, at the end of a step with bodies that are watched: finds the news and sends them.
 pub(crate) fn send_collisions(world: &mut World) {
     settle_options(world);
@@ -80,6 +110,7 @@ pub(crate) fn send_collisions(world: &mut World) {
             }
         }
         world.resource_mut::<PluginState>().is_watching = contacts.events().is_on();
+        news.settle();
         news
     });
     let [starts, ends, forces] = &news.is_message;

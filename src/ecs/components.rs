@@ -26,7 +26,7 @@ pub struct LinearVelocity(pub Vec3);
 pub struct AngularVelocity(pub Vec3);
 
 /// Mass properties to use instead of those that follow from shape and density.
-#[derive(Clone, Copy, Debug, PartialEq, Component)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Component)]
 #[component(summary_tick)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct MassOverride(pub MassProperties);
@@ -166,11 +166,11 @@ pub enum BodyProblem {
     /// Its state or material is not usable.
     #[error(transparent)]
     Body(#[from] BodyError),
-    /// No shape comes of its `ShapeConstructor`.
-    #[error("no shape comes of its ShapeConstructor: {0}")]
+    /// No shape comes of its `ShapeConstructor` or `LevelConstructor`.
+    #[error("no shape comes of its constructor: {0}")]
     Shape(#[from] HullError),
-    /// Its children make no compound.
-    #[error("no shape comes of its children: {0}")]
+    /// Its children, or the parts of its `CompoundConstructor`, make no compound.
+    #[error("no shape comes of its parts: {0}")]
     Compound(#[from] CompoundError),
     /// A cut of it was refused.
     #[error("the cut was not made: {0}")]
@@ -219,8 +219,8 @@ pub(crate) struct BodyEntities {
     entity: Vec<Option<(BodyId, Entity)>>,
     /// Place in the world and scale as last read from the user.
     pub(crate) seen: Vec<Transform>,
-    /// Of bodies with parents: `Transform` as last read or written; empty unless there are some.
-    local: Vec<Transform>,
+    /// Of bodies with parents: the parent, and the `Transform` as last read or written; empty unless there are some.
+    local: Vec<Option<(Entity, Transform)>>,
     /// Tick of the last write-back: components that bear it were written by the plugin.
     pub(crate) written: Tick,
     /// Tick at which components were last read: what changed since is for the next step, and not to be written over.
@@ -236,15 +236,22 @@ impl BodyEntities {
             .map(|(_, entity)| entity)
     }
 
-    /// The `Transform` of a body with a parent as it was last read or written.
-    pub(crate) fn local(&self, slot: u32) -> Option<Transform> {
-        self.local.get(slot as usize).copied()
+    /// The parent of a body that has one, and its `Transform` as it was last read or written.
+    pub(crate) fn local(&self, slot: u32) -> Option<(Entity, Transform)> {
+        self.local.get(slot as usize).copied().flatten()
     }
 
-    pub(crate) fn set_local(&mut self, slot: u32, local: Transform) {
+    pub(crate) fn set_local(&mut self, slot: u32, parent: Entity, local: Transform) {
         let needed = self.local.len().max(slot as usize + 1);
-        self.local.resize(needed, Transform::IDENTITY);
-        self.local[slot as usize] = local;
+        self.local.resize(needed, None);
+        self.local[slot as usize] = Some((parent, local));
+    }
+
+    /// The body has no parent.
+    pub(crate) fn forget_local(&mut self, slot: u32) {
+        if let Some(local) = self.local.get_mut(slot as usize) {
+            *local = None;
+        }
     }
 
     pub(crate) fn set(&mut self, slot: u32, id: BodyId, entity: Entity, seen: Transform) {
@@ -253,6 +260,7 @@ impl BodyEntities {
         self.seen.resize(needed, Transform::IDENTITY);
         self.entity[slot as usize] = Some((id, entity));
         self.seen[slot as usize] = seen;
+        self.forget_local(slot);
     }
 }
 

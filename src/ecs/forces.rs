@@ -7,11 +7,13 @@ use crate::bodies::body::BodyError;
 use crate::bodies::drive::StepForces;
 use crate::bodies::explosion::Explosion;
 use crate::bodies::store::Bodies;
+use crate::contact::body_id::BodyId;
 use crate::ecs::components::*;
 use crate::mass::MassProperties;
 use crate::math::rotate;
+use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
-use bevy_ecs::query::QueryData;
+use bevy_ecs::query::{Allow, QueryData};
 use bevy_math::{Quat, Vec3};
 use bevy_transform::components::{GlobalTransform, Transform};
 
@@ -126,6 +128,20 @@ impl AppliedForces {
         gathered.filter(|it| !it.at_points.is_empty() || it.forces != StepForces::default())
     }
 
+    /// Forgets all but impulses: nobody was there for the step through which the rest acts. Whether there are any.
+    fn keep_impulses(&mut self) -> bool {
+        if let Some(gathered) = self.0.as_deref_mut() {
+            gathered.forces = StepForces {
+                impulse: gathered.forces.impulse,
+                angular_impulse: gathered.forces.angular_impulse,
+                ..StepForces::default()
+            };
+            (gathered.at_points.iter_mut()).for_each(|point| point.force = Vec3::ZERO);
+            (gathered.at_points).retain(|point| point.impulse != Vec3::ZERO);
+        }
+        self.get().is_some()
+    }
+
     /// Forgets it. Its place in memory is kept: who is pushed once is pushed again.
     fn clear(&mut self) {
         if let Some(gathered) = self.0.as_deref_mut() {
@@ -163,8 +179,8 @@ impl Gathered {
 /// Pushes bodies: query data, `Query<Forces>`.
 ///
 /// What is applied acts in the next step and in no other, however many frames or systems come before it: call it in `FixedUpdate`
-/// for a force that lasts, or use [`ConstantForce`]. It acts on dynamic bodies, wakes them if it is not zero, and waits for those
-/// that have no body yet. World axes.
+/// for a force that lasts, or use [`ConstantForce`]. It acts on dynamic bodies and wakes them if it is not zero. An impulse waits for
+/// those that have no body yet, or are disabled; a force is over with the step. World axes.
 #[derive(Debug, QueryData)]
 #[query_data(mutable, derive(Debug))]
 pub struct Forces {
@@ -283,12 +299,9 @@ impl ForceCommands for Commands<'_, '_> {
 }
 
 /// What forces are read from.
-pub(crate) type ForceQuery<'w, 's> = Query<
-    'w,
-    's,
-    (Entity, &'static BodyHandle, &'static mut AppliedForces),
-    Changed<AppliedForces>,
->;
+pub(crate) type ForceQuery<'w, 's> = Query<'w, 's, Pushed, Allow<Disabled>>;
+
+type Pushed = (Entity, &'static BodyHandle, &'static mut AppliedForces);
 
 /// Lets what was gathered act on a body: of a cluster on its parts.
 fn apply(bodies: &mut Bodies, slot: u32, gathered: &Gathered) -> Result<(), BodyError> {
@@ -303,24 +316,43 @@ fn apply(bodies: &mut Bodies, slot: u32, gathered: &Gathered) -> Result<(), Body
     bodies.apply(slot, &gathered.forces)
 }
 
-/// Lets what was gathered act, once masses are known.
+/// Lets what was gathered act, once masses are known: of entities that were pushed since the last step, and of those that
+/// `wait`, which are then those that still do.
 pub(crate) fn apply_forces(
     bodies: &mut Bodies,
     warnings: &mut Messages<BodyWarning>,
     forces: &mut ForceQuery,
+    wait: &mut Vec<Entity>,
 ) {
-    for (entity, handle, mut applied) in forces {
-        let Some((slot, _)) = handle.0.filter(|&(slot, id)| bodies.is_current(slot, id)) else {
-            continue;
+    let before = std::mem::take(wait);
+    let mut take = |entity: Entity, handle: &BodyHandle, applied: &mut AppliedForces| {
+        let is_there =
+            |&(slot, id): &(u32, BodyId)| bodies.is_current(slot, id) && bodies.is_active(slot);
+        let Some((slot, _)) = handle.0.filter(is_there) else {
+            if applied.keep_impulses() {
+                wait.push(entity);
+            }
+            return;
         };
-        // The plugin's own taking is no change.
-        let applied = applied.bypass_change_detection();
         let Some(gathered) = applied.get() else {
-            continue;
+            return;
         };
         if let Err(error) = apply(bodies, slot, gathered) {
             warn(warnings, entity, error);
         }
         applied.clear();
+    };
+    // The plugin's own taking is no change.
+    for (entity, handle, mut applied) in forces.iter_mut() {
+        if applied.is_changed() {
+            take(entity, handle, applied.bypass_change_detection());
+        }
+    }
+    for entity in before {
+        if let Ok((_, handle, mut applied)) = forces.get_mut(entity)
+            && !applied.is_changed()
+        {
+            take(entity, handle, applied.bypass_change_detection());
+        }
     }
 }

@@ -41,7 +41,8 @@ pub(crate) struct Readings<'w, 's> {
     motion: Query<'w, 's, ReadMotion>,
     marked: Query<'w, 's, &'static BodyHandle, With<Sleeping>>,
     handles: Query<'w, 's, &'static BodyHandle>,
-    forces: Query<'w, 's, Ref<'static, AppliedForces>, With<BodyHandle>>,
+    /// Of those that are disabled too.
+    forces: Query<'w, 's, (Ref<'static, AppliedForces>, Has<Disabled>), With<BodyHandle>>,
     changed_options: Query<'w, 's, Entity, (ChangedOptions, With<BodyHandle>)>,
     options: Query<'w, 's, BodyOptions>,
     parents: Parents<'w, 's>,
@@ -62,7 +63,7 @@ impl Readings<'_, '_> {
         let Ok(mut tables) = self.forces.contiguous_iter() else {
             return true;
         };
-        tables.any(|column| any_changed(Some(column)))
+        tables.any(|(column, _)| any_changed(Some(column)))
     }
 }
 
@@ -85,9 +86,12 @@ pub(crate) fn read_entities(
         kinematic,
         ..
     } = state;
-    children.clear();
     read_kinds(queue, bodies, issues, warnings, &readings.rare);
     let enabled = toggle(queue, bodies, issues, &readings.rare);
+    // Who has lost a parent is where its `Transform` says now.
+    let motion_of = |entity| readings.motion.get(entity);
+    let is_orphan = |&entity: &Entity| motion_of(entity).is_ok_and(|(.., up)| up.is_none());
+    let orphans: Vec<Entity> = children.drain(..).filter(is_orphan).collect();
     options.read_again(&queue.reduced);
     gather_changes(queue, bodies, issues, warnings, readings);
     let mut reader = MotionReader {
@@ -100,13 +104,10 @@ pub(crate) fn read_entities(
         kinematic,
         rescaled: &mut queue.reduced,
         parents: &readings.parents,
+        handles: &readings.handles,
     };
     reader.read_all(&readings.motion);
-    for entity in enabled {
-        if let Ok(item) = readings.motion.get(entity) {
-            reader.read_one(item);
-        }
-    }
+    reader.read_again(&readings.motion, enabled, orphans);
     options.read_again(&queue.reduced);
     if !queue.reduced.is_empty() {
         redescribe(queue, bodies, issues, warnings, readings, None);
@@ -234,8 +235,8 @@ pub(crate) fn register_bodies(
                 let (slot, id) = (arrival.slot, bodies.id(arrival.slot));
                 handle.0 = Some((slot, id));
                 entities.set(slot, id, entity, arrival.seen);
-                if let Some(local) = arrival.local {
-                    entities.set_local(slot, local);
+                if let Some((parent, local)) = arrival.local {
+                    entities.set_local(slot, parent, local);
                 }
                 issues.note(&mut warnings, entity, Source::Breaking, arrival.breaking);
                 issues.note(&mut warnings, entity, Source::Velocity, arrival.motion);
@@ -270,8 +271,8 @@ struct Arrived {
     slot: u32,
     /// The `Transform` that it was made from, in the world.
     seen: Transform,
-    /// The one beneath its parent, if it has one.
-    local: Option<Transform>,
+    /// Its parent and the one beneath that, if it has one.
+    local: Option<(Entity, Transform)>,
     /// What does nothing on it.
     breaking: Result<(), BodyError>,
     motion: Result<(), BodyError>,
@@ -284,12 +285,13 @@ fn insert(
     parents: &Parents,
 ) -> Result<Arrived, BodyError> {
     let parts = parts.ok_or(BodyError::Incomplete)?;
-    let (pose, scale) = parents.place(parts.transform, parts.child_of)?;
+    let (pose, scale) =
+        parents.place(parts.transform, parts.child_of, *parts.kind, &|_, _| None)?;
     let desc = describe(parts, pose, scale)?;
     let breaking = idle_part(parts, &desc);
     let motion = idle_velocity(desc.kind, desc.linear_velocity, desc.angular_velocity);
     let slot = bodies.insert(desc)?;
-    let is_child = parts.child_of.is_some();
+    let parent = parts.child_of.map(ChildOf::parent);
     let world = Transform {
         translation: pose.position,
         rotation: pose.rotation,
@@ -297,8 +299,8 @@ fn insert(
     };
     Ok(Arrived {
         slot,
-        seen: if is_child { world } else { *parts.transform },
-        local: is_child.then_some(*parts.transform),
+        seen: parent.map_or(*parts.transform, |_| world),
+        local: parent.map(|parent| (parent, *parts.transform)),
         breaking,
         motion,
     })
@@ -348,7 +350,9 @@ fn redescribe(
         // Pose and velocity are read elsewhere: broken ones must not hide a new shape.
         let parts = parts.as_ref();
         let desc = parts.ok_or(BodyError::Incomplete).and_then(|parts| {
-            let (_, scale) = readings.parents.place(parts.transform, parts.child_of)?;
+            let parents = &readings.parents;
+            let placed = parents.place(parts.transform, parts.child_of, *parts.kind, &|_, _| None);
+            let (_, scale) = placed?;
             let desc = describe(parts, Pose::IDENTITY, scale)?;
             issues.note(warnings, entity, Source::Breaking, idle_part(parts, &desc));
             Ok(desc)

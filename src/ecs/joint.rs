@@ -15,11 +15,13 @@ use bevy_ecs::system::SystemParam;
 /// The first body of a joint, in whose frame its axes are. Without one, the joint holds on to the world.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Component)]
 #[relationship(relationship_target = JointsOfA)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct JointA(pub Entity);
 
 /// The second body of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Component)]
 #[relationship(relationship_target = JointsOfB)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct JointB(pub Entity);
 
 /// The joints of which a body is the first; they are despawned with it.

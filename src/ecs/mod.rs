@@ -17,7 +17,7 @@
 //! | `issues.rs`, `issue_sync.rs` | what is wrong with an entity, as a component |
 //! | `kinematic.rs`, `parents.rs` | bodies that are moved by their `Transform`, and that are children |
 //! | `setup.rs` | components that bodies require, whenever the plugin is added |
-//! | `shape_constructor.rs` | shapes as data that a scene file can hold |
+//! | `shape_constructor.rs`, `shape_constructor/` | shapes as data that a scene file can hold |
 //! | `parts.rs` | bodies whose parts are their children |
 //! | `spawn.rs` | an entity from a description of a body |
 //! | `state.rs` | the one resource that the plugin keeps for itself |
@@ -76,6 +76,9 @@ pub use parts::CompoundOfChildren;
 pub use piece_children::ChildrenOfPieces;
 pub use pieces::{PieceOf, PieceRules, Pieces, Remains};
 pub use query::SpatialQuery;
-pub use shape_constructor::{MeshDescription, ShapeConstructor};
+pub use shape_constructor::{
+    CompoundConstructor, LevelConstructor, MeshDescription, PartDescription, RoundForm,
+    ShapeConstructor,
+};
 pub use spawn::SpawnBody;
 pub use walker::{Walker, Walking};

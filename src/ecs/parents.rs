@@ -27,18 +27,43 @@ pub(crate) struct Parents<'w, 's> {
     above: Query<'w, 's, (&'static Transform, Option<&'static ChildOf>), Allow<Disabled>>,
 }
 
+/// Where in the world a body is that does not go with its parent, by its entity, parent and `Transform`.
+pub(super) type OwnWay<'f> = &'f dyn Fn(Entity, (Entity, Transform)) -> Option<Pose>;
+
 impl Parents<'_, '_> {
-    /// Where a body is in the world, and by how much its shape is scaled there.
+    /// Where a body is in the world, and by how much its shape is scaled there. Bodies above it may go their own ways.
     pub(crate) fn place(
         &self,
         transform: &Transform,
         child_of: Option<&ChildOf>,
+        kind: RigidBody,
+        own_way: OwnWay,
     ) -> Result<(Pose, Vec3), BodyError> {
-        let above = |entity| self.above.get(entity).ok();
-        place(
-            transform,
-            child_of.map(|parent| world_of(parent.parent(), above)),
-        )
+        let parent = child_of.map(|parent| self.world_of(parent.parent(), own_way));
+        if let Some(parent) = parent.filter(|_| kind == RigidBody::Dynamic) {
+            let (scale, ..) = parent.to_scale_rotation_translation();
+            // However it lies now, it will turn.
+            if scale.is_finite() && !is_same_scale(scale, Vec3::splat(scale.x)) {
+                return Err(BodyError::Sheared);
+            }
+        }
+        place(transform, parent)
+    }
+
+    /// World of an entity, by going up.
+    fn world_of(&self, entity: Entity, own_way: OwnWay) -> Affine3A {
+        let Ok((transform, child_of)) = self.above.get(entity) else {
+            return Affine3A::IDENTITY;
+        };
+        let local = transform.compute_affine();
+        let Some(parent) = child_of.map(ChildOf::parent) else {
+            return local;
+        };
+        let world = self.world_of(parent, own_way) * local;
+        own_way(entity, (parent, *transform)).map_or(world, |pose| {
+            let (scale, ..) = world.to_scale_rotation_translation();
+            Affine3A::from_scale_rotation_translation(scale, pose.rotation, pose.position)
+        })
     }
 }
 
@@ -63,38 +88,32 @@ pub(super) fn place(
     Ok((Pose::new(translation, rotation.normalize()), rounded(scale)))
 }
 
-/// A scale without rounding: 1 where it is nearly 1, and one number where it is nearly uniform.
-fn rounded(scale: Vec3) -> Vec3 {
-    if (scale - Vec3::ONE).abs().max_element() <= ROUNDING {
-        return Vec3::ONE;
-    }
-    if (scale - scale.x).abs().max_element() <= ROUNDING * scale.x.abs() {
-        return Vec3::splat(scale.x);
-    }
-    scale
+/// Whether scales differ by rounding at most.
+pub(super) fn is_same_scale(a: Vec3, b: Vec3) -> bool {
+    (a - b).abs().max_element() <= ROUNDING * b.abs().max_element()
 }
 
-/// World of an entity, by going up.
-fn world_of<'w>(
-    entity: Entity,
-    above: impl Fn(Entity) -> Option<(&'w Transform, Option<&'w ChildOf>)>,
-) -> Affine3A {
-    let (mut world, mut next) = (Affine3A::IDENTITY, Some(entity));
-    while let Some((transform, child_of)) = next.and_then(&above) {
-        world = transform.compute_affine() * world;
-        next = child_of.map(ChildOf::parent);
-    }
-    world
+/// Whether poses differ by rounding at most, of coordinates of their size.
+pub(super) fn is_same_place(a: Pose, b: Pose) -> bool {
+    let size = a.position.abs().max_element().max(1.0);
+    let turn = (a.rotation - b.rotation).length();
+    let turn = turn.min((a.rotation + b.rotation).length());
+    a.position.distance(b.position) <= ROUNDING * size && turn <= ROUNDING
+}
+
+/// A scale without rounding: 1 where it is nearly 1, and one number where it is nearly uniform.
+fn rounded(scale: Vec3) -> Vec3 {
+    let even = [Vec3::ONE, Vec3::splat(scale.x)];
+    let known = even.into_iter().find(|&even| is_same_scale(scale, even));
+    known.unwrap_or(scale)
 }
 
 /// World of the parent of an entity, if it has one.
 pub(super) fn parent_of(world: &World, entity: Entity) -> Option<Affine3A> {
     let parent = world.get::<ChildOf>(entity)?.parent();
-    let above = |entity| {
-        let transform = world.get::<Transform>(entity)?;
-        Some((transform, world.get::<ChildOf>(entity)))
-    };
-    Some(world_of(parent, above))
+    let local = world.get::<Transform>(parent);
+    let local = local.map_or(Affine3A::IDENTITY, Transform::compute_affine);
+    Some(parent_of(world, parent).map_or(local, |above| above * local))
 }
 
 /// The `Transform` beneath a parent of a body at `pose`; its scale stays what it is.
@@ -128,7 +147,9 @@ pub(crate) fn write_children(world: &mut World) {
             RigidBody::Static => false,
         };
         let pose = bodies.pose(slot);
-        let Some(parent) = parent_of(world, entity).filter(|_| is_moved) else {
+        let above = world.get::<ChildOf>(entity).map(ChildOf::parent);
+        let parent = parent_of(world, entity).filter(|_| is_moved);
+        let (Some(above), Some(parent)) = (above, parent) else {
             continue;
         };
         let (now, entities) = (
@@ -140,14 +161,16 @@ pub(crate) fn write_children(world: &mut World) {
             continue;
         };
         // What somebody else has changed meanwhile is for the next step to read.
-        if known != Some(*transform) && transform.last_changed().is_newer_than(read, now) {
+        let is_moved = known.is_none_or(|(_, local)| local != *transform)
+            && transform.last_changed().is_newer_than(read, now);
+        if is_moved || known.is_some_and(|(parent, _)| parent != above) {
             continue;
         }
         let local = local_of(&parent, pose, transform.scale);
         if local.is_finite() {
             transform.set_if_neq(local);
             let entities = &mut world.resource_mut::<PluginState>().entities;
-            entities.set_local(slot, local);
+            entities.set_local(slot, above, local);
             // What this reads as is no news.
             if let Ok((pose, scale)) = place(&local, Some(parent)) {
                 entities.seen[slot as usize] = Transform {

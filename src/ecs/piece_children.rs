@@ -67,7 +67,7 @@ pub(super) fn hand_on_children(world: &mut World, parent: Entity, pieces: &[(u32
             world
                 .resource_mut::<PluginState>()
                 .entities
-                .set_local(slot, local);
+                .set_local(slot, piece, local);
         }
     }
 }

@@ -36,6 +36,7 @@ use std::cell::RefCell;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Component)]
 #[relationship(relationship_target = Pieces)]
 #[component(clone_behavior = Ignore)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct PieceOf(pub Entity);
 
 /// The pieces of what once was one body. Despawning this entity despawns them all; it goes when the last of them goes.
@@ -45,6 +46,7 @@ pub struct Pieces(Vec<Entity>);
 
 /// What the pieces of an entity with [`Pieces`] were.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Component)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Remains {
     /// The entity that first broke. It is no more.
     pub of: Entity,
@@ -262,11 +264,11 @@ fn spawn_piece(
     let bodies = world.resource::<Bodies>();
     let (id, seen) = (bodies.id(slot), seen_at(bodies.pose(slot)));
     let wears_out = keeps_breaking || bodies.is_bonded(slot);
-    let is_child = world.get::<ChildOf>(parent).is_some();
+    let above = world.get::<ChildOf>(parent).map(ChildOf::parent);
     let state = &mut *world.resource_mut::<PluginState>();
     state.entities.set(slot, id, piece, seen);
-    if is_child {
-        state.entities.set_local(slot, transform);
+    if let Some(above) = above {
+        state.entities.set_local(slot, above, transform);
         state.children.push(piece); // What is above it is not written yet.
     }
     if state.options.is_used {

@@ -15,9 +15,12 @@ use crate::ecs::components::{
     AngularVelocity, LinearVelocity, MassOverride, ShapeAwaited, Sleeping,
 };
 use crate::ecs::forces::*;
+use crate::ecs::joint::{JointA, JointB};
 use crate::ecs::parts::CompoundOfChildren;
 use crate::ecs::piece_children::ChildrenOfPieces;
-use crate::ecs::shape_constructor::ShapeConstructor;
+use crate::ecs::pieces::{PieceOf, Remains};
+use crate::ecs::shape_constructor::{CompoundConstructor, LevelConstructor, ShapeConstructor};
+use crate::ecs::walker::Walker;
 use crate::fracture::{FractureBudget, Ledger};
 use crate::geometry::HalfSpaceShape;
 use crate::joints::{Joint, JointLoad};
@@ -33,11 +36,19 @@ use bevy_reflect::{FromReflect, GetTypeRegistration, TypePath};
 
 /// Registers all types of the plugin that have `Reflect`. Fields' types follow by themselves.
 pub(crate) fn register_types(app: &mut App) {
-    component::<HalfSpaceShape>(app);
-    component::<MassOverride>(app);
+    // These have no default: they name entities.
+    component::<JointA>(app);
+    component::<JointB>(app);
+    component::<PieceOf>(app);
+    component::<Remains>(app);
+    component_with_default::<HalfSpaceShape>(app);
+    component_with_default::<MassOverride>(app);
     component_with_default::<Joint>(app);
     component_with_default::<JointLoad>(app);
     component_with_default::<ShapeConstructor>(app);
+    component_with_default::<CompoundConstructor>(app);
+    component_with_default::<LevelConstructor>(app);
+    component_with_default::<Walker>(app);
     component_with_default::<Fracturable>(app);
     component_with_default::<RigidBody>(app);
     component_with_default::<LinearVelocity>(app);

@@ -1,22 +1,33 @@
 //! Shapes as data that a scene file can hold: `ConvexMesh` itself is shared and keeps what was computed for it.
 
-use crate::ecs::components::BodyWarning;
+mod compound;
+mod level;
+mod mesh;
+mod round;
+
+pub use compound::{CompoundConstructor, PartDescription};
+pub use level::LevelConstructor;
+pub use mesh::MeshDescription;
+pub use round::RoundForm;
+
+use crate::ecs::components::{BodyProblem, BodyWarning};
 use crate::ecs::issues::Source;
 use crate::ecs::state::PluginState;
-use crate::geometry::{ConvexHull, ConvexMesh, HullError, MeshError, TriMesh};
+use crate::geometry::{ConvexMesh, HullError};
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
-use bevy_math::{Vec2, Vec3, Vec4};
+use bevy_math::Vec3;
 
 /// What a [`ConvexMesh`] is made from. An entity that gets one gets the shape.
 ///
 /// For scene files and inspectors: with the cargo feature `reflect` it is registered for both. It stays on the entity, so that what
-/// was loaded can be saved again; other shapes are described by [`of`](Self::of). Pieces get none.
+/// was loaded can be saved again; other shapes are described by [`of`](Self::of). Pieces get none. [`CompoundConstructor`] and
+/// [`LevelConstructor`] are the same for compounds and levels.
 ///
 /// No shape comes of unusable numbers: then the entity gets [`BodyIssues`](crate::ecs::BodyIssues).
 #[derive(Clone, Component, Debug, PartialEq)]
-#[component(on_insert = construct, on_remove = forget, clone_behavior = Ignore)]
+#[component(on_insert = Self::construct, on_remove = Self::forget, clone_behavior = Ignore)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum ShapeConstructor {
     /// [`ConvexMesh::cuboid`].
@@ -45,6 +56,17 @@ pub enum ShapeConstructor {
         /// Lengths along x, y and z, m.
         size: Vec3,
     },
+    /// What rolls.
+    Round {
+        /// What it is.
+        form: RoundForm,
+        /// [`ConvexMesh::with_resolution`]; the default if there is none.
+        resolution: Option<u32>,
+        /// What rides in it.
+        visual: Option<MeshDescription>,
+        /// Whether the mass is that of the mesh: [`ConvexMesh::with_mass_of_visual`].
+        weighs_visual: bool,
+    },
     /// Any other shape.
     Hull {
         /// Points whose hull it is, m.
@@ -54,26 +76,6 @@ pub enum ShapeConstructor {
         /// Whether the mass is that of the mesh: [`ConvexMesh::with_mass_of_visual`].
         weighs_visual: bool,
     },
-}
-
-/// A [`TriMesh`] as data. Attributes have one entry per vertex or none, slots one per triangle or none.
-#[derive(Clone, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
-pub struct MeshDescription {
-    /// m.
-    pub positions: Vec<Vec3>,
-    /// Unit vectors.
-    pub normals: Vec<Vec3>,
-    /// Linear RGBA.
-    pub colors: Vec<Vec4>,
-    /// Texture coordinates.
-    pub uvs: Vec<Vec2>,
-    /// Vertex numbers, counter-clockwise seen from outside.
-    pub triangles: Vec<[u32; 3]>,
-    /// Material slots.
-    pub materials: Vec<u16>,
-    /// How many triangles, the first ones, are sheets.
-    pub sheets: u32,
 }
 
 impl Default for ShapeConstructor {
@@ -86,10 +88,20 @@ impl Default for ShapeConstructor {
 impl ShapeConstructor {
     /// The description of a shape.
     pub fn of(shape: &ConvexMesh) -> Self {
-        Self::Hull {
-            points: shape.hull().vertices().to_vec(),
-            visual: shape.visual().map(MeshDescription::of),
-            weighs_visual: shape.weighs_visual(),
+        let visual = shape.visual().map(MeshDescription::of);
+        let weighs_visual = shape.weighs_visual();
+        match RoundForm::of(shape) {
+            Some(form) => Self::Round {
+                form,
+                resolution: shape.resolution(),
+                visual,
+                weighs_visual,
+            },
+            None => Self::Hull {
+                points: shape.hull().vertices().to_vec(),
+                visual,
+                weighs_visual,
+            },
         }
     }
 
@@ -110,89 +122,84 @@ impl ShapeConstructor {
                 height,
             } => ConvexMesh::regular_prism(sides, circumradius, height),
             Self::Wedge { size } => ConvexMesh::wedge(size.x, size.y, size.z),
+            Self::Round {
+                form,
+                resolution,
+                visual,
+                weighs_visual,
+            } => {
+                let shape = form.build()?;
+                let shape = match resolution {
+                    Some(sides) => shape.with_resolution(*sides)?,
+                    None => shape,
+                };
+                let visual = visual.as_ref().map(MeshDescription::build).transpose()?;
+                Ok(shape.carrying(visual, *weighs_visual))
+            }
             Self::Hull {
                 points,
                 visual,
                 weighs_visual,
             } => {
+                let shape = ConvexMesh::from_points(points)?;
                 let visual = visual.as_ref().map(MeshDescription::build).transpose()?;
-                let shape = ConvexMesh::from_parts(ConvexHull::from_points(points)?, visual);
-                Ok(if *weighs_visual {
-                    shape.with_mass_of_visual()
-                } else {
-                    shape
-                })
+                Ok(shape.carrying(visual, *weighs_visual))
             }
         }
     }
 }
 
-impl MeshDescription {
-    /// The description of a mesh.
-    pub fn of(mesh: &TriMesh) -> Self {
-        Self {
-            positions: mesh.positions().to_vec(),
-            normals: mesh.normals().to_vec(),
-            colors: mesh.colors().to_vec(),
-            uvs: mesh.uvs().to_vec(),
-            triangles: mesh.triangles().to_vec(),
-            materials: mesh.materials().to_vec(),
-            sheets: mesh.sheets() as u32,
-        }
-    }
+/// A component that a shape is made from.
+trait Constructor: Component + Sized {
+    type Shape: Component;
+    type Error: Into<BodyProblem> + std::fmt::Display + Send;
 
-    /// The mesh.
-    ///
-    /// # Errors
-    /// As [`TriMesh::new`] and the functions that set attributes.
-    pub fn build(&self) -> Result<TriMesh, MeshError> {
-        let mut mesh = TriMesh::new(self.positions.clone(), self.triangles.clone())?;
-        if !self.normals.is_empty() {
-            mesh = mesh.with_normals(self.normals.clone())?;
-        }
-        if !self.colors.is_empty() {
-            mesh = mesh.with_colors(self.colors.clone())?;
-        }
-        if !self.uvs.is_empty() {
-            mesh = mesh.with_uvs(self.uvs.clone())?;
-        }
-        if !self.materials.is_empty() {
-            mesh = mesh.with_materials(self.materials.clone())?;
-        }
-        mesh.with_sheets(self.sheets as usize)
-    }
-}
+    fn build(&self) -> Result<Self::Shape, Self::Error>;
 
-/// Hook: the entity gets the shape, whether the plugin is there yet or not.
-fn construct(mut world: DeferredWorld, context: HookContext) {
-    let entity = context.entity;
-    let built = (world.get::<ShapeConstructor>(entity)).map(ShapeConstructor::build);
-    let Some(built) = built else {
-        return;
-    };
-    world.commands().queue(move |world: &mut World| {
-        let found = built.map(|shape| {
-            if let Ok(mut entity) = world.get_entity_mut(entity) {
-                entity.insert(shape);
-            }
+    /// Hook: the entity gets the shape, whether the plugin is there yet or not.
+    fn construct(mut world: DeferredWorld, context: HookContext) {
+        let entity = context.entity;
+        let built = world.get::<Self>(entity).map(Constructor::build);
+        let Some(built) = built else {
+            return;
+        };
+        world.commands().queue(move |world: &mut World| {
+            let found = built.map(|shape| {
+                if let Ok(mut entity) = world.get_entity_mut(entity) {
+                    entity.insert(shape);
+                }
+            });
+            note(world, entity, found);
         });
-        note(world, entity, found);
-    });
+    }
+
+    /// Hook: nothing is wrong with a description that is not there.
+    fn forget(mut world: DeferredWorld, context: HookContext) {
+        let entity = context.entity;
+        world
+            .commands()
+            .queue(move |world: &mut World| note::<Self::Error>(world, entity, Ok(())));
+    }
 }
 
-/// Hook: nothing is wrong with a description that is not there.
-fn forget(mut world: DeferredWorld, context: HookContext) {
-    let entity = context.entity;
-    world
-        .commands()
-        .queue(move |world: &mut World| note(world, entity, Ok(())));
+impl Constructor for ShapeConstructor {
+    type Shape = ConvexMesh;
+    type Error = HullError;
+
+    fn build(&self) -> Result<ConvexMesh, HullError> {
+        self.build()
+    }
 }
 
 /// Tells what is wrong with it, or that nothing is any more.
-fn note(world: &mut World, entity: Entity, found: Result<(), HullError>) {
+fn note<E: Into<BodyProblem> + std::fmt::Display>(
+    world: &mut World,
+    entity: Entity,
+    found: Result<(), E>,
+) {
     if !world.contains_resource::<PluginState>() {
         if let Err(error) = found {
-            log::warn!("no shape for {entity} comes of its ShapeConstructor: {error}");
+            log::warn!("no shape for {entity} comes of its constructor: {error}");
         }
         return;
     }

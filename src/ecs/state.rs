@@ -86,6 +86,8 @@ pub(crate) struct BodyQueue {
     pub(crate) halted: Vec<Entity>,
     /// Entities that were disabled or enabled.
     pub(crate) toggled: Vec<Entity>,
+    /// Entities with impulses that wait, as they had no body, or one that took no part.
+    pub(crate) pushed: Vec<Entity>,
     /// Entities with something of a body that had no `RigidBody` when they got or lost it, or that are bodies no more.
     pub(crate) lone_parts: Vec<Entity>,
 }

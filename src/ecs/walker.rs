@@ -24,6 +24,7 @@ use bevy_transform::components::Transform;
 /// [`Compound`](crate::geometry::Compound), that is no child; `WalkerPlugin` moves its `Transform` before each step. Set `velocity` to where it is to go.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Component)]
 #[require(Walking)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Walker {
     /// How it walks.
     pub settings: WalkSettings,

@@ -8,8 +8,12 @@ use crate::ecs::components::{AngularVelocity, LinearVelocity};
 use crate::mass::MassProperties;
 use crate::plugin::{PhysicsSchedule, PhysicsSystems};
 use bevy_app::{App, FixedPreUpdate, Plugin, RunFixedMainLoop, RunFixedMainLoopSystems};
+use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
+use bevy_ecs::query::Allow;
 use bevy_math::Quat;
+#[cfg(feature = "reflect")]
+use bevy_reflect::std_traits::ReflectDefault;
 use bevy_time::{Fixed, Time};
 use bevy_transform::components::Transform;
 
@@ -25,6 +29,7 @@ pub struct InterpolationPlugin;
 /// This body jumps from step to step, in an app with [`InterpolationPlugin`].
 #[derive(Clone, Copy, Component, Debug, Default)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+#[cfg_attr(feature = "reflect", reflect(Component, Default))]
 pub struct NoInterpolation;
 
 /// Poses of a body. A piece is no continuation of the body that it was cut from, so it begins anew.
@@ -32,9 +37,25 @@ pub struct NoInterpolation;
 #[component(clone_behavior = Ignore)]
 struct Motion {
     /// Before the last step.
-    past: Option<Transform>,
+    past: Option<Place>,
     /// After it, and what is drawn.
     moved: Option<(Transform, Transform)>,
+}
+
+/// A pose beneath a parent, if there is one: beneath another one the same numbers are another place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Place {
+    parent: Option<Entity>,
+    local: Transform,
+}
+
+impl Place {
+    fn new(local: Transform, child_of: Option<&ChildOf>) -> Self {
+        Self {
+            parent: child_of.map(ChildOf::parent),
+            local,
+        }
+    }
 }
 
 impl Plugin for InterpolationPlugin {
@@ -75,7 +96,8 @@ fn begin(mut commands: Commands, bodies: Query<(Entity, &RigidBody), New>) {
     }
 }
 
-fn put_back(mut bodies: Query<(&mut Transform, &mut Motion)>) {
+/// Of bodies that are disabled too: they stay where the physics left them.
+fn put_back(mut bodies: Query<(&mut Transform, &mut Motion), Allow<Disabled>>) {
     for (mut transform, mut motion) in &mut bodies {
         if let Some((now, shown)) = motion.moved.take() {
             if *transform == shown {
@@ -87,17 +109,29 @@ fn put_back(mut bodies: Query<(&mut Transform, &mut Motion)>) {
     }
 }
 
-fn remember(mut bodies: Query<(&Transform, &mut Motion)>) {
-    for (transform, mut motion) in &mut bodies {
-        motion.past = Some(*transform);
+fn remember(mut bodies: Query<(&Transform, Option<&ChildOf>, &mut Motion)>) {
+    for (transform, child_of, mut motion) in &mut bodies {
+        motion.past = Some(Place::new(*transform, child_of));
     }
 }
 
+type Stepped = (
+    &'static Transform,
+    Option<&'static ChildOf>,
+    &'static RigidBody,
+    &'static mut Motion,
+);
+
 /// A body that was set elsewhere before the step did not move there. A kinematic one did.
-fn forget_jumps(mut bodies: Query<(&Transform, &RigidBody, &mut Motion)>) {
-    for (transform, kind, mut motion) in &mut bodies {
-        if *kind != RigidBody::Kinematic && motion.past.is_some_and(|past| past != *transform) {
-            motion.past = Some(*transform);
+fn forget_jumps(mut bodies: Query<Stepped>) {
+    for (transform, child_of, kind, mut motion) in &mut bodies {
+        let place = Place::new(*transform, child_of);
+        let is_moved = motion.past.is_some_and(|past| {
+            let goes_there = *kind == RigidBody::Kinematic && past.parent == place.parent;
+            past != place && !goes_there
+        });
+        if is_moved {
+            motion.past = Some(place);
         }
     }
 }
@@ -108,17 +142,19 @@ type Moving = (
     &'static LinearVelocity,
     &'static AngularVelocity,
     &'static MassProperties,
-    Has<ChildOf>,
+    Option<&'static ChildOf>,
 );
 
 fn ease(fixed: Res<Time<Fixed>>, mut bodies: Query<Moving, Without<NoInterpolation>>) {
     let share = fixed.overstep_fraction();
     let step = fixed.timestep().as_secs_f32();
-    for (mut transform, mut motion, velocity, spin, mass, is_child) in &mut bodies {
+    for (mut transform, mut motion, velocity, spin, mass, child_of) in &mut bodies {
         let now = *transform;
-        let past = motion.past.unwrap_or_else(|| {
-            // Velocities are in world axes, and so is only what has no parent.
-            if is_child {
+        let place = Place::new(now, child_of);
+        let past = motion.past.filter(|past| past.parent == place.parent);
+        // Velocities are in world axes, and so is only what has no parent.
+        let past = past.map(|past| past.local).unwrap_or_else(|| {
+            if child_of.is_some() {
                 now
             } else {
                 a_step_ago(&now, [velocity.0, spin.0].map(|v| step * v), mass)
@@ -130,7 +166,10 @@ fn ease(fixed: Res<Time<Fixed>>, mut bodies: Query<Moving, Without<NoInterpolati
             shown.translation = past.translation.lerp(now.translation, share);
             shown.rotation = past.rotation.slerp(now.rotation, share);
         }
-        motion.past = Some(past);
+        motion.past = Some(Place {
+            local: past,
+            ..place
+        });
         motion.moved = Some((now, shown));
         transform.set_if_neq(shown);
     }

@@ -69,6 +69,16 @@ impl ConvexMesh {
         }))
     }
 
+    /// The shape with a mesh that rides in it, if there is one, and whether the mass is that of the mesh.
+    pub(crate) fn carrying(self, visual: Option<TriMesh>, weighs_visual: bool) -> Self {
+        let parts = Arc::unwrap_or_clone(self.0);
+        Self(Arc::new(MeshParts {
+            visual,
+            weighs_visual,
+            ..parts
+        }))
+    }
+
     /// The mesh that gives the body its mass, if that is asked for and the mesh encloses something.
     pub fn weighed_visual(&self) -> Option<&TriMesh> {
         Self::weighed_part(self.hull(), self.visual(), self.0.weighs_visual)
@@ -335,6 +345,13 @@ impl ConvexMesh {
 pub struct HalfSpaceShape {
     /// Outward unit normal in the entity's frame; the plane goes through the entity's origin.
     pub normal: Vec3,
+}
+
+impl Default for HalfSpaceShape {
+    /// A floor.
+    fn default() -> Self {
+        Self { normal: Vec3::Y }
+    }
 }
 
 impl HalfSpaceShape {

@@ -16,7 +16,6 @@ use glam::{Vec2, Vec3};
 use rand_core::SeedableRng;
 use rand_pcg::Pcg32;
 use smallvec::smallvec;
-use std::sync::Arc;
 
 /// How far [`FracturePattern::RandomPlane`] goes from the impact towards the center of the body's box, as a fraction.
 ///
@@ -111,7 +110,7 @@ pub enum FracturePattern {
         size: Vec3,
     },
     /// Planes of one's own, in the body's frame.
-    Planes(#[cfg_attr(feature = "reflect", reflect(ignore))] Arc<[Plane]>),
+    Planes(Vec<Plane>),
 }
 
 impl FracturePattern {

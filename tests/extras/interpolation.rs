@@ -1,10 +1,12 @@
 //! Motion between fixed steps.
 
+use crate::dice::Dice;
 use crate::{all_with, app, with_frames_of};
 use bevy_app::{App, FixedUpdate};
 use bevy_cleave::prelude::*;
+use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
-use bevy_math::Vec3;
+use bevy_math::{Affine3A, Mat4, Vec3};
 use bevy_transform::components::Transform;
 
 const STEP: f64 = 1.0 / 60.0;
@@ -157,4 +159,117 @@ fn who_does_not_want_it_jumps_from_step_to_step() {
     }
     places.dedup();
     assert!((9..=11).contains(&places.len()), "{} places", places.len());
+}
+
+/// World of an entity by the `Transform`s of this moment.
+fn world_of(world: &World, entity: Entity) -> Affine3A {
+    let up = |&entity: &Entity| world.get::<ChildOf>(entity).map(ChildOf::parent);
+    let chain = std::iter::successors(Some(entity), up);
+    chain.fold(Affine3A::IDENTITY, |below, entity| {
+        let own = world.get::<Transform>(entity).copied();
+        own.unwrap_or_default().compute_affine() * below
+    })
+}
+
+/// Gives an entity another parent, or none, and leaves it where it is, as Bevy's `set_parent_in_place` does.
+fn put_beneath(world: &mut World, entity: Entity, parent: Option<Entity>) {
+    let above = parent.map_or(Affine3A::IDENTITY, |parent| world_of(world, parent));
+    let local = Mat4::from(above.inverse() * world_of(world, entity));
+    let mut entity = world.entity_mut(entity);
+    entity.remove::<ChildOf>();
+    if let Some(parent) = parent {
+        entity.insert(ChildOf(parent));
+    }
+    entity.insert(Transform::from_matrix(local));
+}
+
+// Who was handed to another parent in a step was drawn between two places of different frames: its own, or that of a piece.
+#[test]
+fn a_body_moves_evenly_whoever_its_parents_are() {
+    #[derive(Resource, Default)]
+    struct Due(Vec<(Entity, Option<Entity>)>);
+    fn hand_over(world: &mut World) {
+        for (entity, parent) in std::mem::take(&mut world.resource_mut::<Due>().0) {
+            // Who sets the place of what is kinematic says where it is to be after the step.
+            if world.get::<ChildOf>(entity).map(ChildOf::parent) != parent {
+                put_beneath(world, entity, parent);
+            }
+        }
+    }
+    for seed in 0..8 {
+        let mut dice = Dice::new(seed);
+        let mut app = smooth_app();
+        app.init_resource::<Due>()
+            .add_systems(FixedUpdate, hand_over);
+        let velocity = dice.vector(-4.0, 4.0);
+        let apart = CollisionLayers {
+            memberships: 1,
+            filters: 0,
+        };
+        let kind = [RigidBody::Dynamic, RigidBody::Kinematic][dice.below(2)];
+        let body = (kind, cube(), LinearVelocity(velocity), apart);
+        let body = app.world_mut().spawn(body).id();
+        let parents = [(); 3].map(|()| {
+            let place = Transform::from_translation(dice.vector(-9.0, 9.0));
+            let place = place.with_rotation(dice.rotation());
+            app.world_mut().spawn(place).id()
+        });
+        // One that breaks at some time, and goes as fast.
+        let block = (RigidBody::Dynamic, cube(), LinearVelocity(velocity), apart);
+        let start = Transform::from_translation(dice.vector(-9.0, 9.0));
+        let block = app.world_mut().spawn((block, start)).id();
+        (0..4).for_each(|_| app.update());
+        let mut before = world_of(app.world(), body).translation;
+        for frame in 0..120 {
+            let seconds = f64::from(dice.in_range(0.002, 0.05));
+            let choice = [None, Some(parents[0]), Some(parents[1]), Some(block)];
+            // Beneath what moves, only what is dynamic goes its own way.
+            let count = 3 + usize::from(kind == RigidBody::Dynamic);
+            let parent = choice[dice.below(count)].filter(|it| app.world().get_entity(*it).is_ok());
+            match dice.below(12) {
+                0 | 1 => app.world_mut().resource_mut::<Due>().0.push((body, parent)),
+                2 if frame > 60 && app.world().get_entity(block).is_ok() => {
+                    let middle = world_of(app.world(), block).translation;
+                    let plane = Plane::through(middle.into(), dice.direction());
+                    app.world_mut().commands().slice(block, plane);
+                }
+                _ => {}
+            }
+            with_frames_of(&mut app, seconds);
+            app.update();
+            let now = world_of(app.world(), body).translation;
+            let way = Vec3::from(now - before);
+            let off = way.distance(seconds as f32 * velocity);
+            assert!(
+                off < 2e-3,
+                "seed {seed} {kind:?} {:?}, frame {frame}: {way} m in {seconds} s at {velocity} m/s",
+                app.world().get::<ChildOf>(body)
+            );
+            before = now;
+        }
+    }
+}
+
+// It stayed where it was drawn between two steps, and went on from there.
+#[test]
+fn who_is_disabled_between_steps_is_where_the_last_step_left_it() {
+    let mut app = smooth_app();
+    with_frames_of(&mut app, STEP * 0.7);
+    let velocity = LinearVelocity(6.0 * Vec3::X);
+    let body = (RigidBody::Dynamic, cube(), velocity);
+    let body = app.world_mut().spawn(body).id();
+    (0..20).for_each(|_| app.update());
+    let pose = |app: &App| {
+        let handle = app
+            .world()
+            .get::<BodyHandle>(body)
+            .and_then(BodyHandle::get);
+        let (slot, _) = handle.expect("a body");
+        app.world().resource::<Bodies>().pose(slot).position
+    };
+    let left = pose(&app);
+    assert_ne!(place(&app, body), left);
+    app.world_mut().entity_mut(body).insert(Disabled);
+    (0..3).for_each(|_| app.update());
+    assert_eq!(place(&app, body), left);
 }

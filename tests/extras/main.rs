@@ -2,6 +2,8 @@
 
 mod constructors;
 mod diagnostics;
+#[path = "../common/dice.rs"]
+mod dice;
 mod drawing;
 mod gizmos;
 mod interpolation;

@@ -18,7 +18,6 @@ use bevy_cleave::testing::predicates::length_scale;
 use bevy_cleave::testing::slice::CrackArea;
 use glam::{Quat, Vec3};
 use proptest::prelude::*;
-use std::sync::Arc;
 
 /// Relative volume that a division may lose or gain.
 const VOLUME_TOLERANCE: f64 = 1e-6;
@@ -53,7 +52,7 @@ fn patterns(hull: &ConvexHull) -> Vec<FracturePattern> {
         FracturePattern::Brick {
             size: 0.3 * hull.aabb().extents(),
         },
-        FracturePattern::Planes(Arc::from(own)),
+        FracturePattern::Planes(own.into()),
     ]
 }
 

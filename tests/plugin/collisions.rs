@@ -438,3 +438,37 @@ fn collisions_are_those_that_touch_asleep_or_not() {
     assert_eq!(app.world().resource::<StepReport>().asleep, 3);
     assert_eq!(app.world().resource::<Seen>().0, expected);
 }
+
+// It began to touch and then ended to, in one step, so that who counted thought that nobody touched any more.
+#[test]
+fn another_body_of_the_same_entity_is_no_news() {
+    for seed in 0..6 {
+        let mut app = listening();
+        let mut dice = Dice::new(seed);
+        let floor = floor(&mut app);
+        if seed % 2 == 0 {
+            app.world_mut().entity_mut(floor).insert(CollisionEvents);
+        }
+        let cubes = [0, 1].map(|level| {
+            let place = Transform::from_xyz(0.0, 0.5 + level as f32, 0.0);
+            let parts = (RigidBody::Dynamic, cube(1.0), place, CollisionEvents);
+            app.world_mut().spawn(parts).id()
+        });
+        steps(&mut app, 20);
+        let begun = heard(&app).entity_starts.len();
+        for _ in 0..20 {
+            let cube = cubes[dice.below(2)];
+            let mut entity = app.world_mut().entity_mut(cube);
+            entity.remove::<RigidBody>().insert(RigidBody::Dynamic);
+            steps(&mut app, 1 + dice.below(4));
+        }
+        let heard = heard(&app);
+        assert_eq!(heard.entity_starts.len(), begun, "seed {seed}");
+        assert_eq!(heard.starts.len(), 2, "seed {seed}");
+        assert_eq!(
+            (heard.ends.len(), heard.entity_ends.len()),
+            (0, 0),
+            "seed {seed}"
+        );
+    }
+}

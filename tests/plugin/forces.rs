@@ -4,6 +4,7 @@ use crate::app::{app, bits_of_entity};
 use crate::common::dice::Dice;
 use bevy_app::{App, FixedUpdate, Update};
 use bevy_cleave::prelude::*;
+use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
 use bevy_math::Vec3;
 use bevy_time::TimeUpdateStrategy;
@@ -420,4 +421,88 @@ fn the_plugin_drives_as_the_plain_step_does() {
         bits_of_entity(app.world(), body)
     );
     assert!(pose.position.x > 0.03, "{pose:?}");
+}
+
+type Change = fn(&mut EntityWorldMut);
+
+/// Ways of taking no part in steps, and of taking part after all.
+fn ways() -> [(Change, Change); 3] {
+    [
+        (
+            |entity| {
+                entity.insert(ShapeAwaited).remove::<ConvexMesh>();
+            },
+            |entity| {
+                entity.insert(brick()).remove::<ShapeAwaited>();
+            },
+        ),
+        (
+            |entity| {
+                entity.remove::<ConvexMesh>();
+            },
+            |entity| {
+                entity.insert(brick());
+            },
+        ),
+        (
+            |entity| {
+                entity.insert(Disabled);
+            },
+            |entity| {
+                entity.remove::<Disabled>();
+            },
+        ),
+    ]
+}
+
+// An impulse on a body whose shape was still to come was forgotten until the next push, and then what had been pushed in all the steps
+// before acted in one.
+#[test]
+fn impulses_wait_for_a_body_and_forces_do_not() {
+    for seed in 0..30 {
+        let (hide, show) = ways()[seed % 3];
+        let mut dice = Dice::new(seed as u64);
+        let mut app = weightless();
+        let body = spawn(&mut app, ());
+        let mass = 1000.0 * brick().hull().volume() as f32;
+        let (mut momentum, mut is_there) = (Vec3::ZERO, false);
+        for step in 0..20 {
+            let what = dice.below(4);
+            let (impulse, force) = (dice.vector(-50.0, 50.0), dice.vector(-50.0, 50.0));
+            let is_shown = dice.below(6) == 0;
+            if !is_there && is_shown {
+                is_there = true;
+                show(&mut app.world_mut().entity_mut(body));
+            }
+            // Queries do not find what is disabled.
+            if app.world().entity(body).contains::<Disabled>() {
+                app.update();
+                continue;
+            }
+            push(&mut app, body, |forces| match what {
+                0 => forces.apply_impulse(impulse),
+                1 => forces.apply_impulse_at(impulse, Vec3::ZERO),
+                2 => forces.apply_force(force),
+                _ => {}
+            });
+            momentum += match what {
+                0 | 1 => impulse,
+                2 if is_there => force / 60.0,
+                _ => Vec3::ZERO,
+            };
+            if step == 0 && !is_there {
+                hide(&mut app.world_mut().entity_mut(body));
+                momentum = if what < 2 { impulse } else { Vec3::ZERO };
+            }
+            app.update();
+            if is_there {
+                let found = mass * velocity(&app, body);
+                let off = found.distance(momentum);
+                assert!(
+                    off < 1e-2,
+                    "seed {seed}, step {step}: {found} for {momentum} N s"
+                );
+            }
+        }
+    }
 }

@@ -13,6 +13,7 @@ mod chaos;
 mod collisions;
 mod forces;
 mod idle;
+mod parents;
 mod phases;
 mod pieces;
 mod plain_step;

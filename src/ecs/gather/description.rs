@@ -21,7 +21,7 @@ use bevy_transform::components::Transform;
 #[derive(QueryData)]
 pub(crate) struct BodyParts {
     pub(super) child_of: Option<&'static ChildOf>,
-    kind: &'static RigidBody,
+    pub(super) kind: &'static RigidBody,
     convex: Option<&'static ConvexMesh>,
     compound: Option<&'static Compound>,
     half_space: Option<&'static HalfSpaceShape>,

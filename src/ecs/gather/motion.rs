@@ -2,11 +2,12 @@
 
 use crate::bodies::body::{BodyError, RigidBody};
 use crate::bodies::store::Bodies;
+use crate::contact::body_id::BodyId;
 use crate::ecs::components::*;
 use crate::ecs::gather::idle_velocity;
 use crate::ecs::issues::{Issues, Source};
 use crate::ecs::kinematic::KinematicTarget;
-use crate::ecs::parents::Parents;
+use crate::ecs::parents::{Parents, is_same_place, is_same_scale};
 use crate::math::Pose;
 use crate::tuning::COMPARED_ROWS;
 use bevy_ecs::change_detection::Tick;
@@ -59,6 +60,7 @@ pub(super) struct MotionReader<'r, 'w, 's> {
     /// Entities whose shapes are to be scaled otherwise.
     pub(super) rescaled: &'r mut Vec<Entity>,
     pub(super) parents: &'r Parents<'w, 's>,
+    pub(super) handles: &'r Query<'w, 's, &'static BodyHandle>,
 }
 
 impl MotionReader<'_, '_, '_> {
@@ -95,11 +97,25 @@ impl MotionReader<'_, '_, '_> {
         }
     }
 
-    /// Reads one entity whatever its ticks say.
-    pub(super) fn read_one(
+    /// Reads those that were enabled, whatever their ticks say, and those that have lost a parent, unless they were read since.
+    pub(super) fn read_again(
         &mut self,
-        (entity, handle, transform, linear, angular, child_of): MotionOf,
+        motion: &Query<ReadMotion>,
+        enabled: Vec<Entity>,
+        orphans: Vec<Entity>,
     ) {
+        for item in enabled.into_iter().flat_map(|entity| motion.get(entity)) {
+            self.read_one(item);
+        }
+        for item in orphans.into_iter().flat_map(|entity| motion.get(entity)) {
+            let slot = item.1.get().map(|(slot, _)| slot);
+            if slot.is_some_and(|slot| self.entities.local(slot).is_some()) {
+                self.read_one(item);
+            }
+        }
+    }
+
+    fn read_one(&mut self, (entity, handle, transform, linear, angular, child_of): MotionOf) {
         self.read(Row {
             entity,
             handle,
@@ -132,8 +148,10 @@ impl MotionReader<'_, '_, '_> {
         bodies.set_velocity(slot, linear, angular)?;
         let seen = self.entities.seen[slot as usize];
         let kind = bodies.kind(slot);
+        let known = self.entities.local(slot);
         let (pose, scale, is_moved) = match row.child_of {
             None => {
+                self.entities.forget_local(slot);
                 let pose = Pose::new(row.transform.translation, row.transform.rotation);
                 let last = match kind {
                     // Never written: what was read last may differ by rounding from the pose about the center of mass.
@@ -142,29 +160,40 @@ impl MotionReader<'_, '_, '_> {
                 };
                 (pose, row.transform.scale, pose != last)
             }
-            Some(_) => {
-                let is_own_way = kind == RigidBody::Dynamic;
-                if is_own_way && self.entities.local(slot) == Some(*row.transform) {
-                    return Ok(());
-                }
-                let (pose, scale) = self.parents.place(row.transform, row.child_of)?;
-                self.entities.set_local(slot, *row.transform);
-                let last = match kind {
-                    RigidBody::Dynamic => None,
-                    _ => Some(Pose::new(seen.translation, seen.rotation)),
+            Some(child_of) => {
+                let (entities, from) = (&*self.entities, &*bodies);
+                let (parents, handles) = (self.parents, self.handles);
+                let own_way = |entity, local| {
+                    let handle = handles.get(entity).ok()?;
+                    goes_own_way(from, entities, handle.0?, local)
                 };
-                (pose, scale, last != Some(pose))
+                let (pose, scale) = parents.place(row.transform, row.child_of, kind, &own_way)?;
+                let local = (child_of.parent(), *row.transform);
+                let before = Pose::new(seen.translation, seen.rotation);
+                let is_moved = match kind {
+                    // Goes its own way, wherever its parent goes.
+                    RigidBody::Dynamic => known != Some(local),
+                    _ => !is_same_place(pose, before),
+                };
+                self.entities.set_local(slot, local.0, local.1);
+                // What rounding makes of a chain is not followed.
+                (if is_moved { pose } else { before }, scale, is_moved)
             }
         };
+        let is_rescaled = !is_same_scale(scale, seen.scale);
         self.entities.seen[slot as usize] = Transform {
             translation: pose.position,
             rotation: pose.rotation,
-            scale,
+            // Not what rounding makes of it as parents turn.
+            scale: if is_rescaled { scale } else { seen.scale },
         };
-        if scale != seen.scale {
+        if is_rescaled {
             self.rescaled.push(row.entity);
         }
-        if is_moved {
+        // Who is handed from parent to parent in place is not moved by what rounding makes of it.
+        let is_handed_on = known.map(|local| local.0) != row.child_of.map(ChildOf::parent);
+        let stays = is_handed_on && is_same_place(pose, self.bodies.pose(slot));
+        if is_moved && !stays {
             self.put(slot, pose)?;
         }
         Ok(())
@@ -182,6 +211,19 @@ impl MotionReader<'_, '_, '_> {
         }
         Ok(())
     }
+}
+
+/// Where a dynamic body is that is not where its parent would bring it, unless somebody has set it there.
+fn goes_own_way(
+    bodies: &Bodies,
+    entities: &BodyEntities,
+    (slot, id): (u32, BodyId),
+    local: (Entity, Transform),
+) -> Option<Pose> {
+    let is_own = bodies.is_current(slot, id)
+        && bodies.kind(slot) == RigidBody::Dynamic
+        && entities.local(slot) == Some(local);
+    is_own.then(|| bodies.pose(slot))
 }
 
 /// Rows among which are all that have another tick than `own` in a column.

@@ -9,18 +9,21 @@ use bevy_asset::{AssetServer, Assets, LoadState};
 use bevy_ecs::prelude::*;
 use bevy_math::Vec3;
 use bevy_mesh::{Mesh, Mesh3d};
+#[cfg(feature = "reflect")]
+use bevy_reflect::std_traits::ReflectDefault;
 
 /// Makes the shape of a body from the entity's `Mesh3d`, as soon as that is loaded; goes when it is done.
 ///
 /// While the mesh loads it is no issue that there is no shape ([`ShapeAwaited`]). What cannot be made leaves a [`ShapeRefused`] on the
 /// entity, and a warning in the log; a mesh that could not be loaded, or is missing, may still come.
-#[derive(Clone, Copy, Component, Debug, PartialEq)]
+#[derive(Clone, Copy, Component, Debug, Default, PartialEq)]
 #[require(ShapeAwaited)]
 #[component(on_remove = ShapeAwaited::end, clone_behavior = Ignore)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
-#[cfg_attr(feature = "reflect", reflect(Component))]
+#[cfg_attr(feature = "reflect", reflect(Component, Default))]
 pub enum ShapeFromMesh {
     /// The convex hull. Pieces look like it.
+    #[default]
     Hull,
     /// The convex hull, with the mesh riding in it: pieces look like parts of the mesh. What is not closed is mended as
     /// [`Model::import`] does, by default options; its report goes to the log.
@@ -64,9 +67,9 @@ pub enum ShapeFromMeshError {
 /// Makes bodies of all entities with `Mesh3d` below this one, as they come: put it on the root of a scene that is being loaded.
 ///
 /// Entities that have a [`RigidBody`], a shape or a [`ShapeFromMesh`] of their own are left as they are.
-#[derive(Clone, Copy, Component, Debug, PartialEq)]
+#[derive(Clone, Copy, Component, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
-#[cfg_attr(feature = "reflect", reflect(Component))]
+#[cfg_attr(feature = "reflect", reflect(Component, Default))]
 pub struct ShapesOfScene {
     /// What kind of bodies they become.
     pub body: RigidBody,
