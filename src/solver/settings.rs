@@ -13,6 +13,10 @@ use glam::Vec3;
 /// would give way like a foot under a load of many times its mass, or ask for that many more sub-steps (`docs/decisions/joints.md`).
 const STIFFNESS_AMONG_JOINTS: f32 = 4.0;
 
+/// Times which [`SoftStep::sag`] contacts may give way there. What asks for more than the least sub-steps in spite of the stiffness is a light part under
+/// many times its mass: a hand below a body, a plank below a truck.
+const SAG_AMONG_JOINTS: f32 = 16.0;
+
 /// Turn of a sub-step, rad, that is small enough for bodies that joints alone hold: rows are solved directly and motion is of second order, so that
 /// the period of a pendulum is off by some `SWING^2 / 24` at most (`docs/decisions/joints.md`).
 const SWING: f32 = 0.02;
@@ -211,9 +215,18 @@ impl SubstepSettings {
         let step_dt = self.step_dt();
         let frequency = self.stiffness_for(requirements) * self.contact_frequency;
         let per_radian = step_dt / (std::f32::consts::TAU * frequency);
-        let parts = per_radian * (requirements.load / (step_dt * self.sag)).sqrt();
+        let parts =
+            per_radian * (requirements.load / (step_dt * self.sag_for(requirements))).sqrt();
         // A number that is not finite becomes one end of the range.
         (parts.ceil() as u32).clamp(self.substeps, self.max_substeps.max(self.substeps))
+    }
+
+    /// See [`sag`](Self::sag).
+    fn sag_for(&self, requirements: &IslandRequirements) -> f32 {
+        match requirements.joints {
+            JointPresence::AmongContacts => SAG_AMONG_JOINTS * self.sag,
+            _ => self.sag,
+        }
     }
 
     /// See [`stiffness`](Self::stiffness); 1 where the user has fixed the number of sub-steps.
