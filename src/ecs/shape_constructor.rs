@@ -108,7 +108,7 @@ impl ShapeConstructor {
     /// The shape.
     ///
     /// # Errors
-    /// As the function that the variant names, or [`ConvexHull::from_points`].
+    /// As the function that the variant names, or [`ConvexMesh::from_points`].
     pub fn build(&self) -> Result<ConvexMesh, HullError> {
         match self {
             Self::Cuboid { size } => ConvexMesh::cuboid(size.x, size.y, size.z),
