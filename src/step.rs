@@ -21,6 +21,7 @@ mod breakable;
 pub(crate) mod contact_events;
 mod contact_place;
 pub(crate) mod contacts;
+mod level_guard;
 mod loads;
 mod local_buffers;
 mod local_steps;
@@ -29,6 +30,7 @@ pub(crate) mod report;
 pub(crate) mod settings;
 pub(crate) mod simulation;
 
+use crate::step::level_guard::hold_before_levels;
 use crate::step::loads::bear_loads;
 use crate::step::local_steps::take_local_steps;
 use crate::step::measure::report_solution;
@@ -330,8 +332,10 @@ fn break_in_rounds(
     }
 }
 
-/// Phase 8: poses from velocities. A body that would stop being finite is stopped where it is, and reported.
+/// Phase 8: poses from velocities. A body that would stop being finite is stopped where it is, and reported; one that would get behind a
+/// level stops before it.
 pub fn integrate(bodies: &mut Bodies, report: &mut StepReport) {
+    hold_before_levels(bodies);
     integrate::integrate_positions(bodies, &mut report.problems);
 }
 

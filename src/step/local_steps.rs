@@ -17,6 +17,7 @@ use crate::merge::{Merged, merge};
 use crate::solver::config::Method;
 use crate::solver::contact_solver::ContactSolver;
 use crate::step::contacts::Contacts;
+use crate::step::level_guard::hold_before_levels;
 use crate::step::local_buffers::LocalBuffers;
 use crate::step::report::StepReport;
 use crate::step::settings::StepSettings;
@@ -138,6 +139,7 @@ impl LocalBuffers {
         break_in_rounds(bodies, contacts, breakable.again(), settings, report);
         let broken = &breakable.fractures.done[known..];
         forget_broken(&mut self.sums, broken, &mut self.joined);
+        hold_before_levels(bodies);
         move_bodies(bodies, &mut report.problems);
         self.keep_impulses(bodies, contacts, settings);
     }

@@ -169,9 +169,8 @@ fn shots_through(shape: &ConvexMesh, spin: Vec3) -> usize {
 
 #[test]
 fn few_shots_at_up_to_300_metres_a_second_get_through_rough_ground() {
-    // What is thrown about by a bump at this speed may get into the ground in the rest of the step, and is not held from there on.
-    // Cones and cylinders, which such a hit sets spinning by thousands of turns a second, do so most, and in two local steps more than
-    // in one step: 9 and 2 without.
+    // What is thrown about by a bump at this speed may get into the ground in the rest of the step, up to its middle.
+    // Cones and cylinders, which such a hit sets spinning by thousands of turns a second, do so most: 16 and 7 got through.
     let shapes = [
         ("sphere", ConvexMesh::sphere(0.05)),
         ("capsule", ConvexMesh::capsule(0.05, 0.2)),
@@ -184,11 +183,7 @@ fn few_shots_at_up_to_300_metres_a_second_get_through_rough_ground() {
         let shape = shape.expect("usable");
         let through = shots_through(&shape, Vec3::new(3.0, 20.0, -7.0));
         println!("{name}: {through} of 60 through");
-        let most = match name {
-            "cone" => 16,
-            "cylinder" => 7,
-            _ => 1,
-        };
+        let most = usize::from(name == "cone");
         assert!(through <= most, "{name}: {through}");
     }
 }
