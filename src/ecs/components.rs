@@ -170,7 +170,7 @@ pub enum BodyProblem {
     #[error("no shape comes of its constructor: {0}")]
     Shape(#[from] HullError),
     /// Its children, or the parts of its `CompoundConstructor`, make no compound.
-    #[error("no shape comes of its parts: {0}")]
+    #[error("no shape comes of its children or parts: {0}")]
     Compound(#[from] CompoundError),
     /// A cut of it was refused.
     #[error("the cut was not made: {0}")]
