@@ -11,7 +11,7 @@ use std::any::TypeId;
 use std::path::Path;
 
 /// Components that a scene file cannot hold, or need not: what is computed from others or names what is in memory.
-const COMPUTED: [&str; 15] = [
+const COMPUTED: [&str; 16] = [
     // Described by constructors.
     "ConvexMesh",
     "Compound",
@@ -28,7 +28,8 @@ const COMPUTED: [&str; 15] = [
     "SlotMesh",
     "Walking",
     // The other side of relations.
-    "JointsOf",
+    "JointsOfA",
+    "JointsOfB",
     "Pieces",
 ];
 
@@ -75,8 +76,7 @@ fn components_in(folder: &Path, found: &mut Vec<String>) {
 /// Of a type that derives `Component`: one that a scene file may hold.
 fn is_data(name: &str) -> bool {
     let is_drawn = matches!(name, "ShapeFromMesh" | "ShapesOfScene");
-    !COMPUTED.iter().any(|computed| name.starts_with(computed))
-        && (cfg!(feature = "mesh") || !is_drawn)
+    !COMPUTED.contains(&name) && (cfg!(feature = "mesh") || !is_drawn)
 }
 
 // Some were not, among them the relations of joints and `NoInterpolation`, which was registered as a type alone.

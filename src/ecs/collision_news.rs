@@ -60,9 +60,7 @@ impl News {
             is_first = matches!(event.change, ContactChange::Force { .. });
         }
     }
-}
 
-impl News {
     /// Takes out what ends and begins in one step: another body of the same entity is no news of who touches whom.
     fn settle(&mut self) {
         if self.starts.is_empty() || self.ends.is_empty() {

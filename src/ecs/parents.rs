@@ -39,7 +39,8 @@ impl Parents<'_, '_> {
         kind: RigidBody,
         own_way: OwnWay,
     ) -> Result<(Pose, Vec3), BodyError> {
-        let parent = child_of.map(|parent| self.world_of(parent.parent(), own_way));
+        let above = |entity| self.above.get(entity).ok();
+        let parent = child_of.map(|parent| world_of(parent.parent(), &above, own_way));
         if let Some(parent) = parent.filter(|_| kind == RigidBody::Dynamic) {
             let (scale, ..) = parent.to_scale_rotation_translation();
             // However it lies now, it will turn.
@@ -49,22 +50,26 @@ impl Parents<'_, '_> {
         }
         place(transform, parent)
     }
+}
 
-    /// World of an entity, by going up.
-    fn world_of(&self, entity: Entity, own_way: OwnWay) -> Affine3A {
-        let Ok((transform, child_of)) = self.above.get(entity) else {
-            return Affine3A::IDENTITY;
-        };
-        let local = transform.compute_affine();
-        let Some(parent) = child_of.map(ChildOf::parent) else {
-            return local;
-        };
-        let world = self.world_of(parent, own_way) * local;
-        own_way(entity, (parent, *transform)).map_or(world, |pose| {
-            let (scale, ..) = world.to_scale_rotation_translation();
-            Affine3A::from_scale_rotation_translation(scale, pose.rotation, pose.position)
-        })
-    }
+/// World of an entity, by going up: `above` tells the `Transform` and the parent of each.
+fn world_of<'t>(
+    entity: Entity,
+    above: &dyn Fn(Entity) -> Option<(&'t Transform, Option<&'t ChildOf>)>,
+    own_way: OwnWay,
+) -> Affine3A {
+    let Some((transform, child_of)) = above(entity) else {
+        return Affine3A::IDENTITY;
+    };
+    let local = transform.compute_affine();
+    let Some(parent) = child_of.map(ChildOf::parent) else {
+        return local;
+    };
+    let world = world_of(parent, above, own_way) * local;
+    own_way(entity, (parent, *transform)).map_or(world, |pose| {
+        let (scale, ..) = world.to_scale_rotation_translation();
+        Affine3A::from_scale_rotation_translation(scale, pose.rotation, pose.position)
+    })
 }
 
 /// The place of a body whose parent is at `parent`, if it has one.
@@ -111,9 +116,11 @@ fn rounded(scale: Vec3) -> Vec3 {
 /// World of the parent of an entity, if it has one.
 pub(super) fn parent_of(world: &World, entity: Entity) -> Option<Affine3A> {
     let parent = world.get::<ChildOf>(entity)?.parent();
-    let local = world.get::<Transform>(parent);
-    let local = local.map_or(Affine3A::IDENTITY, Transform::compute_affine);
-    Some(parent_of(world, parent).map_or(local, |above| above * local))
+    let above = |entity| {
+        let transform = world.get::<Transform>(entity)?;
+        Some((transform, world.get::<ChildOf>(entity)))
+    };
+    Some(world_of(parent, &above, &|_, _| None))
 }
 
 /// The `Transform` beneath a parent of a body at `pose`; its scale stays what it is.
@@ -161,9 +168,9 @@ pub(crate) fn write_children(world: &mut World) {
             continue;
         };
         // What somebody else has changed meanwhile is for the next step to read.
-        let is_moved = known.is_none_or(|(_, local)| local != *transform)
+        let is_set = known.is_none_or(|(_, local)| local != *transform)
             && transform.last_changed().is_newer_than(read, now);
-        if is_moved || known.is_some_and(|(parent, _)| parent != above) {
+        if is_set || known.is_some_and(|(parent, _)| parent != above) {
             continue;
         }
         let local = local_of(&parent, pose, transform.scale);

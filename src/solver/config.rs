@@ -58,7 +58,7 @@ pub enum Method {
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct SoftStep {
     /// Least number of parts that each step is solved and integrated in; contact geometry is found once per step. Where
-    /// [`max_substeps`](Self::max_substeps) is more, bodies that only rigid joints hold take a quarter of it while they turn slowly.
+    /// [`max_substeps`](Self::max_substeps) is larger, bodies that only rigid joints hold take a quarter of it while they turn slowly.
     pub min_substeps: u32,
     /// Most parts. An island takes as many as keep the sag of its soft contacts below [`sag`](Self::sag) under the load that
     /// they bore in the last step.

@@ -24,27 +24,23 @@ pub(super) fn hold_before_levels(bodies: &mut Bodies) {
     if !bodies.any_level {
         return;
     }
-    let slots = 0..bodies.slots() as u32;
-    let is_far = |slot: &u32| {
-        let i = *slot as usize;
-        let way = FAR * bodies.min_extent[i];
-        bodies.velocity[i].inverse_mass > 0.0
-            && bodies.is_moving(*slot)
-            && bodies.motion[i].shift.length_squared() > way * way
+    let local = bodies.local.is_on;
+    let count = if local {
+        bodies.local.slots.len()
+    } else {
+        bodies.slots()
     };
-    let fast: SmallVec<[u32; 16]> = slots.clone().filter(is_far).collect();
-    if fast.is_empty() {
-        return;
-    }
-    let is_level = |slot: &u32| {
-        bodies.is_active(*slot) && {
-            let info = bodies.info(*slot);
-            !info.is_sensor && info.shape.level().is_some()
+    let mut levels = None;
+    for at in 0..count {
+        let slot = if local {
+            bodies.local.slots[at]
+        } else {
+            at as u32
+        };
+        if !is_fast(bodies, slot) {
+            continue;
         }
-    };
-    let levels: SmallVec<[u32; 16]> = slots.filter(is_level).collect();
-    for &slot in &fast {
-        for &level in &levels {
+        for &level in levels.get_or_insert_with(|| levels_of(bodies)).iter() {
             let [info, below] = [slot, level].map(|slot| bodies.info(slot));
             if info.is_sensor || !info.layers.interact(&below.layers) {
                 continue;
@@ -54,6 +50,26 @@ pub(super) fn hold_before_levels(bodies: &mut Bodies) {
             }
         }
     }
+}
+
+/// Whether contacts move a body so far in the step that it is looked at.
+fn is_fast(bodies: &Bodies, slot: u32) -> bool {
+    let i = slot as usize;
+    let way = FAR * bodies.min_extent[i];
+    bodies.velocity[i].inverse_mass > 0.0
+        && bodies.is_moving(slot)
+        && bodies.motion[i].shift.length_squared() > way * way
+}
+
+/// The slots of the levels that bodies stand on.
+fn levels_of(bodies: &Bodies) -> SmallVec<[u32; 16]> {
+    let is_level = |slot: &u32| {
+        bodies.is_active(*slot) && {
+            let info = bodies.info(*slot);
+            !info.is_sensor && info.shape.level().is_some()
+        }
+    };
+    (0..bodies.slots() as u32).filter(is_level).collect()
 }
 
 /// The pose of a body at the end of the step, as it will be.

@@ -1,12 +1,13 @@
 //! Motion between fixed steps.
 
 use crate::dice::Dice;
+use crate::hierarchy::{local_beneath, world_of};
 use crate::{all_with, app, with_frames_of};
 use bevy_app::{App, FixedUpdate};
 use bevy_cleave::prelude::*;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
-use bevy_math::{Affine3A, Mat4, Vec3};
+use bevy_math::Vec3;
 use bevy_transform::components::Transform;
 
 const STEP: f64 = 1.0 / 60.0;
@@ -161,26 +162,15 @@ fn who_does_not_want_it_jumps_from_step_to_step() {
     assert!((9..=11).contains(&places.len()), "{} places", places.len());
 }
 
-/// World of an entity by the `Transform`s of this moment.
-fn world_of(world: &World, entity: Entity) -> Affine3A {
-    let up = |&entity: &Entity| world.get::<ChildOf>(entity).map(ChildOf::parent);
-    let chain = std::iter::successors(Some(entity), up);
-    chain.fold(Affine3A::IDENTITY, |below, entity| {
-        let own = world.get::<Transform>(entity).copied();
-        own.unwrap_or_default().compute_affine() * below
-    })
-}
-
 /// Gives an entity another parent, or none, and leaves it where it is, as Bevy's `set_parent_in_place` does.
 fn put_beneath(world: &mut World, entity: Entity, parent: Option<Entity>) {
-    let above = parent.map_or(Affine3A::IDENTITY, |parent| world_of(world, parent));
-    let local = Mat4::from(above.inverse() * world_of(world, entity));
+    let local = local_beneath(world, parent, world_of(world, entity));
     let mut entity = world.entity_mut(entity);
     entity.remove::<ChildOf>();
     if let Some(parent) = parent {
         entity.insert(ChildOf(parent));
     }
-    entity.insert(Transform::from_matrix(local));
+    entity.insert(local);
 }
 
 // Who was handed to another parent in a step was drawn between two places of different frames: its own, or that of a piece.

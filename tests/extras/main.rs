@@ -6,6 +6,8 @@ mod diagnostics;
 mod dice;
 mod drawing;
 mod gizmos;
+#[path = "../common/hierarchy.rs"]
+mod hierarchy;
 mod interpolation;
 mod meshes;
 mod picking;

@@ -12,6 +12,8 @@ mod bonds;
 mod chaos;
 mod collisions;
 mod forces;
+#[path = "../common/hierarchy.rs"]
+mod hierarchy;
 mod idle;
 mod parents;
 mod phases;

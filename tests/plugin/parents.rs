@@ -2,22 +2,13 @@
 
 use crate::app::app;
 use crate::common::dice::Dice;
+use crate::hierarchy::{local_beneath, world_of};
 use bevy_app::App;
 use bevy_cleave::prelude::*;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
-use bevy_math::{Affine3A, Mat4, Quat, Vec3};
+use bevy_math::{Affine3A, Quat, Vec3};
 use bevy_transform::components::Transform;
-
-/// World of an entity by the `Transform`s of this moment.
-fn world_of(world: &World, entity: Entity) -> Affine3A {
-    let up = |&entity: &Entity| world.get::<ChildOf>(entity).map(ChildOf::parent);
-    let chain = std::iter::successors(Some(entity), up);
-    chain.fold(Affine3A::IDENTITY, |below, entity| {
-        let own = world.get::<Transform>(entity).copied();
-        own.unwrap_or_default().compute_affine() * below
-    })
-}
 
 /// Nodes and bodies of all kinds that rest without weight and do not touch, some beneath others.
 struct Scene {
@@ -93,12 +84,9 @@ impl Scene {
             _ => drop(it.insert(place)),
         }
         if stays && what < 4 {
-            // In place, as Bevy's `set_parent_in_place` does.
             let world = self.app.world();
             let above = world.get::<ChildOf>(entity).map(ChildOf::parent);
-            let above = above.map_or(Affine3A::IDENTITY, |above| world_of(world, above));
-            let local = Mat4::from(above.inverse() * before);
-            let local = Transform::from_matrix(local);
+            let local = local_beneath(world, above, before);
             self.app.world_mut().entity_mut(entity).insert(local);
         }
         (entity, format!("{what} {entity} {parent} {stays}"))
