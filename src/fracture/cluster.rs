@@ -4,7 +4,7 @@ use crate::bodies::body::{BodyDesc, RigidBody};
 use crate::bodies::fatigue::Fatigue;
 use crate::bodies::store::Bodies;
 use crate::fracture::budget::FractureBudget;
-use crate::fracture::conservation::keep_momentum;
+use crate::fracture::conservation::{keep_mass_of_group, keep_momentum};
 use crate::fracture::holding::Foothold;
 use crate::fracture::ledger::{Ledger, Reference};
 use crate::fracture::pieces::{compound_desc, insert};
@@ -75,16 +75,20 @@ impl Groups {
         self
     }
 
-    /// What comes off, as bodies.
+    /// What comes off, as bodies that weigh what their parts did.
     fn bodies(
         &self,
         bodies: &Bodies,
         slot: u32,
         cracked: &Compound,
     ) -> Result<Vec<BodyDesc>, CutError> {
+        let state = bodies.cluster(slot).ok_or(CutError::NotConvex)?;
+        let nodes = &state.network.nodes;
         let described = self.pieces.iter().enumerate().map(|(number, parts)| {
             let piece = cracked.subset(parts);
-            let desc = compound_desc(bodies, slot, &piece).map_err(SliceError::from)?;
+            let mut desc = compound_desc(bodies, slot, &piece).map_err(SliceError::from)?;
+            let mass = parts.iter().map(|&part| nodes[part as usize].mass).sum();
+            keep_mass_of_group(&mut desc, mass);
             Ok(BodyDesc {
                 fracturable: fracturable_of(bodies, slot, number),
                 ..desc

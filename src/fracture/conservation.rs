@@ -6,7 +6,7 @@ use crate::bodies::body::{BodyDesc, Shape};
 use crate::bodies::store::Bodies;
 use crate::fracture::ledger::{Invariants, Ledger, Reference};
 use crate::geometry::predicates::{length_scale, plane_tolerance};
-use crate::geometry::{ConvexHull, ConvexMesh, TriMesh};
+use crate::geometry::{Compound, ConvexHull, ConvexMesh, TriMesh};
 use crate::mass::VolumeIntegrals;
 
 /// Share of a body's mass that its pieces may lose or gain before their density makes up for it. Usual pieces stay far below it and
@@ -63,6 +63,9 @@ pub(super) fn keep_mass(
 
 /// The same of a body of several parts.
 fn keep_mass_of_parts(bodies: &Bodies, slot: u32, pieces: &mut [BodyDesc]) {
+    let Some(body) = bodies.compound(slot) else {
+        return;
+    };
     let volume = |desc: &BodyDesc| match &desc.shape {
         Shape::Convex(mesh) => VolumeIntegrals::of_shape(mesh).volume,
         Shape::Compound(compound) => VolumeIntegrals::of_compound(compound).volume,
@@ -70,11 +73,47 @@ fn keep_mass_of_parts(bodies: &Bodies, slot: u32, pieces: &mut [BodyDesc]) {
     };
     let volume: f64 = pieces.iter().map(volume).sum();
     let (mass, density) = (bodies.mass(slot).mass, bodies.density(slot));
-    let missing = (f64::from(mass) / f64::from(density) - volume).abs() / volume;
-    let is_rounding = missing <= ROUNDING_OF_PARTS || bodies.is_round(slot);
-    if missing > MASS_TOLERANCE && is_rounding {
+    let missing = (f64::from(mass) / f64::from(density) - volume).abs();
+    if missing <= MASS_TOLERANCE * volume {
+        return;
+    }
+    if missing <= ROUNDING_OF_PARTS * volume
+        || bodies.is_round(slot)
+        || missing <= rounding_of_corners(body, pieces)
+    {
         let density = (f64::from(mass) / volume) as f32;
         pieces.iter_mut().for_each(|desc| desc.density = density);
+    }
+}
+
+/// Most volume that the pieces of a body of several parts may have less or more than it because their corners are rounded, m3.
+fn rounding_of_corners(body: &Compound, pieces: &[BodyDesc]) -> f64 {
+    let thicknesses = body.parts().iter();
+    let thicknesses = thicknesses.map(|part| thickness_of_faces(part.shape.hull()));
+    // What comes off by itself gets a hull in the frame of the body.
+    let own = plane_tolerance(length_scale(&body.aabb()));
+    let thickness = thicknesses.fold(own, f32::max);
+    let area = |desc: &BodyDesc| -> f64 {
+        match &desc.shape {
+            Shape::Convex(mesh) => mesh.hull().area(),
+            Shape::Compound(piece) => piece.parts().iter().map(|it| it.shape.hull().area()).sum(),
+            Shape::HalfSpace(_) | Shape::Level(_) => 0.0,
+        }
+    };
+    2.0 * f64::from(thickness) * pieces.iter().map(area).sum::<f64>()
+}
+
+/// Gives a group of parts that comes off a cluster a density with which it has their `mass` (kg).
+///
+/// One part by itself becomes a hull, whose corners are rounded in the frame of the cluster; several keep their shapes.
+pub(super) fn keep_mass_of_group(piece: &mut BodyDesc, mass: f64) {
+    let Some(mesh) = piece.shape.convex() else {
+        return;
+    };
+    let volume = VolumeIntegrals::of_shape(mesh).volume;
+    let missing = mass / f64::from(piece.density) - volume;
+    if missing.abs() > MASS_TOLERANCE * volume {
+        piece.density = (mass / volume) as f32;
     }
 }
 
