@@ -1,5 +1,6 @@
 //! Sustained loads: what theory says breaks does, and nothing else.
 
+use crate::common::dice::Dice;
 use crate::common::scenes::awake;
 use crate::shapes::{row, standing};
 use bevy_cleave::prelude::*;
@@ -68,6 +69,67 @@ fn a_cantilever_collapses_where_theory_says() {
                     "{count} parts, {load:?} kg, {rate} Hz"
                 );
             }
+        }
+    }
+}
+
+/// Whether a wall or slab of blocks that one side holds breaks within five seconds under a block of so many kilograms that lies on it.
+fn breaks_under_a_block(seed: u64, mass: f32, strength: f32, config: SolverConfig) -> [bool; 3] {
+    let mut dice = Dice::new(seed);
+    let (columns, rows) = (3 + dice.below(4), 1 + dice.below(3));
+    let size = dice.vector(0.3, 0.6);
+    let brick = ConvexMesh::cuboid(size.x, size.y, size.z).expect("a box");
+    let at = |i: usize| size * Vec3::new((i % columns) as f32, (i / columns) as f32 + 0.5, 0.0);
+    let parts = (0..columns * rows).map(|i| (Pose::from_position(at(i)), brick.clone()));
+    let cluster = Cluster::new(parts, strength).expect("parts");
+    let shape = cluster.compound().expect("a wall");
+    let (end, side) = (shape.aabb().max, dice.in_range(0.5, 1.0));
+    let block = ConvexMesh::cuboid(side, side, side).expect("a box");
+    let x = end.x * dice.in_range(0.4, 0.9);
+    let block = BodyDesc {
+        density: mass / (side * side * side),
+        ..BodyDesc::dynamic(block, Vec3::new(x, end.y + 0.5 * side, 0.0))
+    };
+    [30.0, 60.0, 240.0].map(|rate| {
+        let mut simulation = awake();
+        let sleep = simulation.config.sleep;
+        simulation.config = SolverConfig { sleep, ..config };
+        let body = simulation.bodies.insert(standing(shape.clone()));
+        let body = body.expect("usable");
+        let wall = Anchors::none().and_behind(Vec3::X, -0.4 * size.x);
+        let held = simulation.bodies.set_anchors(body, Some(wall));
+        held.expect("usable");
+        simulation.bodies.insert(block.clone()).expect("usable");
+        (0..(5.0 * rate) as usize).any(|_| {
+            simulation.step(1.0 / rate);
+            !simulation.fractures.done.is_empty()
+        })
+    })
+}
+
+/// Symptom: points of a contact that pulled against each other strained what they were at by up to a fourth of what it bore, another
+/// one for each rate and setting, and after seconds still more.
+#[test]
+fn what_a_heavy_block_breaks_depends_on_no_setting_and_no_rate() {
+    for seed in 5..10 {
+        let mass = [20_000.0, 140_000.0][seed as usize % 2];
+        let breaks = |strength, config| breaks_under_a_block(seed, mass, strength, config);
+        let (mut low, mut high) = (1e4f32, 1e10f32);
+        while high / low > 1.01 {
+            let middle = (low * high).sqrt();
+            match breaks(middle, SolverConfig::default())[1] {
+                true => low = middle,
+                false => high = middle,
+            }
+        }
+        let settings = [
+            SolverConfig::default(),
+            SolverConfig::fast(),
+            SolverConfig::precise(),
+        ];
+        for config in settings {
+            assert_eq!(breaks(low / 1.1, config), [true; 3], "{seed}: {config:?}");
+            assert_eq!(breaks(high * 1.1, config), [false; 3], "{seed}: {config:?}");
         }
     }
 }
