@@ -132,6 +132,7 @@ pub mod testing {
     }
     pub mod batch {
         pub use crate::solver::adaptivity::IslandRequirements;
+        pub use crate::solver::batch::layout::Group;
         pub use crate::solver::batch::{Batch, Step};
         pub use crate::solver::contact_solver::ContactSolver;
         pub use crate::solver::settings::{SolverOverrides, SubstepSettings};

@@ -181,6 +181,9 @@ pub(crate) const JOINT_UPDATES: usize = 10;
 /// apart.
 pub(crate) const BATCH_MANIFOLDS: usize = 192;
 
+/// Islands of one contact that are solved together, each as if it were alone: as many as a near cache keeps.
+pub(crate) const LONE_ISLANDS: usize = 64;
+
 /// Manifolds from which an island is large for a look at whether it breaks: a tenth of a millisecond, which nobody minds to spend
 /// twice.
 pub(crate) const PROBED_MANIFOLDS: usize = 192;

@@ -3,7 +3,7 @@
 use crate::H;
 use bevy_cleave::contact::Manifolds;
 use bevy_cleave::prelude::*;
-use bevy_cleave::testing::batch::{Batch, IslandRequirements, Step, SubstepSettings};
+use bevy_cleave::testing::batch::{Batch, Group, IslandRequirements, Step, SubstepSettings};
 use bevy_cleave::testing::graph::Islands;
 use bevy_cleave::testing::simd::LaneWidth;
 use bevy_cleave::testing::wide::Pass;
@@ -73,7 +73,7 @@ impl Source {
             substeps: 4,
             ..Default::default()
         };
-        let all = 0..self.islands.list.len();
+        let all: Vec<u32> = (0..self.islands.list.len() as u32).collect();
         let step = Step {
             islands: &self.islands,
             manifolds: &self.manifolds,
@@ -82,7 +82,7 @@ impl Source {
             team: None,
             may_break: false,
         };
-        batch.load(&step, all, &demand);
+        batch.load(&step, Group::one(&all), &demand);
     }
 
     /// A batch that is ready to be swept over.

@@ -12,6 +12,15 @@ pub enum JointPresence {
     AmongContacts,
 }
 
+/// Of islands of one contact: those of a kind are solved side by side, each as if it were alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct LoneKind {
+    /// Whether the rows follow the motion.
+    pub moves: bool,
+    /// Whether the bodies rebound from each other.
+    pub bounces: bool,
+}
+
 /// What an island asks of its sub-steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct IslandRequirements {
@@ -20,6 +29,8 @@ pub struct IslandRequirements {
     pub load: f32,
     /// Whether bodies may hit each other: some move, or rebound.
     pub can_hit: bool,
+    /// If it is one contact that nothing but sweeps is needed for: what kind of one.
+    pub lone: Option<LoneKind>,
     /// What holds its bodies at a distance: joints alone are solved otherwise than among contacts.
     pub joints: JointPresence,
     /// Fastest turn of a body within the step, rad, where nothing but joints acts between the bodies, and each axis of theirs is free or rigid:

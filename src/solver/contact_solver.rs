@@ -4,7 +4,8 @@ use crate::bodies::store::Bodies;
 use crate::cluster::blow::FOLLOWED_PER_STEP;
 use crate::contact::manifolds::Manifolds;
 use crate::joints::store::JointRecord;
-use crate::solver::adaptivity::IslandRequirements;
+use crate::solver::adaptivity::{IslandRequirements, LoneKind};
+use crate::solver::batch::layout::{Group, SolvedMember};
 use crate::solver::batch::{Batch, Step};
 use crate::solver::breakage_probe::{BreakageProbe, is_large};
 use crate::solver::graph::islands::Islands;
@@ -13,7 +14,7 @@ use crate::solver::settings::SubstepSettings;
 use crate::solver::wide::bond::BondedManifold;
 use crate::threads::team::Team;
 use crate::tuning::{
-    BATCH_MANIFOLDS, JOINT_WEIGHT, MANIFOLDS_WORTH_A_TEAM, MANIFOLDS_WORTH_HELP,
+    BATCH_MANIFOLDS, JOINT_WEIGHT, LONE_ISLANDS, MANIFOLDS_WORTH_A_TEAM, MANIFOLDS_WORTH_HELP,
     MANIFOLDS_WORTH_THOSE_PRESENT, MIN_MANIFOLDS_OF_PART,
 };
 use std::ops::Range;
@@ -26,14 +27,21 @@ pub struct ContactSolver {
     pub(crate) estimates: Vec<ContactEstimate>,
     /// By island.
     pub(crate) requirements: Vec<IslandRequirements>,
-    /// Islands of each batch.
+    /// Islands, batch by batch, and those of each batch among them.
+    pub(crate) order: Vec<u32>,
     pub(crate) ranges: Vec<Range<usize>>,
+    /// Those of `ranges` of lone islands.
+    lone_ranges: Range<usize>,
+    /// Lone islands, behind their sub-steps and kinds.
+    lone: Vec<(u32, LoneKind, u32)>,
     /// Those of earlier rounds of the step, then as many as there are `ranges`, and perhaps some from other steps.
     pub(crate) batches: Vec<Batch>,
     /// Those of the manifolds that are bonded, ascending.
     pub(crate) bonded: Vec<BondedManifold>,
     /// Joints of the step, ascending by name.
     pub(crate) joints: Vec<JointRecord>,
+    /// What the batches have solved: round by round, of each the islands in their order.
+    pub(crate) solved: Vec<SolvedMember>,
     /// Number of batches from earlier rounds.
     pub(crate) earlier: usize,
     /// By slot: how far the bodies are in this step.
@@ -137,7 +145,8 @@ impl ContactSolver {
             // Now it is known whether a smaller scene has work for several threads.
             Team::lead_if(team.is_none() && self.is_worth_help(), |late| {
                 let team = team.or(late);
-                self.solve_batches(manifolds, bodies, settings, round.may_break, team);
+                let problem = (&*manifolds, &*bodies);
+                self.solve_batches(problem, settings, round.may_break, team);
                 self.write_back(bodies);
                 self.move_free_bodies(bodies, settings);
                 self.store_impulses(manifolds, team);
@@ -158,6 +167,7 @@ impl ContactSolver {
     pub(crate) fn begin_local_step(&mut self, bodies: &Bodies, first_batch: usize) {
         self.earlier = first_batch;
         self.ranges.clear();
+        self.forget_solved();
         self.progress.resize(bodies.slots(), Progress::Pending);
         for &slot in &bodies.local.slots {
             self.progress[slot as usize] = Progress::Pending;
@@ -194,9 +204,10 @@ impl ContactSolver {
 
     /// Whether there is work for several threads.
     fn is_worth_help(&self) -> bool {
-        let islands = &self.islands;
-        let is_for_team =
-            |range: &Range<usize>| islands.manifolds_of(range) >= MANIFOLDS_WORTH_A_TEAM;
+        let (islands, order) = (&self.islands, &self.order);
+        let is_for_team = |range: &Range<usize>| {
+            islands.manifolds_of(&order[range.clone()]) >= MANIFOLDS_WORTH_A_TEAM
+        };
         // A single small batch is solved where its data are.
         islands.manifolds.len() + JOINT_WEIGHT * islands.joints.len() >= MANIFOLDS_WORTH_HELP
             && (self.ranges.len() > 1 || self.ranges.iter().any(is_for_team))
@@ -206,6 +217,7 @@ impl ContactSolver {
     fn make_batches(&mut self) {
         self.is_deferred.resize(self.requirements.len(), false);
         self.ranges.clear();
+        self.order.clear();
         let mut first = 0;
         while first < self.requirements.len() {
             if self.is_deferred[first] {
@@ -213,59 +225,124 @@ impl ContactSolver {
                 continue;
             }
             let end = self.end_of_batch(first);
-            self.ranges.push(first..end);
+            let IslandRequirements { substeps, lone, .. } = self.requirements[first];
+            match lone.filter(|_| end == first + 1) {
+                Some(kind) => self.lone.push((substeps, kind, first as u32)),
+                None => self.add_batch(first as u32..end as u32),
+            }
             first = end;
         }
-        let count = self.earlier + self.ranges.len();
-        self.batches
-            .resize_with(count.max(self.batches.len()), Batch::default);
+        self.make_lone_batches();
     }
 
-    /// Loads and solves the batches, on several threads if there is enough to do: large ones one after the other by all
-    /// threads together, the others side by side.
+    /// Puts lone islands of a kind that take as many sub-steps together.
+    fn make_lone_batches(&mut self) {
+        let first = self.ranges.len();
+        let mut lone = std::mem::take(&mut self.lone);
+        lone.sort_unstable();
+        for alike in lone.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+            for batch in alike.chunks(LONE_ISLANDS) {
+                self.add_batch(batch.iter().map(|&(.., island)| island));
+            }
+        }
+        lone.clear();
+        self.lone = lone;
+        self.lone_ranges = first..self.ranges.len();
+    }
+
+    fn add_batch(&mut self, islands: impl Iterator<Item = u32>) {
+        let first = self.order.len();
+        self.order.extend(islands);
+        self.ranges.push(first..self.order.len());
+    }
+
+    /// Loads and solves the batches.
     fn solve_batches(
         &mut self,
-        manifolds: &Manifolds,
-        bodies: &Bodies,
+        problem: (&Manifolds, &Bodies),
         settings: &SubstepSettings,
         may_break: bool,
         team: Option<&Team>,
     ) {
-        let new_batches = &mut self.batches[self.earlier..][..self.ranges.len()];
+        let follow_left = self.follow_left;
+        self.solve_batches_from(0, problem, settings, may_break, team);
+        let first = self.ranges.len();
+        self.find_left_islands();
+        self.solve_batches_from(first, problem, settings, may_break, team);
+        self.list_solved();
+        // Side by side, each as if it were the only one: the same by any number of threads.
+        let solved = self.batches[self.earlier..][..self.ranges.len()].iter();
+        let followed = solved.map(|batch| follow_left - batch.impacts.follow_left);
+        self.follow_left = follow_left.saturating_sub(followed.sum());
+    }
+
+    /// Gives lone islands that turned out to need it batches of their own.
+    fn find_left_islands(&mut self) {
+        let end = self.order.len();
+        for number in self.lone_ranges.clone() {
+            let batch = &mut self.batches[self.earlier + number];
+            let first = self.ranges[number].start;
+            let order = &mut self.order;
+            batch.leave_out(|member| order.push(order[first + member]));
+        }
+        for island in end..self.order.len() {
+            self.ranges.push(island..island + 1);
+        }
+    }
+
+    /// Loads and solves batches from a number on, on several threads if there is enough to do: large ones one after the other by
+    /// all threads together, the others side by side.
+    fn solve_batches_from(
+        &mut self,
+        first: usize,
+        (manifolds, bodies): (&Manifolds, &Bodies),
+        settings: &SubstepSettings,
+        may_break: bool,
+        team: Option<&Team>,
+    ) {
+        let count = self.earlier + self.ranges.len();
+        self.batches
+            .resize_with(count.max(self.batches.len()), Batch::default);
+        let new_batches = &mut self.batches[self.earlier + first..count];
+        let (ranges, lone_ranges) = (&self.ranges[first..], &self.lone_ranges);
+        let of_lone = &self.ranges[lone_ranges.clone()];
+        let lone = of_lone.first().map_or(0, |r| r.start)..of_lone.last().map_or(0, |r| r.end);
         let (islands, requirements, bonded) = (&self.islands, &self.requirements, &self.bonded);
-        let (joints, follow_left) = (&self.joints, self.follow_left);
+        let (joints, follow_left, order) = (&self.joints, self.follow_left, &self.order);
         let solve = |batch: &mut Batch, range: &Range<usize>, team: Option<&Team>| {
-            let requirement = &requirements[range.start];
+            let group = &order[range.clone()];
+            let requirement = &requirements[group[0] as usize];
             let step = Step {
                 islands,
                 manifolds,
                 bodies,
                 settings,
                 team,
-                may_break: may_break && !is_large(&islands.list[range.start]),
+                may_break: may_break && !is_large(&islands.list[group[0] as usize]),
             };
-            batch.load(&step, range.clone(), requirement);
+            let group = Group {
+                islands: group,
+                is_lone: lone.contains(&range.start) && group.len() > 1,
+            };
+            batch.load(&step, group, requirement);
             batch.load_bonds(bonded, manifolds);
             batch.load_joints(joints, bodies);
             batch.impacts.follow_left = follow_left;
             batch.solve((manifolds, bodies), team);
         };
-        let is_for_team =
-            |range: &Range<usize>| islands.manifolds_of(range) >= MANIFOLDS_WORTH_A_TEAM;
-        let batches_and_ranges = new_batches.iter_mut().zip(&self.ranges);
+        let is_for_team = |range: &Range<usize>| {
+            islands.manifolds_of(&order[range.clone()]) >= MANIFOLDS_WORTH_A_TEAM
+        };
+        let batches_and_ranges = new_batches.iter_mut().zip(ranges);
         for (batch, range) in batches_and_ranges.filter(|(_, range)| is_for_team(range)) {
             solve(batch, range, team);
         }
-        let small = new_batches.iter_mut().zip(&self.ranges);
+        let small = new_batches.iter_mut().zip(ranges);
         Team::each_of_many(team, small, |(batch, range)| {
             if !is_for_team(range) {
                 solve(batch, range, None);
             }
         });
-        // Side by side, each as if it were the only one: the same by any number of threads.
-        let solved = self.batches[self.earlier..][..self.ranges.len()].iter();
-        let followed = solved.map(|batch| follow_left - batch.impacts.follow_left);
-        self.follow_left = follow_left.saturating_sub(followed.sum());
     }
 
     /// The first island that is not solved with the one at `first`: calm ones with the same sub-steps share a batch.

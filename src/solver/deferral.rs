@@ -4,6 +4,7 @@
 use crate::bodies::store::Bodies;
 use crate::contact::manifolds::{ManifoldHead, Manifolds};
 use crate::solver::batch::Step;
+use crate::solver::batch::layout::Group;
 use crate::solver::breakage_probe::{self, BreakageProbe, is_large};
 use crate::solver::contact_solver::{ContactSolver, Progress, PutOff};
 use crate::solver::settings::SubstepSettings;
@@ -55,7 +56,7 @@ impl ContactSolver {
                     team: None,
                     may_break: true,
                 };
-                batch.load(&step, part..part + 1, &self.requirements[whole]);
+                batch.load(&step, Group::one(&[part as u32]), &self.requirements[whole]);
                 batch.load_bonds(&self.bonded, manifolds);
                 batch.impacts.follow_left = self.follow_left;
                 batch.solve((manifolds, bodies), None);

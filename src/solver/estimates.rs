@@ -3,13 +3,13 @@
 use crate::bodies::store::Bodies;
 use crate::contact::manifolds::{ManifoldHead, ManifoldRef, Manifolds};
 use crate::contact::point::ContactPoint;
-use crate::solver::adaptivity::{IslandRequirements, JointPresence};
+use crate::solver::adaptivity::{IslandRequirements, JointPresence, LoneKind};
 use crate::solver::contact_solver::{ContactEstimate, ContactSolver, Progress};
 use crate::solver::graph::indices::ManifoldIndex;
 use crate::solver::graph::islands::{Island, JointLink};
 use crate::solver::graph::relative_motion::RelativeMotion;
 use crate::solver::rows::contact_rows::{Row, RowBody};
-use crate::solver::settings::SubstepSettings;
+use crate::solver::settings::{MethodKind, SubstepSettings};
 use crate::solver::wide::bond::{is_bonded, is_new_bond};
 use crate::threads::team::Team;
 use crate::tuning::MIN_MANIFOLDS_OF_PART;
@@ -117,6 +117,7 @@ impl ContactSolver {
         let mut requirement = IslandRequirements {
             load: 0.0,
             can_hit: island.bounces || !island.moving.is_empty(),
+            lone: self.lone_kind(island, bodies, settings),
             joints: match (island.joints.is_empty(), island.manifolds.is_empty()) {
                 (true, _) => JointPresence::None,
                 (false, true) => JointPresence::Alone,
@@ -142,6 +143,30 @@ impl ContactSolver {
         requirement.substeps = settings.substeps_for(&requirement);
         requirement.local_steps = self.local_steps(island, &requirement, manifolds, settings);
         requirement
+    }
+
+    /// See [`IslandRequirements::lone`].
+    fn lone_kind(
+        &self,
+        island: &Island,
+        bodies: &Bodies,
+        settings: &SubstepSettings,
+    ) -> Option<LoneKind> {
+        let [manifold] = self.islands.manifolds[island.manifolds.clone()] else {
+            return None;
+        };
+        let may_break = |&slot: &u32| bodies.limit(slot).is_some();
+        let slots = &self.islands.slots[island.bodies.clone()];
+        let is_lone = settings.method == MethodKind::SoftStep
+            && island.joints.is_empty()
+            // How fast what drives one of them may make it is asked for all that rebound.
+            && (!island.bounces || bodies.drives.is_empty())
+            && !is_bonded(&self.bonded, manifold)
+            && !(bodies.any_fracturable() && slots.iter().any(may_break));
+        is_lone.then_some(LoneKind {
+            moves: !island.moving.is_empty(),
+            bounces: island.bounces,
+        })
     }
 
     /// See [`IslandRequirements::joint_swing`].

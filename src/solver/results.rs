@@ -7,7 +7,7 @@ use crate::math::rotate_by;
 use crate::solver::adaptivity::SweepBudget;
 use crate::solver::batch::Batch;
 use crate::solver::batch::cluster_blow::{Crack, Strain};
-use crate::solver::batch::layout::Member;
+use crate::solver::batch::layout::{Member, SolvedMember};
 use crate::solver::contact_solver::{ContactSolver, Progress};
 use crate::solver::rows::contact_rows::PointRows;
 use crate::solver::rows::residual::{ResidualSum, Solved};
@@ -51,31 +51,59 @@ impl SolvedIsland<'_> {
 }
 
 impl ContactSolver {
-    /// The islands of the last step.
-    pub fn islands(&self) -> impl Iterator<Item = SolvedIsland<'_>> {
-        let batches = self.batches[..self.earlier + self.ranges.len()].iter();
-        batches
-            .filter(|batch| !batch.impacts.is_broken)
-            .flat_map(|batch| {
-                batch.layout.members.iter().map(move |member| SolvedIsland {
+    /// Lists the islands of this round in their order, whatever batches they are of.
+    pub(crate) fn list_solved(&mut self) {
+        self.forget_solved();
+        let first = self.solved.len();
+        let batches = (0..).zip(&self.batches);
+        for (batch, of_round) in batches.skip(self.earlier).take(self.ranges.len()) {
+            let members = (0..).zip(&of_round.layout.members);
+            self.solved
+                .extend(members.map(|(member, of_batch)| SolvedMember {
+                    island: of_batch.island,
                     batch,
                     member,
-                    contacts: member.contacts,
-                    bodies: &batch.bodies.velocities[member.bodies.clone()],
-                    slots: &batch.layout.slots[member.bodies.clone()],
-                    budget: batch.budget,
-                })
-            })
+                }));
+        }
+        self.solved[first..].sort_unstable();
+    }
+
+    /// Forgets what batches have solved that are not of earlier rounds.
+    pub(crate) fn forget_solved(&mut self) {
+        let is_earlier = |solved: &SolvedMember| (solved.batch as usize) < self.earlier;
+        let count = self.solved.partition_point(is_earlier);
+        self.solved.truncate(count);
+    }
+
+    /// The islands of the last step.
+    pub fn islands(&self) -> impl Iterator<Item = SolvedIsland<'_>> {
+        let solved = self.solved_before(self.batches.len());
+        solved.map(|(batch, number)| {
+            let member = &batch.layout.members[number];
+            SolvedIsland {
+                batch,
+                member,
+                contacts: member.contacts,
+                bodies: &batch.bodies.velocities[member.bodies.clone()],
+                slots: &batch.layout.slots[member.bodies.clone()],
+                budget: batch.lone.budget(number).unwrap_or(batch.budget),
+            }
+        })
+    }
+
+    /// The islands that the batches before this one have solved, as batches and numbers in these.
+    fn solved_before(&self, end: usize) -> impl Iterator<Item = (&Batch, usize)> {
+        let solved = self.solved.iter().filter(move |s| (s.batch as usize) < end);
+        let solved = solved.map(|s| (&self.batches[s.batch as usize], s.member as usize));
+        solved.filter(|(batch, _)| !batch.impacts.is_broken)
     }
 
     /// Slots of the islands of the step as it began, which may have come apart in local steps: together they rest and sleep.
     pub(crate) fn whole_islands(&self) -> impl Iterator<Item = &[u32]> {
-        let end = self.earlier + self.ranges.len();
-        let batches = self.batches[..self.whole_batches.unwrap_or(end)].iter();
-        let solved = batches.filter(|batch| !batch.impacts.is_broken);
-        let islands = solved.flat_map(|batch| {
-            let members = batch.layout.members.iter();
-            members.map(|member| &batch.layout.slots[member.bodies.clone()])
+        let end = self.whole_batches.unwrap_or(self.batches.len());
+        let islands = self.solved_before(end).map(|(batch, number)| {
+            let member = &batch.layout.members[number];
+            &batch.layout.slots[member.bodies.clone()]
         });
         let put_off = self.put_off.iter();
         islands.chain(put_off.map(|island| &self.put_off_slots[island.bodies.clone()]))

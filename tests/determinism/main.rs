@@ -12,6 +12,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod alone;
 mod builds;
 mod course;
 mod golden;

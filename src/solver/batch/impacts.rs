@@ -56,7 +56,7 @@ impl Batch {
     }
 
     /// Whether the two bodies close their gap so fast that the impulses between them are those of an impact.
-    fn hits(&self, moving: &MovingManifold, threshold: f32) -> bool {
+    pub(super) fn hits(&self, moving: &MovingManifold, threshold: f32) -> bool {
         let lane = moving.place.lane as usize;
         self.closes(moving, |point| {
             threshold.max(-point.target_velocity.0[lane])
@@ -74,7 +74,7 @@ impl Batch {
     }
 
     /// Whether a point of a manifold rebounds in this sub-step.
-    fn bounces(&self, place: LaneSlot) -> bool {
+    pub(super) fn bounces(&self, place: LaneSlot) -> bool {
         let (block, lane) = (
             &self.contacts.blocks[place.block as usize],
             place.lane as usize,

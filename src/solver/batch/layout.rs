@@ -20,6 +20,8 @@ use std::ops::Range;
 /// An island of a batch.
 #[derive(Clone, Debug, Default)]
 pub struct Member {
+    /// Its index in the list of the step.
+    pub(crate) island: u32,
     /// Its bodies within the batch.
     pub bodies: Range<usize>,
     /// Its manifolds within [`Layout::places`].
@@ -30,12 +32,42 @@ pub struct Member {
     pub joints: Range<usize>,
 }
 
+/// An island in the batch that has solved it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct SolvedMember {
+    /// Its index in the list of the round.
+    pub(crate) island: u32,
+    pub(crate) batch: u32,
+    /// Its number in the batch.
+    pub(crate) member: u32,
+}
+
+/// Islands that are solved together.
+#[derive(Clone, Copy, Debug)]
+pub struct Group<'a> {
+    /// Their indices in the list of a step.
+    pub islands: &'a [u32],
+    /// Whether they are of one contact each, and solved each as if it were alone.
+    pub is_lone: bool,
+}
+
+impl<'a> Group<'a> {
+    /// Islands that are solved as one.
+    pub fn one(islands: &'a [u32]) -> Self {
+        Self {
+            islands,
+            is_lone: false,
+        }
+    }
+}
+
 /// What a layout follows from, besides the cuts.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Debug)]
 struct Origin {
     /// See [`Islands::revision`].
     islands: u64,
-    range: Range<usize>,
+    members: Vec<u32>,
+    is_lone: bool,
     order: ContactOrder,
     method: MethodKind,
     has_team: bool,
@@ -50,6 +82,8 @@ pub struct Layout {
     pub slots: Vec<u32>,
     /// Numbers of the two bodies of each of its manifolds.
     pub(crate) pairs: Vec<[BodyNumber; 2]>,
+    /// Number of points of each of them.
+    counts: Vec<u32>,
     /// Its manifolds in the order of the islands: index and place.
     pub places: Vec<(ManifoldIndex, LaneSlot)>,
     /// Its joints, with numbers of bodies in the batch.
@@ -66,32 +100,46 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// Numbers the bodies of the islands in `range`, unless the layout is theirs already; tells whether it is. If not, the
+    /// Numbers the bodies of the islands in `group`, unless the layout is theirs already; tells whether it is. If not, the
     /// manifolds are still to be [placed](Self::place) and [named](Self::name). With a `team`, subdomains have their own copies of
     /// fixed bodies.
     pub(crate) fn number(
         &mut self,
         islands: &Islands,
-        range: Range<usize>,
+        group: Group<'_>,
         bodies: &Bodies,
         settings: &SubstepSettings,
         team: Option<&Team>,
     ) -> bool {
-        let origin = Some(Origin {
-            islands: islands.revision,
-            range: range.clone(),
-            order: settings.order,
-            method: settings.method,
-            has_team: team.is_some(),
-        });
-        let is_cut_as_before = match &islands.list[range.clone()] {
-            [island] => self.cut(island, islands, bodies, settings, team),
+        let is_cut_as_before = match group.islands {
+            [island] => {
+                let island = &islands.list[*island as usize];
+                self.cut(island, islands, bodies, settings, team)
+            }
             _ => self.cuts.keep_whole(),
         };
-        let is_kept = is_cut_as_before && self.origin == origin;
+        let is_kept = is_cut_as_before
+            && self.origin.as_ref().is_some_and(|origin| {
+                origin.islands == islands.revision
+                    && origin.members == group.islands
+                    && origin.is_lone == group.is_lone
+                    && origin.order == settings.order
+                    && origin.method == settings.method
+                    && origin.has_team == team.is_some()
+            });
         if !is_kept {
-            self.number_islands(islands, range);
-            self.origin = origin;
+            self.number_islands(islands, group.islands);
+            let mut members = self.origin.take().map_or(Vec::new(), |old| old.members);
+            members.clear();
+            members.extend_from_slice(group.islands);
+            self.origin = Some(Origin {
+                islands: islands.revision,
+                members,
+                is_lone: group.is_lone,
+                order: settings.order,
+                method: settings.method,
+                has_team: team.is_some(),
+            });
         }
         is_kept
     }
@@ -119,13 +167,14 @@ impl Layout {
             .cut(slots.len(), center, settings.gravity, leaves, team)
     }
 
-    fn number_islands(&mut self, islands: &Islands, range: Range<usize>) {
+    fn number_islands(&mut self, islands: &Islands, group: &[u32]) {
         self.members.clear();
         self.slots.clear();
         self.pairs.clear();
+        self.counts.clear();
         self.joints.clear();
-        let first = islands.list[range.start].manifolds.start;
-        for island in &islands.list[range] {
+        for &index in group {
+            let island = &islands.list[index as usize];
             let offset = self.slots.len() as u32;
             self.slots
                 .extend_from_slice(&islands.slots[island.bodies.clone()]);
@@ -138,10 +187,13 @@ impl Layout {
             self.joints.extend(
                 joints.map(|(joint, bodies)| (*joint, bodies.map(|body| body.map(number)))),
             );
-            let Range { start, end } = island.manifolds;
+            let first_place = self.counts.len();
+            self.counts
+                .extend_from_slice(&islands.counts[island.manifolds.clone()]);
             self.members.push(Member {
+                island: index,
                 bodies: offset as usize..self.slots.len(),
-                places: start - first..end - first,
+                places: first_place..self.counts.len(),
                 contacts: island.points.len(),
                 joints: first_joint..self.joints.len(),
             });
@@ -152,12 +204,12 @@ impl Layout {
         }
     }
 
-    /// Gives each manifold of the islands in `range` a lane. `bodies`: by number, of which the last is dummy, for the lanes that
-    /// are not used.
+    /// Gives each manifold of the islands in `group`, which are numbered, a lane. `bodies`: by number, of which the last is dummy,
+    /// for the lanes that are not used.
     pub(crate) fn place(
         &mut self,
         islands: &Islands,
-        range: Range<usize>,
+        group: Group<'_>,
         bodies: &[SolverBody],
         order: ContactOrder,
         team: Option<&Team>,
@@ -167,20 +219,24 @@ impl Layout {
             bodies: bodies.len(),
             subdomains: self.cuts.count(),
         };
-        let of_batch = islands.list[range.start].manifolds.start..;
-        let counts = &islands.counts[of_batch.clone()];
-        let (cuts, pairs) = (&self.cuts, &self.pairs);
-        let subdomains = pairs.iter().map(|pair| cuts.of(*pair));
-        let edge = |at: usize| {
-            let is_movable = |body: BodyNumber| bodies[body.index()].inverse_mass > 0.0;
-            ContactEdge {
-                bodies: pairs[at].map(|body| is_movable(body).then_some(body.0)),
-                points: counts[at],
-            }
-        };
-        self.lane_assignment.arrange(subdomains, edge, rule, team);
+        let (cuts, pairs, counts) = (&self.cuts, &self.pairs, &self.counts);
+        if group.is_lone {
+            self.lane_assignment.arrange_lone(counts);
+        } else {
+            let subdomains = pairs.iter().map(|pair| cuts.of(*pair));
+            let edge = |at: usize| {
+                let is_movable = |body: BodyNumber| bodies[body.index()].inverse_mass > 0.0;
+                ContactEdge {
+                    bodies: pairs[at].map(|body| is_movable(body).then_some(body.0)),
+                    points: counts[at],
+                }
+            };
+            self.lane_assignment.arrange(subdomains, edge, rule, team);
+        }
         let places = self.lane_assignment.places().iter().copied();
-        let names = islands.manifolds[of_batch].iter().copied();
+        let manifolds = |&island: &u32| islands.list[island as usize].manifolds.clone();
+        let names = group.islands.iter().flat_map(manifolds);
+        let names = names.map(|at| islands.manifolds[at]);
         self.places.clear();
         self.places.extend(names.zip(places));
         self.subdomains.clear();
@@ -256,6 +312,13 @@ impl Layout {
             let block = &mut blocks[place.block as usize];
             block.bodies[side][place.lane as usize] = number.0;
         }
+    }
+
+    /// Takes islands out, by their numbers in the group, of which the results are not wanted.
+    pub(crate) fn leave_out(&mut self, is_left: &[bool]) {
+        let mut is_left = is_left.iter();
+        self.members.retain(|_| is_left.next() != Some(&true));
+        self.origin = None;
     }
 
     /// The body itself, or the one that it is a copy of.

@@ -6,6 +6,7 @@ use crate::bodies::store::Bodies;
 use crate::contact::manifolds::Manifolds;
 use crate::solver::adaptivity::{IslandRequirements, SweepBudget};
 use crate::solver::batch::contacts::MovingManifold;
+use crate::solver::batch::layout::Group;
 use crate::solver::batch::subdomain_slices::{parts_by_body, parts_of_blocks};
 use crate::solver::batch::{Batch, TurningBody};
 use crate::solver::graph::indices::BodyNumber;
@@ -18,7 +19,6 @@ use crate::threads::parts::{front, front_mut};
 use crate::threads::team::Team;
 use crate::tuning::{JOINT_UPDATES, MAX_PARTS, MIN_MEASURED_PAIRS};
 use glam::{Mat3, Vec3};
-use std::ops::Range;
 
 /// Which of two bodies carries their contact points: the smaller one, whose corners they mostly are, if it can move.
 fn anchor_body(slots: [usize; 2], bodies: &Bodies) -> usize {
@@ -51,8 +51,8 @@ pub struct Step<'a> {
 }
 
 impl Batch {
-    /// Takes over the bodies and contacts of the islands in `range`, which ask for the same.
-    pub fn load(&mut self, step: &Step, range: Range<usize>, requirements: &IslandRequirements) {
+    /// Takes over the bodies and contacts of a group of islands, which ask for the same.
+    pub fn load(&mut self, step: &Step, group: Group<'_>, requirements: &IslandRequirements) {
         let Step {
             islands,
             manifolds,
@@ -64,13 +64,13 @@ impl Batch {
         self.clear();
         self.settings = settings.for_requirements(requirements);
         let layout = &mut self.layout;
-        let is_kept = layout.number(islands, range.clone(), bodies, &self.settings, team);
+        let is_kept = layout.number(islands, group, bodies, &self.settings, team);
         self.load_bodies(bodies, team);
         self.impacts.may_break = may_break;
         if !is_kept {
             let (blocks, points) = (&mut self.contacts.blocks, &mut self.contacts.points);
             let (layout, order) = (&mut self.layout, self.settings.order);
-            layout.place(islands, range.clone(), &self.bodies.velocities, order, team);
+            layout.place(islands, group, &self.bodies.velocities, order, team);
             layout.name(blocks, points, team);
         }
         self.load_copies();
@@ -80,9 +80,11 @@ impl Batch {
             self.measure_inertia(member, team);
             self.load_turning(member, bodies);
         }
-        let first = islands.list[range.start].manifolds.start;
-        for island in &islands.list[range.clone()] {
-            self.load_moving(&islands.moving[island.moving.clone()], first, bodies);
+        for (member, &island) in group.islands.iter().enumerate() {
+            let island = &islands.list[island as usize];
+            let first_place = self.layout.members[member].places.start;
+            let moving = &islands.moving[island.moving.clone()];
+            self.load_moving(moving, [island.manifolds.start, first_place], bodies);
         }
         self.load_limits(bodies, manifolds);
         self.mark_reanchored();
@@ -93,15 +95,27 @@ impl Batch {
         };
         self.contacts.curvatures.resize(round_points, FLAT);
         self.fill_blocks(manifolds, team);
-        self.impacts.has_restitution = islands.list[range.clone()].iter().any(|i| i.bounces);
-        if requirements.can_hit || self.settings.is_exact() {
-            self.impacts
-                .points
-                .resize(self.contacts.points.len(), PointImpact::default());
-        }
+        let of_group = group
+            .islands
+            .iter()
+            .map(|&island| &islands.list[island as usize]);
+        self.impacts.has_restitution = of_group.clone().any(|island| island.bounces);
+        self.load_impacts(requirements.can_hit, group.is_lone);
         let updates = |island: &Island| island.points.len() + JOINT_UPDATES * island.joints.len();
-        let most_updates = islands.list[range].iter().map(updates).max();
+        let most_updates = of_group.map(updates).max();
         self.budget = SweepBudget::new(self.settings.max_extra_updates, most_updates.unwrap_or(0));
+    }
+
+    /// Gives each point what it needs where bodies hit each other, if they can; of lone islands, only where they rebound.
+    fn load_impacts(&mut self, can_hit: bool, are_lone: bool) {
+        if are_lone {
+            self.begin_lone();
+        }
+        let may_hit = can_hit && (!are_lone || self.impacts.has_restitution);
+        if may_hit || self.settings.is_exact() {
+            let count = self.contacts.points.len();
+            self.impacts.points.resize(count, PointImpact::default());
+        }
     }
 
     /// Forgets the step before, but not who is where.
@@ -120,6 +134,7 @@ impl Batch {
         self.impacts.cracks.clear();
         self.impacts.strains.clear();
         self.impacts.is_broken = false;
+        self.lone.clear();
     }
 
     /// Copies the bodies, and adds a dummy one.
@@ -213,11 +228,13 @@ impl Batch {
         }
     }
 
-    /// Lists the manifolds of an island whose rows follow the motion.
-    fn load_moving(&mut self, moving: &[MovingPair], first: usize, bodies: &Bodies) {
+    /// Lists the manifolds of an island whose rows follow the motion. `firsts`: the first of its manifolds among those of all
+    /// islands, and among those of the batch.
+    fn load_moving(&mut self, moving: &[MovingPair], firsts: [usize; 2], bodies: &Bodies) {
         for pair in moving {
-            let (manifold, place) = self.layout.places[pair.at - first];
-            let numbers = self.layout.pairs[pair.at - first];
+            let at = pair.at - firsts[0] + firsts[1];
+            let (manifold, place) = self.layout.places[at];
+            let numbers = self.layout.pairs[at];
             let slots = numbers.map(|number| self.layout.slots[number.index()] as usize);
             let anchor_body = anchor_body(slots, bodies);
             let extent = bodies.min_extent[slots[anchor_body]];

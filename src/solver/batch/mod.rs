@@ -1,7 +1,8 @@
 //! Islands that are solved together: their bodies, blocks of contacts and buffers, in one piece of memory each.
 //!
 //! A batch shares nothing that is written with any other, so batches are loaded and solved side by side. Large islands and
-//! those in which bodies may hit each other have a batch of their own; calm small ones share one, which fills its lanes.
+//! those in which bodies may hit each other have a batch of their own; calm small ones share one, which fills its lanes, and so do
+//! islands of one contact, [each as if it were alone](lone).
 //!
 //! This room alone knows both who is where (`graph`) and what eight contacts do (`wide`), and it knows time. Read
 //! [`substep`] first: one sub-step, line by line; [`load`] is what comes before, [`results`] what comes after.
@@ -19,6 +20,7 @@ mod joint_results;
 mod joints;
 pub(crate) mod layout;
 mod load;
+pub(crate) mod lone;
 mod motion;
 mod open_joints;
 mod overload;
@@ -50,6 +52,7 @@ use crate::solver::wide::block::PointImpact;
 use crate::solver::wide::bond::BondConstraint;
 use glam::{Mat3, Quat, Vec3};
 use layout::Layout;
+use lone::LoneIslands;
 
 /// Islands with all that their sub-steps read and write; buffers are reused from step to step.
 #[derive(Debug, Default)]
@@ -70,6 +73,8 @@ pub struct Batch {
     pub settings: SubstepSettings,
     /// What it took.
     pub budget: SweepBudget,
+    /// What each island has for itself, where they are solved so.
+    pub(crate) lone: LoneIslands,
     pub(crate) scratch: BatchScratch,
 }
 

@@ -72,6 +72,7 @@ impl ParallelPass<'_> {
                 first_point: range.start,
                 points: self.points.part(range.clone()),
                 impacts,
+                lane_changes: &mut [],
                 bodies: self.bodies.cells(),
                 displacements: self.displacements.cells(),
                 friction: self.friction,

@@ -20,6 +20,7 @@ impl Batch {
                 points: &mut self.contacts.points,
                 first_point: 0,
                 impacts: &self.impacts.points,
+                lane_changes: &mut self.lone.changes,
                 bodies: cells(&mut self.bodies.velocities),
                 displacements: cells(&mut self.bodies.displacements),
                 friction: self.settings.friction,

@@ -21,6 +21,7 @@ impl Batch {
                 self.reanchor_with_contact_velocity_changes(team);
             }
             self.budget.begin(substeps - substep);
+            self.lone.begin_substep(substeps - substep);
             let is_last = substep + 1 == substeps;
             self.substep([substep == 0, is_last], manifolds, team);
             let is_looked_at = is_last || self.impacts.may_break && self.impacts.can_hit();

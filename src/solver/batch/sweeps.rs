@@ -24,6 +24,28 @@ pub(crate) enum SweepKind {
     Relax,
 }
 
+impl SweepKind {
+    /// The pass of a sweep by its number, from 1 on.
+    pub(crate) fn pass(self, number: u32, measure: bool) -> Pass {
+        match self {
+            Self::SolveFrom {
+                bias,
+                is_first,
+                softness,
+            } if number == 1 => Pass::SolveFirst {
+                bias,
+                is_first,
+                softness,
+                measure,
+            },
+            Self::Solve(softness) | Self::SolveFrom { softness, .. } => {
+                Pass::Solve { softness, measure }
+            }
+            Self::Relax => Pass::Relax { measure },
+        }
+    }
+}
+
 impl Batch {
     /// Sweeps `least` times, then with [`momentum`](crate::solver::rows::acceleration) until a sweep changes no velocity by more than
     /// `tolerance`, but not more often than the configuration allows, nor than is left for the step.
@@ -34,6 +56,9 @@ impl Batch {
         tolerance: Option<f32>,
         team: Option<&Team>,
     ) {
+        if self.lone.any() {
+            return self.sweep_lone(least, kind);
+        }
         let most = self.settings.max_sweeps.min(least + self.budget.share());
         let (mut change, mut done) = (0.0, 0);
         self.scratch.acceleration.restart();
@@ -44,23 +69,7 @@ impl Batch {
             }
             done += 1;
             let measure = tolerance.is_some() && done >= least;
-            let pass = match kind {
-                SweepKind::SolveFrom {
-                    bias,
-                    is_first,
-                    softness,
-                } if done == 1 => Pass::SolveFirst {
-                    bias,
-                    is_first,
-                    softness,
-                    measure,
-                },
-                SweepKind::Solve(softness) | SweepKind::SolveFrom { softness, .. } => {
-                    Pass::Solve { softness, measure }
-                }
-                SweepKind::Relax => Pass::Relax { measure },
-            };
-            change = self.pass(pass, team);
+            change = self.pass(kind.pass(done, measure), team);
             self.solve_joints();
             if is_extra {
                 self.scratch.acceleration.note(change);

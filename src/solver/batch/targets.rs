@@ -10,7 +10,7 @@ use crate::threads::team::Team;
 const REBOUND_TOLERANCE: f32 = 1e-5;
 
 /// Share of the fastest body's speed that a sub-step need not be more precise than.
-const MOVING_TOLERANCE: f32 = 0.01;
+pub(super) const MOVING_TOLERANCE: f32 = 0.01;
 
 /// The same where bodies hit each other that may pass through each other in the step: what is left of their speeds is large.
 const FAST_TOLERANCE: f32 = 1e-4;
@@ -38,6 +38,9 @@ pub(crate) struct Targets {
 impl Batch {
     /// Sets the target velocities or, where nothing hits anything and nothing is bonded, leaves it to the first sweep.
     pub(crate) fn set_targets(&mut self, is_first: bool, team: Option<&Team>) -> Targets {
+        if self.lone.any() {
+            return self.set_lone_targets(is_first);
+        }
         let (bias, softness) = (self.settings.bias(), self.softness());
         let update = Pass::UpdateBias { bias, is_first };
         if !self.is_calm() {

@@ -217,9 +217,9 @@ impl Islands {
         }
     }
 
-    /// Number of manifolds of the islands in `range`.
-    pub(crate) fn manifolds_of(&self, range: &Range<usize>) -> usize {
-        let list = self.list[range.clone()].iter();
+    /// Number of manifolds of some of the islands, by their indices.
+    pub(crate) fn manifolds_of(&self, group: &[u32]) -> usize {
+        let list = group.iter().map(|&island| &self.list[island as usize]);
         list.map(|island| island.manifolds.len()).sum()
     }
 

@@ -3,6 +3,7 @@
 //! Subdomains are placed each for itself, and only those in which something has changed: in a large heap some contact comes or
 //! goes in every step, but in most of its subdomains none does.
 
+use crate::contact::point::MAX_POINTS;
 use crate::simd::lanes::WIDTH;
 use crate::solver::graph::coloring::Coloring;
 use crate::solver::graph::contact_order::ContactOrder;
@@ -97,6 +98,39 @@ impl LaneAssignment {
         };
         self.place(is_colored, rule.bodies, team);
         self.join(is_colored);
+    }
+
+    /// Places manifolds that share no body, with as many points each as `counts` tells: in blocks of as many points only, so that
+    /// none has rows that it would not have alone.
+    pub fn arrange_lone(&mut self, counts: &[u32]) {
+        self.order.clear();
+        self.order.extend(0..counts.len() as u32);
+        self.ends.clear();
+        self.ends.push(counts.len());
+        let Outcome {
+            places,
+            points,
+            ends,
+        } = &mut self.outcome;
+        places.clear();
+        points.clear();
+        ends.clear();
+        // By number of points: the block that is being filled, and how far it is.
+        let mut open = [(0, WIDTH); MAX_POINTS + 1];
+        for &count in counts {
+            let (block, used) = &mut open[count as usize];
+            if *used == WIDTH {
+                (*block, *used) = (points.len() as u32, 0);
+                points.push(count as u16);
+            }
+            places.push(LaneSlot {
+                block: *block,
+                lane: *used as u16,
+                count: count as u16,
+            });
+            *used += 1;
+        }
+        ends.push(points.len());
     }
 
     /// Places of the manifolds, in their order.

@@ -135,6 +135,29 @@ impl Block {
         self.used += 1;
     }
 
+    /// Copies what sweeps read of the first of two lanes, which is of another block, to the second; bodies, and the points, are no
+    /// part of it.
+    pub(crate) fn copy_lane(&mut self, from: &Self, [source, lane]: [usize; 2]) {
+        let copy = |to: &mut F8, from: &F8| to.0[lane] = from.0[source];
+        let each = |to: &mut [F8], from: &[F8]| {
+            to.iter_mut()
+                .zip(from)
+                .for_each(|(to, from)| copy(to, from));
+        };
+        each(&mut self.normal, &from.normal);
+        each(
+            self.tangents.as_flattened_mut(),
+            from.tangents.as_flattened(),
+        );
+        each(&mut self.inverse_mass, &from.inverse_mass);
+        each(
+            self.inverse_inertia.as_flattened_mut(),
+            from.inverse_inertia.as_flattened(),
+        );
+        copy(&mut self.friction, &from.friction);
+        copy(&mut self.speed_scale, &from.speed_scale);
+    }
+
     /// Numbers of the two bodies of a lane.
     pub fn pair(&self, lane: usize) -> [u32; 2] {
         self.bodies.map(|side| side[lane])
@@ -163,6 +186,22 @@ impl Point {
         let [to_a, to_b] = [0, 1].map(|k| vector(&self.anchors[k], lane));
         normal.dot(b.linear - a.linear) + to_b.cross(normal).dot(b.angular)
             - to_a.cross(normal).dot(a.angular)
+    }
+
+    /// Copies what sweeps read of the first of two lanes, which is of another block, to the second.
+    pub(crate) fn copy_lane(&mut self, from: &Self, [source, lane]: [usize; 2]) {
+        let copy = |to: &mut F8, from: &F8| to.0[lane] = from.0[source];
+        let each = |to: &mut [F8], from: &[F8]| {
+            to.iter_mut()
+                .zip(from)
+                .for_each(|(to, from)| copy(to, from));
+        };
+        each(self.anchors.as_flattened_mut(), from.anchors.as_flattened());
+        each(&mut self.coupling, &from.coupling);
+        each(&mut self.impulse, &from.impulse);
+        copy(&mut self.normal_mass, &from.normal_mass);
+        copy(&mut self.tangent_mass, &from.tangent_mass);
+        copy(&mut self.target_velocity, &from.target_velocity);
     }
 
     /// Writes what the last sub-step found back into the contact point: as impulses of a whole step.

@@ -1,7 +1,7 @@
 //! The contacts that a pass goes through, with the bodies that they join.
 
 use crate::bodies::solver_body::SolverBody;
-use crate::simd::lanes::LaneWidth;
+use crate::simd::lanes::{F8, LaneWidth};
 use crate::solver::config::FrictionModel;
 use crate::solver::wide::block::{Block, Point, PointImpact};
 use std::cell::Cell;
@@ -17,6 +17,8 @@ pub struct ContactBlocks<'a> {
     pub first_point: usize,
     /// Impacts of the points; empty where nothing hits.
     pub impacts: &'a [PointImpact],
+    /// By block: where a sweep that measures puts the largest velocity change of each lane; empty if nobody asks.
+    pub lane_changes: &'a mut [F8],
     /// Velocities that the numbers in the blocks refer to.
     pub bodies: &'a [Cell<SolverBody>],
     /// Displacements of the bodies since the start of the step.

@@ -11,7 +11,7 @@ pub(crate) struct Extrapolate<'a, 'c, const BONDED: bool> {
     pub(crate) contacts: &'a mut ContactBlocks<'c>,
     pub(crate) bond_constraints: &'a [BondConstraint],
     pub(crate) last: &'a mut [[F8; 3]],
-    pub(crate) weight: f32,
+    pub(crate) weight: F8,
 }
 
 impl<const BONDED: bool> Kernel for Extrapolate<'_, '_, BONDED> {
@@ -27,7 +27,7 @@ impl<const BONDED: bool> Kernel for Extrapolate<'_, '_, BONDED> {
             friction: model,
             ..
         } = self.contacts;
-        let weight = L::splat(self.weight);
+        let weight = L::load(&self.weight);
         for block in blocks.iter() {
             let (frame, masses) = (Frame::<L>::load(block), Masses::load(block));
             let friction = L::load(&block.friction);

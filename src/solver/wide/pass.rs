@@ -1,7 +1,7 @@
 //! Passes over blocks of eight manifolds: what is done to all contacts, and which kernel does it.
 
 use crate::simd::dispatch::run;
-use crate::simd::lanes::F8;
+use crate::simd::lanes::{F8, WIDTH};
 use crate::solver::rows::soft_step::{Bias, RowSoftness};
 use crate::solver::wide::bias::{UpdateBias, Warm};
 use crate::solver::wide::bond::BondConstraint;
@@ -122,7 +122,7 @@ impl ContactBlocks<'_> {
                     contacts,
                     bond_constraints,
                     last,
-                    weight,
+                    weight: F8([weight; WIDTH]),
                 };
                 run(width, extrapolate)
             }

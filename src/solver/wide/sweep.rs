@@ -11,7 +11,7 @@ use crate::solver::config::FrictionModel;
 use crate::solver::rows::soft_step::Bias;
 use crate::solver::rows::soft_step::{RowSoftness, Softness};
 use crate::solver::wide::bias::BiasTargets;
-use crate::solver::wide::block::{Point, load_anchors};
+use crate::solver::wide::block::{Point, PointImpact, load_anchors};
 use crate::solver::wide::body_pair::{BodyPair, Frame, Masses, load_three, project, store_three};
 use crate::solver::wide::bond::{BondConstraint, ImpulseBounds};
 use crate::solver::wide::contacts::ContactBlocks;
@@ -49,6 +49,7 @@ impl<'a, 'c, const BONDED: bool> Sweep<'a, 'c, BONDED> {
             points,
             first_point,
             impacts,
+            lane_changes,
             bodies,
             friction: model,
             is_far,
@@ -77,10 +78,7 @@ impl<'a, 'c, const BONDED: bool> Sweep<'a, 'c, BONDED> {
                 let mut state = State::<L, BONDED> {
                     velocity: frame.components(pair.relative(&anchors)),
                     impulse: load_three(&point.impulse),
-                    rebound: match impacts.get(i) {
-                        Some(impact) => L::load(&impact.rebound),
-                        None => zero,
-                    },
+                    rebound: impacts.get(i).map_or(zero, load_rebound),
                     bounds: ImpulseBounds::load(friction, self.bond_constraints.get(i)),
                     model: *model,
                     point,
@@ -94,10 +92,25 @@ impl<'a, 'c, const BONDED: bool> Sweep<'a, 'c, BONDED> {
             }
             pair.scatter(bodies, block);
             if self.measure {
-                largest = largest.max(change * L::load(&block.speed_scale));
+                let change = change * L::load(&block.speed_scale);
+                largest = largest.max(change);
+                store_if(change, lane_changes.get_mut(at));
             }
         }
         largest_lane(largest)
+    }
+}
+
+/// No closure: those are not always put in line, and lanes are wide only in line.
+#[inline(always)]
+fn load_rebound<L: Lanes>(impact: &PointImpact) -> L {
+    L::load(&impact.rebound)
+}
+
+#[inline(always)]
+fn store_if<L: Lanes>(numbers: L, to: Option<&mut F8>) {
+    if let Some(to) = to {
+        numbers.store(to);
     }
 }
 

@@ -5,7 +5,7 @@ use crate::common::properties::cases;
 use bevy_cleave::contact::{MAX_POINTS, Manifold, ManifoldHead, Manifolds};
 use bevy_cleave::prelude::*;
 use bevy_cleave::step;
-use bevy_cleave::testing::batch::{Batch, IslandRequirements, Step, SubstepSettings};
+use bevy_cleave::testing::batch::{Batch, Group, IslandRequirements, Step, SubstepSettings};
 use bevy_cleave::testing::bodies::SolverBody;
 use bevy_cleave::testing::graph::{BodyNumber, Islands, LaneSlot, ManifoldIndex, stages};
 use bevy_cleave::testing::threads::Team;
@@ -158,7 +158,8 @@ proptest! {
                 };
                 let mut fresh = Batch::default();
                 for batch in [&mut kept, &mut fresh] {
-                    batch.load(&step, largest..largest + 1, &IslandRequirements::default());
+                    let group = [largest as u32];
+                    batch.load(&step, Group::one(&group), &IslandRequirements::default());
                 }
                 prop_assert!(kept.layout.subdomains.len() == 7);
                 prop_assert_eq!(outcome(&kept), outcome(&fresh));

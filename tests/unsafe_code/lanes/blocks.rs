@@ -182,6 +182,7 @@ impl Blocks {
             points: &mut self.points,
             first_point: 0,
             impacts: &[],
+            lane_changes: &mut [],
             bodies: Cell::from_mut(&mut self.bodies[..]).as_slice_of_cells(),
             displacements: Cell::from_mut(displacements).as_slice_of_cells(),
             friction: self.friction,

@@ -1,0 +1,72 @@
+//! What touches nothing but the floor is solved beside others like it, and moves to the bit as if it were the only one.
+
+use crate::common::dice::Dice;
+use crate::structures::floor;
+use bevy_cleave::prelude::*;
+use glam::Vec3;
+
+/// Steps of a run.
+const STEPS: usize = 150;
+
+/// A body of any kind that is thrown to the floor, `at` m from the first one.
+fn thrown(dice: &mut Dice, at: f32) -> BodyDesc {
+    let size = dice.in_range(0.3, 0.8);
+    let shape = match dice.below(4) {
+        0 => ConvexMesh::sphere(0.5 * size),
+        1 => ConvexMesh::cuboid(size, dice.in_range(0.3, 0.8), dice.in_range(0.3, 0.8)),
+        2 => ConvexMesh::cylinder(0.5 * size, dice.in_range(0.3, 0.8)),
+        _ => ConvexMesh::from_points(&[(); 14].map(|()| size * dice.direction())),
+    };
+    let place = Vec3::new(at, dice.in_range(0.8, 4.0), 0.0);
+    let mut desc = BodyDesc::dynamic(shape.expect("a solid"), place);
+    desc.pose.rotation = dice.rotation();
+    desc.linear_velocity = Vec3::new(0.0, 0.0, dice.in_range(-6.0, 6.0));
+    desc.angular_velocity = dice.vector(-6.0, 6.0);
+    desc.restitution = Restitution::new([0.0, 0.4, 1.0][dice.below(3)]);
+    desc
+}
+
+/// What a step does to some bodies, in their order: pose of the center and velocities as bits, and whether it still moves so fast that
+/// its rows follow.
+fn run(bodies: &[BodyDesc]) -> Vec<Vec<([u32; 9], bool)>> {
+    let mut simulation = Simulation::default();
+    simulation.bodies.insert(floor(0.6)).expect("a floor");
+    let insert = |desc: &BodyDesc| simulation.bodies.insert(desc.clone()).expect("a body");
+    let slots: Vec<u32> = bodies.iter().map(insert).collect();
+    let mut step = |_| {
+        simulation.step(1.0 / 60.0);
+        let state = |&slot: &u32| {
+            let (linear, angular) = simulation.bodies.velocity(slot);
+            let center = simulation.bodies.center_of_mass(slot);
+            let bits = [center, linear, angular].map(|v| v.to_array().map(f32::to_bits));
+            let mut all = [0; 9];
+            all.copy_from_slice(bits.as_flattened());
+            (all, linear.length() > 1.5 || angular.length() > 0.8)
+        };
+        slots.iter().map(state).collect()
+    };
+    (0..STEPS).map(&mut step).collect()
+}
+
+#[test]
+fn what_touches_only_the_floor_moves_as_if_it_were_alone() {
+    let mut dice = Dice::new(11);
+    let bodies: Vec<BodyDesc> = (0_u8..48)
+        .map(|i| thrown(&mut dice, 10.0 * f32::from(i)))
+        .collect();
+    let together = run(&bodies);
+    let mut compared = 0;
+    for (i, body) in bodies.iter().enumerate() {
+        let alone = run(std::slice::from_ref(body));
+        // Neighbors at rest share their sweeps.
+        let moving = alone.iter().position(|step| !step[0].1).unwrap_or(STEPS);
+        for step in 0..moving {
+            assert_eq!(together[step][i], alone[step][0], "body {i}, step {step}");
+        }
+        compared += moving;
+    }
+    assert!(
+        compared > 24 * STEPS,
+        "{compared} steps of bodies that move"
+    );
+}
