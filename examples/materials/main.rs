@@ -11,6 +11,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod concrete;
 mod recipes;
 mod scenes;
 

@@ -10,10 +10,8 @@ fn read(path: &str) -> String {
 
 #[test]
 fn the_chapter_on_materials_quotes_the_example() {
-    let (chapter, example) = (
-        read("docs/materials.md"),
-        read("examples/materials/recipes.rs"),
-    );
+    let chapter = read("docs/materials.md");
+    let example = read("examples/materials/recipes.rs") + &read("examples/materials/concrete.rs");
     let blocks: Vec<_> = chapter.split("```rust\n").skip(1).collect();
     assert_eq!(blocks.len(), 5, "one for each material");
     for block in blocks {
@@ -22,6 +20,15 @@ fn the_chapter_on_materials_quotes_the_example() {
     }
     let constructors = example.matches("pub(crate) fn").count();
     assert_eq!(chapter.matches("pub(crate) fn").count(), constructors);
+}
+
+/// `demo/` has the recipes from the example, and is not built with the crate: what it does not have would be missed there unseen.
+#[test]
+fn recipes_use_nothing_but_the_crate() {
+    let recipes = read("examples/materials/recipes.rs");
+    for line in recipes.lines().filter(|line| line.contains("use ")) {
+        assert!(line.starts_with("use bevy_cleave::"), "{line}");
+    }
 }
 
 #[test]
