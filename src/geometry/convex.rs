@@ -211,6 +211,11 @@ impl ConvexHull {
         self.moments.volume()
     }
 
+    /// The centroid, m: a point inside, as the middle of the box around the hull need not be.
+    pub(crate) fn centroid(&self) -> Vec3 {
+        self.moments.centroid().as_vec3()
+    }
+
     /// The moments, summed up afresh.
     fn sum_moments(&self) -> SolidMoments {
         self.sum_moments_with(&mut Fans::default(), LaneWidth::Widest)

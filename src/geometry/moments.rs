@@ -337,4 +337,9 @@ impl SolidMoments {
     pub(crate) fn volume(&self) -> f64 {
         self.sums.six_volumes / 6.0
     }
+
+    /// Centroid, m.
+    pub(crate) fn centroid(&self) -> DVec3 {
+        self.apex + self.sums.first / (4.0 * self.sums.six_volumes)
+    }
 }

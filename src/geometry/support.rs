@@ -4,7 +4,7 @@
 
 use crate::geometry::ConvexHull;
 use crate::geometry::frustum::Frustum;
-use crate::geometry::hull_lanes::{Points4, lowest, point};
+use crate::geometry::hull_lanes::{LANES, Points4, lowest, point};
 use crate::math::{Aabb, Pose};
 use glam::{DMat3, DVec3, Mat3, Vec3};
 
@@ -99,6 +99,15 @@ impl<'s> Core<'s> {
     }
 }
 
+/// The mean of points, of which those that fill up a group count too.
+fn mean(points: &[Points4]) -> Vec3 {
+    let sums = points.iter().map(|group| {
+        let sum = |along: &[f32; LANES]| along.iter().sum::<f32>();
+        Vec3::new(sum(&group.x), sum(&group.y), sum(&group.z))
+    });
+    sums.sum::<Vec3>() / (LANES * points.len()) as f32
+}
+
 /// What is known by how far it reaches along a direction.
 pub(crate) trait Support {
     /// The corner farthest along `axis`.
@@ -186,8 +195,12 @@ impl<'s> PlacedCore<'s> {
         self.exact_turn * self.core.middle().as_dvec3() + self.shift
     }
 
-    /// The middle of the box around it: on the side of a plane that most of it is on, unlike [`middle`](Self::middle), which may be a corner.
-    pub(crate) fn center(&self) -> Vec3 {
-        self.bounds().center()
+    /// A point inside, unlike [`middle`](Self::middle), which may be a corner, and the middle of the box around it, which may be outside.
+    pub(crate) fn inside(&self) -> Vec3 {
+        let inside = match self.core {
+            Core::Hull(points) => mean(points).as_dvec3(),
+            _ => self.core.middle().as_dvec3(),
+        };
+        (self.exact_turn * inside + self.shift).as_vec3()
     }
 }

@@ -96,7 +96,7 @@ pub(crate) fn cast_shape(mesh: &StaticMesh, cast: &LocalCast) -> Option<LocalHit
         max: b.max - origin,
     };
     let walk = RayWalk::new(origin, cast.direction, about);
-    let middle = cast.core.center();
+    let middle = cast.core.inside();
     let mut best: Option<LocalHit> = None;
     mesh.tree()
         .along_ray(mesh.triangles(), walk, cast.end, |leaf, end| {

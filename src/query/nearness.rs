@@ -64,7 +64,7 @@ fn of_compound(mesh: &Compound, core: &PlacedCore, limit: f32) -> Option<LocalHi
 
 fn of_level(mesh: &StaticMesh, core: &PlacedCore, limit: f32) -> Option<LocalHit> {
     let mut best: Option<LocalHit> = None;
-    let middle = core.center();
+    let middle = core.inside();
     mesh.tree()
         .within(mesh.triangles(), &core.bounds().fattened(limit), |leaf| {
             let triangle = &mesh.triangles()[leaf as usize];

@@ -89,10 +89,10 @@ fn end_of(bodies: &Bodies, slot: u32) -> Pose {
 fn middles(bodies: &Bodies, slot: u32) -> SmallVec<[Vec3; 4]> {
     let shape = &bodies.info(slot).shape;
     match (shape.convex(), shape.compound()) {
-        (Some(mesh), _) => SmallVec::from_slice(&[mesh.aabb().center()]),
+        (Some(mesh), _) => SmallVec::from_slice(&[mesh.hull().centroid()]),
         (None, Some(compound)) => {
             let parts = compound.parts().iter();
-            let middle = parts.map(|part| part.pose.transform_point(part.shape.aabb().center()));
+            let middle = parts.map(|part| part.pose.transform_point(part.shape.hull().centroid()));
             middle.collect()
         }
         (None, None) => SmallVec::new(),

@@ -7,6 +7,7 @@ mod common;
 
 mod events;
 mod in_app;
+mod lying;
 mod mesh;
 mod queries;
 mod surfaces;

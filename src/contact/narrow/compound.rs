@@ -242,7 +242,7 @@ impl PartPair<'_> {
         let hulls = self.sides.map(|side| side.shape.hull());
         let [a, b] = hulls;
         scratch.load(a, b, pose);
-        let towards_b = pose.transform_point(b.aabb().center()) - a.aabb().center();
+        let towards_b = pose.transform_point(b.centroid()) - a.centroid();
         let towards = [towards_b, -(scratch.turn.transpose() * towards_b)];
         let mut best: Option<(FaceAxis, bool)> = None;
         for side in (0..2).filter(|&side| refused[side]) {

@@ -136,11 +136,7 @@ impl LevelPair<'_> {
                 None
             },
         };
-        let middle = self
-            .hull_in_mesh
-            .transform_point(self.shape.aabb().center())
-            - place;
-        let is_above = ground.height(middle) > 0.0;
+        let is_above = self.is_in_front(triangle.corners[0], triangle.plane.normal);
         if !is_above && !self.mesh.is_two_sided() {
             return None;
         }

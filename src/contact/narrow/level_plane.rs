@@ -7,8 +7,14 @@ use crate::contact::narrow::round::pair::examine_round_half_space;
 use crate::contact::narrow::round::patch::RoundScratch;
 use crate::contact::narrow::scratch::{NarrowScratch, SatResult};
 use crate::geometry::flat_ground::FlatGround;
+use crate::geometry::hull_lanes::lowest_height;
 use crate::math::{Aabb, Plane, Pose, rotate};
 use glam::{Mat3, Vec3};
+
+/// How far the centroid may be behind a triangle with a back that nothing touches, as a share of the thickness of the shape along its
+/// normal: a splinter that came down fast has sunk in so far. It is half of what the centroid of any convex shape is above its lowest point at
+/// least, so that what is behind the triangle as a whole is not taken for it.
+const SUNK: f32 = 0.125;
 
 impl LevelPair<'_> {
     /// The plane that the shape is over, if it sees nothing else of the level in the step, nor until it has slid as far as it may.
@@ -25,10 +31,24 @@ impl LevelPair<'_> {
         let seen = swept.fattened(self.reach + self.slide);
         let ground = self.mesh.flat_ground(&seen, self.is_by_slot)?;
         // What is behind a triangle does not touch it, or touches the other side.
-        let middle = self
-            .hull_in_mesh
-            .transform_point(self.shape.aabb().center());
-        (ground.normal.dot(middle - ground.at) > 0.0).then_some(ground)
+        self.is_in_front(ground.at, ground.normal).then_some(ground)
+    }
+
+    /// Whether the shape is on the side of a triangle, which has this corner, that its normal looks to.
+    pub(in crate::contact::narrow) fn is_in_front(&self, corner: Vec3, normal: Vec3) -> bool {
+        let hull = self.shape.hull();
+        let middle = self.hull_in_mesh.transform_point(hull.centroid());
+        let height = normal.dot(middle - corner);
+        if height > 0.0 || self.mesh.is_two_sided() {
+            return height > 0.0;
+        }
+        if -height > SUNK * hull.aabb().diagonal() {
+            return false;
+        }
+        let up = rotate(self.hull_in_mesh.rotation.inverse(), normal);
+        let points = &hull.lanes.points;
+        let thickness = -lowest_height(points, -up) - lowest_height(points, up);
+        -height < SUNK * thickness
     }
 
     /// The contact with that plane; none if it is out of reach.

@@ -109,7 +109,7 @@ impl<'s> Solid<'s> {
     /// A point inside.
     pub(crate) fn middle(&self) -> Vec3 {
         match self.form {
-            Form::Hull(hull) => hull.aabb().center(),
+            Form::Hull(hull) => hull.centroid(),
             _ => self.outer.middle(),
         }
     }
