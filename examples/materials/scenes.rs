@@ -1,9 +1,8 @@
 //! One scene for each material: what it is made of, what hits it, and where it is looked at from.
 
-use crate::concrete::concrete;
-use crate::recipes;
 use crate::support::Error;
 use crate::support::colors::{IRON, clay};
+use crate::{concrete, recipes};
 use bevy_cleave::geometry::primitives;
 use bevy_cleave::prelude::*;
 use glam::{Quat, Vec3};
@@ -169,7 +168,7 @@ pub(crate) fn concrete() -> Result<Demo, Error> {
     let mut demo = Demo::new("concrete", [7, 70], eye, target)?;
     let size = Vec3::new(2.4, 1.6, 0.16);
     let at = Pose::from_position(0.5 * size.y * Vec3::Y);
-    let (wall, bars) = concrete(size, 0.4)?;
+    let (wall, bars) = concrete::concrete(size, 0.4)?;
     let wall = BodyDesc {
         kind: RigidBody::Static,
         pose: at,

@@ -47,6 +47,9 @@ pub struct NarrowPhase {
     spare_touches: Vec<Touch>,
 }
 
+/// How far apart bodies may be that sleep in contact, as a share of the smaller least extent: what bears has sunk in, or is off by rounding.
+const RESTING: f32 = 1e-4;
+
 /// Whether the contacts of `pairs` pairs are worth a team.
 pub(crate) fn is_worth_help(pairs: usize) -> bool {
     pairs >= PARTS_WORTH_HELP * PAIRS_PER_PART
@@ -103,14 +106,25 @@ impl NarrowPhase {
         });
     }
 
-    /// Those of `pairs` that touched when they were last looked at.
-    pub(crate) fn touching_pairs(&self, pairs: &[Pair]) -> impl Iterator<Item = Pair> {
+    /// Those of `pairs` of which one sleeps and that touch: their contacts are within reach, and no farther apart than rounding.
+    pub(crate) fn dormant_pairs(
+        &self,
+        pairs: &[Pair],
+        bodies: &Bodies,
+    ) -> impl Iterator<Item = [u32; 2]> {
         self.parts.iter().flat_map(move |part| {
             let pairs = pairs.get(part.pairs.clone()).unwrap_or(&[]);
             let known = pairs.iter().zip(&part.known.terms);
-            known
-                .filter(|(_, term)| term.points > 0)
-                .map(|(&pair, _)| pair)
+            let near = known.filter(|(_, term)| term.points > 0);
+            near.map(|(pair, term)| ([pair.a, pair.b], term.touch))
+                .filter(|(slots, _)| slots.iter().all(|&slot| bodies.contains(slot)))
+                .filter(|(slots, _)| slots.iter().any(|&slot| bodies.is_asleep(slot)))
+                .filter(|&(slots, touch)| {
+                    let [a, b] = slots.map(|slot| bodies.min_extent[slot as usize]);
+                    let places = slots.map(|slot| place_of(bodies, slot));
+                    part.known.touches.gap(touch, &places) <= RESTING * a.min(b)
+                })
+                .map(|(slots, _)| slots)
         })
     }
 
@@ -218,15 +232,20 @@ fn load_body(
     *body = now;
 }
 
+fn place_of(bodies: &Bodies, slot: u32) -> BodyPlace {
+    let i = slot as usize;
+    BodyPlace {
+        center: bodies.center[i],
+        turn: Mat3::from_quat(bodies.rotation[i]),
+    }
+}
+
 /// The body in `slot` as its pairs see it.
 fn pair_body(bodies: &Bodies, slot: u32, ahead: Lookahead) -> PairBody {
     let i = slot as usize;
     let is_half_space = bodies.min_extent[i] == f32::INFINITY && bodies.radius(slot) == 0.0;
     PairBody {
-        place: BodyPlace {
-            center: bodies.center[i],
-            turn: Mat3::from_quat(bodies.rotation[i]),
-        },
+        place: place_of(bodies, slot),
         rotation: bodies.rotation[i],
         radius: if is_half_space {
             f32::INFINITY

@@ -112,13 +112,9 @@ impl Contacts {
         &self.manifolds
     }
 
-    /// Slots of pairs that touched when they fell asleep, or when the one that sleeps was last looked at; by body ids.
+    /// Slots of pairs that touch and of which one sleeps; by body ids.
     pub(crate) fn dormant_pairs(&self, bodies: &Bodies) -> impl Iterator<Item = [u32; 2]> {
-        let pairs = self.narrow.touching_pairs(self.broadphase.pairs());
-        pairs
-            .filter(|&pair| bodies.contains(pair.a) && bodies.contains(pair.b))
-            .filter(|&pair| bodies.is_asleep(pair.a) || bodies.is_asleep(pair.b))
-            .map(|pair| [pair.a, pair.b])
+        self.narrow.dormant_pairs(self.broadphase.pairs(), bodies)
     }
 
     /// Slots of pairs of which one is a sensor and has the other in it; by body ids.

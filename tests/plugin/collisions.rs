@@ -432,10 +432,15 @@ fn collisions_are_those_that_touch_asleep_or_not() {
         expected.push((below, body, false));
         below = body;
     }
+    // Beside them, nearer than contacts are looked for, is not at them.
+    let beside = Transform::from_xyz(1.004, 0.5, 0.0);
+    let beside = (RigidBody::Dynamic, cube(1.0), beside);
+    let beside = app.world_mut().spawn(beside).id();
+    expected.insert(1, (expected[0].0, beside, false));
     steps(&mut app, 10);
     assert_eq!(app.world().resource::<Seen>().0, expected);
     steps(&mut app, 230);
-    assert_eq!(app.world().resource::<StepReport>().asleep, 3);
+    assert_eq!(app.world().resource::<StepReport>().asleep, 4);
     assert_eq!(app.world().resource::<Seen>().0, expected);
 }
 
