@@ -218,6 +218,15 @@ impl BodyManifold {
         normal
     }
 
+    /// The least gap of its points, m; negative where the bodies overlap.
+    pub(crate) fn gap(&self, a: &BodyPlace, b: &BodyPlace) -> f32 {
+        let mut points = [ContactPoint::default(); MAX_POINTS];
+        let points = &mut points[..self.count as usize];
+        self.write(a, b, points);
+        let gaps = points.iter().map(|point| point.separation);
+        gaps.fold(f32::INFINITY, f32::min)
+    }
+
     /// From places inside of round surfaces to the surfaces, world axes.
     #[inline(never)]
     fn lift_to_surface(&self, normal: Vec3, on_a: &mut Points4, on_b: &mut Points4) {

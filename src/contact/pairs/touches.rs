@@ -1,7 +1,6 @@
 //! What is kept of pairs that touch.
 
 use crate::contact::body_manifold::{BodyManifold, BodyPlace};
-use crate::contact::point::{ContactPoint, MAX_POINTS};
 
 /// Of a pair that does not touch.
 pub(crate) const NO_TOUCH: u32 = u32::MAX;
@@ -67,14 +66,9 @@ impl Touches {
 
     /// The least gap of the touches of a pair whose bodies are in these places, m; negative where they overlap, infinite without a touch.
     pub(crate) fn gap(&self, first: u32, [a, b]: &[BodyPlace; 2]) -> f32 {
-        let mut points = [ContactPoint::default(); MAX_POINTS];
         let (mut at, mut least) = (first, f32::INFINITY);
         while let Some(touch) = self.of(at) {
-            let points = &mut points[..touch.patch.count as usize];
-            touch.patch.write(a, b, points);
-            least = points
-                .iter()
-                .fold(least, |least, p| least.min(p.separation));
+            least = least.min(touch.patch.gap(a, b));
             at = self.after(at);
         }
         least
