@@ -76,11 +76,7 @@ impl VolumeIntegrals {
     }
 
     fn of_moments(moments: &SolidMoments) -> Self {
-        let Moments {
-            six_volumes, first, ..
-        } = moments.sums;
-        let volume = six_volumes / 6.0;
-        let arm = first / (4.0 * six_volumes);
+        let (volume, arm) = (moments.volume(), moments.sums.arm());
         let second = moments.sums.second() / 120.0 - volume * outer(arm);
         Self {
             volume,

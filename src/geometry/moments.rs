@@ -42,6 +42,11 @@ impl Moments {
         self.products += d * (turned(s) + turned(a) + turned(b) + turned(c));
     }
 
+    /// From the point that the sums are about to the centroid, m.
+    pub(crate) fn arm(&self) -> DVec3 {
+        self.first / (4.0 * self.six_volumes)
+    }
+
     /// From the volume, first and second moments themselves.
     pub(crate) fn of_integrals(volume: f64, first: DVec3, second: DMat3) -> Self {
         let (x, y, z) = (second.x_axis, second.y_axis, second.z_axis);
@@ -340,6 +345,6 @@ impl SolidMoments {
 
     /// Centroid, m.
     pub(crate) fn centroid(&self) -> DVec3 {
-        self.apex + self.sums.first / (4.0 * self.sums.six_volumes)
+        self.apex + self.sums.arm()
     }
 }

@@ -119,6 +119,17 @@ pub(crate) fn set_vector(lanes: &mut [F8; 3], lane: usize, value: Vec3) {
     }
 }
 
+/// Copies the first of two lanes, of other vectors, to the second.
+fn copy_lane(to: &mut F8, from: &F8, [source, lane]: [usize; 2]) {
+    to.0[lane] = from.0[source];
+}
+
+fn copy_lanes(to: &mut [F8], from: &[F8], lanes: [usize; 2]) {
+    for (to, from) in to.iter_mut().zip(from) {
+        copy_lane(to, from, lanes);
+    }
+}
+
 impl Block {
     /// Empties the lanes: all refer to a body that nothing happens to.
     pub fn clear(&mut self, dummy: u32, points: Range<usize>) {
@@ -137,13 +148,9 @@ impl Block {
 
     /// Copies what sweeps read of the first of two lanes, which is of another block, to the second; bodies, and the points, are no
     /// part of it.
-    pub(crate) fn copy_lane(&mut self, from: &Self, [source, lane]: [usize; 2]) {
-        let copy = |to: &mut F8, from: &F8| to.0[lane] = from.0[source];
-        let each = |to: &mut [F8], from: &[F8]| {
-            to.iter_mut()
-                .zip(from)
-                .for_each(|(to, from)| copy(to, from));
-        };
+    pub(crate) fn copy_lane(&mut self, from: &Self, lanes: [usize; 2]) {
+        let copy = |to: &mut F8, from: &F8| copy_lane(to, from, lanes);
+        let each = |to: &mut [F8], from: &[F8]| copy_lanes(to, from, lanes);
         each(&mut self.normal, &from.normal);
         each(
             self.tangents.as_flattened_mut(),
@@ -189,13 +196,9 @@ impl Point {
     }
 
     /// Copies what sweeps read of the first of two lanes, which is of another block, to the second.
-    pub(crate) fn copy_lane(&mut self, from: &Self, [source, lane]: [usize; 2]) {
-        let copy = |to: &mut F8, from: &F8| to.0[lane] = from.0[source];
-        let each = |to: &mut [F8], from: &[F8]| {
-            to.iter_mut()
-                .zip(from)
-                .for_each(|(to, from)| copy(to, from));
-        };
+    pub(crate) fn copy_lane(&mut self, from: &Self, lanes: [usize; 2]) {
+        let copy = |to: &mut F8, from: &F8| copy_lane(to, from, lanes);
+        let each = |to: &mut [F8], from: &[F8]| copy_lanes(to, from, lanes);
         each(self.anchors.as_flattened_mut(), from.anchors.as_flattened());
         each(&mut self.coupling, &from.coupling);
         each(&mut self.impulse, &from.impulse);
