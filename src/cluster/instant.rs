@@ -1,7 +1,8 @@
 //! The instant of a blow: bodies, bonds and what hits, followed in time.
 
 use crate::cluster::hit::{Hit, Striker};
-use crate::cluster::link::{Body, Link, length};
+use crate::cluster::link::{Link, length};
+use crate::cluster::moving_part::Body;
 use crate::cluster::network::Network;
 use glam::{Mat3, Vec3, Vec4};
 
@@ -9,7 +10,7 @@ use glam::{Mat3, Vec3, Vec4};
 const HEARD: f32 = 0.25;
 
 /// Time steps at most: several times as long as a vibration goes from the blow to the outermost part and back.
-const MOST_STEPS: usize = 768;
+pub(super) const MOST_STEPS: usize = 768;
 
 /// Time steps from one look at the energy to the next.
 const STEPS_PER_LOOK: usize = 8;

@@ -1,6 +1,6 @@
-//! A part and a bond in the instant of a blow.
+//! A bond in the instant of a blow.
 
-use crate::cluster::hit::Push;
+use crate::cluster::moving_part::Body;
 use crate::cluster::network::Network;
 use crate::geometry::PartBond;
 use crate::simd::float4::{higher, lower};
@@ -10,20 +10,8 @@ use glam::{Mat3, Vec3, Vec4};
 /// Share of the way to breaking up to which a bond is elastic; it yields for the rest, so that the work is force times way.
 const ELASTIC: f32 = 0.5;
 
-/// A part in the instant of the blow, relative to the motion of the cluster.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Body {
-    pub(super) inverse_mass: f32,
-    pub(super) inverse_inertia: Mat3,
-    pub(super) mass: f32,
-    pub(super) inertia: Mat3,
-    pub(super) velocity: Vec3,
-    pub(super) angular: Vec3,
-    pub(super) displacement: Vec3,
-    pub(super) turn: Vec3,
-    pub(super) force: Vec3,
-    pub(super) torque: Vec3,
-}
+/// Share of the square of what bears up to which its root surely does not exceed it.
+const SURELY: f32 = 0.999;
 
 /// The corners of a bonded face, one in each lane.
 #[derive(Clone, Copy, Debug)]
@@ -35,6 +23,25 @@ pub(super) struct Corners {
     slid: V3<Vec4>,
 }
 
+/// A bonded face as its corners act together as long as none has yielded, or none touches.
+#[derive(Clone, Copy, Debug)]
+struct Face {
+    /// From the centers of both parts to its own, m.
+    arms: [Vec3; 2],
+    /// Torque of the corners about its center by turn and stiffness, m2.
+    spread: Mat3,
+    /// Square of the way from its center to a corner, m2.
+    square: f32,
+}
+
+/// How far the second part has moved from the first one.
+#[derive(Clone, Copy, Debug)]
+struct Parting {
+    /// At the center of the face, m.
+    way: Vec3,
+    turn: Vec3,
+}
+
 /// A bond in the instant of the blow.
 #[derive(Debug)]
 pub(super) struct Link {
@@ -42,6 +49,9 @@ pub(super) struct Link {
     pub(super) bodies: [u32; 2],
     pub(super) normal: Vec3,
     pub(super) corners: Corners,
+    face: Face,
+    /// Whether a corner has yielded.
+    has_yielded: bool,
     /// Of a corner, N/m.
     pub(super) stiffness: f32,
     /// What a corner bears in tension and in shear, N.
@@ -55,61 +65,6 @@ pub(super) struct Link {
     /// Energy that breaking it takes, or straining it if somebody asks for that, J.
     pub(super) energy: f32,
     pub(super) is_broken: bool,
-}
-
-impl Body {
-    /// One that nothing moves.
-    pub(super) const FIXED: Self = Self {
-        inverse_mass: 0.0,
-        inverse_inertia: Mat3::ZERO,
-        mass: 0.0,
-        inertia: Mat3::ZERO,
-        velocity: Vec3::ZERO,
-        angular: Vec3::ZERO,
-        displacement: Vec3::ZERO,
-        turn: Vec3::ZERO,
-        force: Vec3::ZERO,
-        torque: Vec3::ZERO,
-    };
-
-    pub(super) fn of(network: &Network, part: u32, is_held: bool) -> Self {
-        if is_held {
-            return Self::FIXED;
-        }
-        let node = &network.nodes[part as usize];
-        Self {
-            mass: node.mass as f32,
-            inertia: node.inertia.as_mat3(),
-            inverse_mass: node.mass.recip() as f32,
-            inverse_inertia: node.inverse_inertia,
-            ..Self::FIXED
-        }
-    }
-
-    /// Makes it heavier; it keeps its momentum.
-    pub(super) fn enlarge(&mut self, factor: f32) {
-        self.mass *= factor;
-        self.inertia *= factor;
-        self.inverse_mass /= factor;
-        self.inverse_inertia *= factor.recip();
-        self.velocity /= factor;
-        self.angular /= factor;
-    }
-
-    /// Is pushed.
-    pub(super) fn take(&mut self, push: &Push) {
-        self.velocity += self.inverse_mass * push.impulse;
-        self.angular += self.inverse_inertia * push.angular_impulse;
-    }
-
-    /// Symplectic Euler.
-    pub(super) fn advance(&mut self, h: f32) {
-        self.velocity += h * self.inverse_mass * self.force;
-        self.angular += self.inverse_inertia * (h * self.torque);
-        self.displacement += h * self.velocity;
-        self.turn += h * self.angular;
-        (self.force, self.torque) = (Vec3::ZERO, Vec3::ZERO);
-    }
 }
 
 /// What a corner of a bonded face bears in tension and in shear, N, and its stiffness, N/m. `opening`: how far the bond opens before it is
@@ -158,6 +113,8 @@ impl Link {
                 opened: Vec4::ZERO,
                 slid: splat(Vec3::ZERO),
             },
+            face: Face::of(shape, centers),
+            has_yielded: false,
             stiffness,
             limits,
             strained_from: if is_asked {
@@ -186,6 +143,10 @@ impl Link {
     /// How it pulls at the first part, and the opposite at the second one: a force, and torques on both; and the work that it takes to let it
     /// yield, J. What that tears is broken.
     pub(super) fn pull(&mut self, friction: f32, [a, b]: [&Body; 2]) -> (Vec3, [Vec3; 2], f32) {
+        let parting = self.face.parting([a, b]);
+        if let Some((force, torques)) = self.pull_of_face(&parting) {
+            return (force, torques, 0.0);
+        }
         let moved = self.corners.moved([a, b]);
         let normal = splat(self.normal);
         let open = moved.dot(normal);
@@ -195,16 +156,44 @@ impl Link {
         } else {
             let across = moved.minus(normal.times(open));
             let way = (open, across);
-            let (pull, shear, done) =
-                (self.corners).yielding(self.stiffness, self.limits, friction, way);
-            work = sum(done);
-            self.is_broken = self.corners.farthest().cmpgt(Vec4::splat(self.way)).any();
+            let elastic = (self.corners).elastic(self.stiffness, self.limits, way);
+            let (pull, shear) = elastic.unwrap_or_else(|| {
+                let (pull, shear, done) =
+                    (self.corners).yielding(self.stiffness, self.limits, friction, way);
+                work = sum(done);
+                self.has_yielded |= work > 0.0;
+                self.is_broken = self.corners.farthest().cmpgt(Vec4::splat(self.way)).any();
+                (pull, shear)
+            });
             self.note_load(friction, (pull, shear));
             normal.times(pull).plus(shear)
         };
         let pull = finite(pull);
         let [arm_a, arm_b] = self.corners.arms.map(|arm| arm.cross(pull));
         (sums(pull), [sums(arm_a), -sums(arm_b)], work)
+    }
+
+    /// What [`pull`](Self::pull) tells of most bonds in most time steps, without a look at each corner: whole, none of which has yielded or may now,
+    /// and broken ones that are open. None of others.
+    fn pull_of_face(&self, Parting { way, turn }: &Parting) -> Option<(Vec3, [Vec3; 2])> {
+        let swing = turn.length_squared() * self.face.square;
+        if self.is_broken {
+            let open = way.dot(self.normal);
+            let is_open = open >= 0.0 && open * open >= swing;
+            return is_open.then_some((Vec3::ZERO, [Vec3::ZERO; 2]));
+        }
+        if self.has_yielded || self.strained_from < f32::INFINITY {
+            return None;
+        }
+        // No corner moves farther than the sum of both ways, whose square is at most twice the sum of their squares.
+        let bears = self.limits[0].min(self.limits[1]) / self.stiffness;
+        if 2.0 * (way.length_squared() + swing) > bears * bears {
+            return None;
+        }
+        let force = 4.0 * self.stiffness * *way;
+        let torque = self.stiffness * (self.face.spread * *turn);
+        let [arm_a, arm_b] = self.face.arms.map(|arm| arm.cross(force));
+        Some((force, [arm_a + torque, -arm_b - torque]))
     }
 
     /// Notes what the corners pull with, along the normal and across, N.
@@ -221,18 +210,52 @@ impl Link {
 
     /// What its springs hold, J.
     pub(super) fn held_energy(&self, parts: [&Body; 2]) -> f32 {
+        if !(self.is_broken || self.has_yielded) {
+            let Parting { way, turn } = self.face.parting(parts);
+            let by_turn = turn.dot(self.face.spread * turn);
+            return 0.5 * self.stiffness * (4.0 * way.length_squared() + by_turn);
+        }
         let corners = &self.corners;
         let normal = splat(self.normal);
-        let yielded = corners.slid.plus(normal.times(corners.opened));
-        let stretched = corners.moved(parts).minus(yielded);
-        let energy = 0.5 * self.stiffness * stretched.dot(stretched);
-        // Broken, it still holds what is pressed.
-        let holds = stretched.dot(normal).cmplt(Vec4::ZERO);
-        sum(if self.is_broken {
-            Vec4::select(holds, energy, Vec4::ZERO)
+        let moved = corners.moved(parts);
+        let square = if self.is_broken {
+            // It still holds what is pressed, and nothing across.
+            let pressed = lower(moved.dot(normal), Vec4::ZERO);
+            pressed * pressed
         } else {
-            energy
-        })
+            let yielded = corners.slid.plus(normal.times(corners.opened));
+            let stretched = moved.minus(yielded);
+            stretched.dot(stretched)
+        };
+        sum(0.5 * self.stiffness * square)
+    }
+}
+
+impl Face {
+    /// `centers`: of the parts.
+    fn of(bond: &PartBond, centers: [Vec3; 2]) -> Self {
+        let ways = Network::corners(bond).map(|corner| corner - bond.center);
+        let outer = |way: Vec3| Mat3::from_cols(way.x * way, way.y * way, way.z * way);
+        // w x (turn x w) = (w^2 - w w^T) turn, summed.
+        let spread =
+            ways.map(|way| Mat3::from_diagonal(Vec3::splat(way.length_squared())) - outer(way));
+        Self {
+            arms: centers.map(|center| bond.center - center),
+            spread: spread.into_iter().fold(Mat3::ZERO, |sum, own| sum + own),
+            square: ways[0].length_squared().max(ways[1].length_squared()),
+        }
+    }
+
+    fn parting(&self, [a, b]: [&Body; 2]) -> Parting {
+        let [arm_a, arm_b] = self.arms;
+        let ways = [
+            a.displacement + a.turn.cross(arm_a),
+            b.displacement + b.turn.cross(arm_b),
+        ];
+        Parting {
+            way: ways[1] - ways[0],
+            turn: b.turn - a.turn,
+        }
     }
 }
 
@@ -251,6 +274,21 @@ impl Corners {
     /// How far each has yielded in the one or the other way, m.
     fn farthest(&self) -> Vec4 {
         higher(self.opened, length(self.slid))
+    }
+
+    /// What [`yielding`](Self::yielding) tells, where no corner is so loaded that it may yield: to the bit, without roots and divisions. Friction, which
+    /// makes shear bear more, is left out.
+    fn elastic(
+        &self,
+        stiffness: f32,
+        [tension, shear_limit]: [f32; 2],
+        (open, across): (Vec4, V3<Vec4>),
+    ) -> Option<(Vec4, V3<Vec4>)> {
+        let pull = stiffness * (open - self.opened);
+        let shear = across.minus(self.slid).times(Vec4::splat(stiffness));
+        let most = SURELY * shear_limit * shear_limit;
+        let bears = pull.cmple(Vec4::splat(tension)) & shear.dot(shear).cmple(Vec4::splat(most));
+        bears.all().then_some((pull, shear))
     }
 
     /// Their pulls on the first part, along the normal and across, N, if they are open and slid so far; they yield where that is more than they

@@ -5,7 +5,7 @@
 //! | `building.rs` | a cluster as plain data: from parts, or by cutting a body in advance |
 //! | `network.rs` | parts as masses, bonds as springs |
 //! | `hit.rs` | what a cluster is hit with |
-//! | `blow.rs`, `instant.rs`, `link.rs` | what a blow breaks: the parts around it in motion for an instant |
+//! | `blow.rs`, `instant.rs`, `moving_part.rs`, `link.rs` | what a blow breaks: the parts around it in motion for an instant |
 //! | `blast.rs` | how what comes off moves that was pushed part by part |
 //! | `load.rs`, `elastic.rs`, `sparse.rs`, `dissection.rs` | what a sustained load breaks: forces as in an elastic body |
 //!
@@ -20,6 +20,7 @@ pub(crate) mod hit;
 mod instant;
 mod link;
 pub(crate) mod load;
+mod moving_part;
 pub(crate) mod network;
 mod sparse;
 

@@ -50,43 +50,100 @@ pub(crate) struct Split<'a> {
     pub(crate) children: Vec<Child<'a>>,
 }
 
-/// The planes of all faces of the pieces (parent's frame), piece by piece: a cluster of a thousand parts hands hundreds of points on.
+/// The planes of all faces of the pieces (parent's frame), piece by piece: a cluster of a thousand parts hands thousands of points of
+/// hundreds of pairs on.
 #[derive(Debug, Default)]
 struct PiecePlanes {
     planes: Vec<Plane>,
-    /// Where those of each piece end.
+    /// By piece: where its planes end.
     ends: Vec<usize>,
+    /// By plane: whose it is.
+    pieces: Vec<u32>,
+    /// Planes by their offsets, ascending.
+    by_offset: Vec<u32>,
+    /// By piece: how far offsets of one face may differ, m.
+    tolerances: Vec<f32>,
+    /// By piece: the plane that told last that a point is not its own. It mostly tells it of the next point too.
+    witnesses: Vec<usize>,
 }
 
 impl PiecePlanes {
     fn of(children: &[Child]) -> Self {
         let mut all = Self::default();
-        for child in children {
+        for (piece, child) in (0..).zip(children) {
+            all.witnesses.push(all.planes.len());
             all.planes.extend(child.faces());
             all.ends.push(all.planes.len());
+            all.pieces.resize(all.planes.len(), piece);
+            let size = length_scale(&child.hull.aabb) + child.origin.abs().max_element();
+            all.tolerances.push(10.0 * merge_tolerance(size));
         }
+        let offset = |&plane: &u32| all.planes[plane as usize].offset;
+        let mut by_offset: Vec<u32> = (0..all.planes.len() as u32).collect();
+        by_offset.sort_by(|a, b| offset(a).total_cmp(&offset(b)));
+        all.by_offset = by_offset;
         all
+    }
+
+    /// Where those of one piece begin.
+    fn start(&self, piece: usize) -> usize {
+        piece.checked_sub(1).map_or(0, |before| self.ends[before])
     }
 
     /// The piece that owns a point of the parent (parent's frame, m): the one that it is deepest in, or nearest to; the first of
     /// several.
-    fn owner(&self, point: Vec3) -> Option<usize> {
+    fn owner(&mut self, point: Vec3) -> Option<usize> {
         let (mut best, mut least, mut first) = (0, f32::INFINITY, 0);
         for (piece, &end) in self.ends.iter().enumerate() {
+            let witness = &mut self.witnesses[piece];
             // Above one face by as much as that, it is above the surface by as much.
-            let mut height = f32::NEG_INFINITY;
-            for plane in &self.planes[first..end] {
-                height = height.max(plane.distance(point));
-                if height >= least {
-                    break;
+            let is_above = self.planes[first..end]
+                .get(witness.wrapping_sub(first))
+                .is_some_and(|plane| plane.distance(point) >= least);
+            if !is_above {
+                let mut height = f32::NEG_INFINITY;
+                for (index, plane) in (first..end).zip(&self.planes[first..end]) {
+                    height = height.max(plane.distance(point));
+                    if height >= least {
+                        *witness = index;
+                        break;
+                    }
+                }
+                if height < least {
+                    (best, least) = (piece, height);
                 }
             }
             first = end;
-            if height < least {
-                (best, least) = (piece, height);
-            }
         }
         (!self.ends.is_empty()).then_some(best)
+    }
+
+    /// By piece: area of its part of a face of the parent (parent's frame), m2.
+    fn areas_in(&self, parent: &Plane, children: &[Child]) -> Vec<f32> {
+        let widest = self.tolerances.iter().copied().fold(0.0, f32::max);
+        let offset = |plane: u32| self.planes[plane as usize].offset;
+        let near = |plane: &u32| offset(*plane) <= parent.offset + widest;
+        let from =
+            (self.by_offset).partition_point(|&plane| offset(plane) < parent.offset - widest);
+        let parts = self.by_offset[from..].iter().copied().take_while(near);
+        let mut parts: Vec<u32> = parts
+            .filter(|&plane| {
+                let tolerance = self.tolerances[self.pieces[plane as usize] as usize];
+                let plane = &self.planes[plane as usize];
+                plane.normal.dot(parent.normal) > SAME_FACE
+                    && (plane.offset - parent.offset).abs() < tolerance
+            })
+            .collect();
+        parts.sort_unstable();
+        // What an empty sum is.
+        let mut areas = vec![-0.0; children.len()];
+        for plane in parts {
+            let piece = self.pieces[plane as usize] as usize;
+            let hull = children[piece].hull;
+            let face = &hull.faces[plane as usize - self.start(piece)];
+            areas[piece] += hull.face_area(face) as f32;
+        }
+        areas
     }
 }
 
@@ -94,7 +151,7 @@ impl Split<'_> {
     /// For the entries of one pair: which piece has each, and what its impulses are multiplied with.
     fn shares(
         &self,
-        planes: &PiecePlanes,
+        planes: &mut PiecePlanes,
         entries: &[CacheEntry],
         codes: impl Fn(&CacheEntry) -> KdCode,
     ) -> Vec<PieceShare> {
@@ -106,10 +163,11 @@ impl Split<'_> {
             Some((planes.owner(point)?, point, impulse.max(0.0)))
         });
         let owned: Vec<_> = owned.collect();
-        let face = self.common_face(&owned);
-        let areas: Vec<f32> = (self.children.iter())
-            .map(|child| face.map_or(0.0, |face| child.area_in(&face)))
-            .collect();
+        let face = common_face(planes, &owned);
+        let areas = match face {
+            Some(face) => planes.areas_in(&face, &self.children),
+            None => vec![0.0; self.children.len()],
+        };
         let (area, total): (f32, f32) = (areas.iter().sum(), owned.iter().map(|o| o.2).sum());
         let factor = |child: usize| {
             let own: f32 = (owned.iter().filter(|o| o.0 == child).map(|o| o.2)).sum();
@@ -128,18 +186,23 @@ impl Split<'_> {
         });
         shares.collect()
     }
+}
 
-    /// The face (parent's frame) of a piece that owns points in which all points lie best; none for points that span none.
-    fn common_face(&self, owned: &[(usize, Vec3, f32)]) -> Option<Plane> {
-        let off = |plane: &Plane| -> f32 {
-            let distances = owned.iter().map(|(_, point, _)| plane.distance(*point));
-            distances.map(f32::abs).sum()
-        };
-        let owners = (0..self.children.len()).filter(|child| owned.iter().any(|o| o.0 == *child));
-        let faces = owners.flat_map(|child| self.children[child].faces());
-        let best = faces.min_by(|a, b| off(a).total_cmp(&off(b)));
-        best.filter(|_| owned.len() >= SPANNING)
+/// The face (parent's frame) of a piece that owns points in which all points lie best; none for points that span none.
+fn common_face(planes: &PiecePlanes, owned: &[(usize, Vec3, f32)]) -> Option<Plane> {
+    if owned.len() < SPANNING {
+        return None;
     }
+    let off = |plane: &Plane| -> f32 {
+        let distances = owned.iter().map(|(_, point, _)| plane.distance(*point));
+        distances.map(f32::abs).sum()
+    };
+    let mut owners: Vec<usize> = owned.iter().map(|o| o.0).collect();
+    owners.sort_unstable();
+    owners.dedup();
+    let of_piece = |piece: usize| &planes.planes[planes.start(piece)..planes.ends[piece]];
+    let faces = owners.into_iter().flat_map(of_piece);
+    faces.copied().min_by(|a, b| off(a).total_cmp(&off(b)))
 }
 
 /// What one piece gets of an entry.
@@ -166,20 +229,6 @@ impl Child<'_> {
             }
         })
     }
-
-    /// Area of its part of a face of the parent (parent's frame), m2.
-    fn area_in(&self, parent: &Plane) -> f32 {
-        let size = length_scale(&self.hull.aabb) + self.origin.abs().max_element();
-        let is_part = |plane: &Plane| {
-            plane.normal.dot(parent.normal) > SAME_FACE
-                && (plane.offset - parent.offset).abs() < 10.0 * merge_tolerance(size)
-        };
-        let faces = self.hull.faces.iter().zip(self.faces());
-        let parts = faces.filter(|(_, plane)| is_part(plane));
-        parts
-            .map(|(face, _)| self.hull.face_area(face) as f32)
-            .sum()
-    }
 }
 
 /// An entry with the pair that it belongs to.
@@ -204,12 +253,12 @@ impl ContactCache {
             let mut pairs = current.pairs.iter().filter(is_of).peekable();
             // What touches nothing hands nothing on.
             let children = pairs.peek().map_or(&[][..], |_| &split.children);
-            let planes = PiecePlanes::of(children);
+            let mut planes = PiecePlanes::of(children);
             for pair in pairs {
                 let entries = &current.entries[pair.range()];
                 let is_a = pair.bodies.0 == split.parent;
                 let code = |e: &CacheEntry| if is_a { e.code_a } else { e.code_b };
-                let shares = split.shares(&planes, entries, code);
+                let shares = split.shares(&mut planes, entries, code);
                 let pass = |(entry, share)| pass_on(split, pair.bodies, entry, share, rotation);
                 passed.extend(entries.iter().zip(&shares).map(pass));
             }
