@@ -19,6 +19,8 @@ pub(crate) struct ClusterState {
     pub(crate) loads: Vec<PartLoad>,
     /// The same when it was last found out what that does to the bonds.
     pub(crate) judged: Option<JudgedLoad>,
+    /// For how long it has been more than they bear, s.
+    pub(crate) overloaded: f32,
     /// What tells how loads move its parts, as far as it is worked out.
     pub(crate) elastic: Option<Box<Elastic>>,
 }

@@ -68,6 +68,7 @@ impl Bodies {
             looked_at: None,
             loads: Vec::new(),
             judged: None,
+            overloaded: 0.0,
             elastic: None,
         }));
         Ok(())

@@ -22,6 +22,10 @@ const MEMORY: f32 = 0.05;
 /// Time from one look at the loads to the next, s; a little less than two steps at 60 Hz.
 pub(super) const LOOK_INTERVAL: f32 = 0.032;
 
+/// Time for which a load must be more than bonds bear before they break, s. What comes to rest on soft contacts sags and rebounds for as long:
+/// a mean alone is up to 1.3 times the load at 30 Hz, and what hits is a blow.
+const SUSTAINED: f32 = 0.12;
+
 /// Change of a load that is worth another look at what it does, as a share of all of it.
 const CHANGE: f64 = 0.005;
 
@@ -254,6 +258,7 @@ fn judge(
     let least = state.network.least_force;
     // Not a number: nothing is known.
     if !total.is_finite() || total < least {
+        state.overloaded = 0.0;
         return None;
     }
     if let Some(judged) = &state.judged {
@@ -271,9 +276,13 @@ fn judge(
             motion,
             utilization: outcome.utilization,
         });
+        state.overloaded = 0.0;
         return None;
     }
-    Some(outcome)
+    // Looked at again until it is over, or long enough.
+    state.judged = None;
+    state.overloaded += elapsed;
+    (state.overloaded >= SUSTAINED).then_some(outcome)
 }
 
 /// What the load does; none as long as that is being worked out.
