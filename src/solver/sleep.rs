@@ -29,6 +29,10 @@ use glam::Vec3;
 /// those of rest.
 const MIN_SUPPORTED_SHARE: f32 = 0.5;
 
+/// How many times farther what is thin may drift at most, as the square root of its length over its thickness tells: what creeps by 2e-3 of
+/// the thickness of a card or a needle creeps by 1e-4 of its length.
+const MAX_LEEWAY: f32 = 4.0;
+
 /// Marks a slot that belongs to no island that may fall asleep.
 const NONE: u32 = u32::MAX;
 
@@ -163,7 +167,10 @@ impl Bodies {
         let way = self.center[i].distance(rest.center) + sway;
         let least = self.min_extent[i];
         let fall = 0.5 * gravity * config.time * config.time;
-        way <= config.drift * (least * least.max(fall)).sqrt()
+        // A cube's farthest corner is at half of the square root of 3.
+        let slenderness = self.radius(slot) / (0.866 * least);
+        let leeway = slenderness.sqrt().clamp(1.0, MAX_LEEWAY);
+        way <= leeway * config.drift * (least * least.max(fall)).sqrt()
     }
 
     /// Square of how far the point that goes farthest gets when a body turns by a small vector, given in its own axes; with an
