@@ -295,7 +295,7 @@ fn divided(
 ) -> Result<Vec<CompoundPart>, ClusterError> {
     let hull = part.shape.hull();
     let impact = Impact {
-        point: hull.aabb().center(),
+        point: hull.middle_inside(),
         normal: Vec3::Y,
         impulse: 0.0,
         energy: 0.0,

@@ -216,6 +216,15 @@ impl ConvexHull {
         self.moments.centroid().as_vec3()
     }
 
+    /// The middle of the box around the hull if that is inside, else the centroid: planes through it divide the hull,
+    /// a corner of a box too, of which that middle is outside.
+    pub(crate) fn middle_inside(&self) -> Vec3 {
+        let middle = self.aabb().center();
+        let mut faces = self.faces().iter();
+        let is_inside = faces.all(|face| face.plane.distance(middle) <= 0.0);
+        if is_inside { middle } else { self.centroid() }
+    }
+
     /// The moments, summed up afresh.
     fn sum_moments(&self) -> SolidMoments {
         self.sum_moments_with(&mut Fans::default(), LaneWidth::Widest)

@@ -17,7 +17,10 @@ use rand_core::SeedableRng;
 use rand_pcg::Pcg32;
 use smallvec::smallvec;
 
-/// How far [`FracturePattern::RandomPlane`] goes from the impact towards the center of the body's box, as a fraction.
+/// How far a body reaches beyond a plane that only grazes it, as a share of its diagonal.
+const GRAZE: f32 = 1e-3;
+
+/// How far [`FracturePattern::RandomPlane`] goes from the impact towards the middle of the body, as a fraction.
 ///
 /// A plane through a point inside the hull cuts it whatever the plane's direction; a plane through the impact itself,
 /// which is on the surface, may only graze it.
@@ -69,8 +72,8 @@ pub enum FracturePattern {
     /// Source: "Constraint-Based Physics With Real-Time Object Slicing".
     #[default]
     SinglePlane,
-    /// One plane with a random direction, through the middle between the point of contact and the center of the body's
-    /// box, so that it cuts the body.
+    /// One plane with a random direction, halfway between the point of contact and the center of the body's box, or its
+    /// centroid where that plane would miss the body, so that it cuts the body.
     RandomPlane,
     /// Planes that contain the line of the blow, spaced evenly about it with a random jitter.
     Star {
@@ -214,10 +217,22 @@ impl ImpactFrame<'_> {
         Planes::from_iter([Plane::through(self.point, self.across())])
     }
 
+    /// Whether the body reaches noticeably beyond a plane on both sides.
+    fn is_divided_by(&self, plane: Plane) -> bool {
+        let least = GRAZE * self.hull.aabb().diagonal();
+        let mut heights = self.hull.vertices().iter().map(|&v| plane.distance(v));
+        heights.clone().any(|height| height > least) && heights.any(|height| height < -least)
+    }
+
     /// A plane of random direction through a point inside.
     fn random_plane(&self, random: &mut Pcg32) -> Planes {
-        let inside = self.point.lerp(self.hull.aabb().center(), RANDOM_DEPTH);
-        Planes::from_iter([Plane::through(inside, unit_vector(random))])
+        let normal = unit_vector(random);
+        let towards = |aim| Plane::through(self.point.lerp(aim, RANDOM_DEPTH), normal);
+        let mut plane = towards(self.hull.aabb().center());
+        if !self.is_divided_by(plane) {
+            plane = towards(self.hull.centroid());
+        }
+        Planes::from_iter([plane])
     }
 
     /// Planes through the line of the blow: even steps of half a turn, each with a jitter.

@@ -427,6 +427,28 @@ fn slabs_lie_across_the_longest_direction() {
     }
 }
 
+/// The middle of the box around a corner of a box is outside of it, and that of a wedge on its face.
+#[test]
+fn random_planes_cut_corners_and_wedges() {
+    let mut dice = Dice::new(31);
+    for case in 0..400 {
+        let size = dice.vector(0.2, 2.0);
+        let turn = [Quat::IDENTITY, dice.rotation()][case / 2 % 2];
+        let mut corners = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
+        if case % 2 == 1 {
+            corners.extend([Vec3::X + Vec3::Z, Vec3::Y + Vec3::Z]);
+        }
+        let corners: Vec<Vec3> = corners.iter().map(|&p| turn * (p * size)).collect();
+        let hull = ConvexHull::from_points(&corners).unwrap();
+        let impact = impact_on(&hull, &mut dice);
+        for seed in 0..10 {
+            let cutting = FracturePattern::RandomPlane.cutting(&impact, &hull, seed, MOST);
+            let pieces = divide(&hull, None, &cutting.unwrap());
+            assert_eq!(pieces.len(), 2, "case {case}, seed {seed}");
+        }
+    }
+}
+
 #[test]
 fn unusable_input_is_refused_or_breaks_nothing() {
     let cube = primitives::cuboid(1.0, 1.0, 1.0).unwrap();
