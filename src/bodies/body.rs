@@ -19,7 +19,7 @@ pub enum RigidBody {
     /// Moved by forces and contacts.
     #[default]
     Dynamic,
-    /// Moved by its velocity only, as if infinitely heavy.
+    /// Moved by its velocity only, as if infinitely heavy, or by its entity's `Transform`, up to rounding, if that is set elsewhere.
     Kinematic,
     /// Never moves.
     Static,

@@ -106,6 +106,28 @@ pub(super) fn is_same_place(a: Pose, b: Pose) -> bool {
     a.position.distance(b.position) <= ROUNDING * size && turn <= ROUNDING
 }
 
+/// Whether poses differ by no more than what computing them from coordinates of `size` m by another way makes of them: a few units in
+/// the last place, 5e-7 of it. Turns that are each other's negative are one.
+pub(super) fn is_rounding(a: Pose, b: Pose, size: f32) -> bool {
+    let turn = (a.rotation - b.rotation).length();
+    let turn = turn.min((a.rotation + b.rotation).length());
+    let shift = a.position.distance(b.position);
+    shift <= 4.0 * f32::EPSILON * size.max(1.0) && turn <= 8.0 * f32::EPSILON
+}
+
+/// The same of a body at `b` that is no child, and of one that moves by itself: there rounding twice as large, that of a way through
+/// another frame and back, is told from a push, as no one's slow motion is lost by it.
+pub(super) fn is_rounded_pose(a: Pose, b: Pose, moves: bool) -> bool {
+    let size = b.position.abs().max_element().max(1.0);
+    is_rounding(a, b, if moves { 2.0 * size } else { size })
+}
+
+/// The largest coordinate, m, from which the place of a child is computed: where it is, and how far from its parent.
+pub(super) fn reach(local: &Transform, position: Vec3, scale: Vec3) -> f32 {
+    let from_parent = local.translation * (scale / local.scale).abs().max_element();
+    position.abs().max(from_parent.abs()).max_element()
+}
+
 /// A scale without rounding: 1 where it is nearly 1, and one number where it is nearly uniform.
 fn rounded(scale: Vec3) -> Vec3 {
     let even = [Vec3::ONE, Vec3::splat(scale.x)];

@@ -1,15 +1,17 @@
 //! Flat arrays into components: poses and velocities of bodies that moved, and problems of the step.
 
+use crate::bodies::body::RigidBody;
 use crate::bodies::store::Bodies;
 use crate::contact::body_id::BodyId;
 use crate::ecs::collision_news::send_collisions;
 use crate::ecs::components::*;
 use crate::ecs::cut;
 use crate::ecs::issue_sync::sync_issues;
-use crate::ecs::parents::write_children;
+use crate::ecs::parents::{is_rounded_pose, write_children};
 use crate::ecs::pieces::spawn_pieces;
 use crate::ecs::state::PluginState;
 use crate::fracture::Fractures;
+use crate::math::Pose;
 use crate::step::StepReport;
 use crate::threads::team::Team;
 use crate::tuning::{ENTITIES_WORTH_HELP, MIN_WRITTEN_ROWS};
@@ -18,8 +20,12 @@ use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::Allow;
 use bevy_ecs::system::{SystemChangeTick, SystemParam, SystemState};
+use bevy_math::Vec3;
 use bevy_transform::components::Transform;
 use std::panic::Location;
+
+/// No motion, m/s and rad/s.
+const AT_REST: (Vec3, Vec3) = (Vec3::ZERO, Vec3::ZERO);
 
 /// What entities are renewed with.
 #[derive(SystemParam)]
@@ -225,7 +231,16 @@ fn write_rows(
         angular.set(AngularVelocity(omega));
         if !is_child {
             let pose = bodies.pose(slot);
-            let scale = transform.value.scale;
+            let Transform {
+                translation,
+                rotation,
+                scale,
+            } = *transform.value;
+            // What users add to it by less than is told from rounding adds up until it is more.
+            let rests = bodies.kind(slot) == RigidBody::Kinematic && (v, omega) == AT_REST;
+            if rests && is_rounded_pose(Pose::new(translation, rotation), pose, false) {
+                continue;
+            }
             transform.set(Transform {
                 translation: pose.position,
                 rotation: pose.rotation,

@@ -10,11 +10,13 @@ mod bad_input;
 mod births;
 mod bonds;
 mod chaos;
+mod collision_heaps;
 mod collisions;
 mod forces;
 #[path = "../common/hierarchy.rs"]
 mod hierarchy;
 mod idle;
+mod kinematic;
 mod parents;
 mod phases;
 mod pieces;

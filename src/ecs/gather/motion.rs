@@ -7,7 +7,9 @@ use crate::ecs::components::*;
 use crate::ecs::gather::idle_velocity;
 use crate::ecs::issues::{Issues, Source};
 use crate::ecs::kinematic::KinematicTarget;
-use crate::ecs::parents::{Parents, is_same_place, is_same_scale};
+use crate::ecs::parents::{
+    Parents, is_rounded_pose, is_rounding, is_same_place, is_same_scale, reach,
+};
 use crate::math::Pose;
 use crate::tuning::COMPARED_ROWS;
 use bevy_ecs::change_detection::Tick;
@@ -153,12 +155,8 @@ impl MotionReader<'_, '_, '_> {
             None => {
                 self.entities.forget_local(slot);
                 let pose = Pose::new(row.transform.translation, row.transform.rotation);
-                let last = match kind {
-                    // Never written: what was read last may differ by rounding from the pose about the center of mass.
-                    RigidBody::Static => Pose::new(seen.translation, seen.rotation),
-                    _ => bodies.pose(slot),
-                };
-                (pose, row.transform.scale, pose != last)
+                let is_moved = is_elsewhere(bodies, slot, pose, &seen);
+                (pose, row.transform.scale, is_moved)
             }
             Some(child_of) => {
                 let (entities, from) = (&*self.entities, &*bodies);
@@ -170,10 +168,13 @@ impl MotionReader<'_, '_, '_> {
                 let (pose, scale) = parents.place(row.transform, row.child_of, kind, &own_way)?;
                 let local = (child_of.parent(), *row.transform);
                 let before = Pose::new(seen.translation, seen.rotation);
+                let size = 2.0 * reach(row.transform, pose.position, scale);
                 let is_moved = match kind {
                     // Goes its own way, wherever its parent goes.
-                    RigidBody::Dynamic => known != Some(local),
-                    _ => !is_same_place(pose, before),
+                    RigidBody::Dynamic => {
+                        known != Some(local) && !is_rounding(pose, from.pose(slot), size)
+                    }
+                    _ => !is_rounding(pose, before, size),
                 };
                 self.entities.set_local(slot, local.0, local.1);
                 // What rounding makes of a chain is not followed.
@@ -211,6 +212,17 @@ impl MotionReader<'_, '_, '_> {
         }
         Ok(())
     }
+}
+
+/// Whether somebody has put a body that is no child elsewhere, which was seen last at `seen`.
+fn is_elsewhere(bodies: &Bodies, slot: u32, pose: Pose, seen: &Transform) -> bool {
+    if bodies.kind(slot) == RigidBody::Static {
+        // Never written: what was read last may differ by rounding from the pose about the center of mass.
+        return pose != Pose::new(seen.translation, seen.rotation);
+    }
+    // Whoever sets it anew where it is neither stops it nor moves it.
+    let moves = bodies.velocity(slot) != (Vec3::ZERO, Vec3::ZERO);
+    !is_rounded_pose(pose, bodies.pose(slot), moves)
 }
 
 /// Where a dynamic body is that is not where its parent would bring it, unless somebody has set it there.
