@@ -13,7 +13,7 @@
 use crate::geometry::predicates::check_plane;
 use crate::geometry::{ConvexHull, TriMesh};
 use crate::math::Plane;
-use crate::slice::cell_clip::{CellClipper, CutPlane, is_missed};
+use crate::slice::cell_clip::{CellClipper, CutPlane};
 use crate::slice::cell_solid::CellSolid;
 use crate::slice::convex::HullSlicer;
 use crate::slice::cut::Cut;
@@ -69,14 +69,14 @@ pub fn cut_by_planes(
 /// Makes pieces of bodies, one after the other, keeping its working memory.
 #[derive(Clone, Debug, Default)]
 pub struct PieceCutter {
-    hulls: HullSlicer,
+    pub(super) hulls: HullSlicer,
     pub(super) meshes: MeshSlicer,
     clipper: CellClipper,
     pub(super) solid: CellSolid,
     /// Planes that cut the hulls of the cells, cell by cell.
     pub(super) walls: Vec<Plane>,
     /// Where the walls of each cell that is no longer in work end.
-    wall_ends: Vec<usize>,
+    pub(super) wall_ends: Vec<usize>,
     /// How many corners of a mesh are above the walls of a cell.
     pub(super) wall_order: Vec<(usize, Plane)>,
     /// Squared distance (m2) from the point in work to the others, and their numbers.
@@ -164,61 +164,10 @@ impl PieceCutter {
     }
 
     /// Merges the triangles of flat faces that cuts have divided.
-    fn merge_faces(&mut self, pieces: &mut [Piece]) {
+    pub(super) fn merge_faces(&mut self, pieces: &mut [Piece]) {
         for mesh in pieces.iter_mut().filter_map(|piece| piece.visual.as_mut()) {
             self.merger.merge(mesh, None);
         }
-    }
-
-    /// Cuts pieces, whose visual meshes are closed, by one plane after the other, until there are `most`.
-    ///
-    /// Where a plane cuts a piece, the part below takes its place and the part above follows it.
-    ///
-    /// # Errors
-    /// [`SliceError::Plane`] for the first plane that is not usable.
-    pub fn cut_pieces(
-        &mut self,
-        pieces: &mut Vec<Piece>,
-        planes: &[Plane],
-        most: usize,
-        options: SliceOptions,
-    ) -> Result<(), SliceError> {
-        for plane in planes {
-            check_plane(plane)?;
-        }
-        if planes.is_empty() {
-            return Ok(());
-        }
-        let visuals = pieces.iter_mut().filter_map(|piece| piece.visual.as_mut());
-        for mesh in visuals.filter(|mesh| mesh.faces.0.is_empty()) {
-            mesh.faces.0 = flat_faces(mesh);
-        }
-        for mesh in pieces.iter().filter_map(|piece| piece.visual.as_ref()) {
-            let first_free = mesh.faces.first_free(mesh.triangles.len());
-            self.meshes.caps.skip_to(first_free);
-        }
-        for plane in planes {
-            let mut count = pieces.len();
-            let mut cut = Vec::with_capacity(2 * count);
-            for piece in pieces.drain(..) {
-                if count >= most || is_missed(&piece.hull, plane) {
-                    cut.push(piece);
-                    continue;
-                }
-                match self.hulls.slice(&piece.hull, *plane)? {
-                    Cut::Below | Cut::Above => cut.push(piece),
-                    Cut::Cut(halves) => {
-                        count += 1;
-                        let visuals = self.divide_visual(piece.visual, plane, options);
-                        let hulls = [halves.below, halves.above];
-                        cut.extend(hulls.into_iter().zip(visuals).map(|(h, v)| piece_of(h, v)));
-                    }
-                }
-            }
-            *pieces = cut;
-        }
-        self.merge_faces(pieces);
-        Ok(())
     }
 
     /// Takes pieces apart whose visual meshes are in several parts: a piece for each part, with the convex hull around it,
@@ -242,27 +191,6 @@ impl PieceCutter {
     /// [`SliceError::Hull`] if a mesh does not make a hull although it is not flat.
     pub fn fit_hulls(pieces: &mut [Piece]) -> Result<bool, SliceError> {
         fit_hulls(pieces, 0.0)
-    }
-
-    /// The parts of a visual mesh below and above a plane.
-    fn divide_visual(
-        &mut self,
-        visual: Option<TriMesh>,
-        plane: &Plane,
-        options: SliceOptions,
-    ) -> [Option<TriMesh>; 2] {
-        let Some(mesh) = visual else {
-            return [None, None];
-        };
-        if mesh.triangles.is_empty() {
-            return [Some(mesh.clone()), Some(mesh)];
-        }
-        self.gone_through += mesh.triangles.len();
-        match self.meshes.slice_closed(&mesh, plane, options) {
-            Cut::Below => [Some(mesh), Some(TriMesh::default())],
-            Cut::Above => [Some(TriMesh::default()), Some(mesh)],
-            Cut::Cut(parts) => [Some(parts.below), Some(parts.above)],
-        }
     }
 
     fn clip_cells(
@@ -384,7 +312,7 @@ impl PieceCutter {
     }
 }
 
-fn piece_of(hull: ConvexHull, visual: Option<TriMesh>) -> Piece {
+pub(super) fn piece_of(hull: ConvexHull, visual: Option<TriMesh>) -> Piece {
     Piece {
         volume: hull.volume(),
         hull,

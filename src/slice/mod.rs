@@ -50,6 +50,7 @@ pub(crate) mod fracturable;
 mod merge_faces;
 mod mesh_slicer;
 pub(crate) mod pattern;
+mod plane_cuts;
 mod random;
 mod relief;
 pub(crate) mod rim_fill;

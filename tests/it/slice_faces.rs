@@ -9,9 +9,10 @@ use crate::slice_common::defect;
 use bevy_cleave::geometry::{ConvexHull, ConvexMesh, TriMesh, primitives};
 use bevy_cleave::math::{Plane, Pose};
 use bevy_cleave::slice::{
-    Cut, Cutting, FracturePattern, Impact, Piece, PieceCutter, SliceOptions, slice_mesh,
+    Cut, Cutting, FracturePattern, Impact, Piece, PieceCutter, SliceOptions, cut_by_planes,
+    slice_mesh,
 };
-use glam::{DVec3, Vec2, Vec3, Vec4};
+use glam::{DVec3, Quat, Vec2, Vec3, Vec4};
 
 fn sites_50() -> Vec<Vec3> {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/sites_cube_50.txt");
@@ -240,6 +241,64 @@ fn no_pattern_leaves_triangles_too_many() {
         assert!(
             found * 100 <= fewest * 105,
             "{member}, {pattern:?}: {found} triangles, {fewest} would do"
+        );
+    }
+}
+
+/// Planes through one line, turned evenly or at random, in any order.
+fn pie(dice: &mut Dice, body: &ConvexMesh, count: usize) -> Vec<Plane> {
+    let aabb = body.aabb();
+    let at = aabb.center() + 0.3 * dice.vector(-1.0, 1.0) * aabb.extents();
+    let along = match dice.below(3) {
+        0 => Vec3::from_array([Vec3::X, Vec3::Y, Vec3::Z][dice.below(3)].to_array()),
+        _ => dice.direction(),
+    };
+    let side = along.any_orthonormal_vector();
+    let evenly = dice.below(2) == 0;
+    let mut planes: Vec<Plane> = (0..count)
+        .map(|i| {
+            let share = if evenly {
+                i as f32
+            } else {
+                i as f32 + 0.8 * dice.unit()
+            };
+            let angle = std::f32::consts::PI * share / count as f32;
+            let turn = Quat::from_axis_angle(along, angle);
+            Plane::through(at, (turn * side).normalize())
+        })
+        .collect();
+    if dice.below(2) == 0 {
+        for i in (1..count).rev() {
+            planes.swap(i, dice.below(i + 1));
+        }
+    }
+    planes
+}
+
+/// Symptom: 8 to 40 planes through one line left up to 20 times as many triangles as their pieces need, as each plane misses by a little the
+/// line in which those before it meet.
+#[test]
+fn pieces_between_planes_through_one_line_have_no_triangle_too_many() {
+    for member in 0..60 {
+        let mut dice = Dice::new(700 + member);
+        let body = solid(&mut dice);
+        let count = 8 + dice.below(33);
+        let planes = pie(&mut dice, &body, count);
+        let pieces = cut_by_planes(body.hull(), body.visual(), &planes, SliceOptions::default());
+        let pieces = pieces.unwrap();
+        let (found, fewest) = (triangles(&pieces), fewest(&pieces));
+        let whole = body.visual().unwrap().volume();
+        let volume: f64 = pieces.iter().map(|piece| visual(piece).volume()).sum();
+        let error = (volume / whole - 1.0).abs();
+        for piece in &pieces {
+            assert_eq!(defect(visual(piece)), None, "{member}");
+            let off = (visual(piece).volume() - piece.volume).abs();
+            assert!(off < 1e-4 * whole / count as f64, "{member}: {off} m3 off");
+        }
+        assert!(error < 1e-6, "{member}: {error} of the volume");
+        assert!(
+            found * 100 <= fewest * 105,
+            "{member}: {found} triangles, {fewest} would do"
         );
     }
 }
