@@ -58,6 +58,19 @@ pub enum ImportError {
         /// Its value.
         value: f32,
     },
+    /// Nothing solid is left of the model, as it lies so far from the origin that coordinates are coarse beside its size.
+    #[error(
+        "the model of {size:.3} m lies {distance:.0} m from the origin, where coordinates are off by up to {rounding:.4} m, so that nothing \
+         solid is left of it: move it to the origin, export it again, and place it by its transform"
+    )]
+    TooFar {
+        /// Its largest coordinate, m.
+        distance: f32,
+        /// By how much coordinates there may be off, m.
+        rounding: f32,
+        /// Diagonal of the box around it, m.
+        size: f32,
+    },
     /// No part encloses anything, as the report says part by part.
     #[error(
         "no part of the model is solid; the largest, {name} at {center}, would need new faces of {share:.2} of its area: allow that with \

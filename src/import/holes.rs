@@ -52,9 +52,10 @@ pub(super) struct Patch {
 
 impl Holes {
     /// Finds the surfaces and the holes of a soup whose positions are numbered by surface.
-    pub(super) fn find(soup: &Soup, size: f32) -> Self {
+    pub(super) fn find(soup: &Soup) -> Self {
+        let share = FLAT_SHARE * f64::from(soup.size());
         let mut holes = Self {
-            tolerance: FLAT_SHARE * f64::from(size),
+            tolerance: share.max(f64::from(soup.rounding())),
             ..Self::default()
         };
         holes.label(soup);

@@ -1,10 +1,10 @@
 //! The triangles of a model as one list, before anything is known of their insides.
 
 use crate::geometry::TriMesh;
-use crate::geometry::predicates::length_scale;
 use crate::import::error::ImportError;
 use crate::import::model::{Model, ModelObject};
 use crate::import::report::Repairs;
+use crate::math::Aabb;
 use glam::{Vec2, Vec3, Vec4};
 
 /// No half-edge.
@@ -82,9 +82,32 @@ impl Soup {
         Ok(soup)
     }
 
-    /// The length that tolerances are relative to, m.
+    /// Diagonal of the box around the model, m: what shares of its size are of.
     pub(super) fn size(&self) -> f32 {
-        length_scale(&self.mesh.aabb())
+        self.mesh.aabb().diagonal()
+    }
+
+    /// Largest coordinate, m.
+    pub(super) fn farthest(&self) -> f32 {
+        let Aabb { min, max } = self.mesh.aabb();
+        min.abs().max(max.abs()).max_element()
+    }
+
+    /// How far apart places may be that were one before their coordinates were rounded, m: each of them by half a unit in the last
+    /// place in each direction, which is up to half of `f32::EPSILON` of the largest.
+    pub(super) fn rounding(&self) -> f32 {
+        2.0 * f32::EPSILON * self.farthest()
+    }
+
+    /// Names of the objects of which no triangle is left.
+    pub(super) fn vanished(&self, model: &Model) -> Vec<String> {
+        let mut is_left = vec![false; self.names.len()];
+        for &object in &self.objects {
+            is_left[object as usize] = true;
+        }
+        let objects = model.objects.iter().zip(is_left);
+        let vanished = objects.filter(|(object, is_left)| !is_left && !object.triangles.is_empty());
+        vanished.map(|(object, _)| object.name.clone()).collect()
     }
 
     /// The places of a triangle's corners.

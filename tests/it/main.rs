@@ -27,6 +27,7 @@ mod geometry;
 mod ghosts;
 mod hard_cases;
 mod import;
+mod import_far;
 mod known_pairs;
 mod layering;
 mod local_steps;
