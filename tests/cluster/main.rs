@@ -14,4 +14,5 @@ mod loads;
 mod pushes;
 mod shapes;
 mod threads;
+mod unanchored;
 mod wear;
