@@ -17,7 +17,7 @@ pub(crate) mod approximate;
 
 use crate::geometry::moments::{Moments, SolidMoments};
 use crate::geometry::{Compound, ConvexHull, ConvexMesh, TriMesh};
-use crate::math::Pose;
+use crate::math::{Pose, outer};
 use bevy_ecs::component::Component;
 use glam::{DMat3, DQuat, DVec3, Mat3, Quat, Vec3};
 
@@ -77,7 +77,7 @@ impl VolumeIntegrals {
 
     fn of_moments(moments: &SolidMoments) -> Self {
         let (volume, arm) = (moments.volume(), moments.sums.arm());
-        let second = moments.sums.second() / 120.0 - volume * outer(arm);
+        let second = moments.sums.second() / 120.0 - volume * outer(arm, arm);
         Self {
             volume,
             centroid: moments.apex + arm,
@@ -106,12 +106,7 @@ impl VolumeIntegrals {
 ///
 /// `mass` in kg, `offset` from the origin to the particle in m.
 pub fn particle_inertia(mass: f64, offset: DVec3) -> DMat3 {
-    inertia_of_second_moments(mass * outer(offset))
-}
-
-/// `v v^T`.
-fn outer(v: DVec3) -> DMat3 {
-    DMat3::from_cols(v * v.x, v * v.y, v * v.z)
+    inertia_of_second_moments(mass * outer(offset, offset))
 }
 
 /// `tr(C) 1 - C`.

@@ -1,6 +1,6 @@
 //! Small mathematics that `glam` does not have: poses, boxes, symmetric matrices, rotation update.
 
-use glam::{Mat3, Quat, Vec3};
+use glam::{DMat3, DVec3, Mat3, Quat, Vec3};
 
 /// A rigid transform: `world_from_body` or `a_from_b`, depending on the name of the variable that holds it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,6 +70,11 @@ impl Default for Pose {
     fn default() -> Self {
         Self::IDENTITY
     }
+}
+
+/// `a b^T`.
+pub(crate) fn outer(a: DVec3, b: DVec3) -> DMat3 {
+    DMat3::from_cols(a * b.x, a * b.y, a * b.z)
 }
 
 /// An axis-aligned box, m. Empty while `min > max`.

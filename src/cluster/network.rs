@@ -2,6 +2,7 @@
 
 use crate::geometry::{Compound, PartBond};
 use crate::mass::{MassError, MassProperties, VolumeIntegrals};
+use crate::math::outer;
 use glam::{DMat3, DVec3, Mat3, Vec3};
 
 /// How far a bond that bears all it can may open or slide before it is broken, as a share of the smaller body's or part's least
@@ -124,9 +125,8 @@ impl Network {
         let center = first / mass;
         let inertia = nodes().map(|node| {
             let arm = node.center - center;
-            let outer = DMat3::from_cols(arm * arm.x, arm * arm.y, arm * arm.z);
-            node.inertia
-                + (DMat3::from_diagonal(DVec3::splat(arm.length_squared())) - outer) * node.mass
+            let square = DMat3::from_diagonal(DVec3::splat(arm.length_squared()));
+            node.inertia + (square - outer(arm, arm)) * node.mass
         });
         let inertia = inertia.fold(DMat3::ZERO, |sum, own| sum + own);
         (mass, center, inertia)

@@ -19,7 +19,7 @@ use crate::geometry::ConvexHull;
 use crate::geometry::frustum::Frustum;
 use crate::geometry::moments::{Moments, SolidMoments};
 use crate::geometry::round_core::RoundCore;
-use crate::math::atan2;
+use crate::math::{atan2, outer};
 use glam::{DMat3, DVec3};
 use std::f64::consts::{PI, TAU};
 
@@ -44,11 +44,6 @@ impl Integrals {
         self.first += first;
         self.second += second;
     }
-}
-
-/// `a b^T`.
-fn outer(a: DVec3, b: DVec3) -> DMat3 {
-    DMat3::from_cols(a * b.x, a * b.y, a * b.z)
 }
 
 /// `a b^T + b a^T`.
