@@ -158,11 +158,7 @@ impl PieceCutter {
                 };
                 count += 1;
                 cuts.push(true);
-                let reverse = Plane {
-                    normal: -plane.normal,
-                    offset: -plane.offset,
-                };
-                for (hull, wall) in [(halves.below, *plane), (halves.above, reverse)] {
+                for (hull, wall) in [(halves.below, *plane), (halves.above, plane.flipped())] {
                     let mut half = Part::new(piece_of(hull, None), part.source);
                     half.planes
                         .extend(part.planes.iter().copied().chain([wall]));
