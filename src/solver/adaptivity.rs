@@ -12,7 +12,7 @@ pub enum JointPresence {
     AmongContacts,
 }
 
-/// Of islands of one contact: those of a kind are solved side by side, each as if it were alone.
+/// Of small islands whose contacts all share a body: those of a kind are solved side by side, each as if it were alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct LoneKind {
     /// Whether the rows follow the motion.
@@ -29,7 +29,7 @@ pub struct IslandRequirements {
     pub load: f32,
     /// Whether bodies may hit each other: some move, or rebound.
     pub can_hit: bool,
-    /// If it is one contact that nothing but sweeps is needed for: what kind of one.
+    /// If all its contacts share a body, are few, and need nothing but sweeps: what kind of island it is.
     pub lone: Option<LoneKind>,
     /// What holds its bodies at a distance: joints alone are solved otherwise than among contacts.
     pub joints: JointPresence,

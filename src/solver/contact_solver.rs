@@ -8,7 +8,7 @@ use crate::solver::adaptivity::{IslandRequirements, LoneKind};
 use crate::solver::batch::layout::{Group, SolvedMember};
 use crate::solver::batch::{Batch, Step};
 use crate::solver::breakage_probe::{BreakageProbe, is_large};
-use crate::solver::graph::islands::Islands;
+use crate::solver::graph::islands::{Island, Islands};
 use crate::solver::graph::relative_motion::RelativeMotion;
 use crate::solver::settings::SubstepSettings;
 use crate::solver::wide::bond::BondedManifold;
@@ -32,8 +32,8 @@ pub struct ContactSolver {
     pub(crate) ranges: Vec<Range<usize>>,
     /// Those of `ranges` of lone islands.
     lone_ranges: Range<usize>,
-    /// Lone islands, behind their sub-steps and kinds.
-    lone: Vec<(u32, LoneKind, u32)>,
+    /// Lone islands, behind their sub-steps, kinds and numbers of manifolds.
+    lone: Vec<(u32, LoneKind, usize, u32)>,
     /// Those of earlier rounds of the step, then as many as there are `ranges`, and perhaps some from other steps.
     pub(crate) batches: Vec<Batch>,
     /// Those of the manifolds that are bonded, ascending.
@@ -227,7 +227,10 @@ impl ContactSolver {
             let end = self.end_of_batch(first);
             let IslandRequirements { substeps, lone, .. } = self.requirements[first];
             match lone.filter(|_| end == first + 1) {
-                Some(kind) => self.lone.push((substeps, kind, first as u32)),
+                Some(kind) => {
+                    let manifolds = self.islands.list[first].manifolds.len();
+                    self.lone.push((substeps, kind, manifolds, first as u32));
+                }
                 None => self.add_batch(first as u32..end as u32),
             }
             first = end;
@@ -345,6 +348,15 @@ impl ContactSolver {
         });
     }
 
+    /// Whether an island does not share sweeps even if it is calm: a body that touches one other at several places, as one lies on a level
+    /// of triangles, takes many sweeps or few.
+    fn is_for_itself(&self, island: usize) -> bool {
+        let Island {
+            bodies, manifolds, ..
+        } = &self.islands.list[island];
+        bodies.len() == 2 && manifolds.len() > 1 && self.requirements[island].lone.is_some()
+    }
+
     /// The first island that is not solved with the one at `first`: calm ones with the same sub-steps share a batch.
     fn end_of_batch(&self, first: usize) -> usize {
         let requirement = &self.requirements[first];
@@ -354,8 +366,10 @@ impl ContactSolver {
         };
         let (mut end, mut total) = (first + 1, size(first));
         while !requirement.can_hit
+            && !self.is_for_itself(first)
             && end < self.requirements.len()
             && !self.is_deferred[end]
+            && !self.is_for_itself(end)
             && self.requirements[end].is_solved_like(requirement)
             && total + size(end) <= BATCH_MANIFOLDS
         {

@@ -5,14 +5,14 @@ use crate::contact::manifolds::{ManifoldHead, ManifoldRef, Manifolds};
 use crate::contact::point::ContactPoint;
 use crate::solver::adaptivity::{IslandRequirements, JointPresence, LoneKind};
 use crate::solver::contact_solver::{ContactEstimate, ContactSolver, Progress};
-use crate::solver::graph::indices::ManifoldIndex;
+use crate::solver::graph::indices::{BodyNumber, ManifoldIndex};
 use crate::solver::graph::islands::{Island, JointLink};
 use crate::solver::graph::relative_motion::RelativeMotion;
 use crate::solver::rows::contact_rows::{Row, RowBody};
 use crate::solver::settings::{MethodKind, SubstepSettings};
 use crate::solver::wide::bond::{is_bonded, is_new_bond};
 use crate::threads::team::Team;
-use crate::tuning::MIN_MANIFOLDS_OF_PART;
+use crate::tuning::{LONE_MANIFOLDS, MIN_MANIFOLDS_OF_PART};
 
 /// How far gravity may move a body within a step of its island, as a share of its least extent: at 60 Hz on Earth 14 cm are enough
 /// for the step itself (`docs/decisions/local_steps.md`).
@@ -152,16 +152,26 @@ impl ContactSolver {
         bodies: &Bodies,
         settings: &SubstepSettings,
     ) -> Option<LoneKind> {
-        let [manifold] = self.islands.manifolds[island.manifolds.clone()] else {
+        let count = island.manifolds.len();
+        if count > LONE_MANIFOLDS || settings.method != MethodKind::SoftStep {
             return None;
-        };
+        }
         let may_break = |&slot: &u32| bodies.limit(slot).is_some();
         let slots = &self.islands.slots[island.bodies.clone()];
-        let is_lone = settings.method == MethodKind::SoftStep
-            && island.joints.is_empty()
+        let pairs = &self.islands.pairs[island.manifolds.clone()];
+        // One that contacts move, or they would not be of one island.
+        let is_in_all = |body: &BodyNumber| {
+            let slot = slots[body.index()] as usize;
+            bodies.velocity[slot].inverse_mass > 0.0 && pairs.iter().all(|p| p.contains(body))
+        };
+        let mut manifolds = self.islands.manifolds[island.manifolds.clone()].iter();
+        let is_lone = island.joints.is_empty()
+            && pairs.first().is_some_and(|pair| pair.iter().any(is_in_all))
+            // The rows of all follow the motion, or of none.
+            && (island.moving.is_empty() || island.moving.len() == count)
             // How fast what drives one of them may make it is asked for all that rebound.
             && (!island.bounces || bodies.drives.is_empty())
-            && !is_bonded(&self.bonded, manifold)
+            && !manifolds.any(|&manifold| is_bonded(&self.bonded, manifold))
             && !(bodies.any_fracturable() && slots.iter().any(may_break));
         is_lone.then_some(LoneKind {
             moves: !island.moving.is_empty(),

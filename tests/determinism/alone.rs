@@ -1,4 +1,5 @@
-//! What touches nothing but the floor is solved beside others like it, and moves to the bit as if it were the only one.
+//! What touches nothing but the ground is solved beside others like it, and moves to the bit as if it were the only one: a floor, which it
+//! touches at one place, and hills of triangles, where it has contacts in several directions.
 
 use crate::common::dice::Dice;
 use crate::structures::floor;
@@ -8,7 +9,23 @@ use glam::Vec3;
 /// Steps of a run.
 const STEPS: usize = 150;
 
-/// A body of any kind that is thrown to the floor, `at` m from the first one.
+/// Hills of triangles of `spacing` m, about a meter high, below the bodies.
+fn hills(dice: &mut Dice, spacing: f32) -> BodyDesc {
+    let [columns, rows] = [500.0, 60.0].map(|length: f32| (length / spacing) as usize);
+    let wave = dice.in_range(0.4, 1.2);
+    let mut height = |i: usize| {
+        let [x, z] = [i % columns, i / columns].map(|k| wave * spacing * k as f32);
+        0.5 * (x.sin() + z.cos()) + 0.02 * dice.in_range(-1.0, 1.0)
+    };
+    let heights: Vec<f32> = (0..columns * rows).map(&mut height).collect();
+    let level = StaticMesh::from_heights(&heights, columns, spacing).expect("a grid");
+    let mut desc = BodyDesc::level(level);
+    desc.pose.position = Vec3::new(-10.0, -1.0, -30.0);
+    desc.friction = Friction::new(0.6);
+    desc
+}
+
+/// A body of any kind that is thrown to the ground, `at` m from the first one.
 fn thrown(dice: &mut Dice, at: f32) -> BodyDesc {
     let size = dice.in_range(0.3, 0.8);
     let shape = match dice.below(4) {
@@ -28,9 +45,9 @@ fn thrown(dice: &mut Dice, at: f32) -> BodyDesc {
 
 /// What a step does to some bodies, in their order: pose of the center and velocities as bits, and whether it still moves so fast that
 /// its rows follow.
-fn run(bodies: &[BodyDesc]) -> Vec<Vec<([u32; 9], bool)>> {
+fn run(ground: &BodyDesc, bodies: &[BodyDesc]) -> Vec<Vec<([u32; 9], bool)>> {
     let mut simulation = Simulation::default();
-    simulation.bodies.insert(floor(0.6)).expect("a floor");
+    simulation.bodies.insert(ground.clone()).expect("a floor");
     let insert = |desc: &BodyDesc| simulation.bodies.insert(desc.clone()).expect("a body");
     let slots: Vec<u32> = bodies.iter().map(insert).collect();
     let mut step = |_| {
@@ -48,16 +65,15 @@ fn run(bodies: &[BodyDesc]) -> Vec<Vec<([u32; 9], bool)>> {
     (0..STEPS).map(&mut step).collect()
 }
 
-#[test]
-fn what_touches_only_the_floor_moves_as_if_it_were_alone() {
-    let mut dice = Dice::new(11);
+/// Holds bodies together against each of them alone.
+fn check(ground: &BodyDesc, dice: &mut Dice) {
     let bodies: Vec<BodyDesc> = (0_u8..48)
-        .map(|i| thrown(&mut dice, 10.0 * f32::from(i)))
+        .map(|i| thrown(dice, 10.0 * f32::from(i)))
         .collect();
-    let together = run(&bodies);
+    let together = run(ground, &bodies);
     let mut compared = 0;
     for (i, body) in bodies.iter().enumerate() {
-        let alone = run(std::slice::from_ref(body));
+        let alone = run(ground, std::slice::from_ref(body));
         // Neighbors at rest share their sweeps.
         let moving = alone.iter().position(|step| !step[0].1).unwrap_or(STEPS);
         for step in 0..moving {
@@ -69,4 +85,17 @@ fn what_touches_only_the_floor_moves_as_if_it_were_alone() {
         compared > 24 * STEPS,
         "{compared} steps of bodies that move"
     );
+}
+
+#[test]
+fn what_touches_only_the_floor_moves_as_if_it_were_alone() {
+    check(&floor(0.6), &mut Dice::new(11));
+}
+
+#[test]
+fn what_touches_only_hills_moves_as_if_it_were_alone() {
+    let mut dice = Dice::new(17);
+    for spacing in [0.5, 1.2] {
+        check(&hills(&mut dice, spacing), &mut dice);
+    }
 }

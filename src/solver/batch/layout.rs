@@ -47,7 +47,7 @@ pub(crate) struct SolvedMember {
 pub struct Group<'a> {
     /// Their indices in the list of a step.
     pub islands: &'a [u32],
-    /// Whether they are of one contact each, and solved each as if it were alone.
+    /// Whether all contacts of each share a body, and it is solved as if it were alone.
     pub is_lone: bool,
 }
 
@@ -221,7 +221,8 @@ impl Layout {
         };
         let (cuts, pairs, counts) = (&self.cuts, &self.pairs, &self.counts);
         if group.is_lone {
-            self.lane_assignment.arrange_lone(counts);
+            let islands = self.members.iter().map(|member| member.places.clone());
+            self.lane_assignment.arrange_lone(counts, islands);
         } else {
             let subdomains = pairs.iter().map(|pair| cuts.of(*pair));
             let edge = |at: usize| {

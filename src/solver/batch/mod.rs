@@ -2,7 +2,7 @@
 //!
 //! A batch shares nothing that is written with any other, so batches are loaded and solved side by side. Large islands and
 //! those in which bodies may hit each other have a batch of their own; calm small ones share one, which fills its lanes, and so do
-//! islands of one contact, [each as if it were alone](lone).
+//! small ones whose contacts share a body, [each as if it were alone](lone).
 //!
 //! This room alone knows both who is where (`graph`) and what eight contacts do (`wide`), and it knows time. Read
 //! [`substep`] first: one sub-step, line by line; [`load`] is what comes before, [`results`] what comes after.
@@ -14,6 +14,7 @@ mod drives;
 mod energy_guard;
 #[cfg(feature = "exact")]
 mod exact_substep;
+mod extra_lanes;
 mod impacts;
 mod joint_halves;
 mod joint_results;

@@ -3,7 +3,6 @@
 //! Subdomains are placed each for itself, and only those in which something has changed: in a large heap some contact comes or
 //! goes in every step, but in most of its subdomains none does.
 
-use crate::contact::point::MAX_POINTS;
 use crate::simd::lanes::WIDTH;
 use crate::solver::graph::coloring::Coloring;
 use crate::solver::graph::contact_order::ContactOrder;
@@ -42,6 +41,8 @@ pub struct LaneAssignment {
     ends: Vec<usize>,
     /// Those that there are, and perhaps more.
     subdomains: Vec<Subdomain>,
+    /// Manifolds of islands that share no body.
+    lone: Vec<Range<usize>>,
     outcome: Outcome,
 }
 
@@ -100,9 +101,15 @@ impl LaneAssignment {
         self.join(is_colored);
     }
 
-    /// Places manifolds that share no body, with as many points each as `counts` tells: in blocks of as many points only, so that
-    /// none has rows that it would not have alone.
-    pub fn arrange_lone(&mut self, counts: &[u32]) {
+    /// Places the manifolds of islands that share no body, with as many points each as `counts` tells: those of an island one after the
+    /// other, in one lane of as many blocks. Islands of one manifold are in blocks of as many points only.
+    pub fn arrange_lone(&mut self, counts: &[u32], islands: impl Iterator<Item = Range<usize>>) {
+        self.lone.clear();
+        self.lone.extend(islands);
+        // Beside each other, those that have as many points, so that blocks have few rows that are not used.
+        let shape = |island: &Range<usize>| (island.len(), &counts[island.clone()]);
+        self.lone
+            .sort_unstable_by(|a, b| shape(a).cmp(&shape(b)).then(a.start.cmp(&b.start)));
         self.order.clear();
         self.order.extend(0..counts.len() as u32);
         self.ends.clear();
@@ -113,22 +120,27 @@ impl LaneAssignment {
             ends,
         } = &mut self.outcome;
         places.clear();
+        places.resize(counts.len(), LaneSlot::default());
         points.clear();
         ends.clear();
-        // By number of points: the block that is being filled, and how far it is.
-        let mut open = [(0, WIDTH); MAX_POINTS + 1];
-        for &count in counts {
-            let (block, used) = &mut open[count as usize];
-            if *used == WIDTH {
-                (*block, *used) = (points.len() as u32, 0);
-                points.push(count as u16);
+        let is_alike = |a: &Range<usize>, b: &Range<usize>| {
+            a.len() == b.len() && (a.len() > 1 || counts[a.start] == counts[b.start])
+        };
+        let alike = self.lone.chunk_by(is_alike);
+        for side_by_side in alike.flat_map(|islands| islands.chunks(WIDTH)) {
+            let first = points.len();
+            points.resize(first + side_by_side[0].len(), 0);
+            for (lane, island) in (0..).zip(side_by_side) {
+                for (block, at) in (first..).zip(island.clone()) {
+                    let count = counts[at] as u16;
+                    points[block] = points[block].max(count);
+                    places[at] = LaneSlot {
+                        block: block as u32,
+                        lane,
+                        count,
+                    };
+                }
             }
-            places.push(LaneSlot {
-                block: *block,
-                lane: *used as u16,
-                count: count as u16,
-            });
-            *used += 1;
         }
         ends.push(points.len());
     }
