@@ -14,27 +14,18 @@ use crate::contact::narrow::level_scratch::{Found, Group, LevelScratch};
 use crate::contact::narrow::scratch::MERGE;
 use crate::contact::reduce::{Candidate, CornerKind, reduce};
 use crate::geometry::ConvexMesh;
-use crate::geometry::distance::CoreCast;
 use crate::geometry::hull_lanes::{box_of, lowest_height, move_points};
 use crate::geometry::level_triangle::LevelTriangle;
-use crate::geometry::support::{Core, PlacedCore};
 use crate::geometry::{EdgeKind, StaticMesh};
-use crate::math::{Aabb, Pose};
+use crate::math::Pose;
 use glam::{Mat3, Vec3};
 
 /// Share of the hull's diagonal by which it may be below a triangle without it being asked from where it came.
 pub(in crate::contact::narrow) const SHALLOW: f32 = 1e-3;
 
-/// How far a hull may come nearer to a triangle within the step without being followed to it, as a share of its diagonal: contacts
-/// reach farther.
-const GRAZING: f32 = 1e-4;
-
 /// How far a hull may go in the step and is on one face, as a share of its diagonal: one that is faster turns over to others when it hits
 /// something.
 const STEADY: f32 = 0.02;
-
-/// How often a hull is followed to what it touches within a step.
-const MAX_STOPS: usize = 4;
 
 /// Gap that counts as none for a hull that moves, as a share of its diagonal.
 pub(super) const TOUCH: f32 = 3e-6;
@@ -147,114 +138,6 @@ impl LevelPair<'_> {
             ground.edges = [third, second, first];
         }
         Some(ground)
-    }
-
-    /// Fills `scratch.near` with the triangles that the hull, around which this is the box, may touch on its way, and `scratch.stops`
-    /// with where it is deflected: there it goes on along what it has met.
-    pub(in crate::contact::narrow) fn follow(&self, tight: Aabb, scratch: &mut LevelScratch) {
-        self.find_near(tight, scratch);
-        // In the order of the mesh, whatever its tree is like.
-        scratch.near.sort_unstable_by_key(|&leaf| self.number(leaf));
-        scratch.near.dedup();
-    }
-
-    /// The number of a triangle in the list that the level was made from: contacts are in this order.
-    fn number(&self, leaf: u32) -> u32 {
-        self.mesh.triangles()[leaf as usize].index
-    }
-
-    fn find_near(&self, tight: Aabb, scratch: &mut LevelScratch) {
-        let LevelScratch {
-            near, ahead, stops, ..
-        } = scratch;
-        near.clear();
-        stops.clear();
-        let size = self.shape.aabb().diagonal();
-        let (mut shift, mut way) = (Vec3::ZERO, self.travel);
-        for _ in 0..MAX_STOPS {
-            let place = self.hull_in_mesh.position + shift;
-            let swept = Aabb {
-                min: place + tight.min + way.min(Vec3::ZERO),
-                max: place + tight.max + way.max(Vec3::ZERO),
-            };
-            ahead.clear();
-            self.mesh
-                .tree()
-                .within(self.mesh.triangles(), &swept.fattened(self.reach), |leaf| {
-                    ahead.push(leaf);
-                });
-            ahead.sort_unstable_by_key(|&leaf| self.number(leaf));
-            near.extend_from_slice(ahead);
-            if way.length() <= SHALLOW * size {
-                return;
-            }
-            let Some((share, normal)) = self.first_touch(shift, way, ahead) else {
-                return;
-            };
-            shift += share * way;
-            way *= 1.0 - share;
-            way -= way.dot(normal).min(0.0) * normal;
-            if share > 0.0 {
-                stops.push(shift);
-            }
-        }
-    }
-
-    /// Share of a way, begun at a shift, after which the hull touches one of these triangles, and the normal there.
-    fn first_touch(&self, shift: Vec3, way: Vec3, ahead: &[u32]) -> Option<(f32, Vec3)> {
-        let length = way.length();
-        let place = self.hull_in_mesh.position;
-        let round = self.shape.round();
-        let core = round.map_or_else(|| Core::of_hull(self.shape.hull()), |round| round.core());
-        let hull = PlacedCore::new(core, &Pose::new(shift, self.hull_in_mesh.rotation));
-        let mut first = None;
-        let (radius, size) = (
-            round.map_or(0.0, |round| round.radius),
-            self.shape.aabb().diagonal(),
-        );
-        let mut cast = CoreCast {
-            direction: (way / length).as_dvec3(),
-            length: f64::from(length),
-            radius: f64::from(radius),
-            touch: f64::from(TOUCH * size),
-        };
-        for &leaf in ahead {
-            let triangle = &self.mesh.triangles()[leaf as usize];
-            let Some(ground) = self.ground(triangle) else {
-                continue;
-            };
-            let rate = -ground.normal.dot(way);
-            if rate <= GRAZING * size {
-                continue;
-            }
-            // What does not get down to the plane does not get to the triangle; what is on it already gets no farther.
-            let foot = hull.support(-ground.normal.as_dvec3()).as_vec3();
-            let height = ground.height(foot) - radius;
-            if height > rate + TOUCH * size {
-                continue;
-            }
-            if height <= TOUCH * size && ground.is_over(foot) {
-                return Some((0.0, ground.normal));
-            }
-            // What comes down beside it does not get there either.
-            let is_beside = (0..3).any(|edge| {
-                let (from, outward) = ground.border(edge);
-                let nearest = hull.support(-outward.as_dvec3()).as_vec3();
-                let beyond = outward.dot(nearest - from) + outward.dot(way).min(0.0);
-                beyond > radius + TOUCH * (size + from.abs().max_element())
-            });
-            if is_beside {
-                continue;
-            }
-            let core = Core::of_triangle(triangle.corners.map(|corner| corner - place));
-            if let Some(touch) = cast.first_touch(&core, &hull) {
-                cast.length = touch.distance;
-                let share = (touch.distance / f64::from(length)) as f32;
-                let normal = touch.nearest.map(|nearest| nearest.normal.as_vec3());
-                first = Some((share, normal.unwrap_or(ground.normal)));
-            }
-        }
-        first
     }
 
     /// How far the shape goes in the step until it is down at a triangle that it is `lowest` (m) above, m: all the way if it gets no

@@ -1,6 +1,7 @@
 //! What is found over a level of triangles, and the buffers for it.
 
 use crate::contact::local_manifold::LocalManifold;
+use crate::contact::narrow::level::Ground;
 use crate::contact::reduce::Candidate;
 use crate::geometry::hull_lanes::{LANES, Points4};
 use glam::Vec3;
@@ -19,6 +20,14 @@ pub(in crate::contact::narrow) struct Found {
     pub(in crate::contact::narrow) separation: f32,
     /// Radius of curvature of the surface, m.
     pub(in crate::contact::narrow) curvature: f32,
+}
+
+/// A triangle that a shape comes down to.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::contact::narrow) struct Approach {
+    pub(in crate::contact::narrow) ground: Ground,
+    /// Share of the way before which it does not get there.
+    pub(in crate::contact::narrow) share: f32,
 }
 
 /// A point of a hull over a triangle.
@@ -44,6 +53,7 @@ pub(crate) struct LevelScratch {
     pub(in crate::contact::narrow) points: Vec<Points4>,
     pub(in crate::contact::narrow) near: Vec<u32>,
     pub(in crate::contact::narrow) ahead: Vec<u32>,
+    pub(in crate::contact::narrow) approaches: Vec<Approach>,
     /// Shifts after which the hull touches the level, m.
     pub(in crate::contact::narrow) stops: Vec<Vec3>,
     pub(in crate::contact::narrow) polygon: Vec<Vec3>,

@@ -21,6 +21,7 @@ pub(crate) mod flush;
 pub(crate) mod half_space;
 mod leaning;
 pub(crate) mod level;
+mod level_follow;
 mod level_over;
 mod level_plane;
 pub(crate) mod level_scratch;

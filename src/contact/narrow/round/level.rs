@@ -129,7 +129,14 @@ impl LevelPair<'_> {
         round: &mut RoundScratch,
     ) {
         let core = Core::of_triangle(ground.corners);
-        let limit = f64::from(self.reach + placed.size);
+        // What is farther from the core does not reach the shape; one that is shrunk for distances has corners.
+        let Solid { depth, radius, .. } = placed.solid;
+        let around = if depth == radius {
+            radius + AT as f32 * placed.size
+        } else {
+            placed.size
+        };
+        let limit = f64::from(self.reach + around);
         for stop in 0..=scratch.stops.len() {
             let shift = match stop {
                 0 => Vec3::ZERO,
