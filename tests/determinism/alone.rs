@@ -9,13 +9,16 @@ use glam::Vec3;
 /// Steps of a run.
 const STEPS: usize = 150;
 
-/// Hills of triangles of `spacing` m, about a meter high, below the bodies.
+/// Hollows and ridges of triangles of `spacing` m, up to two meters high, below the bodies.
 fn hills(dice: &mut Dice, spacing: f32) -> BodyDesc {
     let [columns, rows] = [500.0, 60.0].map(|length: f32| (length / spacing) as usize);
-    let wave = dice.in_range(0.4, 1.2);
+    let half = dice.in_range(2.5, 8.0);
     let mut height = |i: usize| {
-        let [x, z] = [i % columns, i / columns].map(|k| wave * spacing * k as f32);
-        0.5 * (x.sin() + z.cos()) + 0.02 * dice.in_range(-1.0, 1.0)
+        let [x, z] = [i % columns, i / columns].map(|k| {
+            let along = (spacing * k as f32 / half).rem_euclid(2.0) - 1.0;
+            along * along
+        });
+        x + z + 0.02 * dice.in_range(-1.0, 1.0)
     };
     let heights: Vec<f32> = (0..columns * rows).map(&mut height).collect();
     let level = StaticMesh::from_heights(&heights, columns, spacing).expect("a grid");

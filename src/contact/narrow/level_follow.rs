@@ -150,7 +150,7 @@ impl LevelPair<'_> {
                 continue;
             }
             approaches.push(Approach {
-                ground,
+                leaf,
                 share: share.max(0.0),
             });
         }
@@ -175,10 +175,14 @@ impl LevelPair<'_> {
             // What is touched at the same time does not count.
             cast.length = f64::from((first.share * length - 2.0 * touch).max(0.0));
         }
-        for Approach { ground, share } in approaches {
-            if f64::from(share * length) > cast.length || mover.passes_beside(ground) {
+        for &Approach { leaf, share } in approaches {
+            if f64::from(share * length) > cast.length {
                 continue;
             }
+            let ground = self.ground(&self.mesh.triangles()[leaf as usize]);
+            let Some(ground) = ground.filter(|ground| !mover.passes_beside(ground)) else {
+                continue;
+            };
             if let Some(touch) = cast.first_touch(&Core::of_triangle(ground.corners), &mover.core) {
                 cast.length = touch.distance;
                 let normal = touch.nearest.map(|nearest| nearest.normal.as_vec3());

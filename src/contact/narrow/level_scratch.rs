@@ -1,7 +1,6 @@
 //! What is found over a level of triangles, and the buffers for it.
 
 use crate::contact::local_manifold::LocalManifold;
-use crate::contact::narrow::level::Ground;
 use crate::contact::reduce::Candidate;
 use crate::geometry::hull_lanes::{LANES, Points4};
 use glam::Vec3;
@@ -25,7 +24,7 @@ pub(in crate::contact::narrow) struct Found {
 /// A triangle that a shape comes down to.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::contact::narrow) struct Approach {
-    pub(in crate::contact::narrow) ground: Ground,
+    pub(in crate::contact::narrow) leaf: u32,
     /// Share of the way before which it does not get there.
     pub(in crate::contact::narrow) share: f32,
 }

@@ -4,14 +4,25 @@ use crate::bodies::solver_body::SolverBody;
 use crate::contact::point::MAX_POINTS;
 use crate::simd::dispatch::run;
 use crate::simd::lanes::{F8, WIDTH};
+use crate::solver::adaptivity::SweepBudget;
 use crate::solver::batch::Batch;
-use crate::solver::batch::lone::LoneIslands;
 use crate::solver::graph::indices::LaneSlot;
 use crate::solver::rows::acceleration::AccelerationWeight;
 use crate::solver::wide::block::{Block, Point};
 use crate::solver::wide::contacts::{ContactBlocks, cells};
 use crate::solver::wide::extrapolate::Extrapolate;
 use crate::solver::wide::pass::Pass;
+
+/// What the sweeps of each island are, by its number in the batch.
+#[derive(Debug, Default)]
+pub(super) struct OwnSweeps {
+    /// What it took.
+    pub(super) budgets: Vec<SweepBudget>,
+    /// Largest velocity change that a sweep may still make, m/s.
+    pub(super) tolerances: Vec<f32>,
+    /// Whether it is to be solved alone after all.
+    pub(super) is_left: Vec<bool>,
+}
 
 /// An island that needs more sweeps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -77,7 +88,7 @@ impl ExtraLanes {
     /// Sweeps islands of a batch, which are alike and have had the `least` sweeps, until each is done.
     pub(super) fn sweep(
         &mut self,
-        lone: &mut LoneIslands,
+        own: &mut OwnSweeps,
         batch: &mut Batch,
         alike: &[WaitingIsland],
         (least, pass): (u32, Pass),
@@ -85,7 +96,7 @@ impl ExtraLanes {
         let mut waiting = alike.iter();
         let used = alike.len().min(WIDTH);
         self.resize(alike[0].manifolds, used);
-        let mut next = |lanes: &mut Self, lone: &LoneIslands, batch: &Batch, at: usize| {
+        let mut next = |lanes: &mut Self, own: &OwnSweeps, batch: &Batch, at: usize| {
             lanes.lanes[at] = waiting.next().map(|island| {
                 let member = island.member;
                 lanes.load(batch, at, member);
@@ -93,12 +104,12 @@ impl ExtraLanes {
                     member,
                     acceleration: AccelerationWeight::default(),
                     done: least,
-                    most: (batch.settings.max_sweeps).min(least + lone.budgets[member].share()),
+                    most: (batch.settings.max_sweeps).min(least + own.budgets[member].share()),
                 }
             });
         };
         for at in 0..used {
-            next(self, lone, batch, at);
+            next(self, own, batch, at);
         }
         while self.lanes.iter().any(Option::is_some) {
             self.accelerate(batch, used);
@@ -112,14 +123,14 @@ impl ExtraLanes {
                 lane.acceleration.note(change);
                 lane.done += 1;
                 let member = lane.member;
-                let is_above = change > lone.tolerances[member];
+                let is_above = change > own.tolerances[member];
                 if is_above && lane.done < lane.most {
                     continue;
                 }
-                lone.budgets[member].note(lane.done, lane.done - least, is_above);
-                lone.is_left[member] |= is_above;
+                own.budgets[member].note(lane.done, lane.done - least, is_above);
+                own.is_left[member] |= is_above;
                 self.store(batch, at, member);
-                next(self, lone, batch, at);
+                next(self, own, batch, at);
             }
         }
     }

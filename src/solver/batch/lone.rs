@@ -12,7 +12,7 @@
 use crate::simd::lanes::F8;
 use crate::solver::adaptivity::SweepBudget;
 use crate::solver::batch::Batch;
-use crate::solver::batch::extra_lanes::{ExtraLanes, WaitingIsland};
+use crate::solver::batch::extra_lanes::{ExtraLanes, OwnSweeps, WaitingIsland};
 use crate::solver::batch::layout::Member;
 use crate::solver::batch::sweeps::SweepKind;
 use crate::solver::batch::targets::{Hits, MOVING_TOLERANCE, Targets};
@@ -21,12 +21,7 @@ use crate::solver::wide::pass::Pass;
 /// What each island of a batch has for itself; empty where the islands are solved as one.
 #[derive(Debug, Default)]
 pub(crate) struct LoneIslands {
-    /// By island: what it took.
-    pub(super) budgets: Vec<SweepBudget>,
-    /// By island: largest velocity change that a sweep may still make, m/s.
-    pub(super) tolerances: Vec<f32>,
-    /// By island: whether it is to be solved alone after all.
-    pub(super) is_left: Vec<bool>,
+    own: OwnSweeps,
     /// By block: the largest velocity change of the last sweep in each lane, m/s.
     pub(crate) changes: Vec<F8>,
     /// Islands that need more sweeps.
@@ -37,23 +32,23 @@ pub(crate) struct LoneIslands {
 impl LoneIslands {
     /// Whether islands are solved each for itself.
     pub(crate) fn any(&self) -> bool {
-        !self.budgets.is_empty()
+        !self.own.budgets.is_empty()
     }
 
     /// What an island took, by its number; `None` where islands are solved as one.
     pub(crate) fn budget(&self, member: usize) -> Option<SweepBudget> {
-        self.budgets.get(member).copied()
+        self.own.budgets.get(member).copied()
     }
 
     pub(crate) fn clear(&mut self) {
-        self.budgets.clear();
-        self.is_left.clear();
+        self.own.budgets.clear();
+        self.own.is_left.clear();
         self.changes.clear();
     }
 
     /// Begins a sub-step, with `to_go` of them left.
     pub(crate) fn begin_substep(&mut self, to_go: u32) {
-        for budget in &mut self.budgets {
+        for budget in &mut self.own.budgets {
             budget.begin(to_go);
         }
     }
@@ -65,15 +60,15 @@ impl Batch {
         let (lone, max) = (&mut self.lone, self.settings.max_extra_updates);
         let members = &self.layout.members;
         let budgets = members.iter().map(|m| SweepBudget::new(max, m.contacts));
-        lone.budgets.extend(budgets);
-        lone.is_left.resize(members.len(), false);
+        lone.own.budgets.extend(budgets);
+        lone.own.is_left.resize(members.len(), false);
         lone.changes
             .resize(self.contacts.blocks.len(), F8::default());
     }
 
     /// Calls `leave` with the numbers of the islands that are to be solved alone, whose results here mean nothing, and forgets them.
     pub(crate) fn leave_out(&mut self, mut leave: impl FnMut(usize)) {
-        let is_left = &self.lone.is_left;
+        let is_left = &self.lone.own.is_left;
         if !is_left.contains(&true) {
             return;
         }
@@ -82,7 +77,7 @@ impl Batch {
             .for_each(&mut leave);
         self.layout.leave_out(is_left);
         let mut left = is_left.iter();
-        self.lone.budgets.retain(|_| left.next() != Some(&true));
+        self.lone.own.budgets.retain(|_| left.next() != Some(&true));
     }
 
     /// As [`set_targets`](Self::set_targets).
@@ -111,7 +106,7 @@ impl Batch {
 
     /// Leaves the islands in which something hits.
     fn leave_hits(&mut self, threshold: f32) {
-        let mut is_left = std::mem::take(&mut self.lone.is_left);
+        let mut is_left = std::mem::take(&mut self.lone.own.is_left);
         for (is_left, member) in is_left.iter_mut().zip(&self.layout.members) {
             // If one manifold moves all do.
             let moving = self.contacts.moving.get(member.places.clone());
@@ -122,16 +117,16 @@ impl Batch {
                 *is_left |= places.any(|(_, place)| self.bounces(*place));
             }
         }
-        self.lone.is_left = is_left;
+        self.lone.own.is_left = is_left;
     }
 
     fn set_lone_tolerances(&mut self) {
-        self.lone.tolerances.clear();
+        self.lone.own.tolerances.clear();
         let of_islands = self.bodies.fastest.iter().zip(&self.bodies.extents);
         if let Some(tolerance) = self.settings.tolerance {
             let of_islands = of_islands
                 .map(|(square, extent)| tolerance.max(MOVING_TOLERANCE * (square / extent).sqrt()));
-            self.lone.tolerances.extend(of_islands);
+            self.lone.own.tolerances.extend(of_islands);
         }
     }
 
@@ -145,18 +140,18 @@ impl Batch {
         let mut lone = std::mem::take(&mut self.lone);
         let is_asked = has_tolerance && least > 0;
         for (number, member) in self.layout.members.iter().enumerate() {
-            if lone.is_left[number] {
+            if lone.own.is_left[number] {
                 continue;
             }
             let is_done =
-                !is_asked || self.last_change(&lone, member) <= lone.tolerances[number];
-            let budget = &mut lone.budgets[number];
+                !is_asked || self.last_change(&lone, member) <= lone.own.tolerances[number];
+            let budget = &mut lone.own.budgets[number];
             if is_done {
                 budget.note(least, 0, false);
             } else if budget.share() > 0 && least < self.settings.max_sweeps {
                 lone.waiting.push(self.waiting_island(number));
             } else {
-                lone.is_left[number] = true;
+                lone.own.is_left[number] = true;
             }
         }
         lone.sweep_waiting(self, least, kind.pass(least + 1, true));
@@ -179,7 +174,7 @@ impl LoneIslands {
         let mut lanes = std::mem::take(&mut self.lanes);
         waiting.sort_unstable();
         for alike in waiting.chunk_by(WaitingIsland::is_like) {
-            lanes.sweep(self, batch, alike, (least, pass));
+            lanes.sweep(&mut self.own, batch, alike, (least, pass));
         }
         waiting.clear();
         self.waiting = waiting;

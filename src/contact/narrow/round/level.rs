@@ -32,6 +32,18 @@ struct Placed<'s> {
     size: f32,
 }
 
+impl Placed<'_> {
+    /// How far the surface is from the core at most, m: of one that is shrunk for distances corners stand out.
+    fn around(&self) -> f32 {
+        let Solid { depth, radius, .. } = self.solid;
+        if depth == radius {
+            radius + AT as f32 * self.size
+        } else {
+            self.size
+        }
+    }
+}
+
 impl LevelPair<'_> {
     /// Fills `scratch.patches` with the contacts of a round shape, one manifold for each direction.
     pub(crate) fn examine_round(&self, scratch: &mut LevelScratch, round: &mut RoundScratch) {
@@ -129,14 +141,7 @@ impl LevelPair<'_> {
         round: &mut RoundScratch,
     ) {
         let core = Core::of_triangle(ground.corners);
-        // What is farther from the core does not reach the shape; one that is shrunk for distances has corners.
-        let Solid { depth, radius, .. } = placed.solid;
-        let around = if depth == radius {
-            radius + AT as f32 * placed.size
-        } else {
-            placed.size
-        };
-        let limit = f64::from(self.reach + around);
+        let limit = f64::from(self.reach + placed.around());
         for stop in 0..=scratch.stops.len() {
             let shift = match stop {
                 0 => Vec3::ZERO,
