@@ -91,6 +91,8 @@ pub struct Bodies {
     pub(crate) bonded: Vec<(BodyId, BodyId)>,
     /// Pairs of bodies that do not touch each other because a joint says so, ascending.
     pub(crate) apart: Vec<(BodyId, BodyId)>,
+    /// Bodies that joints hold, ascending: they do not turn as free ones do.
+    pub(crate) jointed: Vec<BodyId>,
     pub(super) free: Vec<u32>,
     /// Slots that become free with the next step: something may name them until then.
     pub(super) retired: Vec<u32>,
@@ -124,6 +126,11 @@ impl Bodies {
         !self.apart.is_empty()
             && self.apart.binary_search(&name()).is_ok()
             && !self.are_bonded(a, b)
+    }
+
+    /// Whether a joint holds the body.
+    pub(crate) fn is_jointed(&self, slot: u32) -> bool {
+        !self.jointed.is_empty() && self.jointed.binary_search(&self.id(slot)).is_ok()
     }
 
     /// Number of slots, used or free.
