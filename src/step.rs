@@ -203,7 +203,7 @@ pub fn attach_bonds(bodies: &Bodies, contacts: &mut Contacts, bonds: &mut Bonds)
 pub fn begin_joints(bodies: &mut Bodies, fractures: &Fractures, joints: &mut Joints) {
     joints.broken.clear();
     joints.inherit(bodies, fractures);
-    joints.note_pairs(bodies);
+    joints.note_bodies(bodies);
 }
 
 /// The end of phase 4: joints that are part of the problem.
@@ -317,7 +317,7 @@ fn break_in_rounds(
         );
         bonds.note_pairs(bodies);
         joints.inherit(bodies, fractures);
-        joints.note_pairs(bodies);
+        joints.note_bodies(bodies);
         contacts.events.note_pieces(bodies, fractures);
         contacts.stash_solved(bodies);
         broadphase(bodies, contacts, settings, report);

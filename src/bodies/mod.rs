@@ -12,6 +12,7 @@
 //! | `free_rotation.rs` | rotation without torque that keeps angular momentum and energy |
 //! | `integrate.rs` | phase 7: bodies are put where the solver has moved them |
 //! | `inertia.rs` | how heavy bodies are: inertia and energy from shape and density |
+//! | `links.rs` | who is bonded to whom, and whom joints hold |
 //! | `anchors.rs`, `holding.rs` | where bodies that stand hold on to the world |
 //! | `cluster_state.rs`, `clusters.rs` | those whose parts are held by bonds |
 //! | `breaking.rs`, `fatigue.rs`, `wearing.rs` | what a body bears, and what it was hit with; what blows leave of it |
@@ -35,6 +36,7 @@ mod holding;
 pub(crate) mod inertia;
 pub(crate) mod integrate;
 mod kind;
+mod links;
 mod local;
 pub(crate) mod local_state;
 pub(crate) mod pushes;

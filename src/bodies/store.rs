@@ -91,6 +91,8 @@ pub struct Bodies {
     pub(crate) bonded: Vec<(BodyId, BodyId)>,
     /// Pairs of bodies that do not touch each other because a joint says so, ascending.
     pub(crate) apart: Vec<(BodyId, BodyId)>,
+    /// Bodies that joints hold, ascending: they do not turn as free ones do.
+    pub(crate) jointed: Vec<BodyId>,
     pub(super) free: Vec<u32>,
     /// Slots that become free with the next step: something may name them until then.
     pub(super) retired: Vec<u32>,
@@ -109,21 +111,6 @@ impl Bodies {
     /// Whether there are no bodies.
     pub fn is_empty(&self) -> bool {
         self.alive == 0
-    }
-
-    /// Whether the bodies in two slots, the first of which has the smaller id, are bonded.
-    pub(crate) fn are_bonded(&self, a: u32, b: u32) -> bool {
-        let name = || (self.id(a), self.id(b));
-        !self.bonded.is_empty() && self.bonded.binary_search(&name()).is_ok()
-    }
-
-    /// Whether the bodies in two slots, the first of which has the smaller id, are joined without contacts.
-    #[inline]
-    pub(crate) fn are_apart(&self, a: u32, b: u32) -> bool {
-        let name = || (self.id(a), self.id(b));
-        !self.apart.is_empty()
-            && self.apart.binary_search(&name()).is_ok()
-            && !self.are_bonded(a, b)
     }
 
     /// Number of slots, used or free.

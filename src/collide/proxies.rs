@@ -24,6 +24,21 @@ const STEPS_TOLD: f32 = 3.0;
 /// How much longer than it must be a box may be that is kept for what was fast, m.
 const SPARE: f32 = 0.2 * BOX_MARGIN;
 
+/// Turn within a step, rad, from which the axis of a slender body is followed, and not its angular velocity.
+const FAST_SPIN: f32 = 1.0;
+
+/// Least moment of inertia over the next one, up to which a body is slender: a box of 1 : 2.
+const SLENDER: f32 = 0.25;
+
+/// The turn of a slender body.
+struct Swing {
+    /// Of its axis, world axes, rad.
+    of_axis: Vec3,
+    /// About its axis, over how much nearer to that its surface is than to the center, rad: a bound for bodies up to twice as far from the
+    /// axis as a box of these moments.
+    about_axis: f32,
+}
+
 /// How far ahead in time the step looks, so that contacts exist before bodies overlap.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lookahead {
@@ -43,12 +58,48 @@ impl Lookahead {
 
     /// How far a point of the body in `slot` may turn about the center of mass within the step, m.
     pub(crate) fn turn(&self, bodies: &Bodies, slot: u32) -> f32 {
-        self.step_dt * bodies.velocity[slot as usize].angular.length() * bodies.radius(slot)
+        let radius = bodies.radius(slot);
+        match self.swing(bodies, slot) {
+            Some(Swing {
+                of_axis,
+                about_axis,
+            }) => radius * (of_axis.length() + about_axis),
+            None => self.step_dt * bodies.velocity[slot as usize].angular.length() * radius,
+        }
     }
 
     /// How the body in `slot` turns within the step, world axes, rad.
     pub(super) fn spin(&self, bodies: &Bodies, slot: u32) -> Vec3 {
-        self.step_dt * bodies.velocity[slot as usize].angular
+        match self.swing(bodies, slot) {
+            Some(swing) => swing.of_axis,
+            None => self.step_dt * bodies.velocity[slot as usize].angular,
+        }
+    }
+
+    /// Of a slender body that spins fast about its length: how that axis swings.
+    ///
+    /// The angular velocity of such a body turns with it, the angular momentum `L` does not. Of principal moments `I_x << I_y = I_z` a
+    /// free body turns by `exp(t L / I_z)` in the world, and in that about its own axis by `(1 - I_x / I_z) w_x t`. A rod with
+    /// 1000 rad/s about its axis and 80 across it swings round by the 80; about the sum of both it would only tremble.
+    fn swing(&self, bodies: &Bodies, slot: u32) -> Option<Swing> {
+        let i = slot as usize;
+        let body = &bodies.velocity[i];
+        let spin = self.step_dt * body.angular;
+        if spin.length_squared() < FAST_SPIN * FAST_SPIN || body.inverse_mass == 0.0 {
+            return None;
+        }
+        let mass = bodies.mass(slot);
+        let moments = mass.principal / mass.principal.z;
+        let is_slender = moments.x < SLENDER * moments.y && moments.y > 0.5;
+        if !is_slender || bodies.drives.has_locked_turns(slot) || bodies.is_jointed(slot) {
+            return None;
+        }
+        let frame = bodies.rotation[i] * mass.principal_frame;
+        let about_axes = rotate(frame.inverse(), spin);
+        Some(Swing {
+            of_axis: rotate(frame, moments * about_axes),
+            about_axis: 2.0 * moments.x.sqrt() * about_axes.x.abs(),
+        })
     }
 
     /// How far the body in `slot` goes within the step, m.

@@ -67,7 +67,7 @@ pub struct Joints {
     /// Joints that broke in the last step.
     pub broken: Vec<BrokenJoint>,
     next_id: u32,
-    /// Whether `Bodies` must be told anew which pairs do not touch.
+    /// Whether `Bodies` must be told anew whom joints hold, and which pairs do not touch.
     pub(crate) is_outdated: bool,
 }
 
@@ -204,9 +204,9 @@ impl Joints {
         self.list.binary_search_by_key(&id, |record| record.id).ok()
     }
 
-    /// Forgets joints whose bodies are gone, wakes what hangs on a body that moves, and tells the bodies which pairs do not touch.
-    /// Before contacts are looked for.
-    pub(crate) fn note_pairs(&mut self, bodies: &mut Bodies) {
+    /// Forgets joints whose bodies are gone, wakes what hangs on a body that moves, and tells the bodies whom joints hold and which pairs
+    /// do not touch. Before contacts are looked for.
+    pub(crate) fn note_bodies(&mut self, bodies: &mut Bodies) {
         if bodies.asleep() > 0 {
             for record in &self.list {
                 record.wake_carried(bodies);
@@ -224,6 +224,11 @@ impl Joints {
             return;
         }
         self.is_outdated = false;
+        bodies.jointed.clear();
+        let ends = self.list.iter().flat_map(|record| record.ends);
+        bodies.jointed.extend(ends.flatten().map(|(_, id)| id));
+        bodies.jointed.sort_unstable();
+        bodies.jointed.dedup();
         bodies.apart.clear();
         let pairs = self.list.iter().filter(|record| !record.joint.contacts);
         let pairs = pairs.filter_map(|record| match record.ends {

@@ -67,8 +67,8 @@ pub struct SoftStep {
     /// joints are in the island.
     pub sag: f32,
     /// Most local steps that an island takes within a step: steps one after the other, each with contacts and sub-steps of its own.
-    /// As many as gravity asks for that moves bodies far for their size, and [`max_extra_updates`](Self::max_extra_updates) allow; a
-    /// power of two. 1: none but the step itself.
+    /// As many as gravity asks for that moves bodies far for their size, or as bodies with corners ask for that turn by more than half a
+    /// radian, and as [`max_extra_updates`](Self::max_extra_updates) allow; a power of two. 1: none but the step itself.
     pub max_local_steps: u32,
     /// Sweeps over all rows in each sub-step, before the bodies move.
     pub sweeps: u32,

@@ -78,6 +78,8 @@ pub(crate) struct ContactEstimate {
     pub(crate) load: f32,
     /// Least extent of those of its bodies that contacts move, m.
     pub(crate) extent: f32,
+    /// Farthest turn within the step of those of them that have corners, rad.
+    pub(crate) turn: f32,
 }
 
 /// How far a body is within a step.

@@ -18,6 +18,10 @@ use crate::tuning::{LONE_MANIFOLDS, MIN_MANIFOLDS_OF_PART};
 /// for the step itself (`docs/decisions/local_steps.md`).
 const FALL: f32 = 0.02;
 
+/// How far a body may turn within a step of its island, rad: between the moment at which a contact is found and that at which it acts, a
+/// corner must not become another one.
+const TURN: f32 = 0.5;
+
 /// How many times the updates of an island's sweeps beyond the least its local steps may cost.
 const EFFORT: u32 = 2;
 
@@ -90,6 +94,7 @@ impl ContactSolver {
                 estimate.relative_motion = RelativeMotion::of(bodies, slots, step);
                 if settings.max_local_steps > 1 {
                     estimate.extent = moved_extent(bodies, slots);
+                    estimate.turn = step * fastest_spin(bodies, slots, TURN / step);
                 }
                 estimate.load = if depends_on_load {
                     load_of(manifolds.at(index), bodies, settings)
@@ -191,7 +196,7 @@ impl ContactSolver {
     }
 
     /// Steps that an island takes within the step: so many that gravity moves nothing by more than [`FALL`] of its least extent in
-    /// one, as far as they do not make the island cost more than its sweeps may.
+    /// one, and nothing turns by more than [`TURN`], as far as they do not make the island cost more than its sweeps may.
     fn local_steps(
         &self,
         island: &Island,
@@ -204,10 +209,12 @@ impl ContactSolver {
             return 1;
         }
         let indices = &self.islands.manifolds[island.manifolds.clone()];
-        let extents = indices.iter().map(|m| self.estimates[m.index()].extent);
+        let estimates = indices.iter().map(|m| &self.estimates[m.index()]);
+        let [least, turn] = estimates.fold([f32::INFINITY, 0.0], |[least, turn], estimate| {
+            [least.min(estimate.extent), turn.max(estimate.turn)]
+        });
         let fall = settings.gravity.length() * settings.step_dt() * settings.step_dt();
-        let least = extents.fold(f32::INFINITY, f32::min);
-        let wanted = (fall / (FALL * least)).sqrt().ceil();
+        let wanted = (fall / (FALL * least)).sqrt().max(turn / TURN).ceil();
         if wanted <= 1.0 {
             return 1;
         }
@@ -248,6 +255,21 @@ fn moved_extent(bodies: &Bodies, slots: [usize; 2]) -> f32 {
         false => f32::INFINITY,
     });
     extents[0].min(extents[1])
+}
+
+/// Angular speed of the faster of those of two bodies that contacts move and that have corners, if it is above `least`, else 0, rad/s.
+fn fastest_spin(bodies: &Bodies, slots: [usize; 2], least: f32) -> f32 {
+    let spins = slots.map(|i| {
+        let body = &bodies.velocity[i];
+        let square = body.angular.length_squared();
+        let counts = square > least * least && body.inverse_mass > 0.0;
+        if counts && !bodies.is_round(i as u32) {
+            square.sqrt()
+        } else {
+            0.0
+        }
+    });
+    spins[0].max(spins[1])
 }
 
 /// Largest velocity that a contact of the manifold gave its effective mass in the last step, over the smaller body's least

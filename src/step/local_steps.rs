@@ -1,8 +1,8 @@
-//! Islands of bodies that are small for the step: several steps for them within it, while all others wait.
+//! Islands of bodies that are small for the step, or turn far in it: several steps for them within it, while all others wait.
 //!
 //! Contacts are found at the start of a step, for bodies that move straight on and turn a little. What is small falls by its own
 //! size in a step, and is anywhere else by the end of it: a card of 4 mm is 2.7 mm below at 60 Hz. Its island takes as many local
-//! steps as let gravity move it by a small share of its size in each, all like a step of the whole scene: pairs, contacts,
+//! steps as let gravity move it by a small share of its size in each, and as let it turn by half a radian, all like a step of the whole scene: pairs, contacts,
 //! warm start, solve, breaking, integration. Islands that ask for as many take them together.
 //!
 //! Who waits is not there for them: what they would touch of it before the step ends was too far away for a contact when it

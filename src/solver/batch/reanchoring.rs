@@ -4,14 +4,16 @@ use crate::math::rotate_by;
 use crate::solver::batch::subdomain_slices::subdomain_slices;
 use crate::solver::batch::targets::Targets;
 use crate::solver::batch::{Batch, TurningBody};
+use crate::solver::graph::indices::BodyNumber;
 use crate::solver::wide::block::points_of;
 use crate::solver::wide::reanchor::{BodyRotation, Reanchor, ReanchoredBlocks};
 use crate::threads::parts::{front, front_mut};
 use crate::threads::team::Team;
 use glam::{Quat, Vec3};
 
-/// Turn within a sub-step, rad, up to which rows that have been solved may be pointed anew.
-const MAX_TURN: f32 = 0.05;
+/// Turn within a sub-step, rad, up to which rows of what joints hold may be pointed anew that have been solved: what acted along the old
+/// ones, and went on through the joints, is not taken back along the new ones.
+const MAX_JOINTED_TURN: f32 = 0.05;
 
 impl Batch {
     /// Points the rows anew where bodies hit each other: what follows acts where they are now, and impacts are large enough to
@@ -20,21 +22,21 @@ impl Batch {
         self.impacts.lifts.clear();
         if targets.hits.any {
             self.weigh_rebounds();
-            self.reanchor(MAX_TURN / self.settings.substep_dt, team);
+            self.reanchor(self.settings.substep_dt, team);
             self.aim_rebounds();
         }
     }
 
     /// Points the rows of moving manifolds at where their contact points are now.
     ///
-    /// Between two sub-steps `most` is infinite. Within one, when the bodies have moved but not [turned](Self::turn_bodies) yet,
-    /// points stay where they are on their bodies, and manifolds of bodies that turn faster than `most` (rad/s) are left as they
-    /// are: impulses that have acted along the old rows could not be taken back along the new ones.
-    pub(crate) fn reanchor(&mut self, most: f32, team: Option<&Team>) {
+    /// `unturned`: for how long, s, bodies have moved without having [turned](Self::turn_bodies) yet: within a sub-step its length,
+    /// between two of them 0. Points stay where they are on their bodies then, and manifolds of what joints hold are left as they are if
+    /// it turns by more than [`MAX_JOINTED_TURN`].
+    pub(crate) fn reanchor(&mut self, unturned: f32, team: Option<&Team>) {
         if self.contacts.moving.is_empty() {
             return;
         }
-        self.find_turns(most, team);
+        self.find_turns(unturned, team);
         self.reanchor_blocks(team);
         let (masses, width) = (&self.bodies.masses, self.settings.lane_width);
         self.contacts
@@ -42,15 +44,10 @@ impl Batch {
     }
 
     /// How each body of a moving manifold has turned since the start of the step, and each that is fixed.
-    fn find_turns(&mut self, most: f32, team: Option<&Team>) {
+    fn find_turns(&mut self, unturned: f32, team: Option<&Team>) {
         self.contacts
             .rotations
             .resize(self.bodies.velocities.len(), BodyRotation::default());
-        let ahead = if most.is_finite() {
-            self.settings.substep_dt
-        } else {
-            0.0
-        };
         let mut rest = (
             &mut self.contacts.rotations[..],
             &self.bodies.velocities[..],
@@ -58,6 +55,7 @@ impl Batch {
             &self.bodies.turning[..],
             &self.contacts.is_reanchored[..],
         );
+        let joints = &self.joints;
         let parts = self
             .layout
             .cuts
@@ -84,9 +82,11 @@ impl Batch {
                 if !is_reanchored {
                     continue;
                 }
-                let small_turn = || small_turn(moved.angular - ahead * body.angular);
+                let small_turn = || small_turn(moved.angular - unturned * body.angular);
                 let rotation = spins.map_or_else(small_turn, TurningBody::turn);
-                *turn = BodyRotation::new(rotation, body.angular.length() <= most);
+                let is_fast = || unturned * body.angular.length() > MAX_JOINTED_TURN;
+                let may_follow = !(is_fast() && joints.hold(BodyNumber(number)));
+                *turn = BodyRotation::new(rotation, may_follow);
             }
         });
     }

@@ -108,7 +108,7 @@ impl Batch {
             self.forget_contact_velocity_changes();
         }
         self.add_to_gains(-1.0);
-        self.reanchor(f32::INFINITY, team);
+        self.reanchor(0.0, team);
         self.add_to_gains(1.0);
     }
 
