@@ -383,9 +383,10 @@ pub fn find_contact_events(bodies: &Bodies, contacts: &mut Contacts, settings: &
         events,
         manifolds,
         broadphase,
+        narrow,
         ..
     } = contacts;
     if events.is_on() || !bodies.sensors.is_empty() {
-        events.update(bodies, manifolds, broadphase, settings.step_dt);
+        events.update(bodies, manifolds, (broadphase, narrow), settings.step_dt);
     }
 }

@@ -1,10 +1,13 @@
 //! Who began to touch and who came apart, of those bodies that somebody wants to know it of.
 //!
 //! A pair touches when its contact bears something or its bodies overlap, and goes on to do so until a gap opens that is larger
-//! than rounding and soft contacts make: no news of a crate that trembles. While a body sleeps its pairs are as they were.
+//! than rounding and soft contacts make: no news of a crate that trembles. Of those that fall asleep it is asked whether they are near
+//! enough to count as touching asleep, so that `Contacts::dormant_pairs` lists none that had not begun. While a body sleeps its
+//! pairs are as they were.
 
 use crate::bodies::solver_body::SolverBody;
 use crate::bodies::store::Bodies;
+use crate::collide::narrow_phase::NarrowPhase;
 use crate::collide::sensors::{Overlap, Sensing};
 use crate::contact::body_id::BodyId;
 use crate::contact::manifolds::{ManifoldRef, Manifolds};
@@ -99,6 +102,8 @@ struct Found {
     gap: f32,
     /// Whether it bears something, pulls of bonds included.
     is_loaded: bool,
+    /// Whether it fell asleep in this step, and touches now that it rests.
+    is_dormant: bool,
 }
 
 impl Found {
@@ -192,13 +197,16 @@ impl ContactEvents {
         &mut self,
         bodies: &Bodies,
         manifolds: &Manifolds,
-        broadphase: &Broadphase,
+        (broadphase, narrow): (&Broadphase, &NarrowPhase),
         step_dt: f32,
     ) {
         self.news.clear();
         self.forget_departed(bodies);
         self.sensing.find(bodies, broadphase);
         self.find_pairs(bodies, manifolds);
+        if !bodies.sleep.slept.is_empty() {
+            self.mark_dormant(bodies, narrow.dormant_pairs(broadphase.pairs(), bodies));
+        }
         self.next.clear();
         let before = std::mem::take(&mut self.touching);
         let found = std::mem::take(&mut self.found);
@@ -209,7 +217,8 @@ impl ContactEvents {
             }
             let known = old.next_if(|pair| pair.name == found.name);
             let is_near = found.gap <= APART * smaller_extent(bodies, found.slots);
-            if found.is_loaded || found.gap <= 0.0 || known.is_some() && is_near {
+            let touches = found.is_loaded || found.gap <= 0.0 || found.is_dormant;
+            if touches || known.is_some() && is_near {
                 self.touch(bodies, manifolds, found, known, step_dt);
             } else if let Some(known) = known {
                 self.end(bodies, known);
@@ -246,6 +255,7 @@ impl ContactEvents {
                 impulse: 0.0,
                 gap: 0.0,
                 is_loaded: false,
+                is_dormant: false,
             })
         };
         for (index, head) in (0..).zip(manifolds.heads()) {
@@ -267,6 +277,17 @@ impl ContactEvents {
         }
         overlaps.for_each(|overlap| found.extend(overlapping(overlap)));
         self.found = found;
+    }
+
+    /// Marks which of the pairs that were found are dormant. Manifolds join no sleeping bodies but those that fell asleep just now, after
+    /// they were made.
+    fn mark_dormant(&mut self, bodies: &Bodies, dormant: impl Iterator<Item = [u32; 2]>) {
+        for slots in dormant {
+            let name = slots.map(|slot| bodies.id(slot));
+            if let Ok(at) = self.found.binary_search_by(|found| found.name.cmp(&name)) {
+                self.found[at].is_dormant = true;
+            }
+        }
     }
 
     /// A pair that was not found any more: it is as it was if one of its bodies slept and nobody looked.
@@ -389,6 +410,7 @@ fn load_of(manifold: ManifoldRef, name: [BodyId; 2], index: u32) -> Found {
         impulse: 0.0,
         gap: f32::INFINITY,
         is_loaded: false,
+        is_dormant: false,
     };
     for point in manifold.points() {
         found.impulse += point.total_impulse;
