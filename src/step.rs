@@ -19,6 +19,7 @@
 
 mod breakable;
 pub(crate) mod contact_events;
+mod contact_news;
 mod contact_place;
 pub(crate) mod contacts;
 mod level_guard;
@@ -35,7 +36,8 @@ use crate::step::loads::bear_loads;
 use crate::step::local_steps::take_local_steps;
 use crate::step::measure::report_solution;
 pub use breakable::Breakable;
-pub use contact_events::{ContactChange, ContactEvent, ContactEvents, ContactWatch};
+pub use contact_events::ContactEvents;
+pub use contact_news::{ContactChange, ContactEvent, ContactWatch};
 pub use contacts::Contacts;
 pub use report::{IslandReport, StepError, StepReport};
 pub use settings::StepSettings;

@@ -13,70 +13,13 @@ use crate::contact::body_id::BodyId;
 use crate::contact::manifolds::{ManifoldRef, Manifolds};
 use crate::contact::pairs::broad_phase::Broadphase;
 use crate::fracture::Fractures;
+use crate::step::contact_news::{ContactChange, ContactEvent, ContactWatch};
 use crate::step::contact_place::{approach_speed, center_of, smaller_extent};
 use glam::Vec3;
 
 /// Gap at which bodies that touched have come apart, as a share of the smaller one's least extent: half of the contact margin,
 /// within which a gap is known.
 const APART: f32 = 0.01;
-
-/// What is to be told of the contacts of a body.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ContactWatch {
-    /// Whether it begins to touch or comes apart.
-    pub touches: bool,
-    /// Contacts that bear more than this, N; infinite if none is to be told.
-    pub force: f32,
-}
-
-impl Default for ContactWatch {
-    /// Nothing.
-    fn default() -> Self {
-        Self {
-            touches: false,
-            force: f32::INFINITY,
-        }
-    }
-}
-
-impl ContactWatch {
-    fn is_any(&self) -> bool {
-        self.touches || self.force < f32::INFINITY
-    }
-}
-
-/// What happened to a pair.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ContactChange {
-    /// It touches now.
-    Start,
-    /// It touches no more, or one of the bodies is gone.
-    End,
-    /// It bears more than was asked for.
-    Force {
-        /// Whether it bore less in the step before, for each of the two bodies' limits.
-        is_crossing: [bool; 2],
-    },
-}
-
-/// News of a pair of bodies.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ContactEvent {
-    /// What happened.
-    pub change: ContactChange,
-    /// Slots and ids, the smaller id first.
-    pub bodies: [(u32, BodyId); 2],
-    /// Of which of the two this was to be told.
-    pub of: [bool; 2],
-    /// Where they touch, world, m; the mean of the points, weighted by what they bear. Zero at an end.
-    pub point: Vec3,
-    /// Unit normal from the first to the second body; zero at an end.
-    pub normal: Vec3,
-    /// Normal impulse of the whole step, N s; zero for sensors.
-    pub impulse: f32,
-    /// Speed of approach along the normal before the step, m/s; not negative.
-    pub approach_speed: f32,
-}
 
 /// A pair that touches.
 #[derive(Clone, Copy, Debug)]
