@@ -135,7 +135,7 @@ impl Heap {
                 let [x, y, z] = [(); 3].map(|()| dice.in_range(0.1, 0.6));
                 let shape = ConvexMesh::cuboid(x, y, z).expect("usable sizes");
                 let at = Vec3::new(end + 0.5 * x, 0.5 * y, row as f32);
-                end += x + dice.unit() * 0.1_f32.powi(3 + dice.below(5) as i32);
+                end += x + dice.unit() * [1e-3, 1e-4, 1e-5, 1e-6, 1e-7][dice.below(5)];
                 let place = Transform::from_translation(at);
                 let body = (RigidBody::Dynamic, shape, place, CollisionEvents);
                 app.world_mut().spawn(body);
