@@ -13,6 +13,13 @@ impl Bodies {
             .map_or_else(BodyDrive::default, |driven| driven.drive)
     }
 
+    /// Along and about which axes of the world the body in `slot` does not move: one for each of these, else zero.
+    pub(crate) fn locks(&self, slot: u32) -> [Vec3; 2] {
+        let locked = self.drives.get(slot).map(|driven| driven.drive.locked);
+        let free = locked.map_or([Vec3::ONE; 2], |axes| [axes.free_ways(), axes.free_turns()]);
+        free.map(|free| Vec3::ONE - free)
+    }
+
     /// Sets what moves the body besides gravity and contacts, and wakes it if that changes anything.
     ///
     /// # Errors

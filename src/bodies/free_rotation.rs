@@ -77,6 +77,15 @@ impl FreeRotation {
         }
     }
 
+    /// The state of a body that is kept from turning about some axes: what it turns about does not turn with it.
+    pub(crate) fn steady(rotation: Quat) -> Self {
+        Self {
+            rotation,
+            frame: Quat::IDENTITY,
+            moments: DVec3::ONE,
+        }
+    }
+
     /// Whether a body turns by more than a hair.
     #[inline]
     pub fn is_noticeable(omega: Vec3, step: f32) -> bool {

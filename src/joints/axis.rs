@@ -24,7 +24,8 @@ pub enum AxisRange {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum JointSpring {
-    /// By how it swings with the masses that it joins.
+    /// By how the two bodies alone swing on it, as the joint lets them: about a hinge with all that turns about the hinge, whatever else hangs on
+    /// them.
     Frequency {
         /// Without damping, Hz.
         hertz: f32,
@@ -89,7 +90,7 @@ impl JointDrive {
 pub struct JointAxis {
     /// How far.
     pub range: AxisRange,
-    /// What gives way where the range ends, instead of stopping at once. Locked axes are always rigid: a spring that
+    /// What gives way where the range ends, instead of stopping at once; it brakes nothing before that. Locked axes are always rigid: a spring that
     /// holds a place is a [`drive`](Self::drive).
     pub softness: Option<JointSpring>,
     /// Share of the speed with which it comes back from the ends of its range.

@@ -245,6 +245,14 @@ impl Joint {
         })
     }
 
+    /// Where a turn is counted from whose full turns are not known yet, rad: the middle of its range.
+    pub(crate) fn expected_twist(&self) -> f32 {
+        match self.angular[0].range {
+            AxisRange::Limited { min, max } => 0.5 * (min + max),
+            AxisRange::Locked | AxisRange::Free => 0.0,
+        }
+    }
+
     /// All axes: three linear, three angular, distance.
     pub(crate) fn axes(&self) -> impl Iterator<Item = &JointAxis> {
         let six = self.linear.iter().chain(&self.angular);

@@ -101,7 +101,10 @@ impl Joints {
             id,
             joint,
             ends,
-            load: JointLoad::default(),
+            load: JointLoad {
+                angle: joint.expected_twist(),
+                ..JointLoad::default()
+            },
             stored_energy: 0.0,
             is_inherited: false,
         });

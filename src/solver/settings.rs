@@ -28,7 +28,7 @@ const SLOW_SHARE: u32 = 4;
 const REBOUND_STEPS: f32 = 8.0;
 
 /// Rebounds that lose less than this share of the speed are the less left out the less they lose.
-const ELASTIC: f32 = 0.25;
+pub(crate) const ELASTIC: f32 = 0.25;
 
 /// What rests may approach by the speed of so many sub-steps' fall.
 const REST_SUBSTEPS: f32 = 2.5;
@@ -281,11 +281,18 @@ impl SubstepSettings {
     /// [`REBOUND_STEPS`] steps or less, unless it is one that hardly loses speed and goes on for ever. What rests, and gains speed in each
     /// sub-step, must not take it for a bounce in any case.
     pub fn rebound_threshold(&self, acceleration: f32, restitution: f32) -> f32 {
-        let short = 0.5 * REBOUND_STEPS * acceleration * self.step_dt();
+        let [short, rest] = self.rebound_speeds(acceleration);
         let share = ((1.0 - restitution) / ELASTIC).min(1.0);
-        let rest = REST_SUBSTEPS * acceleration * self.substep_dt;
         let asked = self.restitution_threshold;
         (share * short.min(asked)).max(rest).min(asked)
+    }
+
+    /// What an acceleration gives within the shortest bounce, and to what rests, m/s.
+    pub(crate) fn rebound_speeds(&self, acceleration: f32) -> [f32; 2] {
+        [
+            0.5 * REBOUND_STEPS * acceleration * self.step_dt(),
+            REST_SUBSTEPS * acceleration * self.substep_dt,
+        ]
     }
 
     /// Length of the step, s.

@@ -2,6 +2,7 @@
 #![expect(clippy::print_stdout, reason = "docs cite the figures")]
 
 mod chains;
+mod changes;
 #[path = "../common/mod.rs"]
 mod common;
 mod determinism;
@@ -12,7 +13,10 @@ mod hard;
 mod kinds;
 mod lives;
 mod loaded;
+mod members;
+mod motions;
 mod pendulums;
 mod scene;
 mod scenes;
+mod statics;
 mod touching;

@@ -27,9 +27,14 @@ impl Batch {
         self.settings.gravity.length() + fastest.fold(0.0, f32::max)
     }
 
-    /// The velocities that drives give within a sub-step.
+    /// The velocities that drives give within a sub-step before the motion: as gravity, half of them where joints are alone, or what friction and
+    /// motors bear in a half would be asked for twice that.
     pub(super) fn apply_drives(&mut self) {
-        let h = self.settings.substep_dt;
+        self.drive_for(self.gravity_share() * self.settings.substep_dt);
+    }
+
+    /// The velocities that drives give in `h` seconds.
+    pub(super) fn drive_for(&mut self, h: f32) {
         for (number, drive) in &self.bodies.driven {
             let body = &mut self.bodies.velocities[*number as usize];
             drive.advance(&mut body.linear, &mut body.angular, h);

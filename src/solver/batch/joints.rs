@@ -10,11 +10,13 @@ use crate::bodies::store::Bodies;
 use crate::joints::store::JointRecord;
 use crate::solver::batch::{Batch, TurningBody};
 use crate::solver::graph::indices::BodyNumber;
+use crate::solver::joint::body::{FixedBody, JointedBody};
 use crate::solver::joint::drift::Drift;
 use crate::solver::joint::measure::Place;
 use crate::solver::joint::rows::HalfSettings;
-use crate::solver::joint::system::{FixedBody, JointEndpoint, JointSystem, JointedBody};
+use crate::solver::joint::system::{JointEndpoint, JointSystem};
 use crate::solver::joint::vector6::{Vector6, join, split};
+use crate::solver::settings::ELASTIC;
 use glam::{DVec3, Mat3, Vec3};
 
 /// Marks a body that has no number among the jointed ones.
@@ -191,9 +193,15 @@ impl Batch {
                 turning: NONE,
                 start: center,
             });
+            let locks = bodies.locks(slot).map(|axes| axes.as_dvec3());
+            let spin = match locks[1] == DVec3::ZERO {
+                true => FreeRotation::new(bodies.rotation[i], mass),
+                false => FreeRotation::steady(bodies.rotation[i]),
+            };
             system.bodies.push(JointedBody {
-                spin: FreeRotation::new(bodies.rotation[i], mass),
+                spin,
                 center,
+                locks,
                 mass: f64::from(velocity.inverse_mass).recip(),
                 principal: mass.principal.as_dvec3(),
                 frame: mass.principal_frame.as_dquat().normalize(),
@@ -246,11 +254,14 @@ impl Batch {
 
     fn half(&self, share: f32) -> HalfSettings {
         let settings = &self.settings;
+        let speeds = settings.rebound_speeds(self.fastest_acceleration());
         HalfSettings {
             substep_dt: settings.substep_dt.into(),
             kick: (share * settings.substep_dt).into(),
             push_out_speed: settings.push_out_speed.into(),
             restitution_threshold: settings.restitution_threshold.into(),
+            short_and_rest: speeds.map(f64::from),
+            elastic: ELASTIC.into(),
         }
     }
 
@@ -336,10 +347,18 @@ impl Batch {
             };
             let turning = &mut self.bodies.turning[number.turning as usize];
             turning.spin = moved.spin;
-            let r = Mat3::from_quat(moved.spin.rotation);
-            let inertia = r * turning.inverse_inertia * r.transpose();
-            self.bodies.masses[i].set_inverse_inertia(&inertia);
+            // What does not turn about some axes is as hard to turn as it was when the step began.
+            if body.locks[1] == DVec3::ZERO {
+                let r = Mat3::from_quat(moved.spin.rotation);
+                let inertia = r * turning.inverse_inertia * r.transpose();
+                self.bodies.masses[i].set_inverse_inertia(&inertia);
+            }
         }
+        if share > 0.0 {
+            self.drive_for(share * self.settings.substep_dt);
+            self.joints.system.note_impulses();
+        }
+        let system = &mut self.joints.system;
         let moving = |body: &&mut FixedBody| body.velocity != Vector6::default();
         for body in system.fixed.iter_mut().filter(moving) {
             body.place = body.after(half.substep_dt);

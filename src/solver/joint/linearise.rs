@@ -2,15 +2,17 @@
 
 use crate::simd::dispatch::run;
 use crate::simd::lanes::{Kernel, Lanes};
-use crate::solver::joint::measure::Frames;
+use crate::solver::joint::measure::{Frames, Measure};
 use crate::solver::joint::row::{JointRow, RowState};
-use crate::solver::joint::rows::add_rows;
+use crate::solver::joint::rows::{add_rows, axis_of, has_spring, is_held};
 use crate::solver::joint::sparsity::Elimination;
-use crate::solver::joint::system::{
-    BatchJoint, Component, JointEndpoint, JointSystem, JointedBody,
-};
-use crate::solver::joint::vector6::{Vector6, split};
+use crate::solver::joint::system::{BatchJoint, Component, JointEndpoint, JointSystem};
+use crate::solver::joint::vector6::{Vector6, add_scaled, split};
 use glam::{DMat3, DVec3};
+use smallvec::SmallVec;
+
+/// Share of a mobility that is rounding.
+const NOTHING: f64 = 1e-9;
 
 impl JointSystem {
     /// Finds by the rows of which joints each body is eliminated: those with what comes later, and with what joints do not move.
@@ -128,6 +130,9 @@ impl JointSystem {
             };
             body.inertia = tensor(body.principal);
             body.inverse_inertia = tensor(body.principal.recip());
+            if body.locks[1] != DVec3::ZERO {
+                body.lock_turns();
+            }
         }
         std::mem::swap(&mut self.rows, &mut self.old_rows);
         self.rows.clear();
@@ -136,9 +141,10 @@ impl JointSystem {
             let (a, b) = (self.place(joint.ends[0]), self.place(joint.ends[1]));
             let frames = Frames::of([&a, &b], joint.anchors, joint.frames, joint.has_angles);
             let (first, old) = (self.rows.len(), joint.rows.clone());
-            for measure in &frames.measure(&joint.joint, joint.angle) {
-                let mobility = self.mobility(joint, &measure.jacobian);
-                add_rows(&mut self.rows, &joint.joint, measure, mobility);
+            let measures = frames.measure(&joint.joint, joint.angle);
+            for measure in &measures {
+                let mobilities = self.mobilities(joint, &measures, measure);
+                add_rows(&mut self.rows, &joint.joint, measure, mobilities);
             }
             let old = &self.old_rows[old];
             let rows = &mut self.rows[first..];
@@ -200,20 +206,64 @@ impl JointSystem {
             };
             let body = &self.bodies[body as usize];
             let [linear, angular] = split(&jacobian[side]);
+            let linear = body.free_part(linear);
             linear.length_squared() / body.mass + angular.dot(body.inverse_inertia * angular)
         };
         of(0) + of(1)
     }
-}
 
-impl JointedBody {
-    /// Whether it is, as it was loaded, what it was when a step ended.
-    fn is_as_loaded(&self, ended: &Self) -> bool {
-        self.spin == ended.spin
-            && self.center == ended.center
-            && self.mass == ended.mass
-            && self.principal == ended.principal
-            && self.frame == ended.frame
+    /// The same for the rows of a measure, and for its springs.
+    fn mobilities(&self, joint: &BatchJoint, measures: &[Measure], of: &Measure) -> [f64; 2] {
+        let mobility = self.mobility(joint, &of.jacobian);
+        let of_spring = if has_spring(axis_of(&joint.joint, of.axis)) {
+            self.held_mobility(joint, measures, of)
+        } else {
+            mobility
+        };
+        [mobility, of_spring]
+    }
+
+    /// The same of what is left of a motion where the joint's own rows that always act hold: the mass that swings on a spring about a hinge is
+    /// that of all that turns about the hinge. What is left of each row is found by Gram's and Schmidt's method, with `M^-1` as the metric.
+    fn held_mobility(&self, joint: &BatchJoint, measures: &[Measure], of: &Measure) -> f64 {
+        let mut held: SmallVec<[([Vector6; 2], f64); 6]> = SmallVec::new();
+        let left = |jacobian: &[Vector6; 2], held: &[([Vector6; 2], f64)]| {
+            let mut left = *jacobian;
+            for (row, square) in held {
+                let share = self.product(joint, &left, row) / square;
+                for (left, row) in left.iter_mut().zip(row) {
+                    add_scaled(left, -share, row);
+                }
+            }
+            left
+        };
+        let others = measures.iter().filter(|other| other.axis != of.axis);
+        for other in
+            others.filter(|other| other.has_range && is_held(axis_of(&joint.joint, other.axis)))
+        {
+            let row = left(&other.jacobian, &held);
+            let square = self.mobility(joint, &row);
+            // Rows that say the same twice leave nothing.
+            if square > NOTHING * self.mobility(joint, &other.jacobian) {
+                held.push((row, square));
+            }
+        }
+        let all = self.mobility(joint, &of.jacobian);
+        let free = self.mobility(joint, &left(&of.jacobian, &held));
+        if free > NOTHING * all { free } else { all }
+    }
+
+    /// `J M^-1 K^T` of two rows of a joint.
+    fn product(&self, joint: &BatchJoint, j: &[Vector6; 2], k: &[Vector6; 2]) -> f64 {
+        let of = |side: usize| {
+            let JointEndpoint::Jointed(body) = joint.ends[side] else {
+                return 0.0;
+            };
+            let body = &self.bodies[body as usize];
+            let ([v, omega], [w, spin]) = (split(&j[side]), split(&k[side]));
+            body.free_part(v).dot(w) / body.mass + omega.dot(body.inverse_inertia * spin)
+        };
+        of(0) + of(1)
     }
 }
 

@@ -3,6 +3,7 @@
 //! | file | holds |
 //! |---|---|
 //! | `vector6.rs` | velocities, rows and blocks of six |
+//! | `body.rs` | bodies at the ends of joints |
 //! | `measure.rs` | where two bodies are against each other: values and Jacobians of a joint's axes |
 //! | `row.rs` | one constraint: stiffness, target, bounds |
 //! | `rows.rs` | which rows a joint has, and what they aim at in each half of a sub-step |
@@ -21,6 +22,7 @@
 //! Must not know contacts, batches and threads. Read `row.rs` first, then `system.rs`.
 
 mod bend;
+pub(crate) mod body;
 pub(crate) mod drift;
 mod energy;
 mod factor;

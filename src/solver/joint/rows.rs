@@ -8,7 +8,7 @@
 //! Andersen, "Rattle: A 'Velocity' Version of the Shake Algorithm", J. Comput. Phys. 52, 1983; Leimkuhler and Skeel, "Symplectic
 //! Numerical Integrators in Constrained Hamiltonian Systems", 1994.
 
-use crate::joints::axis::{AxisRange, DriveTarget, JointAxis, JointSpring};
+use crate::joints::axis::{AxisRange, DriveTarget, JointAxis, JointDrive, JointSpring};
 use crate::joints::joint::Joint;
 use crate::solver::joint::measure::{DISTANCE, Frames, Measure};
 use crate::solver::joint::row::{EPSILON, JointRow, RowKind, RowState};
@@ -25,6 +25,9 @@ const FAR: f64 = 1e-4;
 /// Share of the way of a sub-step that is left to a limit that is reached.
 const NEAR: f64 = 1e-3;
 
+/// A speed that nothing has, m/s or rad/s.
+const BEYOND: f64 = 1e30;
+
 /// What the rows of half a sub-step are told.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct HalfSettings {
@@ -34,8 +37,26 @@ pub(crate) struct HalfSettings {
     pub(crate) kick: f64,
     /// Fastest speed at which what is apart is brought together, m/s and rad/s.
     pub(crate) push_out_speed: f64,
-    /// Speed below which nothing comes back from a limit, m/s and rad/s.
+    /// Speed below which nothing comes back from a limit, m/s and rad/s, where bounces are long.
     pub(crate) restitution_threshold: f64,
+    /// Speeds that gravity and forces give within the shortest bounce, and to what rests, m/s.
+    pub(crate) short_and_rest: [f64; 2],
+    /// Rebounds that lose less than this share of the speed are the less left out the less they lose.
+    pub(crate) elastic: f64,
+}
+
+impl HalfSettings {
+    /// Speed below which a row does not come back from its limit, as of contacts (`SubstepSettings::rebound_threshold`). `arm`: of the smaller body, m.
+    fn rebound_threshold(&self, row: &JointRow, arm: f64) -> f64 {
+        let asked = self.restitution_threshold;
+        if row.restitution == 0.0 {
+            return asked;
+        }
+        let arm = if row.is_angular { arm } else { 1.0 };
+        let [short, rest] = self.short_and_rest.map(|speed| speed / arm);
+        let share = ((1.0 - row.restitution) / self.elastic).min(1.0);
+        (share * short.min(asked)).max(rest).min(asked)
+    }
 }
 
 /// The axis of a joint by its number.
@@ -47,8 +68,30 @@ pub(crate) fn axis_of(joint: &Joint, number: usize) -> &JointAxis {
     }
 }
 
-/// Adds the rows that a measure stands for. `mobility`: `J M^-1 J^T`, 1/kg.
-pub(crate) fn add_rows(rows: &mut Vec<JointRow>, joint: &Joint, measure: &Measure, mobility: f64) {
+/// Whether an axis has a spring.
+#[inline]
+pub(crate) fn has_spring(axis: &JointAxis) -> bool {
+    let is_driven = |drive: &JointDrive| matches!(drive.target, DriveTarget::Position { .. });
+    axis.softness.is_some() || axis.drive.as_ref().is_some_and(is_driven)
+}
+
+/// Whether an axis does not move.
+pub(crate) fn is_held(axis: &JointAxis) -> bool {
+    match axis.range {
+        AxisRange::Locked => true,
+        AxisRange::Limited { min, max } => min == max,
+        AxisRange::Free => false,
+    }
+}
+
+/// Adds the rows that a measure stands for. Mobilities: `J M^-1 J^T`, 1/kg, of the two bodies as they are, and for springs where what the joint
+/// holds is held.
+pub(crate) fn add_rows(
+    rows: &mut Vec<JointRow>,
+    joint: &Joint,
+    measure: &Measure,
+    [mobility, of_spring]: [f64; 2],
+) {
     let axis = axis_of(joint, measure.axis);
     let number = measure.axis;
     let row = |part: usize, kind: RowKind, position: f64| JointRow {
@@ -58,11 +101,14 @@ pub(crate) fn add_rows(rows: &mut Vec<JointRow>, joint: &Joint, measure: &Measur
         jacobian: measure.jacobian,
         position,
         restitution: f64::from(axis.restitution),
-        mobility,
+        mobility: match kind {
+            RowKind::Spring(_) => of_spring,
+            _ => mobility,
+        },
         max_force: f64::INFINITY,
         ..JointRow::default()
     };
-    let coefficients = |spring: JointSpring| coefficients(spring, mobility);
+    let coefficients = |spring: JointSpring| coefficients(spring, of_spring);
     if measure.has_range {
         let limit = |part: usize, side: f64, position: f64| match axis.softness {
             Some(spring) => JointRow {
@@ -92,7 +138,7 @@ pub(crate) fn add_rows(rows: &mut Vec<JointRow>, joint: &Joint, measure: &Measur
         }
     }
     if measure.is_driven {
-        add_drive(rows, axis, measure.value, &row);
+        add_drive(rows, axis, (measure.value, of_spring), &row);
     }
 }
 
@@ -100,15 +146,14 @@ pub(crate) fn add_rows(rows: &mut Vec<JointRow>, joint: &Joint, measure: &Measur
 fn add_drive(
     rows: &mut Vec<JointRow>,
     axis: &JointAxis,
-    value: f64,
+    (value, of_spring): (f64, f64),
     row: &impl Fn(usize, RowKind, f64) -> JointRow,
 ) {
     if let Some(drive) = axis.drive {
         let (kind, position) = match drive.target {
             DriveTarget::Velocity(velocity) => (RowKind::Velocity(velocity.into()), 0.0),
             DriveTarget::Position { position, spring } => {
-                let mobility = row(DRIVE, RowKind::Equality, 0.0).mobility;
-                let kind = RowKind::Spring(coefficients(spring, mobility));
+                let kind = RowKind::Spring(coefficients(spring, of_spring));
                 (kind, value - f64::from(position))
             }
         };
@@ -219,7 +264,8 @@ impl JointRow {
     }
 
     /// Aims at velocities that do not leave the joint, where the bodies are now.
-    pub(crate) fn aim_along(&mut self, half: &HalfSettings, swing: f64) {
+    /// `arm`: of the joint, m.
+    pub(crate) fn aim_along(&mut self, half: &HalfSettings, swing: f64, arm: f64) {
         let is_fresh = half.kick > 0.0;
         let has_acted = self.side * self.impulse > 0.0;
         if is_fresh {
@@ -238,11 +284,19 @@ impl JointRow {
             RowKind::Limit => {
                 let approach = -self.side * self.velocity_before;
                 let is_there = self.side * self.position <= NEAR * approach * half.substep_dt;
-                let returns = (has_acted || is_there) && approach > half.restitution_threshold;
+                let returns =
+                    (has_acted || is_there) && approach > half.rebound_threshold(self, arm);
                 self.target = if returns {
                     self.side * self.restitution * approach
                 } else if !has_acted && self.side * self.position > 0.0 {
-                    -self.position / half.substep_dt
+                    // What is to come back comes to the end with all of its speed.
+                    let is_elastic = self.restitution > 0.0;
+                    let stop = -self.position / half.substep_dt;
+                    if is_elastic {
+                        -self.side * BEYOND
+                    } else {
+                        stop
+                    }
                 } else {
                     0.0
                 };
@@ -276,6 +330,9 @@ impl JointRow {
             return;
         };
         let theta = swing / (1.0 + swing);
+        // What gives way at an end damps nothing before that is reached.
+        let is_inside = self.side * self.position > 0.0;
+        let damping = if is_inside { 0.0 } else { damping };
         self.base = -half.kick * stiffness * self.position;
         self.stiffness = half.kick * (damping + theta * half.substep_dt * stiffness);
         self.target = 0.0;

@@ -3,6 +3,10 @@
 //! The matrix `M + J^T K J` has a block for each body and for each pair of bodies that a joint joins. To eliminate a body couples
 //! all those that it is still coupled with. Least degree first: along a tree the leaves go before what they hang on, nothing
 //! couples that was not coupled before, and the work is linear in the number of joints. A loop costs what it fills in.
+//!
+//! Of equal degree, what holds on to nothing fixed goes first, so that along a tree the one that does is the last. If it went before, it would be
+//! held by more rows than it can move along, and hand on the stiffness of those to what hangs on it: impulses would come out of that with half of their digits,
+//! and a joint of 0.3 kg on 300 kg would break by what is only rounding.
 
 use crate::disjoint_sets::DisjointSets;
 use std::cmp::Reverse;
@@ -37,8 +41,9 @@ pub(crate) enum Elimination {
 /// The order, and what it makes.
 #[derive(Debug, Default)]
 pub(crate) struct Sparsity {
-    /// Pairs of bodies that it was made for.
+    /// Pairs of bodies that it was made for, and which bodies joints hold to what they do not move.
     edges: Vec<[u32; 2]>,
+    held: Vec<bool>,
     /// Bodies in their order.
     pub(crate) order: Vec<u32>,
     /// By body: its place in the order.
@@ -59,13 +64,16 @@ pub(crate) struct Sparsity {
 }
 
 impl Sparsity {
-    /// Orders `count` bodies with these pairs, unless that is done.
-    pub(crate) fn analyse(&mut self, count: usize, edges: &[[u32; 2]]) {
-        if self.order.len() == count && self.edges == edges {
+    /// Orders bodies with these pairs, unless that is done. `held`: by body, whether joints hold it to what they do not move.
+    pub(crate) fn analyse(&mut self, held: &[bool], edges: &[[u32; 2]]) {
+        let count = held.len();
+        if self.held == held && self.edges == edges {
             return;
         }
         self.edges.clear();
         self.edges.extend_from_slice(edges);
+        self.held.clear();
+        self.held.extend_from_slice(held);
         self.find_components(count);
         let neighbors = self.eliminate(count);
         self.number(&neighbors);
@@ -117,15 +125,19 @@ impl Sparsity {
             insert(&mut neighbors[a as usize], b);
             insert(&mut neighbors[b as usize], a);
         }
-        let components = &self.components;
-        let mut heap: BinaryHeap<Reverse<(u32, usize, u32)>> = (0..)
+        let (components, held) = (&self.components, &self.held);
+        let key = |node: u32, degree: usize| {
+            let i = node as usize;
+            Reverse((components[i], degree, held[i], node))
+        };
+        let mut heap: BinaryHeap<_> = (0..)
             .zip(&neighbors)
-            .map(|(node, list)| Reverse((components[node as usize], list.len(), node)))
+            .map(|(node, list)| key(node, list.len()))
             .collect();
         self.order.clear();
         self.position.clear();
         self.position.resize(count, u32::MAX);
-        while let Some(Reverse((component, degree, node))) = heap.pop() {
+        while let Some(Reverse((_, degree, _, node))) = heap.pop() {
             let i = node as usize;
             // What it was listed with before its neighbors went.
             if self.position[i] != u32::MAX || degree != neighbors[i].len() {
@@ -140,7 +152,7 @@ impl Sparsity {
                 list.iter()
                     .filter(|&&n| n != other)
                     .for_each(|&n| insert(of_other, n));
-                heap.push(Reverse((component, of_other.len(), other)));
+                heap.push(key(other, of_other.len()));
             }
         }
         neighbors

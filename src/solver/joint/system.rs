@@ -1,60 +1,17 @@
 //! The bodies and joints of a batch, and the velocities that satisfy them.
 
-use crate::bodies::free_rotation::FreeRotation;
 use crate::joints::joint::Joint;
 use crate::simd::lanes::LaneWidth;
+use crate::solver::joint::body::{FixedBody, JointedBody};
 use crate::solver::joint::factor::Factor;
 use crate::solver::joint::measure::{Frames, Place, has_angles};
 use crate::solver::joint::rounds::Rounds;
 use crate::solver::joint::row::JointRow;
 use crate::solver::joint::rows::HalfSettings;
 use crate::solver::joint::sparsity::{EdgeBlock, Sparsity};
-use crate::solver::joint::vector6::{Block6, Vector6, split};
-use glam::{DMat3, DQuat, DVec3};
+use crate::solver::joint::vector6::{Vector6, split};
+use glam::{DQuat, DVec3};
 use std::ops::Range;
-
-/// A body that joints move.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct JointedBody {
-    /// Its rotation.
-    pub(crate) spin: FreeRotation,
-    /// The same in double precision, of length 1.
-    pub(crate) rotation: DQuat,
-    /// Where its center of mass is, m.
-    pub(crate) center: DVec3,
-    /// kg
-    pub(crate) mass: f64,
-    /// Principal moments, kg m2.
-    pub(crate) principal: DVec3,
-    /// `body_from_principal`.
-    pub(crate) frame: DQuat,
-    /// Inertia tensor and its inverse, world axes.
-    pub(crate) inertia: DMat3,
-    pub(crate) inverse_inertia: DMat3,
-    /// `h^2 k J M^-1 J^T` of its springs together.
-    pub(crate) swing: f64,
-}
-
-/// A body that joints do not move, or the world.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct FixedBody {
-    pub(crate) place: Place,
-    pub(crate) velocity: Vector6,
-}
-
-impl FixedBody {
-    /// Where it is `h` seconds later.
-    pub(crate) fn after(&self, h: f64) -> Place {
-        let [linear, angular] = split(&self.velocity);
-        let half = 0.5 * h * angular;
-        let half = half * (1.0 + half.length_squared() / 3.0);
-        let turn = DQuat::from_xyzw(half.x, half.y, half.z, 1.0);
-        Place {
-            center: self.place.center + h * linear,
-            rotation: (turn * self.place.rotation).normalize(),
-        }
-    }
-}
 
 /// What a joint holds on to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,8 +31,10 @@ pub(crate) struct BatchJoint {
     pub(crate) anchors: [DVec3; 2],
     /// `body_from_joint`.
     pub(crate) frames: [DQuat; 2],
-    /// Length of its levers, m.
+    /// Length of its levers, m; of anchors at centers of mass as long as what it joins is large.
     pub(super) levers: f64,
+    /// From the center of mass of the smaller body to its anchor, or to where its mass is, m.
+    pub(super) arm: f64,
     /// Whether angles make rows of it.
     pub(crate) has_angles: bool,
     /// The component of connected bodies that it belongs to.
@@ -137,6 +96,8 @@ pub(crate) struct JointSystem {
     /// Whether the rows know how much what turns is pulled inward.
     pub(super) is_bent: bool,
     edges: Vec<[u32; 2]>,
+    /// By body: whether joints hold it to what they do not move.
+    held: Vec<bool>,
     /// By place: where the joints begin by whose rows the body is eliminated, and the end of all; and these.
     pub(super) link_starts: Vec<u32>,
     pub(super) link_joints: Vec<u32>,
@@ -185,8 +146,17 @@ impl JointSystem {
         angle: f64,
     ) {
         let frames = [joint.frame_a, joint.frame_b].map(|frame| frame.rotation.as_dquat());
+        let arm = |side: usize| match ends[side] {
+            JointEndpoint::Jointed(body) => {
+                let extent = self.bodies[body as usize].gyration();
+                anchors[side].length().max(extent)
+            }
+            JointEndpoint::Fixed(_) => f64::INFINITY,
+        };
+        let arm = arm(0).min(arm(1));
         self.joints.push(BatchJoint {
-            levers: anchors[0].length() + anchors[1].length(),
+            levers: (anchors[0].length() + anchors[1].length()).max(arm),
+            arm,
             has_angles: has_angles(&joint),
             joint: joint.with_directions(),
             ends,
@@ -209,7 +179,14 @@ impl JointSystem {
         self.edges.clear();
         let pairs = self.joints.iter().filter_map(BatchJoint::pair);
         self.edges.extend(pairs);
-        self.sparsity.analyse(self.bodies.len(), &self.edges);
+        self.held.clear();
+        self.held.resize(self.bodies.len(), false);
+        for joint in self.joints.iter().filter(|joint| joint.pair().is_none()) {
+            for body in joint.jointed() {
+                self.held[body] = true;
+            }
+        }
+        self.sparsity.analyse(&self.held, &self.edges);
         let mut blocks = self.sparsity.edge_blocks.iter();
         for joint in &mut self.joints {
             joint.edge = joint.pair().and_then(|_| blocks.next().copied());
@@ -295,7 +272,7 @@ impl JointSystem {
         for joint in joints.iter() {
             let swing = joint.swing(bodies);
             for row in &mut rows[joint.rows.clone()] {
-                row.aim_along(half, swing);
+                row.aim_along(half, swing, joint.arm);
             }
         }
         self.guess_states();
@@ -330,38 +307,31 @@ impl JointSystem {
         }
     }
 
-    /// Ends a sub-step: takes note of what the joints bore, and of how far off they are.
-    pub(crate) fn end_substep(&mut self) {
+    /// Takes note of what the joints bear in a half of a sub-step, where the bodies are in it.
+    pub(crate) fn note_impulses(&mut self) {
         for joint in &mut self.joints {
             let Some(now) = &joint.now else {
                 continue;
             };
             for row in &self.rows[joint.rows.clone()] {
                 let [linear, angular] = split(&row.jacobian[1]);
-                let impulse = row.spent + row.impulse;
-                joint.impulse[0] += impulse * linear;
-                joint.impulse[1] += impulse * (angular - now.r[1].cross(linear));
+                joint.impulse[0] += row.impulse * linear;
+                joint.impulse[1] += row.impulse * (angular - now.r[1].cross(linear));
+            }
+        }
+    }
+
+    /// Ends a sub-step: takes note of how far off the joints are too.
+    pub(crate) fn end_substep(&mut self) {
+        self.note_impulses();
+        for joint in &mut self.joints {
+            for row in &self.rows[joint.rows.clone()] {
                 if row.side == 0.0 && row.is_position() {
                     let error = &mut joint.error[usize::from(row.is_angular)];
                     *error = error.max(row.position.abs());
                 }
             }
         }
-    }
-}
-
-impl JointedBody {
-    /// Mass and inertia, about its center of mass.
-    #[inline(always)]
-    pub(super) fn spatial_inertia(&self) -> Block6 {
-        let mut block = Block6::default();
-        for i in 0..3 {
-            block[i][i] = self.mass;
-            for j in 0..3 {
-                block[3 + i][3 + j] = self.inertia.col(j)[i];
-            }
-        }
-        block
     }
 }
 
