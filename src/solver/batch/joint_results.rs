@@ -24,8 +24,8 @@ impl Batch {
         }
     }
 
-    /// Ends a sub-step.
-    pub(crate) fn end_joints(&mut self) {
+    /// Ends a sub-step; `is_last`: of the step.
+    pub(crate) fn end_joints(&mut self, is_last: bool) {
         if !self.joints.any() {
             return;
         }
@@ -33,7 +33,11 @@ impl Batch {
             self.solve_joints();
         }
         self.calm_open_islands();
-        self.joints.system.end_substep();
+        let are_alone = self.joints.are_alone();
+        self.joints.system.end_substep(are_alone);
+        if is_last {
+            self.joints.system.spread_impulses();
+        }
     }
 
     /// What joints have given to the bodies of an island in the sub-step, m/s and rad/s.

@@ -356,7 +356,7 @@ impl Batch {
         }
         if share > 0.0 {
             self.drive_for(share * self.settings.substep_dt);
-            self.joints.system.note_impulses();
+            self.joints.system.note_impulses(true);
         }
         let system = &mut self.joints.system;
         let moving = |body: &&mut FixedBody| body.velocity != Vector6::default();

@@ -76,7 +76,7 @@ impl Batch {
         self.set_joints_apart();
         self.restrain_driven();
         self.note_contact_velocity_changes(team);
-        self.end_joints();
+        self.end_joints(is_last);
         self.restore_hits(&targets);
         self.turn_bodies(&targets, team);
     }

@@ -60,6 +60,7 @@ impl JointSystem {
     /// nothing is left of what these bore.
     pub(crate) fn begin_step(&mut self) {
         self.is_bent = false;
+        self.begin_spread();
         if self.is_as_it_ended() {
             self.take_over_rows();
         } else {

@@ -17,6 +17,7 @@
 //! | `bend.rs` | how much what turns is pulled inward |
 //! | `drift.rs` | where the bodies go, and the impulses that keep the joints together there |
 //! | `energy.rs` | which joints stay open, and what drives give |
+//! | `spread.rs` | what joints in loops bear |
 //! | `rounds.rs` | how long the search for these goes on, in each component of connected bodies |
 //!
 //! Must not know contacts, batches and threads. Read `row.rs` first, then `system.rs`.
@@ -35,5 +36,6 @@ pub(crate) mod rows;
 mod settle;
 mod solve;
 mod sparsity;
+mod spread;
 pub(crate) mod system;
 pub(crate) mod vector6;

@@ -109,12 +109,16 @@ impl JointSystem {
     /// Finds the changes of velocities, by place in the order, that the missing impulses of all rows make; rows by
     /// which bodies are eliminated miss nothing then: what they have instead is what they get.
     pub(super) fn find_changes(&mut self) {
-        let width = self.width;
+        self.renew_factor();
+        run(self.width, FindChanges(self));
+    }
+
+    /// Makes the factor of what is asked, where it is none of the rows any more.
+    pub(super) fn renew_factor(&mut self) {
         let mut components = self.components.iter();
         if components.any(|component| component.is_asked && component.is_stale) {
-            run(width, Factorise(self));
+            run(self.width, Factorise(self));
         }
-        run(width, FindChanges(self));
     }
 
     #[inline(always)]
@@ -144,6 +148,12 @@ impl JointSystem {
                 }
             }
         }
+        self.solve_for_changes();
+    }
+
+    /// Solves for the changes of velocities, and the impulses of rows by which bodies are eliminated, in the place of what is given and missing.
+    #[inline(always)]
+    pub(super) fn solve_for_changes(&mut self) {
         let (sparsity, components) = (&self.sparsity, &self.components);
         let is_asked = |at: usize| components[sparsity.component_at(at)].is_asked;
         let (changes, missing) = (&mut self.changes, &mut self.missing);

@@ -9,6 +9,7 @@ use crate::solver::joint::rounds::Rounds;
 use crate::solver::joint::row::JointRow;
 use crate::solver::joint::rows::HalfSettings;
 use crate::solver::joint::sparsity::{EdgeBlock, Sparsity};
+use crate::solver::joint::spread::Spread;
 use crate::solver::joint::vector6::{Vector6, split};
 use glam::{DQuat, DVec3};
 use std::ops::Range;
@@ -122,6 +123,8 @@ pub(crate) struct JointSystem {
     pub(super) missing: Vec<f64>,
     /// The search for where bodies are to go.
     pub(super) rounds: Rounds,
+    /// What joints in loops bear.
+    pub(super) spread: Spread,
 }
 
 impl JointSystem {
@@ -194,6 +197,7 @@ impl JointSystem {
             joint.component = body.map_or(0, |body| self.sparsity.components[body]);
         }
         self.find_links();
+        self.find_loops();
     }
 
     /// Where an end of a joint is, as its rows are written.
@@ -224,6 +228,7 @@ impl JointSystem {
     /// Begins the first half of a sub-step: rows aim at where the bodies are to be. Impulses of the sub-step before do not act: they may
     /// be any where a chain is as good as straight between fixed ends, and along rows that have turned since they would throw it.
     pub(crate) fn begin_ahead(&mut self, half: &HalfSettings) {
+        self.begin_half();
         self.find_swings(half.substep_dt);
         let acts_for = [half.kick, half.substep_dt];
         if self.factored_for != acts_for && self.has_springs {
@@ -261,6 +266,7 @@ impl JointSystem {
 
     /// Begins the second half, where the bodies are at its end.
     pub(crate) fn begin_along(&mut self, half: &HalfSettings) {
+        self.begin_half();
         self.find_swings(half.substep_dt);
         self.factored_for = [half.kick, half.substep_dt];
         let Self {
@@ -307,23 +313,9 @@ impl JointSystem {
         }
     }
 
-    /// Takes note of what the joints bear in a half of a sub-step, where the bodies are in it.
-    pub(crate) fn note_impulses(&mut self) {
-        for joint in &mut self.joints {
-            let Some(now) = &joint.now else {
-                continue;
-            };
-            for row in &self.rows[joint.rows.clone()] {
-                let [linear, angular] = split(&row.jacobian[1]);
-                joint.impulse[0] += row.impulse * linear;
-                joint.impulse[1] += row.impulse * (angular - now.r[1].cross(linear));
-            }
-        }
-    }
-
     /// Ends a sub-step: takes note of how far off the joints are too.
-    pub(crate) fn end_substep(&mut self) {
-        self.note_impulses();
+    pub(crate) fn end_substep(&mut self, are_alone: bool) {
+        self.note_impulses(are_alone);
         for joint in &mut self.joints {
             for row in &self.rows[joint.rows.clone()] {
                 if row.side == 0.0 && row.is_position() {

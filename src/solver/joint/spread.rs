@@ -1,0 +1,170 @@
+//! What joints in loops bear.
+//!
+//! Where bodies are held by more rows than they can move along, impulses of any size balance each other, and rounding of places makes some: a door
+//! on two hinges was told to bear a thousand times its weight, and broke by it. Where they are held by as many, in a loop, what is eliminated first
+//! hands on the stiffness of its rows, and impulses come out with half of their digits. Motion is the same either way. So what is told is not what
+//! rows have got, but what bodies have: the impulses of joints on each body in the step, by its velocities, spread over the rows that hold it such
+//! that they are least, each measured by its stiffness:
+//!
+//! ```text
+//! p = sum M (v - v_before) - J_o^T mu_o,    (M + J^T K J) x = -p,    mu = -K J x
+//! ```
+//!
+//! with the other rows `o`, springs and what is at its bounds, whose impulses are known. As `K` is 1e8 times `M`, `J^T mu` is `p` to 1e-8.
+
+use crate::solver::joint::row::{JointRow, RowState};
+use crate::solver::joint::system::{BatchJoint, JointEndpoint, JointSystem};
+use crate::solver::joint::vector6::{Vector6, add_scaled, product, split};
+
+/// What is spread.
+#[derive(Debug, Default)]
+pub(super) struct Spread {
+    /// By component: whether its joints are no tree.
+    is_loop: Vec<bool>,
+    any: bool,
+    /// By component: bodies that there are more than joints; whether joints hold some to what they do not move.
+    spare: Vec<i64>,
+    is_held: Vec<bool>,
+    /// By body: velocities before the half of a sub-step.
+    before: Vec<Vector6>,
+    /// By body: impulses of joints in the step that are to be spread.
+    borne: Vec<Vector6>,
+}
+
+impl JointSystem {
+    /// Finds the components whose joints are no tree: there are more than hang each body on another one, or on what does not move.
+    pub(super) fn find_loops(&mut self) {
+        let count = self.sparsity.component_count;
+        let spread = &mut self.spread;
+        spread.spare.clear();
+        spread.spare.resize(count, 0);
+        spread.is_held.clear();
+        spread.is_held.resize(count, false);
+        for &component in &self.sparsity.components {
+            spread.spare[component as usize] += 1;
+        }
+        for joint in &self.joints {
+            let component = joint.component as usize;
+            spread.spare[component] -= 1;
+            spread.is_held[component] |= joint.pair().is_none();
+        }
+        let spare = spread.spare.iter().zip(&spread.is_held);
+        spread.is_loop.clear();
+        spread
+            .is_loop
+            .extend(spare.map(|(&spare, &is_held)| spare < i64::from(!is_held)));
+        spread.any = spread.is_loop.contains(&true);
+    }
+
+    /// Begins a step: nothing is borne yet.
+    pub(super) fn begin_spread(&mut self) {
+        if self.spread.any {
+            self.spread.borne.clear();
+            self.spread.borne.resize(self.bodies.len(), [0.0; 6]);
+        }
+    }
+
+    /// Begins a half of a sub-step, before joints act.
+    pub(super) fn begin_half(&mut self) {
+        if self.spread.any {
+            self.spread.before.clone_from(&self.velocities);
+        }
+    }
+
+    fn is_in_loop(&self, joint: &BatchJoint) -> bool {
+        self.spread.any && self.spread.is_loop[joint.component as usize]
+    }
+
+    /// Takes note of what the joints bear in a half of a sub-step, where the bodies are in it. `are_alone`: nothing else has changed velocities.
+    pub(crate) fn note_impulses(&mut self, are_alone: bool) {
+        for at in 0..self.joints.len() {
+            let is_spread = self.is_in_loop(&self.joints[at]);
+            let (rows, joint) = (&self.rows, &mut self.joints[at]);
+            for row in &rows[joint.rows.clone()] {
+                if !(is_spread && row.is_spread()) {
+                    joint.add_impulse(row, row.impulse);
+                }
+            }
+        }
+        if self.spread.any {
+            self.note_borne(are_alone);
+        }
+    }
+
+    /// The same of bodies in loops.
+    fn note_borne(&mut self, are_alone: bool) {
+        let mut borne = std::mem::take(&mut self.spread.borne);
+        if are_alone {
+            let velocities = self.velocities.iter().zip(&self.spread.before);
+            for ((borne, body), (now, before)) in borne.iter_mut().zip(&self.bodies).zip(velocities) {
+                let change: Vector6 = std::array::from_fn(|i| now[i] - before[i]);
+                add_scaled(borne, 1.0, &product(&body.spatial_inertia(), &change));
+            }
+        }
+        for joint in self.joints.iter().filter(|joint| self.is_in_loop(joint)) {
+            let rows = self.rows[joint.rows.clone()].iter();
+            for row in rows.filter(|row| row.is_spread() != are_alone) {
+                let sign = if are_alone { -1.0 } else { 1.0 };
+                for (end, jacobian) in joint.ends.into_iter().zip(&row.jacobian) {
+                    if let JointEndpoint::Jointed(body) = end {
+                        add_scaled(&mut borne[body as usize], sign * row.impulse, jacobian);
+                    }
+                }
+            }
+        }
+        self.spread.borne = borne;
+    }
+
+    /// At the end of a step: spreads what bodies in loops have got over the rows that hold them.
+    pub(crate) fn spread_impulses(&mut self) {
+        if !self.spread.any {
+            return;
+        }
+        let is_loop = self.spread.is_loop.iter();
+        for (component, &is_loop) in self.components.iter_mut().zip(is_loop) {
+            component.is_asked = is_loop;
+        }
+        self.renew_factor();
+        self.missing.clear();
+        self.missing.resize(self.rows.len(), 0.0);
+        self.changes.clear();
+        self.changes.resize(self.bodies.len(), [0.0; 6]);
+        for (borne, &at) in self.spread.borne.iter().zip(&self.sparsity.position) {
+            add_scaled(&mut self.changes[at as usize], -1.0, borne);
+        }
+        self.solve_for_changes();
+        self.find_given();
+        for at in 0..self.joints.len() {
+            if !self.is_in_loop(&self.joints[at]) {
+                continue;
+            }
+            let (rows, joint) = (&self.rows, &mut self.joints[at]);
+            for number in joint.rows.clone() {
+                let row = &rows[number];
+                if row.is_spread() {
+                    joint.add_impulse(row, self.missing[number]);
+                }
+            }
+        }
+    }
+}
+
+impl JointRow {
+    /// Whether its impulse is what others leave to it.
+    fn is_spread(&self) -> bool {
+        self.state == RowState::Free && self.is_rigid() && self.stiffness > 0.0
+    }
+}
+
+impl BatchJoint {
+    /// Adds an impulse of a row to what it bears.
+    fn add_impulse(&mut self, row: &JointRow, impulse: f64) {
+        let Some(now) = &self.now else {
+            return;
+        };
+        let [linear, angular] = split(&row.jacobian[1]);
+        let torque = angular - now.r[1].cross(linear);
+        self.impulse[0] += impulse * linear;
+        self.impulse[1] += impulse * torque;
+    }
+}
