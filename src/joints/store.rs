@@ -19,7 +19,7 @@ pub(crate) type JointEnd = Option<(u32, BodyId)>;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Component)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct JointLoad {
-    /// Force on B at its anchor, mean of the step, world axes, N.
+    /// Force on B at its anchor, mean of the step, world axes, N. Where several joints could bear it, they share it such that it is least.
     pub force: Vec3,
     /// Torque on B, world axes, N m.
     pub torque: Vec3,

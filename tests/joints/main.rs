@@ -13,6 +13,7 @@ mod hard;
 mod kinds;
 mod lives;
 mod loaded;
+mod loops;
 mod members;
 mod motions;
 mod pendulums;

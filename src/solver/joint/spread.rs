@@ -10,11 +10,16 @@
 //! p = sum M (v - v_before) - J_o^T mu_o,    (M + J^T K J) x = -p,    mu = -K J x
 //! ```
 //!
-//! with the other rows `o`, springs and what is at its bounds, whose impulses are known. As `K` is 1e8 times `M`, `J^T mu` is `p` to 1e-8.
+//! with the other rows `o`, springs and what is at its bounds, whose impulses are known. `K` is 1e6 times `M` here, so that `J^T mu` is `p` to 1e-6. With the
+//! 1e8 of the rows themselves it would be more exact, and what is none of the joints' would come in: balls in a line hold a torque about it by
+//! the rounding that keeps them from a line, 1e-7 of their distance, and what bodies have got about it by rounding made 60 times a weight of that.
 
 use crate::solver::joint::row::{JointRow, RowState};
 use crate::solver::joint::system::{BatchJoint, JointEndpoint, JointSystem};
 use crate::solver::joint::vector6::{Vector6, add_scaled, product, split};
+
+/// How much less stiff rows are than when they are solved; a power of two, so that nothing is left of it.
+const STIFFNESS: f64 = 1.0 / 128.0;
 
 /// What is spread.
 #[derive(Debug, Default)]
@@ -96,7 +101,8 @@ impl JointSystem {
         let mut borne = std::mem::take(&mut self.spread.borne);
         if are_alone {
             let velocities = self.velocities.iter().zip(&self.spread.before);
-            for ((borne, body), (now, before)) in borne.iter_mut().zip(&self.bodies).zip(velocities) {
+            for ((borne, body), (now, before)) in borne.iter_mut().zip(&self.bodies).zip(velocities)
+            {
                 let change: Vector6 = std::array::from_fn(|i| now[i] - before[i]);
                 add_scaled(borne, 1.0, &product(&body.spatial_inertia(), &change));
             }
@@ -120,10 +126,7 @@ impl JointSystem {
         if !self.spread.any {
             return;
         }
-        let is_loop = self.spread.is_loop.iter();
-        for (component, &is_loop) in self.components.iter_mut().zip(is_loop) {
-            component.is_asked = is_loop;
-        }
+        self.scale_spread_rows(STIFFNESS);
         self.renew_factor();
         self.missing.clear();
         self.missing.resize(self.rows.len(), 0.0);
@@ -144,6 +147,23 @@ impl JointSystem {
                 if row.is_spread() {
                     joint.add_impulse(row, self.missing[number]);
                 }
+            }
+        }
+        self.scale_spread_rows(STIFFNESS.recip());
+    }
+
+    /// Has rows that are spread be stiffer; their components are asked and have no factor then.
+    fn scale_spread_rows(&mut self, share: f64) {
+        let is_loop = self.spread.is_loop.iter();
+        for (component, &is_loop) in self.components.iter_mut().zip(is_loop) {
+            component.is_asked = is_loop;
+            component.is_stale |= is_loop;
+        }
+        for at in 0..self.joints.len() {
+            if self.is_in_loop(&self.joints[at]) {
+                let rows = &mut self.rows[self.joints[at].rows.clone()];
+                let spread = rows.iter_mut().filter(|row| row.is_spread());
+                spread.for_each(|row| row.stiffness *= share);
             }
         }
     }

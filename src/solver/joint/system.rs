@@ -10,7 +10,7 @@ use crate::solver::joint::row::JointRow;
 use crate::solver::joint::rows::HalfSettings;
 use crate::solver::joint::sparsity::{EdgeBlock, Sparsity};
 use crate::solver::joint::spread::Spread;
-use crate::solver::joint::vector6::{Vector6, split};
+use crate::solver::joint::vector6::Vector6;
 use glam::{DQuat, DVec3};
 use std::ops::Range;
 
