@@ -17,13 +17,15 @@
 //! | `bend.rs` | how much what turns is pulled inward |
 //! | `drift.rs` | where the bodies go, and the impulses that keep the joints together there |
 //! | `energy.rs` | which joints stay open, and what drives give |
-//! | `spread.rs` | what joints in loops bear |
+//! | `borne.rs` | what bodies get by joints in loops |
+//! | `spread.rs` | which of these bears how much |
 //! | `rounds.rs` | how long the search for these goes on, in each component of connected bodies |
 //!
 //! Must not know contacts, batches and threads. Read `row.rs` first, then `system.rs`.
 
 mod bend;
 pub(crate) mod body;
+mod borne;
 pub(crate) mod drift;
 mod energy;
 mod factor;

@@ -21,26 +21,11 @@ use crate::solver::joint::vector6::{Vector6, add_scaled, product, split};
 /// How much less stiff rows are than when they are solved; a power of two, so that nothing is left of it.
 const STIFFNESS: f64 = 1.0 / 128.0;
 
-/// What is spread.
-#[derive(Debug, Default)]
-pub(super) struct Spread {
-    /// By component: whether its joints are no tree.
-    is_loop: Vec<bool>,
-    any: bool,
-    /// By component: bodies that there are more than joints; whether joints hold some to what they do not move.
-    spare: Vec<i64>,
-    is_held: Vec<bool>,
-    /// By body: velocities before the half of a sub-step.
-    before: Vec<Vector6>,
-    /// By body: impulses of joints in the step that are to be spread.
-    borne: Vec<Vector6>,
-}
-
 impl JointSystem {
     /// Finds the components whose joints are no tree: there are more than hang each body on another one, or on what does not move.
     pub(super) fn find_loops(&mut self) {
         let count = self.sparsity.component_count;
-        let spread = &mut self.spread;
+        let spread = &mut self.borne;
         spread.spare.clear();
         spread.spare.resize(count, 0);
         spread.is_held.clear();
@@ -63,21 +48,21 @@ impl JointSystem {
 
     /// Begins a step: nothing is borne yet.
     pub(super) fn begin_spread(&mut self) {
-        if self.spread.any {
-            self.spread.borne.clear();
-            self.spread.borne.resize(self.bodies.len(), [0.0; 6]);
+        if self.borne.any {
+            self.borne.impulses.clear();
+            self.borne.impulses.resize(self.bodies.len(), [0.0; 6]);
         }
     }
 
     /// Begins a half of a sub-step, before joints act.
     pub(super) fn begin_half(&mut self) {
-        if self.spread.any {
-            self.spread.before.clone_from(&self.velocities);
+        if self.borne.any {
+            self.borne.before.clone_from(&self.velocities);
         }
     }
 
     fn is_in_loop(&self, joint: &BatchJoint) -> bool {
-        self.spread.any && self.spread.is_loop[joint.component as usize]
+        self.borne.any && self.borne.is_loop[joint.component as usize]
     }
 
     /// Takes note of what the joints bear in a half of a sub-step, where the bodies are in it. `are_alone`: nothing else has changed velocities.
@@ -91,16 +76,16 @@ impl JointSystem {
                 }
             }
         }
-        if self.spread.any {
+        if self.borne.any {
             self.note_borne(are_alone);
         }
     }
 
     /// The same of bodies in loops.
     fn note_borne(&mut self, are_alone: bool) {
-        let mut borne = std::mem::take(&mut self.spread.borne);
+        let mut borne = std::mem::take(&mut self.borne.impulses);
         if are_alone {
-            let velocities = self.velocities.iter().zip(&self.spread.before);
+            let velocities = self.velocities.iter().zip(&self.borne.before);
             for ((borne, body), (now, before)) in borne.iter_mut().zip(&self.bodies).zip(velocities)
             {
                 let change: Vector6 = std::array::from_fn(|i| now[i] - before[i]);
@@ -118,12 +103,12 @@ impl JointSystem {
                 }
             }
         }
-        self.spread.borne = borne;
+        self.borne.impulses = borne;
     }
 
     /// At the end of a step: spreads what bodies in loops have got over the rows that hold them.
     pub(crate) fn spread_impulses(&mut self) {
-        if !self.spread.any {
+        if !self.borne.any {
             return;
         }
         self.scale_spread_rows(STIFFNESS);
@@ -132,7 +117,7 @@ impl JointSystem {
         self.missing.resize(self.rows.len(), 0.0);
         self.changes.clear();
         self.changes.resize(self.bodies.len(), [0.0; 6]);
-        for (borne, &at) in self.spread.borne.iter().zip(&self.sparsity.position) {
+        for (borne, &at) in self.borne.impulses.iter().zip(&self.sparsity.position) {
             add_scaled(&mut self.changes[at as usize], -1.0, borne);
         }
         self.solve_for_changes();
@@ -154,7 +139,7 @@ impl JointSystem {
 
     /// Has rows that are spread be stiffer; their components are asked and have no factor then.
     fn scale_spread_rows(&mut self, share: f64) {
-        let is_loop = self.spread.is_loop.iter();
+        let is_loop = self.borne.is_loop.iter();
         for (component, &is_loop) in self.components.iter_mut().zip(is_loop) {
             component.is_asked = is_loop;
             component.is_stale |= is_loop;

@@ -3,13 +3,13 @@
 use crate::joints::joint::Joint;
 use crate::simd::lanes::LaneWidth;
 use crate::solver::joint::body::{FixedBody, JointedBody};
+use crate::solver::joint::borne::Borne;
 use crate::solver::joint::factor::Factor;
 use crate::solver::joint::measure::{Frames, Place, has_angles};
 use crate::solver::joint::rounds::Rounds;
 use crate::solver::joint::row::JointRow;
 use crate::solver::joint::rows::HalfSettings;
 use crate::solver::joint::sparsity::{EdgeBlock, Sparsity};
-use crate::solver::joint::spread::Spread;
 use crate::solver::joint::vector6::Vector6;
 use glam::{DQuat, DVec3};
 use std::ops::Range;
@@ -124,7 +124,7 @@ pub(crate) struct JointSystem {
     /// The search for where bodies are to go.
     pub(super) rounds: Rounds,
     /// What joints in loops bear.
-    pub(super) spread: Spread,
+    pub(super) borne: Borne,
 }
 
 impl JointSystem {
