@@ -4,11 +4,14 @@
 
 mod judge;
 
-use bevy_cleave::prelude::{Pose, Shape};
+use bevy_cleave::prelude::{Gravity, Pose, RigidBody, Shape, Simulation};
+use glam::Vec3;
 use judge::dice::Dice;
 use judge::file;
+use judge::generate::compounds::compound;
 use judge::generate::{FAMILIES, forms, scene};
 use judge::laws::{Breach, judge as judge_scene};
+use judge::scene::{Actor, Form};
 use judge::solid::Solid;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -65,6 +68,9 @@ const KNOWN: [Known; FAMILIES.len()] = [
     known("passes", MANY, 0),
     known("copies", MANY, 1),
     known("steps", MANY, 0),
+    known("compounds", MANY, 0),
+    known("terrains", MANY, 0),
+    known("mixtures", MANY, 0),
 ];
 
 /// Files in `data/judge` that break a law: all of these and no others. A mend takes them off the list; none is added but with a
@@ -222,4 +228,84 @@ fn depth_of_overlap_is_the_least_over_all_axes() {
         }
     }
     assert!(overlapping >= 20, "{overlapping}");
+}
+
+/// Where a body overlaps a compound, there is a contact that is about as deep, wherever parts meet.
+#[test]
+fn what_overlaps_a_compound_touches_it() {
+    const SCENES: usize = 360;
+    const DEPTH: f64 = 0.03;
+    let found = of_each(SCENES, |i| {
+        let mut dice = Dice::new(i as u64);
+        let forms = [compound(&mut dice), against(&mut dice)];
+        let turns = [dice.rotation(), dice.rotation()];
+        let (along, off) = (dice.direction(), 0.3 * dice.vector(-1.0, 1.0));
+        let poses = |way: f32| {
+            [
+                Pose::new(Vec3::ZERO, turns[0]),
+                Pose::new(off + way * along, turns[1]),
+            ]
+        };
+        let gap = |way: f32| {
+            let solid = |side: usize| {
+                let shape = forms[side].shape().expect("usable");
+                Solid::of(&shape, &poses(way)[side]).expect("has an inside")
+            };
+            solid(0).separation(&solid(1), f64::MAX)
+        };
+        let (way, right) = first_overlap(gap, DEPTH)?;
+        Some((right, deepest_contact(&forms, poses(way))))
+    });
+    let found: Vec<_> = found.into_iter().flatten().collect();
+    assert!(found.len() > SCENES * 9 / 10, "{} overlap", found.len());
+    for (right, found) in found {
+        assert!(found < 0.3 * right, "{found} instead of {right}");
+    }
+}
+
+fn against(dice: &mut Dice) -> Form {
+    match dice.below(4) {
+        0 => forms::rod(dice),
+        1 => forms::plate(dice),
+        _ => forms::any(dice),
+    }
+}
+
+/// From how far on the way from outside two bodies overlap by a depth, and their gap there.
+fn first_overlap(gap: impl Fn(f32) -> f64, depth: f64) -> Option<(f32, f64)> {
+    let ways = (0..3000).map(|i| 3.0 - 2e-3 * i as f32);
+    let mut inside = ways.into_iter().find(|&way| gap(way) < -depth)?;
+    let mut outside = inside + 2e-3;
+    for _ in 0..20 {
+        let middle = 0.5 * (inside + outside);
+        if gap(middle) < -depth {
+            inside = middle;
+        } else {
+            outside = middle;
+        }
+    }
+    Some((inside, gap(inside)))
+}
+
+/// Least separation of the contacts of two bodies, the first of them static, m; infinite if there is none.
+fn deepest_contact(forms: &[Form; 2], poses: [Pose; 2]) -> f64 {
+    let mut simulation = Simulation {
+        gravity: Gravity(Vec3::ZERO),
+        ..Simulation::default()
+    };
+    for (i, (form, pose)) in forms.iter().zip(poses).enumerate() {
+        let mut actor = Actor::new(form.clone(), pose.position);
+        actor.pose = pose;
+        if i == 0 {
+            actor.kind = RigidBody::Static;
+        }
+        let desc = actor.desc().expect("usable");
+        simulation.bodies.insert(desc).expect("usable");
+    }
+    simulation.step(1e-5);
+    let manifolds = simulation.contacts.manifolds().iter();
+    let points = manifolds.flat_map(|manifold| manifold.points());
+    points.fold(f64::INFINITY, |least, point| {
+        least.min(f64::from(point.separation))
+    })
 }

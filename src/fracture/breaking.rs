@@ -15,6 +15,7 @@ use crate::fracture::pending::{
 };
 use crate::fracture::pieces::{PieceSet, replace};
 use crate::fracture::requests::collect_requests;
+use crate::fracture::shares::apply_shares;
 use crate::fracture::{Bonds, BreakingImpact, CutError, Fractures, MIN_PIECES};
 use crate::slice::PieceCutter;
 use crate::solver::contact_solver::ContactSolver;
@@ -247,12 +248,12 @@ pub(crate) fn break_overloaded(
             Division::Cut(pieces) => blow.withstood(bodies, pieces),
             Division::Groups(_) => blow.withstood_by_bonds(),
         };
-        let contacts = blow.contacts.iter();
-        shares.extend(contacts.map(|&(index, part)| (index, part * withstood)));
+        shares.extend(blow.shares(withstood));
         divisions.push((division, blow.report(bodies, withstood), blow));
     }
-    impact::apply_shares(&mut shares, bodies, manifolds);
-    for (division, report, blow) in divisions {
+    let acted = apply_shares(shares, bodies, manifolds);
+    for (division, mut report, blow) in divisions {
+        report.withstood = blow.acted(report.withstood, &acted);
         let is_joined = division.is_joined();
         match fractures.replace(bodies, bonds, blow.slot, division, budget) {
             Ok(fracture) => {
@@ -267,8 +268,7 @@ pub(crate) fn break_overloaded(
     fractures.hand_on_impulses(bodies, cache);
 }
 
-/// After the last round: lets those break later that would have, had there been a budget or a round for them. Of the batches from
-/// this number on.
+/// After the last round, of the batches from a number on: lets those break later that would have, had there been a budget or a round.
 pub(crate) fn note_blows(
     fractures: &mut Fractures,
     bodies: &mut Bodies,

@@ -1,9 +1,7 @@
 //! Blows: what they break, and what of them acts before that.
 
-use crate::bodies::body::RigidBody;
 use crate::bodies::breaking::{Blow, ImpactLoad};
 use crate::bodies::store::Bodies;
-use crate::contact::manifolds::Manifolds;
 use crate::fracture::BreakingImpact;
 use crate::fracture::pieces::PieceSet;
 use crate::geometry::Compound;
@@ -33,6 +31,22 @@ impl Blow {
     /// start.
     pub(super) fn withstood(&self, bodies: &Bodies, division: &PieceSet) -> f32 {
         withstood(bodies, self.slot, self.load, division)
+    }
+
+    /// The manifolds that gave it, and the shares of their impulses that act when this share of it does.
+    pub(super) fn shares(&self, withstood: f32) -> impl Iterator<Item = (u32, f32)> {
+        let contacts = self.contacts.iter();
+        contacts.map(move |&(index, part)| (index, part * withstood))
+    }
+
+    /// How much of it acted, of a share that should have, when these impulses did by manifold (N s, sorted by index).
+    pub(super) fn acted(&self, share: f32, acted: &[(u32, f32)]) -> f32 {
+        let of_contact = |&(index, _): &(u32, f32)| {
+            let place = acted.binary_search_by_key(&index, |&(index, _)| index);
+            place.map_or(0.0, |place| acted[place].1)
+        };
+        let impulse: f32 = self.contacts.iter().map(of_contact).sum();
+        share.min(impulse.max(0.0) / self.load.impulse)
     }
 
     /// The same where bonds within the body break, and take the work.
@@ -131,36 +145,6 @@ pub(super) fn struck_part(compound: &Compound, point: Vec3) -> usize {
     let heights = parts.map(|part| part.height_of(point)).enumerate();
     let nearest = heights.min_by(|(_, a), (_, b)| a.total_cmp(b));
     nearest.map_or(0, |(part, _)| part)
-}
-
-/// Lets shares of the impulses of manifolds (indices, perhaps some several times) act on what breaks and on what touches it.
-///
-/// Equal and opposite at one point, so momentum and angular momentum stay what they are. Two bodies that break at one contact
-/// share what the stronger of them bears.
-pub(super) fn apply_shares(shares: &mut [(u32, f32)], bodies: &mut Bodies, manifolds: &Manifolds) {
-    shares.sort_unstable_by(|(a, share_a), (b, share_b)| a.cmp(b).then(share_b.total_cmp(share_a)));
-    let mut last = None;
-    for &mut (index, share) in shares {
-        if last.replace(index) == Some(index) {
-            continue;
-        }
-        let manifold = manifolds.at(index as usize);
-        for point in manifold.points() {
-            let impulse = share * point.total_impulse * manifold.normal;
-            push(bodies, manifold.a, point.anchor_a, -impulse);
-            push(bodies, manifold.b, point.anchor_b, impulse);
-        }
-    }
-}
-
-/// Changes the velocity of a body by an impulse (N s) at `anchor` from its center of mass (m), world axes.
-fn push(bodies: &mut Bodies, slot: u32, anchor: Vec3, impulse: Vec3) {
-    let i = slot as usize;
-    if bodies.kind(slot) == RigidBody::Dynamic {
-        let body = &mut bodies.velocity[i];
-        body.linear += body.inverse_mass * impulse;
-        body.angular += bodies.inverse_inertia[i] * anchor.cross(impulse);
-    }
 }
 
 impl BreakingImpact {

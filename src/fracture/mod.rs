@@ -14,7 +14,7 @@
 //! |---|---|
 //! | `breaking.rs` | when: on request, overloaded, or after waiting for the budget (`budget.rs`, `pending.rs`) |
 //! | `gradual.rs` | large meshes, which are cut over several steps |
-//! | `impact.rs` | impulses of a step by body: what they break, and what of them acts before |
+//! | `impact.rs`, `shares.rs` | impulses of a step by body: what they break, and what of them acts before |
 //! | `pieces.rs`, `conservation.rs`, `ledger.rs` | pieces as bodies; what rounding takes from them; before and after |
 //! | `holding.rs`, `hold_area.rs` | which pieces of what stood stay, and what falls with the others |
 //! | `blast.rs`, `pressure.rs` | explosions and forces at points, which push clusters part by part; other bodies |
@@ -48,6 +48,7 @@ mod pending;
 mod pieces;
 mod pressure;
 mod requests;
+mod shares;
 
 pub use bond::{Bond, BondError};
 pub use bonds::{Bonds, BrokenBond};

@@ -20,6 +20,7 @@ mod contact_cache;
 mod docs;
 mod fracture;
 mod fracture_budget;
+mod fracture_energy;
 mod fracture_in_step;
 mod fracture_ledger;
 mod fracture_materials;

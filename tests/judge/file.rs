@@ -4,7 +4,7 @@
 //! that of [`Actor::new`]. Numbers are written so that they are read back to the bit.
 
 use super::laws::Law;
-use super::scene::{Actor, Form, Role, Scene};
+use super::scene::{Actor, Form, Ground, Role, Scene, Smooth};
 use bevy_cleave::prelude::*;
 use glam::{Quat, Vec3};
 use std::fmt::Write;
@@ -50,11 +50,7 @@ fn write_actor(text: &mut String, actor: &Actor) {
     let kind = name_of(&KINDS, actor.kind);
     let role = name_of(&Role::NAMES, actor.role);
     line(text, "\nbody", &format!("{kind} {role}"));
-    match &actor.form {
-        Form::Box(size) => vector(text, "box", *size),
-        Form::HalfSpace(normal) => vector(text, "half_space", *normal),
-        Form::Hull(corners) => corners.iter().for_each(|c| vector(text, "corner", *c)),
-    }
+    write_form(text, &actor.form);
     vector(text, "at", actor.pose.position);
     let [x, y, z, w] = actor.pose.rotation.to_array();
     if actor.pose.rotation != usual.pose.rotation {
@@ -71,6 +67,42 @@ fn write_actor(text: &mut String, actor: &Actor) {
     ];
     for (word, number, _) in numbers.into_iter().filter(|(_, n, usual)| n != usual) {
         line(text, word, &number.to_string());
+    }
+}
+
+fn write_form(text: &mut String, form: &Form) {
+    match form {
+        Form::Box(size) => vector(text, "box", *size),
+        Form::HalfSpace(normal) => vector(text, "half_space", *normal),
+        Form::Hull(corners) => corners.iter().for_each(|c| vector(text, "corner", *c)),
+        Form::Smooth(kind, [radius, length]) => {
+            line(
+                text,
+                name_of(&Smooth::NAMES, *kind),
+                &format!("{radius} {length}"),
+            );
+        }
+        Form::Rounded(core, radius) => {
+            write_form(text, core);
+            line(text, "rounded", &radius.to_string());
+        }
+        Form::Compound(parts) => parts.iter().for_each(|(form, pose)| {
+            let [x, y, z] = pose.position.to_array();
+            let [i, j, k, w] = pose.rotation.to_array();
+            line(text, "part", &format!("{x} {y} {z} {i} {j} {k} {w}"));
+            write_form(text, form);
+        }),
+        Form::Ground(ground) => {
+            line(
+                text,
+                "ground",
+                &format!("{} {}", ground.columns, ground.spacing),
+            );
+            for row in ground.heights.chunks(ground.columns) {
+                let row: Vec<_> = row.iter().map(f32::to_string).collect();
+                line(text, "row", &row.join(" "));
+            }
+        }
     }
 }
 
@@ -138,14 +170,6 @@ fn read_line(scene: &mut Scene, word: &str, rest: &[&str]) -> Result<(), String>
 
 fn read_actor(actor: &mut Actor, word: &str, rest: &[&str]) -> Result<(), String> {
     match word {
-        "box" => actor.form = Form::Box(Vec3::from_array(numbers(rest)?)),
-        "half_space" => actor.form = Form::HalfSpace(Vec3::from_array(numbers(rest)?)),
-        "corner" => {
-            let Form::Hull(corners) = &mut actor.form else {
-                return Err("a corner of what is no hull".into());
-            };
-            corners.push(Vec3::from_array(numbers(rest)?));
-        }
         "at" => actor.pose.position = Vec3::from_array(numbers(rest)?),
         "turn" => actor.pose.rotation = Quat::from_array(numbers(rest)?),
         "linear" => actor.linear = Vec3::from_array(numbers(rest)?),
@@ -153,7 +177,55 @@ fn read_actor(actor: &mut Actor, word: &str, rest: &[&str]) -> Result<(), String
         "density" => [actor.density] = numbers(rest)?,
         "friction" => [actor.friction] = numbers(rest)?,
         "restitution" => [actor.restitution] = numbers(rest)?,
-        _ => return Err("no such word".into()),
+        "part" => {
+            let [x, y, z, i, j, k, w] = numbers(rest)?;
+            let pose = Pose::new(Vec3::new(x, y, z), Quat::from_xyzw(i, j, k, w));
+            if !matches!(actor.form, Form::Compound(_)) {
+                actor.form = Form::Compound(Vec::new());
+            }
+            if let Form::Compound(parts) = &mut actor.form {
+                parts.push((Form::Hull(Vec::new()), pose));
+            }
+        }
+        _ => {
+            let form = match &mut actor.form {
+                Form::Compound(parts) => &mut parts.last_mut().ok_or("no part")?.0,
+                form => form,
+            };
+            read_form(form, word, rest)?;
+        }
+    }
+    Ok(())
+}
+
+fn read_form(form: &mut Form, word: &str, rest: &[&str]) -> Result<(), String> {
+    match (word, form) {
+        ("box", form) => *form = Form::Box(Vec3::from_array(numbers(rest)?)),
+        ("half_space", form) => *form = Form::HalfSpace(Vec3::from_array(numbers(rest)?)),
+        ("corner", Form::Hull(corners)) => corners.push(Vec3::from_array(numbers(rest)?)),
+        ("rounded", form) => {
+            let [radius] = numbers(rest)?;
+            *form = Form::Rounded(Box::new(form.clone()), radius);
+        }
+        ("ground", form) => {
+            let [columns, spacing] = numbers(rest)?;
+            *form = Form::Ground(Ground {
+                heights: Vec::new(),
+                columns: columns as usize,
+                spacing,
+            });
+        }
+        ("row", Form::Ground(ground)) => {
+            for height in rest {
+                ground
+                    .heights
+                    .push(height.parse().map_err(|_| "no number")?);
+            }
+        }
+        (word, form) => {
+            let kind = value_of(&Smooth::NAMES, word)?;
+            *form = Form::Smooth(kind, numbers(rest)?);
+        }
     }
     Ok(())
 }

@@ -5,8 +5,10 @@
 //! and which way is down.
 
 mod broken;
+pub(crate) mod compounds;
 mod flights;
 pub(crate) mod forms;
+mod grounds;
 mod heaps;
 mod passes;
 mod piles;
@@ -23,7 +25,7 @@ use glam::{Quat, Vec3};
 pub(crate) type Draw = fn(&mut Dice) -> Draft;
 
 /// Families by name.
-pub(crate) const FAMILIES: [(&str, Draw); 28] = [
+pub(crate) const FAMILIES: [(&str, Draw); 31] = [
     ("boxes", heaps::boxes),
     ("hulls", heaps::hulls),
     ("round", heaps::round),
@@ -52,6 +54,9 @@ pub(crate) const FAMILIES: [(&str, Draw); 28] = [
     ("passes", passes::passes),
     ("copies", heaps::copies),
     ("steps", heaps::steps),
+    ("compounds", heaps::compounds),
+    ("terrains", grounds::terrains),
+    ("mixtures", grounds::mixtures),
 ];
 
 /// Steps of the unit of time, at least: of 1, a body falls from rest by half of its length in one step.

@@ -1,6 +1,6 @@
 //! Scenes run: the simulation of a scene, and what can be measured of it from outside, in `f64`.
 
-use super::scene::{Actor, Scene};
+use super::scene::{Actor, Form, Ground, Scene};
 use super::solid::{Solid, above, plane_of};
 use bevy_cleave::prelude::*;
 use glam::{DMat3, DVec3};
@@ -11,6 +11,8 @@ pub(crate) struct Run<'s> {
     pub(crate) simulation: Simulation,
     /// Slot of each actor.
     pub(crate) slots: Vec<u32>,
+    /// Shape of each actor.
+    shapes: Vec<Shape>,
     /// Whether a body was ever left out.
     pub(crate) had_problems: bool,
 }
@@ -34,14 +36,17 @@ impl<'s> Run<'s> {
             }
             .into();
         }
-        let mut slots = Vec::new();
+        let (mut slots, mut shapes) = (Vec::new(), Vec::new());
         for actor in &scene.actors {
-            slots.push(simulation.bodies.insert(actor.desc()?).ok()?);
+            let desc = actor.desc()?;
+            shapes.push(desc.shape.clone());
+            slots.push(simulation.bodies.insert(desc).ok()?);
         }
         Some(Self {
             scene,
             simulation,
             slots,
+            shapes,
             had_problems: false,
         })
     }
@@ -87,23 +92,37 @@ impl<'s> Run<'s> {
         (f64::from(mass.mass), turn * inertia * turn.transpose())
     }
 
-    /// Least extent of a body's box and its largest distance from its center of mass, m.
+    fn shape(&self, slot: u32) -> &Shape {
+        let actor = self.slots.iter().position(|&it| it == slot);
+        &self.shapes[actor.expect("a body of the scene")]
+    }
+
+    /// Least extent of a body's box, or that of its thinnest part, and its largest distance from its center of mass, m.
     pub(crate) fn size(&self, slot: u32) -> (f64, f64) {
         let bodies = &self.simulation.bodies;
-        let Some(mesh) = bodies.convex(slot) else {
-            return (0.0, 0.0);
-        };
         let center = bodies.mass(slot).center;
-        let reach = |far: f32, v: &glam::Vec3| far.max(v.distance(center));
-        let radius = mesh.hull().vertices().iter().fold(0.0, reach);
-        let min_extent = mesh.aabb().extents().min_element();
-        (f64::from(min_extent), f64::from(radius))
+        let (mut least, mut far) = (f32::INFINITY, 0.0_f32);
+        let mut add = |mesh: &ConvexMesh, pose: &Pose| {
+            least = least.min(mesh.aabb().extents().min_element());
+            let corners = mesh.hull().vertices().iter();
+            far = corners.fold(far, |far, v| {
+                far.max(pose.transform_point(*v).distance(center))
+            });
+        };
+        match self.shape(slot) {
+            Shape::Convex(mesh) => add(mesh, &Pose::IDENTITY),
+            Shape::Compound(compound) => {
+                let parts = compound.parts().iter();
+                parts.for_each(|part| add(&part.shape, &part.pose));
+            }
+            Shape::HalfSpace(_) | Shape::Level(_) => return (0.0, 0.0),
+        }
+        (f64::from(least), f64::from(far))
     }
 
     /// The body as it lies, or nothing for a half-space.
     pub(crate) fn solid(&self, slot: u32) -> Option<Solid> {
-        let bodies = &self.simulation.bodies;
-        Some(Solid::new(bodies.convex(slot)?.hull(), &bodies.pose(slot)))
+        Solid::of(self.shape(slot), &self.simulation.bodies.pose(slot))
     }
 
     /// All bodies as they lie.
@@ -122,14 +141,29 @@ impl<'s> Run<'s> {
     }
 
     fn gap_to_plane(&self, solid: &Solid, plane: usize) -> f64 {
-        let Shape::HalfSpace(half_space) = self.scene.actors[plane].form.shape().expect("usable")
-        else {
-            return f64::INFINITY;
-        };
         let pose = self.simulation.bodies.pose(self.slots[plane]);
-        let (point, normal) = plane_of(&pose, half_space.normal);
-        above(solid, point, normal)
+        match &self.scene.actors[plane].form {
+            Form::HalfSpace(normal) => {
+                let (point, normal) = plane_of(&pose, *normal);
+                above(solid, point, normal)
+            }
+            Form::Ground(ground) => above_ground(solid, ground, &pose),
+            _ => f64::INFINITY,
+        }
     }
+}
+
+/// How far a body is above a ground: corners of one from faces of the other, m.
+fn above_ground(solid: &Solid, ground: &Ground, pose: &Pose) -> f64 {
+    let turn = pose.rotation.as_dquat().normalize();
+    let at = pose.position.as_dvec3();
+    let corners = solid
+        .corners()
+        .map(|corner| ground.below(turn.inverse() * (corner - at)));
+    let points = ground
+        .points()
+        .map(|point| solid.outside(turn * point + at));
+    corners.chain(points).fold(f64::INFINITY, f64::min)
 }
 
 /// Motion of a body.

@@ -122,6 +122,10 @@ fn mirror(scene: &mut Scene) {
             Form::Box(_) => {}
             Form::Hull(corners) => corners.iter_mut().for_each(|corner| *corner *= flip),
             Form::HalfSpace(normal) => *normal *= flip,
+            Form::Smooth(..) => {}
+            Form::Rounded(..) | Form::Compound(_) | Form::Ground(_) => {
+                unreachable!("no family that is mirrored has them")
+            }
         }
         actor.pose.position *= flip;
         actor.linear *= flip;

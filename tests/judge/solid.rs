@@ -1,12 +1,13 @@
-//! How deep two convex bodies overlap, by trying every axis there is, in `f64`: too simple to be wrong.
+//! How deep two bodies of convex parts overlap, by trying every axis there is, in `f64`: too simple to be wrong.
 //!
 //! Two convex polyhedra are as far apart, or as deep in each other, as the best of these axes says: the normals of the
 //! faces of both, and the cross products of those of their edges that make a face of the Minkowski difference (S. Gottschalk,
 //! M. C. Lin, D. Manocha, "OBBTree", 1996; D. Gregorius, "The Separating Axis Test between Convex Polyhedra", GDC 2013).
-//! Apart, the best axis gives at most their distance; overlapping, exactly the depth.
+//! Apart, the best axis gives at most their distance; overlapping, exactly the depth. For what is round its polyhedron stands, which
+//! has its corners on the surface.
 
 use bevy_cleave::geometry::ConvexHull;
-use bevy_cleave::math::Pose;
+use bevy_cleave::prelude::{CompoundPart, Pose, Shape};
 use bevy_cleave::testing::math::rotate;
 use glam::{DQuat, DVec3};
 
@@ -20,7 +21,10 @@ struct Ridge {
 }
 
 /// A body where it is, in world axes.
-pub(crate) struct Solid {
+pub(crate) struct Solid(Vec<Part>);
+
+/// A convex part of it.
+struct Part {
     corners: Vec<DVec3>,
     /// Outward normals of the faces, and how far along them the faces are, m.
     faces: Vec<(DVec3, f64)>,
@@ -32,6 +36,58 @@ pub(crate) struct Solid {
 
 impl Solid {
     pub(crate) fn new(hull: &ConvexHull, pose: &Pose) -> Self {
+        Self(vec![Part::new(hull, pose)])
+    }
+
+    /// A body of a shape; nothing of what has no inside.
+    pub(crate) fn of(shape: &Shape, pose: &Pose) -> Option<Self> {
+        match shape {
+            Shape::Convex(mesh) => Some(Self::new(mesh.hull(), pose)),
+            Shape::Compound(compound) => {
+                let place = |part: &CompoundPart| {
+                    let at = pose.transform_point(part.pose.position);
+                    let turn = (pose.rotation * part.pose.rotation).normalize();
+                    Part::new(part.shape.hull(), &Pose::new(at, turn))
+                };
+                Some(Self(compound.parts().iter().map(place).collect()))
+            }
+            Shape::HalfSpace(_) | Shape::Level(_) => None,
+        }
+    }
+
+    /// Lowest corner along `normal`, m.
+    pub(crate) fn lowest(&self, normal: DVec3) -> f64 {
+        let parts = self.0.iter();
+        parts.fold(f64::MAX, |low, part| low.min(part.lowest(normal)))
+    }
+
+    /// All corners of all parts, m.
+    pub(crate) fn corners(&self) -> impl Iterator<Item = DVec3> + '_ {
+        self.0.iter().flat_map(|part| part.corners.iter().copied())
+    }
+
+    /// How far a point is outside, along the faces of the part that it is nearest to, m; below zero, how deep it is inside.
+    pub(crate) fn outside(&self, point: DVec3) -> f64 {
+        let of_part = |part: &Part| {
+            let heights = part.faces.iter().map(|(n, reach)| n.dot(point) - reach);
+            heights.fold(f64::MIN, f64::max)
+        };
+        self.0.iter().map(of_part).fold(f64::MAX, f64::min)
+    }
+
+    /// Signed distance of two bodies along the best axis, m: below zero, how deep their deepest parts overlap. Where it is certain that it
+    /// is at least `enough`, that may be all it says.
+    pub(crate) fn separation(&self, other: &Self, enough: f64) -> f64 {
+        let pairs = self
+            .0
+            .iter()
+            .flat_map(|a| other.0.iter().map(move |b| (a, b)));
+        pairs.fold(f64::MAX, |least, (a, b)| least.min(a.separation(b, enough)))
+    }
+}
+
+impl Part {
+    fn new(hull: &ConvexHull, pose: &Pose) -> Self {
         let turn = pose.rotation.as_dquat().normalize();
         let place = |p: DVec3| turn * p + pose.position.as_dvec3();
         let corners: Vec<DVec3> = hull
@@ -67,16 +123,14 @@ impl Solid {
         }
     }
 
-    /// Lowest corner along `normal`, m.
-    pub(crate) fn lowest(&self, normal: DVec3) -> f64 {
+    fn lowest(&self, normal: DVec3) -> f64 {
         self.corners
             .iter()
             .fold(f64::MAX, |low, c| low.min(normal.dot(*c)))
     }
 
-    /// Signed distance of two bodies along the best axis, m: below zero, how deep they overlap. Where it is certain that it
-    /// is at least `enough`, that may be all it says.
-    pub(crate) fn separation(&self, other: &Self, enough: f64) -> f64 {
+    /// See [`Solid::separation`].
+    fn separation(&self, other: &Self, enough: f64) -> f64 {
         let apart = self.middle.distance(other.middle) - self.radius - other.radius;
         if apart >= enough {
             return apart;

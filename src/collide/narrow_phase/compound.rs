@@ -33,6 +33,13 @@ const SPARE: f32 = 0.5;
 /// How far the planes of contacts that make one may be apart, as a share of the smaller body's least extent.
 const FLUSH: f32 = 5e-4;
 
+/// How deep parts may overlap where their contact is on no surface, as a share of the smaller body's least extent: if nothing else holds the
+/// bodies apart, the contact counts. A hundred times what contacts sag.
+const SUNK: f32 = 0.02;
+
+/// Share of that depth that contacts on surfaces must have to hold the bodies apart.
+const HELD: f32 = 0.25;
+
 /// A pair of bodies whose parts are tested.
 struct BodyPair<'s> {
     scene: &'s Scene<'s>,
@@ -94,6 +101,12 @@ impl PairRun {
     }
 }
 
+/// How deep bodies overlap at the deepest point of a contact, m; zero if they do not.
+fn depth(patch: &LocalManifold) -> f32 {
+    let points = patch.points().iter();
+    points.fold(0.0, |depth, point| depth.max(-point.separation))
+}
+
 impl<'s> BodyPair<'s> {
     /// Fills `scratch.found` with the contacts of all parts.
     fn examine(
@@ -124,6 +137,7 @@ impl<'s> BodyPair<'s> {
             least: wide,
             touches: false,
         };
+        let mut hidden: Option<Found> = None;
         for &near in &scratch.near {
             let Some(parts) = part_pair(self.shapes, near) else {
                 continue;
@@ -142,15 +156,26 @@ impl<'s> BodyPair<'s> {
                     let Some((patch, there)) = followed else {
                         continue;
                     };
-                    let patch = parts.settle(&patch, &there, self.reach, others.hulls);
-                    if patch.count > 0 {
-                        scratch.found.push(Found {
-                            patch: parts.lift(&patch),
-                            turn: parts.turn_of_bodies(&there),
-                            is_ahead: there != pose,
-                        });
+                    let settled = parts.settle(&patch, &there, self.reach, others.hulls);
+                    let found = |patch: &LocalManifold| Found {
+                        patch: parts.lift(patch),
+                        turn: parts.turn_of_bodies(&there),
+                        is_ahead: there != pose,
+                    };
+                    let depth_of_hidden = hidden.as_ref().map_or(0.0, |it| depth(&it.patch));
+                    if settled.count > 0 {
+                        scratch.found.push(found(&settled));
+                    } else if depth(&patch) > depth_of_hidden {
+                        hidden = Some(found(&patch));
                     }
                 }
+            }
+        }
+        let sunk = SUNK * smaller_extent(view.paces);
+        if let Some(hidden) = hidden.filter(|it| depth(&it.patch) > sunk) {
+            let held = HELD * depth(&hidden.patch);
+            if scratch.found.iter().all(|it| depth(&it.patch) < held) {
+                scratch.found.push(hidden);
             }
         }
         gap

@@ -201,16 +201,7 @@ impl JointSystem {
     /// `J M^-1 J^T`, 1/kg.
     #[inline(always)]
     fn mobility(&self, joint: &BatchJoint, jacobian: &[Vector6; 2]) -> f64 {
-        let of = |side: usize| {
-            let JointEndpoint::Jointed(body) = joint.ends[side] else {
-                return 0.0;
-            };
-            let body = &self.bodies[body as usize];
-            let [linear, angular] = split(&jacobian[side]);
-            let linear = body.free_part(linear);
-            linear.length_squared() / body.mass + angular.dot(body.inverse_inertia * angular)
-        };
-        of(0) + of(1)
+        self.product(joint, jacobian, jacobian)
     }
 
     /// The same for the rows of a measure, and for its springs.
@@ -255,6 +246,7 @@ impl JointSystem {
     }
 
     /// `J M^-1 K^T` of two rows of a joint.
+    #[inline(always)]
     fn product(&self, joint: &BatchJoint, j: &[Vector6; 2], k: &[Vector6; 2]) -> f64 {
         let of = |side: usize| {
             let JointEndpoint::Jointed(body) = joint.ends[side] else {

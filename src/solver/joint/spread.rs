@@ -70,11 +70,9 @@ impl JointSystem {
         for at in 0..self.joints.len() {
             let is_spread = self.is_in_loop(&self.joints[at]);
             let (rows, joint) = (&self.rows, &mut self.joints[at]);
-            for row in &rows[joint.rows.clone()] {
-                if !(is_spread && row.is_spread()) {
-                    joint.add_impulse(row, row.impulse);
-                }
-            }
+            let rows = rows[joint.rows.clone()].iter();
+            let known = rows.filter(|row| !(is_spread && row.is_spread()));
+            joint.add_impulses(known.map(|row| (row, row.impulse)));
         }
         if self.borne.any {
             self.note_borne(are_alone);
@@ -127,12 +125,11 @@ impl JointSystem {
                 continue;
             }
             let (rows, joint) = (&self.rows, &mut self.joints[at]);
-            for number in joint.rows.clone() {
-                let row = &rows[number];
-                if row.is_spread() {
-                    joint.add_impulse(row, self.missing[number]);
-                }
-            }
+            let rows = joint
+                .rows
+                .clone()
+                .map(|number| (&rows[number], self.missing[number]));
+            joint.add_impulses(rows.filter(|(row, _)| row.is_spread()));
         }
         self.scale_spread_rows(STIFFNESS.recip());
     }
@@ -162,14 +159,17 @@ impl JointRow {
 }
 
 impl BatchJoint {
-    /// Adds an impulse of a row to what it bears.
-    fn add_impulse(&mut self, row: &JointRow, impulse: f64) {
+    /// Adds impulses of its rows to what it bears.
+    fn add_impulses<'r>(&mut self, impulses: impl Iterator<Item = (&'r JointRow, f64)>) {
         let Some(now) = &self.now else {
             return;
         };
-        let [linear, angular] = split(&row.jacobian[1]);
-        let torque = angular - now.r[1].cross(linear);
-        self.impulse[0] += impulse * linear;
-        self.impulse[1] += impulse * torque;
+        let mut sum = [0.0; 6];
+        for (row, impulse) in impulses {
+            add_scaled(&mut sum, impulse, &row.jacobian[1]);
+        }
+        let [linear, angular] = split(&sum);
+        self.impulse[0] += linear;
+        self.impulse[1] += angular - now.r[1].cross(linear);
     }
 }

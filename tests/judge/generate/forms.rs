@@ -2,7 +2,7 @@
 
 use super::{log_range, once_in};
 use crate::judge::dice::Dice;
-use crate::judge::scene::Form;
+use crate::judge::scene::{Form, Smooth};
 use bevy_cleave::geometry::{ConvexHull, primitives};
 use glam::Vec3;
 
@@ -128,6 +128,20 @@ pub(crate) fn wedge(dice: &mut Dice) -> Form {
     let mut side = || log_range(dice, 0.2, 1.0);
     let (x, y, z) = (side(), side(), side());
     corners(primitives::wedge(x, y, z).expect("valid"))
+}
+
+/// What is round: about y, or with round edges.
+pub(crate) fn smooth(dice: &mut Dice) -> Form {
+    let radius = log_range(dice, 0.15, 0.5);
+    let length = log_range(dice, 0.1, 1.0);
+    match dice.below(5) {
+        4 => {
+            let mut core = any(dice);
+            core.scaled(0.7);
+            Form::Rounded(Box::new(core), log_range(dice, 0.01, 0.2))
+        }
+        kind => Form::Smooth(Smooth::NAMES[kind].0, [radius, length]),
+    }
 }
 
 /// One of all kinds that are neither thin nor round.

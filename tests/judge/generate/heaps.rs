@@ -1,7 +1,10 @@
 //! Heaps that fall, and unlike boxes on top of each other.
 
 use super::piles::{self, Pile, heap};
-use super::{COARSEST, Draft, broken as fragments, drive, forms, log_range, once_in, set_material};
+use super::{
+    COARSEST, Draft, broken as fragments, compounds as several, drive, forms, log_range, once_in,
+    set_material,
+};
 use crate::judge::dice::Dice;
 use crate::judge::laws::Law;
 use crate::judge::scene::{Actor, Form};
@@ -31,7 +34,19 @@ fn settle(dice: &mut Dice, mut bodies: Vec<Actor>, height: f32, rolling: f32) ->
             body.angular = speed * dice.direction();
         }
     }
-    let mut actors = piles::floor(dice);
+    let floor = piles::floor(dice);
+    settle_on(dice, floor, bodies, height, rolling)
+}
+
+/// The same on a given floor, with the velocities that bodies have.
+pub(super) fn settle_on(
+    dice: &mut Dice,
+    floor: Vec<Actor>,
+    bodies: Vec<Actor>,
+    height: f32,
+    rolling: f32,
+) -> Draft {
+    let mut actors = floor;
     actors.extend(bodies);
     let friction = match dice.below(6) {
         0 => log_range(dice, 0.1, 0.3),
@@ -62,7 +77,7 @@ fn time_to_rest(height: f32, friction: f32, restitution: f32) -> f32 {
     3.0 * fall * (bounces + 1.0 / friction.min(1.0)) + 20.0
 }
 
-fn heap_of(dice: &mut Dice, forms: Vec<Form>, rolling: f32) -> Draft {
+pub(super) fn heap_of(dice: &mut Dice, forms: Vec<Form>, rolling: f32) -> Draft {
     let width = log_range(dice, 0.3, 3.0);
     let pile = heap(dice, forms, width);
     let top = pile.top();
@@ -107,6 +122,12 @@ pub(super) fn needles(dice: &mut Dice) -> Draft {
 pub(super) fn wedges(dice: &mut Dice) -> Draft {
     let forms = some(dice, forms::wedge);
     heap_of(dice, forms, 0.0)
+}
+
+pub(super) fn compounds(dice: &mut Dice) -> Draft {
+    let mut forms = some(dice, several::compound);
+    forms.truncate(16);
+    heap_of(dice, forms, 20.0)
 }
 
 /// Sizes of 1 : 30.

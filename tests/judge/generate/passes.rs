@@ -15,7 +15,7 @@ fn reach(form: &Form, rotation: Quat, direction: Vec3) -> f32 {
         Form::Hull(corners) => corners
             .iter()
             .fold(f32::MIN, |far, c| far.max(c.dot(along))),
-        Form::HalfSpace(_) => 0.0,
+        _ => unreachable!("what passes is a hull, and passes one"),
     }
 }
 

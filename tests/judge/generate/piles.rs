@@ -64,16 +64,18 @@ impl Pile {
 
     /// Puts a body with the given rotation above (x, z).
     pub(crate) fn put(&mut self, form: Form, [x, z]: [f32; 2], rotation: Quat, gap: f32) {
-        let Some(Shape::Convex(mesh)) = form.shape() else {
-            unreachable!("the forms of piles have an inside")
-        };
+        let shape = form.shape().expect("the forms of piles are usable");
         let at = |y: f32| Pose::new(Vec3::new(x, y, z), rotation);
-        let lowest = Solid::new(mesh.hull(), &at(0.0)).lowest(DVec3::Y) as f32;
-        let size = mesh.aabb().extents().min_element();
+        let solid = |y: f32| Solid::of(&shape, &at(y)).expect("they have an inside");
+        let lowest = solid(0.0).lowest(DVec3::Y) as f32;
+        let size = match &shape {
+            Shape::Convex(mesh) => mesh.aabb().extents().min_element(),
+            _ => 0.5 * form.radius(),
+        };
         let clear = 0.05 * f64::from(size);
         let mut y = gap + 0.05 * size - lowest;
         loop {
-            let solid = Solid::new(mesh.hull(), &at(y));
+            let solid = solid(y);
             if self
                 .placed
                 .iter()

@@ -97,13 +97,11 @@ impl Rest {
 
 /// Speed of a body's fastest corner, seen from a floor that moves and turns there.
 fn fastest(run: &Run<'_>, slot: u32, state: &State, carried: DVec3, turned: DVec3) -> f64 {
-    let bodies = &run.simulation.bodies;
-    let corners = bodies
-        .convex(slot)
-        .into_iter()
-        .flat_map(|mesh| mesh.hull().vertices());
-    let speeds = corners.map(|&corner| {
-        let arm = state.pose.transform_point(corner).as_dvec3() - state.center;
+    let corners = run
+        .solid(slot)
+        .map(|solid| solid.corners().collect::<Vec<_>>());
+    let speeds = corners.into_iter().flatten().map(|corner| {
+        let arm = corner - state.center;
         (state.linear - carried + (state.angular - turned).cross(arm)).length()
     });
     speeds.fold(0.0, f64::max)
@@ -117,15 +115,16 @@ fn is_off(run: &Run<'_>, slot: u32) -> bool {
     let center = run.state(slot).center.as_vec3();
     let floors = run.scene.actors.iter().zip(&run.slots);
     let mut floors = floors.filter(|(actor, _)| !actor.is_dynamic());
-    floors.all(|(actor, &floor)| match actor.form {
-        Form::Box(size) => {
-            let at = run
-                .simulation
-                .bodies
-                .pose(floor)
-                .inverse_transform_point(center);
-            at.x.abs() > 0.5 * size.x || at.z.abs() > 0.5 * size.z
+    floors.all(|(actor, &floor)| {
+        let pose = run.simulation.bodies.pose(floor);
+        let at = pose.inverse_transform_point(center);
+        match &actor.form {
+            Form::Box(size) => at.x.abs() > 0.5 * size.x || at.z.abs() > 0.5 * size.z,
+            Form::Ground(ground) => {
+                let [x, z] = ground.extent();
+                !((0.0..x).contains(&at.x) && (0.0..z).contains(&at.z))
+            }
+            _ => false,
         }
-        Form::Hull(_) | Form::HalfSpace(_) => false,
     })
 }
