@@ -68,8 +68,8 @@ const KNOWN: [Known; FAMILIES.len()] = [
     known("passes", MANY, 0),
     known("copies", MANY, 1),
     known("steps", MANY, 0),
-    known("compounds", MANY, 0),
-    known("terrains", MANY, 0),
+    known("compounds", MANY, 1),
+    known("terrains", MANY, 3),
     known("mixtures", MANY, 0),
 ];
 

@@ -55,7 +55,12 @@ pub(super) fn hold_before_levels(bodies: &mut Bodies) {
 /// Whether contacts move a body so far in the step that it is looked at.
 fn is_fast(bodies: &Bodies, slot: u32) -> bool {
     let i = slot as usize;
-    let way = FAR * bodies.min_extent[i];
+    // A local step is a part of the way, and few take them.
+    let way = if bodies.local.is_on {
+        0.0
+    } else {
+        FAR * bodies.min_extent[i]
+    };
     bodies.velocity[i].inverse_mass > 0.0
         && bodies.is_moving(slot)
         && bodies.motion[i].shift.length_squared() > way * way

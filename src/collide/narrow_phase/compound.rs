@@ -33,11 +33,7 @@ const SPARE: f32 = 0.5;
 /// How far the planes of contacts that make one may be apart, as a share of the smaller body's least extent.
 const FLUSH: f32 = 5e-4;
 
-/// How deep parts may overlap where their contact is on no surface, as a share of the smaller body's least extent: if nothing else holds the
-/// bodies apart, the contact counts. A hundred times what contacts sag.
-const SUNK: f32 = 0.02;
-
-/// Share of that depth that contacts on surfaces must have to hold the bodies apart.
+/// Share of the depth of a contact that is on no surface which others must have to hold the bodies apart.
 const HELD: f32 = 0.25;
 
 /// A pair of bodies whose parts are tested.
@@ -107,6 +103,24 @@ fn depth(patch: &LocalManifold) -> f32 {
     points.fold(0.0, |depth, point| depth.max(-point.separation))
 }
 
+/// Keeps the deeper of two contacts that are on no surface, if it is deep at all.
+fn note_deeper(hidden: &mut Option<Found>, other: Found) {
+    let known = hidden.as_ref().map_or(0.0, |it| depth(&it.patch));
+    if depth(&other.patch) > known {
+        *hidden = Some(other);
+    }
+}
+
+/// Takes the deepest contact that is on no surface after all, if no other holds the bodies apart.
+fn stand_in(hidden: Option<Found>, scratch: &mut CompoundScratch) {
+    if let Some(hidden) = hidden {
+        let held = HELD * depth(&hidden.patch);
+        if scratch.found.iter().all(|it| depth(&it.patch) < held) {
+            scratch.found.push(hidden);
+        }
+    }
+}
+
 impl<'s> BodyPair<'s> {
     /// Fills `scratch.found` with the contacts of all parts.
     fn examine(
@@ -162,22 +176,15 @@ impl<'s> BodyPair<'s> {
                         turn: parts.turn_of_bodies(&there),
                         is_ahead: there != pose,
                     };
-                    let depth_of_hidden = hidden.as_ref().map_or(0.0, |it| depth(&it.patch));
                     if settled.count > 0 {
                         scratch.found.push(found(&settled));
-                    } else if depth(&patch) > depth_of_hidden {
-                        hidden = Some(found(&patch));
+                    } else {
+                        note_deeper(&mut hidden, found(&patch));
                     }
                 }
             }
         }
-        let sunk = SUNK * smaller_extent(view.paces);
-        if let Some(hidden) = hidden.filter(|it| depth(&it.patch) > sunk) {
-            let held = HELD * depth(&hidden.patch);
-            if scratch.found.iter().all(|it| depth(&it.patch) < held) {
-                scratch.found.push(hidden);
-            }
-        }
+        stand_in(hidden, scratch);
         gap
     }
 
@@ -280,6 +287,7 @@ impl<'s> BodyPair<'s> {
         let seen = self.seen_from_other(is_second);
         let down = -rotate(seen.rotation.inverse(), below.normal);
         let height = below.normal.dot(seen.position);
+        let mut hidden = None;
         for (index, part) in (0..).zip(compound.boxes()) {
             // The box's lowest corner.
             let lowest = height - down.dot(Core::Box(*part).support(down));
@@ -293,37 +301,40 @@ impl<'s> BodyPair<'s> {
                 SatResult::Separated { distance, .. } => gap.least = gap.least.min(distance),
                 SatResult::Touching(patch) => {
                     gap.touches = true;
-                    self.take(&side, &patch, is_second, scratch);
+                    self.take(&side, &patch, is_second, (scratch, &mut hidden));
                 }
             }
         }
+        stand_in(hidden, scratch);
         gap
     }
 
-    /// Takes a contact of a part with the other body, the part first.
+    /// Takes a contact of a part with the other body, the part first; or else keeps it if it is the deepest of those on no surface.
     fn take(
         &self,
         side: &Side,
         patch: &LocalManifold,
         is_second: bool,
-        scratch: &mut CompoundScratch,
+        (scratch, hidden): (&mut CompoundScratch, &mut Option<Found>),
     ) {
-        let patch = on_surface(side, patch);
-        if patch.count == 0 {
-            return;
-        }
-        let patch = lifted(&patch, &side.pose, &Pose::IDENTITY);
-        let patch = if is_second {
-            patch.swapped(&self.b_in_a.inverse())
-        } else {
-            patch
+        let lift = |patch: &LocalManifold| {
+            let patch = lifted(patch, &side.pose, &Pose::IDENTITY);
+            Found {
+                patch: if is_second {
+                    patch.swapped(&self.b_in_a.inverse())
+                } else {
+                    patch
+                },
+                turn: self.b_in_a.rotation,
+                is_ahead: false,
+            }
         };
-        let turn = self.b_in_a.rotation;
-        scratch.found.push(Found {
-            patch,
-            turn,
-            is_ahead: false,
-        });
+        let kept = on_surface(side, patch);
+        if kept.count > 0 {
+            scratch.found.push(lift(&kept));
+        } else if depth(patch) > 0.0 {
+            note_deeper(hidden, lift(patch));
+        }
     }
 
     fn on_level(
@@ -356,6 +367,7 @@ impl<'s> BodyPair<'s> {
         let bounds = level.aabb().fattened(reach + travel.length());
         let of_level = [self.pair.b, self.pair.a][usize::from(is_second)];
         let is_by_slot = self.scene.bodies.info(of_level).surfaces.is_some();
+        let mut hidden = None;
         for index in 0..compound.len() as u32 {
             let side = Side::part(compound, index);
             let pose = seen * side.pose;
@@ -375,9 +387,10 @@ impl<'s> BodyPair<'s> {
             };
             examine_level(&pair, pair.ground_below().as_ref(), others);
             for patch in &others.level.patches {
-                self.take(&side, patch, is_second, scratch);
+                self.take(&side, patch, is_second, (scratch, &mut hidden));
             }
         }
+        stand_in(hidden, scratch);
         gap
     }
 }

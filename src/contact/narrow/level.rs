@@ -7,7 +7,8 @@
 //! first: contacts are along what is reached, and only there.
 //!
 //! A hull that has got in beside a convex edge, or at an open border, by less than it is below the triangle, came from the side:
-//! what it touches is the triangle across that edge.
+//! what it touches is the triangle across that edge. Where all triangles say so of each other, as on rough ground that a thin rod has pierced,
+//! the one that it is least below is touched.
 
 use crate::contact::local_manifold::{LocalManifold, LocalPoint};
 use crate::contact::narrow::level_scratch::{Found, Group, LevelScratch};
@@ -22,6 +23,9 @@ use glam::{Mat3, Vec3};
 
 /// Share of the hull's diagonal by which it may be below a triangle without it being asked from where it came.
 pub(in crate::contact::narrow) const SHALLOW: f32 = 1e-3;
+
+/// How deep a hull may be below a triangle that it is beside, and touch it if it touches nothing else, as a share of its diagonal.
+pub(in crate::contact::narrow) const PIERCED: f32 = 0.25;
 
 /// How far a hull may go in the step and is on one face, as a share of its diagonal: one that is faster turns over to others when it hits
 /// something.
@@ -47,6 +51,15 @@ pub(crate) struct LevelPair<'h> {
     pub(crate) slide: f32,
     /// Whether triangles of different material slots make contacts of their own.
     pub(crate) is_by_slot: bool,
+}
+
+/// A triangle that a hull has got below from the side, as it seems.
+#[derive(Clone, Copy, Debug)]
+struct Beside {
+    /// Where the hull is when it is looked at.
+    shift: Vec3,
+    /// How far it is below, m.
+    depth: f32,
 }
 
 /// A triangle with the origin of the hull's frame as its own, turned so that the hull is above it.
@@ -103,11 +116,21 @@ impl LevelPair<'_> {
         let points = &self.shape.hull().lanes.points;
         move_points(&mut scratch.points, points, &turn, Vec3::ZERO);
         self.follow(box_of(&scratch.points), scratch);
+        let mut beside: Option<(Ground, Beside)> = None;
         for at in 0..scratch.near.len() {
             let triangle = &self.mesh.triangles()[scratch.near[at] as usize];
-            if let Some(ground) = self.ground(triangle) {
-                self.add_triangle(&ground, &turn, scratch);
+            if let Some(ground) = self.ground(triangle)
+                && let Some(it) = self.add_triangle(&ground, &turn, scratch)
+                && beside.is_none_or(|(_, least)| it.depth < least.depth)
+            {
+                beside = Some((ground, it));
             }
+        }
+        if let Some((ground, it)) = beside
+            && scratch.found.iter().all(|found| found.separation > 0.0)
+        {
+            self.find_over(&ground, it.shift, &turn, scratch);
+            self.add_over(&ground, it.shift, scratch);
         }
         for group in 0..scratch.groups.len() as u32 {
             self.add_patch(group, &turn, scratch);
@@ -159,13 +182,16 @@ impl LevelPair<'_> {
         Some(reached * self.travel)
     }
 
-    /// Adds the points over a triangle, if there are any.
-    fn add_triangle(&self, ground: &Ground, turn: &Mat3, scratch: &mut LevelScratch) {
+    /// Adds the points over a triangle, if there are any, unless the hull came from the side.
+    fn add_triangle(
+        &self,
+        ground: &Ground,
+        turn: &Mat3,
+        scratch: &mut LevelScratch,
+    ) -> Option<Beside> {
         let normal = ground.normal;
         let lowest = lowest_height(&scratch.points, normal) - normal.dot(ground.corners[0]);
-        let Some(first_shift) = self.shift_down(ground, lowest) else {
-            return;
-        };
+        let first_shift = self.shift_down(ground, lowest)?;
         for stop in 0..=scratch.stops.len() {
             let shift = match stop {
                 0 => first_shift,
@@ -173,28 +199,26 @@ impl LevelPair<'_> {
             };
             self.find_over(ground, shift, turn, scratch);
             if !scratch.over.is_empty() {
-                self.take_over(ground, shift, scratch);
-                return;
+                let lowest = scratch.over.iter().map(|over| over.height);
+                let depth = -lowest.fold(f32::INFINITY, f32::min);
+                let size = self.shape.aabb().diagonal();
+                let sides = if depth > SHALLOW * size {
+                    came_over(ground, depth, scratch)
+                } else {
+                    [false; 2]
+                };
+                if sides == [false; 2] {
+                    self.add_over(ground, shift, scratch);
+                }
+                let is_beside = sides == [true, false] && depth < PIERCED * size;
+                return is_beside.then_some(Beside { shift, depth });
             }
         }
+        None
     }
 
-    /// Takes what lies over a triangle into the manifold of its direction, unless the hull came from the side.
-    fn take_over(&self, ground: &Ground, shift: Vec3, scratch: &mut LevelScratch) {
-        let lowest = scratch.over.iter().map(|over| over.height);
-        let depth = -lowest.fold(f32::INFINITY, f32::min);
-        if depth > SHALLOW * self.shape.aabb().diagonal() {
-            for edge in 0..3 {
-                if matches!(ground.edges[edge], EdgeKind::Flat | EdgeKind::Concave) {
-                    continue;
-                }
-                let (from, outward) = ground.border(edge);
-                let inward = scratch.over.iter().map(|over| -outward.dot(over.at - from));
-                if inward.fold(0.0, f32::max) < depth {
-                    return;
-                }
-            }
-        }
+    /// Takes what lies over a triangle into the manifold of its direction.
+    fn add_over(&self, ground: &Ground, shift: Vec3, scratch: &mut LevelScratch) {
         let group = scratch.group_of(ground.normal, ground.slot);
         let found = scratch.over.iter().map(|over| Found {
             group,
@@ -256,4 +280,20 @@ impl LevelPair<'_> {
         }
         scratch.patches.push(patch);
     }
+}
+
+/// Whether a hull that is so far below a triangle (m) came over a convex edge of it, and over an open one.
+fn came_over(ground: &Ground, depth: f32, scratch: &LevelScratch) -> [bool; 2] {
+    let mut sides = [false; 2];
+    for edge in 0..3 {
+        let side = match ground.edges[edge] {
+            EdgeKind::Flat | EdgeKind::Concave => continue,
+            EdgeKind::Open => 1,
+            EdgeKind::Convex => 0,
+        };
+        let (from, outward) = ground.border(edge);
+        let inward = scratch.over.iter().map(|over| -outward.dot(over.at - from));
+        sides[side] |= inward.fold(0.0, f32::max) < depth;
+    }
+    sides
 }

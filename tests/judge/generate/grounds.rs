@@ -1,4 +1,4 @@
-//! Bodies of all kinds on rough ground.
+//! Bodies of all kinds on rough ground, but for thin ones, which have families of their own.
 
 use super::heaps::settle_on;
 use super::piles::heap;
@@ -11,15 +11,6 @@ use glam::Vec3;
 /// Steepest slope of the ground inside, and height of its rim.
 const STEEPEST: f32 = 0.3;
 const RIM: f32 = 1.5;
-
-/// What is no part of a compound.
-fn single(dice: &mut Dice) -> Form {
-    match dice.below(6) {
-        0 => forms::plate(dice),
-        1 => forms::rod(dice),
-        _ => forms::any(dice),
-    }
-}
 
 /// Heights between -1 and 0 times an amplitude, about the origin, with a rim around them.
 fn ground(dice: &mut Dice) -> Actor {
@@ -57,7 +48,7 @@ fn on_ground(dice: &mut Dice, draw: fn(&mut Dice) -> Form) -> Draft {
 pub(super) fn terrains(dice: &mut Dice) -> Draft {
     on_ground(dice, |dice| match dice.below(3) {
         0 => compounds::compound(dice),
-        _ => single(dice),
+        _ => forms::any(dice),
     })
 }
 
@@ -65,7 +56,7 @@ pub(super) fn terrains(dice: &mut Dice) -> Draft {
 pub(super) fn mixtures(dice: &mut Dice) -> Draft {
     let draw = |dice: &mut Dice| match dice.below(4) {
         0 => compounds::compound(dice),
-        1 => single(dice),
+        1 => forms::any(dice),
         _ => forms::smooth(dice),
     };
     let mut draft = if once_in(dice, 3) {

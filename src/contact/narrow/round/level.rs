@@ -3,9 +3,12 @@
 //! A triangle is touched from above by what of the shape lies over it, as by a hull. What is nearest to its border touches it there,
 //! but only in directions that no other triangle at the same place looks along: over an edge that is flat or hollow there are none.
 //! That is asked of the triangles themselves, so that it does not matter how they are joined.
+//!
+//! What has got through a ridge touches neither side of it so: its lowest points are beyond it on both. If it touches nothing else, it comes
+//! back along the triangle that it is least below.
 
 use crate::contact::local_manifold::{LocalManifold, LocalPoint};
-use crate::contact::narrow::level::{Ground, LevelPair, SHALLOW};
+use crate::contact::narrow::level::{Ground, LevelPair, PIERCED, SHALLOW};
 use crate::contact::narrow::level_scratch::{Found, Group, LevelScratch};
 use crate::contact::narrow::round::axis::{PairAxis, SolidPair};
 use crate::contact::narrow::round::patch::{PatchRule, RoundScratch, clip_places, patch_along};
@@ -66,10 +69,20 @@ impl LevelPair<'_> {
                 self.add_face(&ground, &placed, scratch, round);
             }
         }
+        let mut least = PIERCED * placed.size;
+        let mut pierced = None;
         for at in 0..scratch.near.len() {
             if let Some(ground) = grounds(at, scratch).filter(|ground| !ground.has_no_rim()) {
-                self.add_border(&ground, &placed, scratch, round);
+                let depth = self.add_border(&ground, &placed, scratch, round);
+                if let Some(depth) = depth.filter(|depth| *depth < least) {
+                    (least, pierced) = (depth, Some(ground));
+                }
             }
+        }
+        if let Some(ground) = pierced
+            && scratch.found.iter().all(|found| found.separation > 0.0)
+        {
+            self.add_lowest(&ground, &placed, scratch);
         }
         for group in 0..scratch.groups.len() as u32 {
             self.add_round_patch(group, &placed, scratch);
@@ -132,16 +145,32 @@ impl LevelPair<'_> {
         }
     }
 
-    /// Adds what touches the border of a triangle.
+    /// Adds the lowest point below a triangle, wherever it is.
+    fn add_lowest(&self, ground: &Ground, placed: &Placed, scratch: &mut LevelScratch) {
+        let own = placed.turn.transpose() * -ground.normal;
+        let own_place = placed.solid.support(own.as_dvec3()).as_vec3();
+        let at = placed.turn * own_place;
+        let group = scratch.group_of(ground.normal, ground.slot);
+        scratch.found.push(Found {
+            group,
+            face: 0,
+            at,
+            separation: ground.height(at),
+            curvature: placed.solid.curvature(own, own_place),
+        });
+    }
+
+    /// Adds what touches the border of a triangle; how far the shape is below one that it has pierced, m.
     fn add_border(
         &self,
         ground: &Ground,
         placed: &Placed,
         scratch: &mut LevelScratch,
         round: &mut RoundScratch,
-    ) {
+    ) -> Option<f32> {
         let core = Core::of_triangle(ground.corners);
         let limit = f64::from(self.reach + placed.around());
+        let mut pierced = None;
         for stop in 0..=scratch.stops.len() {
             let shift = match stop {
                 0 => Vec3::ZERO,
@@ -149,9 +178,15 @@ impl LevelPair<'_> {
             };
             let pose = Pose::new(shift, placed.rotation);
             let inner = PlacedCore::new(placed.solid.inner, &pose);
-            let Separation::Near(Nearest { normal, on_a, .. }) = distance(&core, &inner, limit)
-            else {
-                continue;
+            let (normal, on_a) = match distance(&core, &inner, limit) {
+                Separation::Near(Nearest { normal, on_a, .. }) => (normal, on_a),
+                Separation::Overlap if stop == 0 && !self.mesh.is_two_sided() => {
+                    let own = placed.turn.transpose() * -ground.normal;
+                    let lowest = placed.solid.support(own.as_dvec3()).as_vec3();
+                    pierced = Some(-ground.height(placed.turn * lowest));
+                    continue;
+                }
+                _ => continue,
             };
             let along = normal.dot(ground.normal.as_dvec3());
             let is_face = along > 1.0 - 0.5 * SLOPE * SLOPE;
@@ -187,8 +222,9 @@ impl LevelPair<'_> {
                     curvature: point.radii[1],
                 });
             }
-            return;
+            break;
         }
+        pierced
     }
 
     /// Whether something lies beyond all edges of a triangle.
