@@ -1,5 +1,10 @@
 //! What breaks gains no energy by it: random bodies that hit each other, in free space and squeezed on a floor.
 
+#![expect(
+    clippy::disallowed_methods,
+    reason = "scenes may differ between platforms"
+)]
+
 use crate::common::dice::Dice;
 use crate::common::scenes::awake;
 use bevy_cleave::prelude::*;

@@ -36,6 +36,12 @@ struct Placed<'s> {
 }
 
 impl Placed<'_> {
+    /// The point that is lowest over a triangle, own axes, m.
+    fn lowest(&self, ground: &Ground) -> Vec3 {
+        let down = self.turn.transpose() * -ground.normal;
+        self.solid.support(down.as_dvec3()).as_vec3()
+    }
+
     /// How far the surface is from the core at most, m: of one that is shrunk for distances corners stand out.
     fn around(&self) -> f32 {
         let Solid { depth, radius, .. } = self.solid;
@@ -148,7 +154,7 @@ impl LevelPair<'_> {
     /// Adds the lowest point below a triangle, wherever it is.
     fn add_lowest(&self, ground: &Ground, placed: &Placed, scratch: &mut LevelScratch) {
         let own = placed.turn.transpose() * -ground.normal;
-        let own_place = placed.solid.support(own.as_dvec3()).as_vec3();
+        let own_place = placed.lowest(ground);
         let at = placed.turn * own_place;
         let group = scratch.group_of(ground.normal, ground.slot);
         scratch.found.push(Found {
@@ -181,19 +187,15 @@ impl LevelPair<'_> {
             let (normal, on_a) = match distance(&core, &inner, limit) {
                 Separation::Near(Nearest { normal, on_a, .. }) => (normal, on_a),
                 Separation::Overlap if stop == 0 && !self.mesh.is_two_sided() => {
-                    let own = placed.turn.transpose() * -ground.normal;
-                    let lowest = placed.solid.support(own.as_dvec3()).as_vec3();
-                    pierced = Some(-ground.height(placed.turn * lowest));
+                    pierced = Some(-ground.height(placed.turn * placed.lowest(ground)));
                     continue;
                 }
                 _ => continue,
             };
             let along = normal.dot(ground.normal.as_dvec3());
             let is_face = along > 1.0 - 0.5 * SLOPE * SLOPE;
-            if is_face || along <= 0.0 && !self.mesh.is_two_sided() && self.is_closed(ground) {
-                continue;
-            }
-            if !self.is_outermost(normal, on_a, placed, scratch) {
+            let is_back = along <= 0.0 && !self.mesh.is_two_sided() && self.is_closed(ground);
+            if is_face || is_back || !self.is_outermost(normal, on_a, placed, scratch) {
                 continue;
             }
             let pair = SolidPair {
@@ -212,16 +214,15 @@ impl LevelPair<'_> {
             let rule = PatchRule::new(self.reach, placed.size);
             let patch = patch_along(&pair, &axis, rule, round);
             let group = scratch.group_of(axis.normal, ground.slot);
-            for point in patch.points() {
-                let at = placed.turn * point.on_b;
-                scratch.found.push(Found {
+            scratch
+                .found
+                .extend(patch.points().iter().map(|point| Found {
                     group,
                     face: 0,
-                    at,
+                    at: placed.turn * point.on_b,
                     separation: point.separation - axis.normal.dot(shift),
                     curvature: point.radii[1],
-                });
-            }
+                }));
             break;
         }
         pierced
