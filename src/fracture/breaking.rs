@@ -9,9 +9,9 @@ use crate::fracture::cluster::{BrokenBonds, Groups, apply_cracks, replace_groups
 use crate::fracture::cluster_loads::{LOOK_INTERVAL, StepLoads, judge_loads};
 use crate::fracture::debris::Debris;
 use crate::fracture::impact;
-use crate::fracture::inheritance::{ParentState, transfer_impulses};
+use crate::fracture::inheritance::{ParentState, note_heirs, transfer_impulses};
 use crate::fracture::pending::{
-    Division, PendingBreak, PendingCause, Progress, cut_triangles, divide, wait,
+    Division, PendingBreak, PendingCause, Progress, break_later, cut_triangles, divide, wait,
 };
 use crate::fracture::pieces::{PieceSet, replace};
 use crate::fracture::requests::collect_requests;
@@ -70,17 +70,9 @@ impl FractureState {
         bodies.borne_impulse[slot as usize] = impulse;
     }
 
-    /// Breaks bonds of a body: at once if nothing comes off, else when its turn comes, unless it waits for something already.
+    /// Breaks bonds of a body: at once if nothing comes off, else when its turn comes, with what it waits for already.
     pub(super) fn break_later(&mut self, bodies: &mut Bodies, slot: u32, bonds: BrokenBonds) {
-        let body = bodies.id(slot);
-        if bonds.bonds.is_empty() || self.waiting.iter().any(|entry| entry.body == body) {
-            return;
-        }
-        if Groups::of(bodies, slot, &bonds.bonds).is_none() {
-            return bodies.crack(slot, &bonds.bonds);
-        }
-        let cause = PendingCause::Load(bonds);
-        self.waiting.push(PendingBreak { body, slot, cause });
+        break_later(&mut self.waiting, bodies, slot, bonds);
     }
 
     /// Pieces that blows may still make in this step.
@@ -281,12 +273,9 @@ pub(crate) fn note_blows(
     let fading = &mut fractures.fading;
     fading.retain(|piece| bodies.is_current(piece.slot, piece.body));
     let state = &mut fractures.state;
-    for (slot, bonds) in apply_cracks(bodies, solver, first_batch) {
-        state.waiting.push(PendingBreak {
-            body: bodies.id(slot),
-            slot,
-            cause: PendingCause::Load(bonds),
-        });
+    let is_waiting = |body: BodyId| state.waiting.iter().any(|entry| entry.body == body);
+    for (slot, bonds) in apply_cracks(bodies, solver, first_batch, is_waiting) {
+        state.break_later(bodies, slot, bonds);
     }
     for blow in solver.overloaded(first_batch) {
         match wait(bodies, blow) {
@@ -368,7 +357,7 @@ impl Fractures {
             bodies.wear_pieces(fatigue, &fracture.pieces);
         }
         let state = &mut self.state;
-        state.lines.push((line, heirs));
+        note_heirs(&mut state.lines, (line, slot), heirs);
         state.made += fracture.pieces.len();
         state.debris.add(bodies, &fracture.pieces);
         self.done.push(fracture);
@@ -383,7 +372,7 @@ impl Fractures {
         self.state.waiting.extend(joined.map(|&slot| PendingBreak {
             body: bodies.id(slot),
             slot,
-            cause: PendingCause::Rest(blow),
+            cause: PendingCause::Rest(blow, None),
         }));
     }
 

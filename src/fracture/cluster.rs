@@ -3,6 +3,7 @@
 use crate::bodies::body::{BodyDesc, RigidBody};
 use crate::bodies::fatigue::Fatigue;
 use crate::bodies::store::Bodies;
+use crate::contact::body_id::BodyId;
 use crate::fracture::budget::FractureBudget;
 use crate::fracture::conservation::{keep_mass_of_group, keep_momentum};
 use crate::fracture::holding::Foothold;
@@ -50,7 +51,15 @@ impl Groups {
         for (part, &group) in (0..).zip(&groups) {
             pieces[group as usize].push(part);
         }
-        let holds = |parts: &Vec<u32>| parts.iter().any(|&part| state.holds(part));
+        // What it held on to may be gone: asked of one part of each group that is known to.
+        let foothold = Foothold::of_parts(bodies, slot);
+        let shapes = bodies.compound(slot).map_or(&[][..], Compound::parts);
+        let still_holds = |part: u32| {
+            let foothold = foothold.as_ref();
+            foothold.is_some_and(|it| it.holds_part(bodies, &shapes[part as usize]))
+        };
+        let holds =
+            |parts: &Vec<u32>| (parts.iter()).any(|&part| state.holds(part) && still_holds(part));
         let held = (0..count).filter(|&group| holds(&pieces[group]));
         let largest = held.max_by_key(|&group| (pieces[group].len(), count - group));
         let rest = largest.map(|group| pieces.remove(group));
@@ -186,7 +195,7 @@ pub(crate) fn find_holds(bodies: &mut Bodies) {
         let Some(compound) = bodies.compound(slot).filter(|_| is_static).cloned() else {
             continue;
         };
-        let Some(foothold) = Foothold::of(bodies, slot) else {
+        let Some(foothold) = Foothold::of_parts(bodies, slot) else {
             continue;
         };
         let held: Vec<bool> = (compound.parts().iter())
@@ -204,11 +213,12 @@ pub(crate) fn find_holds(bodies: &mut Bodies) {
 }
 
 /// Takes the bonds away that broke in the step without anything coming off, or were worn out, of the batches from this number on; what comes
-/// off after all, because several blows cracked it.
+/// off after all, because several blows cracked it, and of those that wait.
 pub(super) fn apply_cracks(
     bodies: &mut Bodies,
     solver: &ContactSolver,
     first_batch: usize,
+    is_waiting: impl Fn(BodyId) -> bool,
 ) -> Vec<(u32, BrokenBonds)> {
     let mut broken = wear_bonds(bodies, solver, first_batch);
     for crack in solver.cracks(first_batch) {
@@ -216,7 +226,9 @@ pub(super) fn apply_cracks(
     }
     broken.retain(|(slot, broken)| broken.is_of(bodies, *slot));
     broken.retain(|(slot, broken)| {
-        if Groups::of(bodies, *slot, &broken.bonds).is_some() {
+        // Bonds that it waits for are known by their numbers, which a crack would change.
+        let waits = is_waiting(bodies.id(*slot));
+        if waits || Groups::of(bodies, *slot, &broken.bonds).is_some() {
             return true;
         }
         bodies.crack(*slot, &broken.bonds);
@@ -253,12 +265,10 @@ fn add_broken(broken: &mut Vec<(u32, BrokenBonds)>, slot: u32, of: usize, bonds:
     }
     let known = broken.iter_mut().find(|(body, _)| *body == slot);
     match known {
-        Some((_, broken)) if broken.of == of => {
-            broken.bonds.extend_from_slice(bonds);
-            broken.bonds.sort_unstable();
-            broken.bonds.dedup();
-        }
-        Some(_) => {}
+        Some((_, broken)) => broken.add(&BrokenBonds {
+            of,
+            bonds: bonds.to_vec(),
+        }),
         None => {
             let bonds = bonds.to_vec();
             broken.push((slot, BrokenBonds { of, bonds }));
@@ -273,6 +283,15 @@ fn bond_count(bodies: &Bodies, slot: u32) -> Option<usize> {
 }
 
 impl BrokenBonds {
+    /// Adds others of the same body, as long as it has the same bonds.
+    pub(super) fn add(&mut self, more: &Self) {
+        if self.of == more.of {
+            self.bonds.extend_from_slice(&more.bonds);
+            self.bonds.sort_unstable();
+            self.bonds.dedup();
+        }
+    }
+
     /// Whether they are bonds of the body in `slot` as it is.
     pub(super) fn is_of(&self, bodies: &Bodies, slot: u32) -> bool {
         bond_count(bodies, slot) == Some(self.of)

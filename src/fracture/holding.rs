@@ -41,8 +41,24 @@ pub(super) struct Foothold {
 }
 
 impl Foothold {
-    /// How the body in `slot` stands; `None` if it is dynamic.
+    /// How the body in `slot` stands, and what stands on it; `None` if it is dynamic.
     pub(super) fn of(bodies: &Bodies, slot: u32) -> Option<Self> {
+        let (mut foothold, mut ground) = Self::among(bodies, slot)?;
+        let mut touching = ground.around(slot, &foothold.neighbors, foothold.reach);
+        touching.extend(ground.hanging_on(slot));
+        touching.sort_unstable();
+        touching.dedup();
+        foothold.touching = touching;
+        foothold.had_ground = foothold.kind == RigidBody::Static && ground.reaches(slot);
+        Some(foothold)
+    }
+
+    /// The same, without what stands on it: enough to tell which parts hold on.
+    pub(super) fn of_parts(bodies: &Bodies, slot: u32) -> Option<Self> {
+        Self::among(bodies, slot).map(|(foothold, _)| foothold)
+    }
+
+    fn among(bodies: &Bodies, slot: u32) -> Option<(Self, Ground<'_>)> {
         let kind = bodies.kind(slot);
         let aabb = hulls_box(&bodies.info(slot).shape).filter(|_| kind != RigidBody::Dynamic)?;
         let unsaid = if kind == RigidBody::Static {
@@ -52,21 +68,18 @@ impl Foothold {
         };
         let anchors = bodies.anchors(slot).cloned().unwrap_or(unsaid);
         let reach = reach_of(&anchors, &aabb);
-        let origin = bodies.hold(slot).and_then(|hold| hold.origin);
-        let mut ground = Ground::new(bodies, true);
-        let neighbors = ground.near(slot, reach);
-        let touching = ground.around(slot, &neighbors, reach);
-        let had_ground = kind == RigidBody::Static && ground.reaches(slot);
-        Some(Self {
+        let ground = Ground::new(bodies, true);
+        let foothold = Self {
             slot,
             kind,
             anchors,
             reach,
-            origin: origin.unwrap_or(bodies.id(slot)),
-            neighbors,
-            touching,
-            had_ground,
-        })
+            origin: origin_of(bodies, slot),
+            neighbors: ground.near(slot, reach),
+            touching: Vec::new(),
+            had_ground: false,
+        };
+        Some((foothold, ground))
     }
 
     /// Makes those of the pieces that hold on what the body was; how they hold on, by piece.
@@ -101,10 +114,10 @@ impl Foothold {
             return true;
         }
         let (hull, pose) = (hull.0, &hull.seen_from(*pose));
-        let mut neighbors = self.neighbors.iter().filter(|&&other| {
-            let hold = bodies.hold(other);
-            anchors.is_touching && hold.and_then(|hold| hold.origin) != Some(self.origin)
-        });
+        let mut neighbors = self
+            .neighbors
+            .iter()
+            .filter(|&&other| anchors.is_touching && origin_of(bodies, other) != self.origin);
         neighbors.any(|&other| holds(hull, &Standing::of(bodies, other, pose), self.reach))
     }
 
@@ -115,9 +128,15 @@ impl Foothold {
         }
         let mut fallen = Vec::new();
         let mut ground = Ground::new(bodies, self.had_ground);
-        for &slot in pieces.iter().chain(&self.touching) {
-            if bodies.kind(slot) == RigidBody::Static && !ground.reaches(slot) {
-                // All that a search went through hangs on nothing.
+        let mut asked: Vec<u32> = pieces.iter().chain(&self.touching).copied().collect();
+        let mut next = 0;
+        while let Some(&slot) = asked.get(next) {
+            next += 1;
+            let is_known = fallen.contains(&slot) || bodies.kind(slot) != RigidBody::Static;
+            if !is_known && !ground.reaches(slot) {
+                // All that a search went through hangs on nothing, and what hangs on that may have nothing else.
+                let lost = ground.searched.iter();
+                asked.extend(lost.flat_map(|&slot| ground.hanging_on(slot)));
                 fallen.append(&mut ground.searched);
             }
         }
@@ -129,6 +148,12 @@ impl Foothold {
             .for_each(|&slot| bodies.doubt_holds(slot));
         fallen
     }
+}
+
+/// What a body once was a piece of, or it itself: a cluster that goes on is no other body than what came off of it.
+fn origin_of(bodies: &Bodies, slot: u32) -> BodyId {
+    let hold = bodies.hold(slot);
+    hold.and_then(|hold| hold.origin).unwrap_or(bodies.id(slot))
 }
 
 /// A hull of a body, and of a part its pose in the body's frame.
@@ -239,13 +264,40 @@ impl<'b> Ground<'b> {
     /// Whether a static body stands for itself.
     fn is_ground(&self, slot: u32) -> bool {
         let anchors = self.bodies.anchors(slot);
+        if anchors.is_some_and(|anchors| self.is_in_region(slot, anchors)) {
+            return true;
+        }
         let hold = self.bodies.hold(slot);
         let is_piece = hold.is_some_and(|hold| hold.origin.is_some());
         let is_breakable =
             self.bodies.fracturable(slot).is_some() || self.bodies.cluster(slot).is_some();
         let is_fragile = is_breakable || anchors.is_some();
-        let may_fall = is_piece || is_fragile && self.need_chains;
-        anchors.is_some_and(|anchors| !anchors.regions.is_empty()) || !may_fall
+        !(is_piece || is_fragile && self.need_chains)
+    }
+
+    /// Whether a body reaches into a region of its anchors. Pieces keep those of the whole, wherever they come from.
+    fn is_in_region(&self, slot: u32, anchors: &Anchors) -> bool {
+        if anchors.regions.is_empty() {
+            return false;
+        }
+        let reach = self.reach_of(slot);
+        let hulls = hulls_of(&self.bodies.info(slot).shape);
+        hulls
+            .into_iter()
+            .any(|hull| holds_in_regions(anchors, hull, reach))
+    }
+
+    /// Those that hold on to a body where they touch it, which need not be those that it holds on to: what is enough depends on who holds.
+    fn hanging_on(&self, slot: u32) -> Vec<u32> {
+        let around = world_box(self.bodies, slot);
+        let others = self.standing.iter().filter(|&&(other, aabb)| {
+            let is_near = around.zip(aabb).is_some_and(|(around, aabb)| {
+                aabb.fattened(self.reach_of(other)).overlaps(&around)
+            });
+            let is_other = other != slot && is_near && !self.is_ground(other);
+            is_other && !self.touched(other, &[slot]).is_empty()
+        });
+        others.map(|&(other, _)| other).collect()
     }
 
     /// Whether a chain of contacts leads from a static body to one that stands for itself, if it is none.
@@ -315,9 +367,9 @@ impl<'b> Ground<'b> {
         let bodies = self.bodies;
         let hulls = hulls_of(&bodies.info(slot).shape);
         let pose = bodies.pose(slot);
-        let origin = |slot: u32| bodies.hold(slot).and_then(|hold| hold.origin);
+        let origin = |slot: u32| origin_of(bodies, slot);
         let others = others.iter().copied().filter(|&other| {
-            let is_sibling = origin(slot).is_some() && origin(slot) == origin(other);
+            let is_sibling = origin(slot) == origin(other);
             let holds = |hull: &HullOf| {
                 let seen = hull.seen_from(pose);
                 holds(hull.0, &Standing::of(bodies, other, &seen), reach)

@@ -71,6 +71,26 @@ impl ParentState {
     }
 }
 
+/// Notes who has what a body was, which was in `slot`: if it came to be since impulses were handed on, it had nothing yet, and its own
+/// pieces take its place among the heirs of the body that it was part of.
+pub(super) fn note_heirs(
+    lines: &mut Vec<(ParentState, SmallVec<[u32; 8]>)>,
+    (parent, slot): (ParentState, u32),
+    heirs: SmallVec<[u32; 8]>,
+) {
+    let place = lines.iter_mut().find_map(|(_, known)| {
+        let at = known.iter().position(|&heir| heir == slot)?;
+        Some((known, at))
+    });
+    match place {
+        Some((known, at)) => {
+            known.remove(at);
+            known.insert_many(at, heirs);
+        }
+        None => lines.push((parent, heirs)),
+    }
+}
+
 /// Gives the multipliers of bodies that are gone to their pieces, by slot.
 pub(super) fn transfer_impulses(
     parents: &[(ParentState, SmallVec<[u32; 8]>)],

@@ -54,8 +54,9 @@ pub(super) enum PendingCause {
     Load(BrokenBonds),
     /// It was hit, and its mesh is large: what has been cut of it until now.
     Gradual(Box<GradualCut>),
-    /// It is several groups of parts, which came off together because there was no budget for all; of a blow, if that broke the bonds.
-    Rest(Option<BreakingImpact>),
+    /// It is several groups of parts, which came off together because there was no budget for all; of a blow, if that broke the bonds. And
+    /// what broke of it since.
+    Rest(Option<BreakingImpact>, Option<BrokenBonds>),
 }
 
 /// What becomes of a body.
@@ -147,7 +148,10 @@ impl PendingBreak {
     ) -> Option<Division> {
         let groups = |broken: &[u32]| Division::of_groups(bodies, self.slot, broken, left);
         match &self.cause {
-            PendingCause::Rest(_) => groups(&[]),
+            PendingCause::Rest(_, Some(since)) if since.is_of(bodies, self.slot) => {
+                groups(&since.bonds)
+            }
+            PendingCause::Rest(..) => groups(&[]),
             PendingCause::Load(bonds)
             | PendingCause::Blow {
                 bonds: Some(bonds), ..
@@ -155,6 +159,20 @@ impl PendingBreak {
             PendingCause::Load(_) | PendingCause::Blow { bonds: Some(_), .. } => None,
             PendingCause::Blow { impact, .. } => divide(bodies, self.slot, impact, left, cutter),
             PendingCause::Gradual(_) => None,
+        }
+    }
+
+    /// Adds bonds to those that are to break when it is the body's turn.
+    fn add_bonds(&mut self, more: BrokenBonds) {
+        match &mut self.cause {
+            PendingCause::Load(known)
+            | PendingCause::Blow {
+                bonds: Some(known), ..
+            }
+            | PendingCause::Rest(_, Some(known)) => known.add(&more),
+            PendingCause::Rest(_, since) => *since = Some(more),
+            // What it is cut into is told by the blow.
+            PendingCause::Blow { bonds: None, .. } | PendingCause::Gradual(_) => {}
         }
     }
 
@@ -202,9 +220,30 @@ impl PendingBreak {
             PendingCause::Blow { blow, .. } => Some(*blow),
             PendingCause::Gradual(cut) => Some(cut.blow),
             PendingCause::Load(_) => None,
-            PendingCause::Rest(blow) => *blow,
+            PendingCause::Rest(blow, _) => *blow,
         }
     }
+}
+
+/// Breaks bonds of a body: at once if nothing comes off, else when its turn comes, with what it waits for already.
+pub(super) fn break_later(
+    waiting: &mut Vec<PendingBreak>,
+    bodies: &mut Bodies,
+    slot: u32,
+    bonds: BrokenBonds,
+) {
+    let body = bodies.id(slot);
+    if bonds.bonds.is_empty() {
+        return;
+    }
+    if let Some(entry) = waiting.iter_mut().find(|entry| entry.body == body) {
+        return entry.add_bonds(bonds);
+    }
+    if Groups::of(bodies, slot, &bonds.bonds).is_none() {
+        return bodies.crack(slot, &bonds.bonds);
+    }
+    let cause = PendingCause::Load(bonds);
+    waiting.push(PendingBreak { body, slot, cause });
 }
 
 /// A body that waits for its turn to break, unless it bears the blow.

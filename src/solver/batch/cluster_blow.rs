@@ -10,6 +10,7 @@ use crate::math::rotate;
 use crate::solver::batch::Batch;
 use crate::solver::rows::contact_rows::RowBody;
 use crate::solver::wide::block::vector;
+use glam::Vec3;
 
 /// How much more energy than a blow that broke nothing another one must have to be tried in the same step.
 const RETRIED: f32 = 1.5;
@@ -138,7 +139,8 @@ impl Batch {
                 for (point, (impulse, speed)) in pushes.enumerate() {
                     let share = impulse / total;
                     if share > 0.0 {
-                        let own = striker(&manifold, (side, point), bodies);
+                        let way = self.way_to_strike((at, point), &manifold, side);
+                        let own = striker(&manifold, (side, point), way, bodies);
                         strikers.push(Striker {
                             speed,
                             // The points of a contact share the mass behind it.
@@ -153,8 +155,14 @@ impl Batch {
     }
 }
 
-/// What pushes the body on one side of a manifold at one of its points, with the whole mass of the other body and no speed.
-fn striker(manifold: &ManifoldRef, (side, point): (usize, usize), bodies: &Bodies) -> Striker {
+/// What pushes the body on one side of a manifold at one of its points, with the whole mass of the other body and no speed; `way`: from the
+/// point to where it does, world axes, m.
+fn striker(
+    manifold: &ManifoldRef,
+    (side, point): (usize, usize),
+    way: Vec3,
+    bodies: &Bodies,
+) -> Striker {
     let point = &manifold.points()[point];
     let slots = [manifold.a, manifold.b];
     let anchors = [point.anchor_a, point.anchor_b];
@@ -171,7 +179,7 @@ fn striker(manifold: &ManifoldRef, (side, point): (usize, usize), bodies: &Bodie
     } = RowBody::of(bodies, other as usize);
     let lever = anchors[1 - side].cross(direction);
     let to_body = bodies.pose(own).rotation.inverse();
-    let place = rotate(to_body, anchors[side]) + bodies.mass(own).center;
+    let place = rotate(to_body, anchors[side] + way) + bodies.mass(own).center;
     let compound = bodies.compound(own);
     Striker {
         part: compound.map_or(0, |compound| compound.part_at(place)),

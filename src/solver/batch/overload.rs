@@ -145,9 +145,10 @@ impl Batch {
             } else {
                 manifold.normal
             };
-            for (point, push) in manifold.points().iter().zip(pushes) {
+            for (number, (point, push)) in manifold.points().iter().zip(pushes).enumerate() {
                 let anchor = [point.anchor_a, point.anchor_b][side];
-                blow.moment += anchor * (share * push);
+                let way = self.way_to_strike((at, number), &manifold, side);
+                blow.moment += (anchor + way) * (share * push);
             }
             blow.direction += direction * given;
             blow.contacts.push((index.0, share));
@@ -157,6 +158,47 @@ impl Batch {
             }
         }
         blow
+    }
+
+    /// From a point of the manifold at a place, which is midway between the bodies as they were when the step began, to where the body on one
+    /// side is struck: on its surface, and so much farther along it as the other one goes until it gets there. World axes, m.
+    ///
+    /// What is fast comes from far away: the point may be over the next part but one.
+    pub(super) fn way_to_strike(
+        &self,
+        (at, point): (usize, usize),
+        manifold: &ManifoldRef,
+        side: usize,
+    ) -> Vec3 {
+        let normal = manifold.normal;
+        let ContactPoint {
+            separation,
+            anchor_a,
+            anchor_b,
+            radii,
+            ..
+        } = manifold.points()[point];
+        if separation <= 0.0 {
+            return Vec3::ZERO;
+        }
+        // What is round touches with another point when it has turned.
+        let arms = [anchor_a - radii[0] * normal, anchor_b + radii[1] * normal];
+        let starts = self.layout.pairs[at].map(|body| &self.impacts.start[body.index()]);
+        let [a, b] = [0, 1].map(|k| starts[k].linear + starts[k].angular.cross(arms[k]));
+        let velocity = b - a;
+        let approach = -velocity.dot(normal);
+        let time = if approach > 0.0 {
+            (separation / approach).min(self.settings.step_dt())
+        } else {
+            0.0
+        };
+        let along = time * (velocity + approach * normal);
+        let [out, along] = if side == 0 {
+            [normal, along]
+        } else {
+            [-normal, -along]
+        };
+        along - 0.5 * separation * out
     }
 }
 
