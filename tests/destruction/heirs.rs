@@ -140,7 +140,7 @@ pub(crate) fn judge_joints(seed: u64) -> Verdict {
         let [pa, pb] = [a, b].map(|slot| simulation.bodies.pose(slot));
         let of = corners(&simulation.bodies, a);
         let at = of[dice.below(of.len())].lerp(pa.position, dice.in_range(0.1, 0.9));
-        let joint = [Joint::fixed(), Joint::ball(), Joint::hinge()][dice.below(3)].clone();
+        let joint = [Joint::fixed(), Joint::ball(), Joint::hinge()][dice.below(3)];
         let joint = joint.with_anchor(at, dice.direction(), [pa, pb]);
         let id = simulation
             .join(Some(a), b, joint)

@@ -13,8 +13,9 @@ pub(crate) type Verdict = Result<usize, String>;
 /// Fails with a text unless something holds.
 macro_rules! ask {
     ($holds:expr, $($text:tt)+) => {
-        if !$holds {
-            return Err(format!($($text)+));
+        match $holds {
+            true => {}
+            false => return Err(format!($($text)+)),
         }
     };
 }

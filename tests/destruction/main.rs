@@ -1,6 +1,11 @@
 //! Laws of what breaks, over random members: what stands, clusters, cuts, what waits, debris, and what holds bodies together. None needs a
 //! reference. A program of its own, because it runs hundreds of scenes.
 
+#![expect(
+    clippy::disallowed_methods,
+    reason = "sizes and strengths of scenes may differ between platforms"
+)]
+
 #[path = "../common/mod.rs"]
 mod common;
 

@@ -116,7 +116,7 @@ impl Scene {
         desc.pose.position = at;
         let volume = size.element_product();
         let strength = 1000.0 * volume * 10.0_f32.powf(dice.in_range(-2.0, 0.5));
-        let is_bonded = desc.shape_is_bonded();
+        let is_bonded = matches!(&desc.shape, Shape::Compound(it) if it.is_bonded());
         if !is_bonded || dice.below(4) == 0 {
             desc.fracturable = Some(breakable(dice, strength));
         }
@@ -183,8 +183,7 @@ impl Scene {
                 let from = from.with_y(from.y.max(0.3));
                 let shot = shot(dice, target, from, mass, speed);
                 self.whole += f64::from(mass);
-                let slot = self.simulation.bodies.insert(shot).expect("usable");
-                let _ = slot;
+                self.simulation.bodies.insert(shot).expect("usable");
             }
             _ => {
                 let explosion = Explosion {
@@ -216,12 +215,8 @@ impl Scene {
                 let is_loose =
                     bodies.is_current(slot, id) && bodies.kind(slot) == RigidBody::Dynamic;
                 if is_loose && !fracture.fallen.contains(&slot) && self.is_firm(slot, &known, h) {
-                    // It may have moved within the step only.
-                    return Err(format!(
-                        "piece {slot} at {} fell though it is held ({known:?})",
-                        bodies.center_of_mass(slot),
-                        known = known.region
-                    ));
+                    let at = bodies.center_of_mass(slot);
+                    return Err(format!("piece {slot} at {at} fell though it is held"));
                 }
             }
             for &slot in fracture.fallen.iter() {
@@ -251,8 +246,8 @@ impl Scene {
     /// Whether a body is surely held by the floor or by its region, were it not for rounding.
     fn is_firm(&self, slot: u32, known: &Known, h: f32) -> bool {
         let bodies = &self.simulation.bodies;
-        // Where it was before it moved in this step.
-        let (v, _) = bodies.velocity(slot);
+        // Where it was before it moved in this step, unless it is too fast to tell.
+        let (v, omega) = bodies.velocity(slot);
         hulls(bodies, slot).iter().any(|(pose, shape)| {
             let at: Vec<Vec3> = shape
                 .hull()
@@ -261,7 +256,6 @@ impl Scene {
                 .map(|&p| pose.transform_point(p) - h * v)
                 .collect();
             let least = shape.hull().aabb().extents().min_element();
-            let (v, omega) = bodies.velocity(slot);
             if (v.length() + omega.length()) * h > 0.005 * least {
                 return false;
             }
@@ -349,15 +343,6 @@ impl Scene {
             );
         }
         Ok(())
-    }
-}
-
-trait IsBonded {
-    fn shape_is_bonded(&self) -> bool;
-}
-impl IsBonded for BodyDesc {
-    fn shape_is_bonded(&self) -> bool {
-        matches!(&self.shape, Shape::Compound(c) if c.is_bonded())
     }
 }
 

@@ -7,9 +7,9 @@ use glam::Vec3;
 use std::collections::{HashMap, HashSet};
 
 /// A few bodies that break, in a row.
-fn row(dice: &mut Dice, simulation: &mut Simulation) -> Vec<u32> {
+fn add_row(dice: &mut Dice, simulation: &mut Simulation) {
     let count = 2 + dice.below(2);
-    let row = (0..count).map(|i| {
+    for i in 0..count {
         let at = Vec3::new(1.4 * i as f32, 1.0, 0.0);
         let mut desc = match dice.below(4) {
             0 => BodyDesc::dynamic(convex(dice, 1.0), at),
@@ -27,9 +27,8 @@ fn row(dice: &mut Dice, simulation: &mut Simulation) -> Vec<u32> {
         if dice.below(4) == 0 {
             desc.kind = RigidBody::Static;
         }
-        simulation.bodies.insert(desc).expect("usable")
-    });
-    row.collect()
+        simulation.bodies.insert(desc).expect("usable");
+    }
 }
 
 pub(crate) fn judge(seed: u64) -> Verdict {
@@ -40,7 +39,7 @@ pub(crate) fn judge(seed: u64) -> Verdict {
         .bodies
         .insert(BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y }))
         .expect("usable");
-    let _ = row(dice, &mut simulation);
+    add_row(dice, &mut simulation);
     simulation.step(1e-6);
     simulation.budget.pieces_per_step = [0, 1, 2, 3, 5][dice.below(5)];
     simulation.budget.triangles_per_step = [0, 50, 500, 10_000][dice.below(4)];
@@ -206,13 +205,12 @@ pub(crate) fn judge_debris(seed: u64) -> Verdict {
         .bodies
         .insert(BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y }))
         .expect("usable");
-    let row = row(dice, &mut simulation);
-    let plain: Vec<u32> = (0..3)
-        .map(|i| {
-            let desc = BodyDesc::dynamic(cuboid(Vec3::splat(0.3)), Vec3::new(i as f32, 3.0, 1.0));
-            simulation.bodies.insert(desc).expect("usable")
-        })
-        .collect();
+    add_row(dice, &mut simulation);
+    for i in 0..3 {
+        let at = Vec3::new(i as f32, 3.0, 1.0);
+        let plain = BodyDesc::dynamic(cuboid(Vec3::splat(0.3)), at);
+        simulation.bodies.insert(plain).expect("usable");
+    }
     let rules = DebrisRules {
         max_pieces: [usize::MAX, 0, 3, 10][dice.below(4)],
         max_age: [f32::INFINITY, 0.2, 1.0][dice.below(3)],
@@ -232,7 +230,6 @@ pub(crate) fn judge_debris(seed: u64) -> Verdict {
     let mut balance = mass(&simulation.bodies);
     let all = balance;
     let mut gone = 0.0_f64;
-    let _ = (row, plain);
     for number in 0..120 {
         if dice.below(12) == 0 && number < 80 {
             let explosion = Explosion {
