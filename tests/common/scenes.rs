@@ -46,6 +46,36 @@ pub(crate) fn falling_and_breaking() -> Vec<BodyDesc> {
     bodies
 }
 
+/// One of the patterns, with few pieces.
+pub(crate) fn pattern(dice: &mut Dice) -> FracturePattern {
+    match dice.below(6) {
+        0 => FracturePattern::SinglePlane,
+        1 => FracturePattern::RandomPlane,
+        2 => FracturePattern::Star { planes: 3 },
+        3 => FracturePattern::Voronoi {
+            cells: 6,
+            focus: 0.5,
+        },
+        4 => FracturePattern::Slabs { count: 3 },
+        _ => FracturePattern::Radial { rays: 5, rings: 1 },
+    }
+}
+
+/// Kinetic and potential energy of what moves by itself, J.
+pub(crate) fn energy(simulation: &Simulation) -> f64 {
+    let bodies = &simulation.bodies;
+    let dynamic = bodies
+        .iter()
+        .filter(|&slot| bodies.kind(slot) == RigidBody::Dynamic);
+    let of = |slot: u32| {
+        let mass = bodies.mass(slot);
+        let height = bodies.center_of_mass(slot).y;
+        let weight = f64::from(simulation.gravity.0.y) * f64::from(mass.mass);
+        bodies.kinetic_energy(slot) - weight * f64::from(height)
+    };
+    dynamic.map(of).sum()
+}
+
 /// Seeded random points in the cube from -1 to 1.
 pub(crate) fn random_points(count: usize, seed: u64) -> Vec<Vec3> {
     let mut dice = Dice::new(seed);

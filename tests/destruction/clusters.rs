@@ -9,13 +9,11 @@ use glam::{Quat, Vec3};
 pub(crate) fn judge(seed: u64) -> Verdict {
     let dice = &mut Dice::new(seed);
     let on_floor = dice.below(2) == 0;
-    let mut simulation = if on_floor { awake() } else { in_space() };
-    if on_floor {
-        simulation
-            .bodies
-            .insert(BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y }))
-            .expect("usable");
-    }
+    let mut simulation = if on_floor {
+        awake_on_floor()
+    } else {
+        in_space()
+    };
     let mut parts = 0;
     for i in 0..1 + dice.below(2) {
         let strength = 10.0_f32.powf(dice.in_range(3.0, 6.0));
@@ -138,12 +136,7 @@ impl Fall {
         desc.angular_velocity = self.spin;
         let slot = simulation.bodies.insert(desc).expect("usable");
         if self.kind == RigidBody::Static {
-            let aabb = self.shape.aabb();
-            let foot = Anchors::none().and_behind(Vec3::Y, aabb.min.y + 0.1 * aabb.extents().y);
-            simulation
-                .bodies
-                .set_anchors(slot, Some(foot))
-                .expect("usable");
+            hold_foot(&mut simulation, slot, &self.shape);
         }
         simulation.step(1e-6);
         match &self.hit {
@@ -373,12 +366,7 @@ pub(crate) fn judge_energy(seed: u64) -> Verdict {
     }
     let slot = simulation.bodies.insert(desc).expect("usable");
     if fall.kind == RigidBody::Static {
-        let aabb = fall.shape.aabb();
-        let foot = Anchors::none().and_behind(Vec3::Y, aabb.min.y + 0.1 * aabb.extents().y);
-        simulation
-            .bodies
-            .set_anchors(slot, Some(foot))
-            .expect("usable");
+        hold_foot(&mut simulation, slot, &fall.shape);
     }
     for i in 0..1 + dice.below(2) {
         let Hit::Shot(shot) = &fall.hit else {

@@ -1,6 +1,7 @@
 //! Random bodies that break, and what laws of different kinds ask of them.
 
 use crate::common::dice::Dice;
+pub(crate) use crate::common::scenes::{awake, awake_on_floor, energy, pattern};
 use bevy_cleave::mass::VolumeIntegrals;
 use bevy_cleave::prelude::*;
 use glam::{Quat, Vec3};
@@ -97,20 +98,6 @@ pub(crate) fn cluster(dice: &mut Dice, size: f32, strength: f32) -> Compound {
     cut.compound().expect("connected")
 }
 
-pub(crate) fn pattern(dice: &mut Dice) -> FracturePattern {
-    match dice.below(6) {
-        0 => FracturePattern::SinglePlane,
-        1 => FracturePattern::RandomPlane,
-        2 => FracturePattern::Star { planes: 3 },
-        3 => FracturePattern::Voronoi {
-            cells: 6,
-            focus: 0.5,
-        },
-        4 => FracturePattern::Slabs { count: 3 },
-        _ => FracturePattern::Radial { rays: 5, rings: 1 },
-    }
-}
-
 /// Breaks at `strength`, N s.
 pub(crate) fn breakable(dice: &mut Dice, strength: f32) -> Fracturable {
     Fracturable {
@@ -132,12 +119,6 @@ pub(crate) fn shot(dice: &mut Dice, target: Vec3, from: Vec3, mass: f32, speed: 
         linear_velocity: speed * (target - from).normalize(),
         ..BodyDesc::dynamic(shape, from)
     }
-}
-
-pub(crate) fn awake() -> Simulation {
-    let mut simulation = Simulation::default();
-    simulation.config.sleep = SleepConfig::off();
-    simulation
 }
 
 pub(crate) fn in_space() -> Simulation {
@@ -238,18 +219,14 @@ pub(crate) fn check_mass_of_parts(bodies: &Bodies, slot: u32) -> Result<(), Stri
     Ok(())
 }
 
-pub(crate) fn energy(simulation: &Simulation) -> f64 {
-    let bodies = &simulation.bodies;
-    let dynamic = bodies
-        .iter()
-        .filter(|&slot| bodies.kind(slot) == RigidBody::Dynamic);
-    let of = |slot: u32| {
-        let mass = bodies.mass(slot);
-        let height = bodies.center_of_mass(slot).y;
-        let weight = f64::from(simulation.gravity.0.y) * f64::from(mass.mass);
-        bodies.kinetic_energy(slot) - weight * f64::from(height)
-    };
-    dynamic.map(of).sum()
+/// Has a static body be held by the lowest tenth of its box.
+pub(crate) fn hold_foot(simulation: &mut Simulation, slot: u32, shape: &Compound) {
+    let aabb = shape.aabb();
+    let foot = Anchors::none().and_behind(Vec3::Y, aabb.min.y + 0.1 * aabb.extents().y);
+    simulation
+        .bodies
+        .set_anchors(slot, Some(foot))
+        .expect("usable");
 }
 
 pub(crate) fn turned(dice: &mut Dice, at: Vec3) -> Pose {

@@ -6,8 +6,10 @@ use bevy_cleave::prelude::*;
 use glam::Vec3;
 use std::collections::{HashMap, HashSet};
 
-/// A few bodies that break, in a row.
-fn add_row(dice: &mut Dice, simulation: &mut Simulation) {
+/// A few bodies that break, in a row on a floor, with sleep or without.
+fn row(dice: &mut Dice) -> Simulation {
+    let mut simulation = awake_on_floor();
+    simulation.config.sleep.enabled = dice.below(2) == 0;
     let count = 2 + dice.below(2);
     for i in 0..count {
         let at = Vec3::new(1.4 * i as f32, 1.0, 0.0);
@@ -29,17 +31,12 @@ fn add_row(dice: &mut Dice, simulation: &mut Simulation) {
         }
         simulation.bodies.insert(desc).expect("usable");
     }
+    simulation
 }
 
 pub(crate) fn judge(seed: u64) -> Verdict {
     let dice = &mut Dice::new(seed);
-    let mut simulation = Simulation::default();
-    simulation.config.sleep.enabled = dice.below(2) == 0;
-    simulation
-        .bodies
-        .insert(BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y }))
-        .expect("usable");
-    add_row(dice, &mut simulation);
+    let mut simulation = row(dice);
     simulation.step(1e-6);
     simulation.budget.pieces_per_step = [0, 1, 2, 3, 5][dice.below(5)];
     simulation.budget.triangles_per_step = [0, 50, 500, 10_000][dice.below(4)];
@@ -141,16 +138,11 @@ fn left_after(seed: u64, acts: [bool; 2]) -> (usize, usize) {
     let kind = [RigidBody::Dynamic, RigidBody::Static][dice.below(2)];
     let strength = 10.0_f32.powf(dice.in_range(2.5, 5.5));
     let shape = cluster(dice, 1.5, strength);
-    let aabb = shape.aabb();
-    let mut desc = BodyDesc::compound(shape, Vec3::ZERO);
+    let mut desc = BodyDesc::compound(shape.clone(), Vec3::ZERO);
     desc.kind = kind;
     desc.layers = CollisionLayers::NONE;
     let slot = simulation.bodies.insert(desc).expect("usable");
-    let foot = Anchors::none().and_behind(Vec3::Y, aabb.min.y + 0.1 * aabb.extents().y);
-    simulation
-        .bodies
-        .set_anchors(slot, Some(foot))
-        .expect("usable");
+    hold_foot(&mut simulation, slot, &shape);
     simulation.step(1e-6);
     simulation.budget.pieces_per_step = 0;
     let mut waited = 0;
@@ -199,13 +191,7 @@ pub(crate) fn judge_in_the_end(seed: u64) -> Verdict {
 
 pub(crate) fn judge_debris(seed: u64) -> Verdict {
     let dice = &mut Dice::new(seed);
-    let mut simulation = Simulation::default();
-    simulation.config.sleep.enabled = dice.below(2) == 0;
-    simulation
-        .bodies
-        .insert(BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y }))
-        .expect("usable");
-    add_row(dice, &mut simulation);
+    let mut simulation = row(dice);
     for i in 0..3 {
         let at = Vec3::new(i as f32, 3.0, 1.0);
         let plain = BodyDesc::dynamic(cuboid(Vec3::splat(0.3)), at);

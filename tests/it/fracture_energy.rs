@@ -6,7 +6,7 @@
 )]
 
 use crate::common::dice::Dice;
-use crate::common::scenes::awake;
+use crate::common::scenes::{awake, energy, pattern};
 use bevy_cleave::prelude::*;
 use glam::Vec3;
 
@@ -14,7 +14,7 @@ const H: f32 = 1.0 / 60.0;
 const STEPS: usize = 60;
 const SCENES: u64 = 80;
 
-/// Rise of energy in a step over what there was at the start: solved steps have up to 2e-3, what kicked off its squeezer 0.5.
+/// Rise of energy in a step over what there was at the start: solved steps have up to 2e-3, what kicked off its squeezer 0.1.
 const RISE: f64 = 3e-3;
 
 fn shape(dice: &mut Dice, size: f32) -> ConvexMesh {
@@ -36,20 +36,6 @@ fn lowest(desc: &BodyDesc) -> f32 {
     heights
         .map(|&v| (desc.pose.rotation * v).y)
         .fold(0.0, f32::min)
-}
-
-fn pattern(dice: &mut Dice) -> FracturePattern {
-    match dice.below(6) {
-        0 => FracturePattern::SinglePlane,
-        1 => FracturePattern::RandomPlane,
-        2 => FracturePattern::Star { planes: 3 },
-        3 => FracturePattern::Voronoi {
-            cells: 6,
-            focus: 0.5,
-        },
-        4 => FracturePattern::Slabs { count: 3 },
-        _ => FracturePattern::Radial { rays: 5, rings: 1 },
-    }
 }
 
 /// A breakable or whole body of about `size`, m, at rest at the origin.
@@ -85,7 +71,6 @@ fn scene(seed: u64) -> Simulation {
     let speed = size * 10.0_f32.powf(dice.in_range(0.3, 1.8));
     let on_floor = dice.below(3) > 0;
     let mut simulation = awake();
-    simulation.config.measure_error = true;
     let mut add = |desc: BodyDesc| simulation.bodies.insert(desc).expect("usable");
     if on_floor {
         add(BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y }));
@@ -110,17 +95,6 @@ fn scene(seed: u64) -> Simulation {
         simulation.gravity = Gravity(Vec3::ZERO);
     }
     simulation
-}
-
-fn energy(simulation: &Simulation) -> f64 {
-    let bodies = &simulation.bodies;
-    let of = |slot: u32| {
-        let mass = bodies.mass(slot);
-        let height = bodies.pose(slot).transform_point(mass.center).y;
-        let weight = f64::from(simulation.gravity.0.y) * f64::from(mass.mass);
-        bodies.kinetic_energy(slot) - weight * f64::from(height)
-    };
-    bodies.iter().map(of).sum()
 }
 
 /// Largest rise of energy in a step, over what there was at the start, and how many bodies broke.
