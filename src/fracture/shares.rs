@@ -128,10 +128,13 @@ fn gains_energy(group: &[SharedImpulse], bodies: &Bodies) -> bool {
 
 /// Lets as much of a group's impulses act as takes energy: `w = A lambda - b` with `b` the approach, `0 <= lambda <= share`.
 fn take_energy(group: &mut [SharedImpulse], bodies: &mut Bodies) {
+    let mass = |it: &SharedImpulse| {
+        let sides = it.slots.map(|slot| RowBody::of(bodies, slot as usize));
+        Row::new(it.normal, it.anchors, sides).effective_mass
+    };
+    let masses: Vec<f32> = group.iter().map(mass).collect();
     for _ in 0..SWEEPS {
-        for it in &mut *group {
-            let sides = it.slots.map(|slot| RowBody::of(bodies, slot as usize));
-            let mass = Row::new(it.normal, it.anchors, sides).effective_mass;
+        for (it, mass) in group.iter_mut().zip(&masses) {
             let speed = separation_speed(bodies, it.slots, it.anchors, it.normal);
             let wanted = it.acted - mass * speed;
             it.act(bodies, wanted.clamp(it.share.min(0.0), it.share.max(0.0)));

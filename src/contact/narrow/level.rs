@@ -92,6 +92,27 @@ impl Ground {
         self.edges.iter().all(goes_on)
     }
 
+    /// Whether what is so far below the triangle (m), with these points over it, came over a convex edge of it, and over an open one: it is
+    /// farther below than inside of that.
+    pub(in crate::contact::narrow) fn came_over(
+        &self,
+        depth: f32,
+        points: impl Iterator<Item = Vec3> + Clone,
+    ) -> [bool; 2] {
+        let mut sides = [false; 2];
+        for edge in 0..3 {
+            let side = match self.edges[edge] {
+                EdgeKind::Flat | EdgeKind::Concave => continue,
+                EdgeKind::Open => 1,
+                EdgeKind::Convex => 0,
+            };
+            let (from, outward) = self.border(edge);
+            let inward = points.clone().map(|at| -outward.dot(at - from));
+            sides[side] |= inward.fold(0.0, f32::max) < depth;
+        }
+        sides
+    }
+
     /// A corner on an edge, and the unit vector out of the triangle there.
     pub(in crate::contact::narrow) fn border(&self, edge: usize) -> (Vec3, Vec3) {
         let from = self.corners[edge];
@@ -203,7 +224,7 @@ impl LevelPair<'_> {
                 let depth = -lowest.fold(f32::INFINITY, f32::min);
                 let size = self.shape.aabb().diagonal();
                 let sides = if depth > SHALLOW * size {
-                    came_over(ground, depth, scratch)
+                    ground.came_over(depth, scratch.over.iter().map(|over| over.at))
                 } else {
                     [false; 2]
                 };
@@ -280,20 +301,4 @@ impl LevelPair<'_> {
         }
         scratch.patches.push(patch);
     }
-}
-
-/// Whether a hull that is so far below a triangle (m) came over a convex edge of it, and over an open one.
-fn came_over(ground: &Ground, depth: f32, scratch: &LevelScratch) -> [bool; 2] {
-    let mut sides = [false; 2];
-    for edge in 0..3 {
-        let side = match ground.edges[edge] {
-            EdgeKind::Flat | EdgeKind::Concave => continue,
-            EdgeKind::Open => 1,
-            EdgeKind::Convex => 0,
-        };
-        let (from, outward) = ground.border(edge);
-        let inward = scratch.over.iter().map(|over| -outward.dot(over.at - from));
-        sides[side] |= inward.fold(0.0, f32::max) < depth;
-    }
-    sides
 }

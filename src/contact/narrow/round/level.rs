@@ -314,14 +314,6 @@ fn keep_over(ground: &Ground, round: &mut RoundScratch) {
 fn came_from_side(ground: &Ground, placed: &Placed, round: &RoundScratch) -> bool {
     let heights = round.places.iter().map(|place| ground.height(place.at));
     let depth = -heights.fold(f32::INFINITY, f32::min);
-    depth > SHALLOW * placed.size
-        && (0..3).any(|edge| {
-            let is_border = !matches!(ground.edges[edge], EdgeKind::Flat | EdgeKind::Concave);
-            let (from, outward) = ground.border(edge);
-            let inward = round
-                .places
-                .iter()
-                .map(|place| -outward.dot(place.at - from));
-            is_border && inward.fold(0.0, f32::max) < depth
-        })
+    let places = round.places.iter().map(|place| place.at);
+    depth > SHALLOW * placed.size && ground.came_over(depth, places) != [false; 2]
 }
