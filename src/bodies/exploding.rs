@@ -1,5 +1,6 @@
 //! What blasts do to bodies, and to the parts of clusters.
 
+use crate::bodies::blast_shares::{Reached, shares};
 use crate::bodies::body::BodyError;
 use crate::bodies::breaking::ImpactLoad;
 use crate::bodies::drive::StepForces;
@@ -72,7 +73,11 @@ impl Explosion {
                 return None;
             }
             let area = compound.area_seen(part as usize, local.center, is_open);
-            (area > 0.0).then_some((part, point, share * area))
+            let it = Reached {
+                weight: (share * area).into(),
+                mass: state.network.nodes[part as usize].mass,
+            };
+            (area > 0.0).then_some((part, point, it))
         };
         let parts = 0..compound.len() as u32;
         let mut found: Vec<_> = parts.clone().filter_map(|it| reached(it, true)).collect();
@@ -80,10 +85,11 @@ impl Explosion {
             // It is inside of the material.
             found = parts.filter_map(|it| reached(it, false)).collect();
         }
-        let total: f32 = found.iter().map(|(.., weight)| weight).sum();
-        let pushes = found.into_iter().map(|(part, point, weight)| {
+        let given = shares(&found.iter().map(|&(.., it)| it).collect::<Vec<_>>());
+        let pushes = found.into_iter().zip(given);
+        let pushes = pushes.map(|((part, point, _), share)| {
             let center = state.network.nodes[part as usize].center.as_vec3();
-            let impulse = (whole * weight / total) * local.away(point, center);
+            let impulse = whole * share as f32 * local.away(point, center);
             Push {
                 part,
                 impulse,

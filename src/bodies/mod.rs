@@ -6,7 +6,7 @@
 //! | `body.rs` | what a body is made from, and why one is refused |
 //! | `solver_body.rs` | the rows of eight numbers that sweeps touch: velocity, mass, motion |
 //! | `drive.rs`, `driving.rs`, `sensor.rs` | forces, damping, locked axes of the few bodies that have some; bodies that only sense |
-//! | `explosion.rs`, `exploding.rs` | blasts, on bodies and on the parts of clusters |
+//! | `explosion.rs`, `exploding.rs`, `blast_shares.rs` | blasts, on bodies and on the parts of clusters; who gets how much |
 //! | `pushes.rs`, `pushing.rs` | forces at points, which load single parts of clusters |
 //! | `kind.rs` | a body becomes dynamic, kinematic or static |
 //! | `free_rotation.rs` | rotation without torque that keeps angular momentum and energy |
@@ -22,6 +22,7 @@
 //! `fracture`. Read `store.rs` first, then `solver_body.rs`.
 
 pub(crate) mod anchors;
+pub(crate) mod blast_shares;
 pub(crate) mod body;
 pub(crate) mod breaking;
 pub(crate) mod cluster_state;

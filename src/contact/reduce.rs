@@ -27,6 +27,9 @@ pub(crate) enum CornerKind {
     Reference,
 }
 
+/// How much lower a point must be to matter, as a share of the distance within which points are one: rounding of a flat face is less.
+const UNEVEN: f32 = 0.1;
+
 /// Chooses at most [`MAX_POINTS`] of `candidates` that carry a load as well as all of them would, and keeps their order.
 ///
 /// `candidates` are in one frame; `normal` is the unit contact normal; points nearer to each
@@ -45,6 +48,35 @@ pub(crate) fn reduce(candidates: &mut Vec<Candidate>, normal: Vec3, merge: f32) 
         index += 1;
         chosen.contains(&(index - 1))
     });
+}
+
+/// [`reduce`] where gaps under one face differ, as on ridges: what it leaves out and is lower than all but one of those chosen, by a share of
+/// `merge`, goes to `lower`, or a body that rests on two points beside the chosen ones rocks from one set of them to another.
+pub(crate) fn reduce_uneven(
+    candidates: &mut Vec<Candidate>,
+    lower: &mut Vec<Candidate>,
+    normal: Vec3,
+    merge: f32,
+) {
+    lower.clear();
+    remove_duplicates(candidates, merge);
+    if candidates.len() <= MAX_POINTS {
+        return;
+    }
+    let chosen = choose_four(candidates, normal, merge);
+    let mut gaps = chosen.map(|it| candidates[it].separation);
+    gaps.sort_unstable_by(f32::total_cmp);
+    let limit = gaps[1] - UNEVEN * merge;
+    let mut index = 0;
+    candidates.retain(|candidate| {
+        index += 1;
+        let is_chosen = chosen.contains(&(index - 1));
+        if !is_chosen && candidate.separation < limit {
+            lower.push(*candidate);
+        }
+        is_chosen
+    });
+    reduce(lower, normal, merge);
 }
 
 /// Drops each point that lies within `merge` of an earlier one, which keeps the smaller of both separations.

@@ -2,6 +2,7 @@
 //!
 //! The body bears a share of the blow before it breaks, and its pieces share the rest.
 
+use crate::bodies::blast_shares::{Reached, shares};
 use crate::bodies::body::RigidBody;
 use crate::bodies::explosion::Explosion;
 use crate::bodies::store::Bodies;
@@ -84,17 +85,16 @@ fn push(bodies: &mut Bodies, slot: u32, explosion: &Explosion, share: f32) {
 
 /// Pushes pieces away from an explosion with an impulse (N s) together, if all that stay where they are had their share as well.
 fn share_out(bodies: &mut Bodies, pieces: &[u32], explosion: &Explosion, impulse: f32) {
-    let weights = pieces.iter().map(|&it| explosion.weight_on(bodies, it));
-    let weights: Vec<f32> = weights.collect();
-    let total: f32 = weights.iter().sum();
-    if total <= 0.0 {
-        return;
-    }
-    for (&piece, weight) in pieces.iter().zip(weights) {
+    let reached = pieces.iter().map(|&it| Reached {
+        weight: explosion.weight_on(bodies, it).into(),
+        mass: bodies.mass(it).mass.into(),
+    });
+    let given = shares(&reached.collect::<Vec<_>>());
+    for (&piece, share) in pieces.iter().zip(given) {
         if bodies.kind(piece) == RigidBody::Dynamic {
             let away = bodies.center_of_mass(piece) - explosion.center;
-            let given = impulse * weight / total * away.normalize_or(Vec3::Y);
-            bodies.push(piece, [given, Vec3::ZERO]);
+            let given = share as f32 * impulse.copysign(explosion.impulse);
+            bodies.push(piece, [given * away.normalize_or(Vec3::Y), Vec3::ZERO]);
         }
     }
 }

@@ -9,6 +9,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod blasts;
 mod clusters;
 mod cuts;
 mod heirs;
@@ -80,6 +81,11 @@ fn what_waits_comes_to_its_turn_or_is_gone() {
 #[test]
 fn blasts_break_what_waits_too() {
     check(waiting::judge_in_the_end, 150, (0, 100));
+}
+
+#[test]
+fn a_blast_drives_all_pieces_away_or_in_and_none_as_a_bullet() {
+    check(blasts::judge, 200, (0, 2000));
 }
 
 #[test]

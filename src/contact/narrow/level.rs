@@ -13,7 +13,7 @@
 use crate::contact::local_manifold::{LocalManifold, LocalPoint};
 use crate::contact::narrow::level_scratch::{Found, Group, LevelScratch};
 use crate::contact::narrow::scratch::MERGE;
-use crate::contact::reduce::{Candidate, CornerKind, reduce};
+use crate::contact::reduce::{Candidate, CornerKind, reduce_uneven};
 use crate::geometry::ConvexMesh;
 use crate::geometry::hull_lanes::{box_of, lowest_height, move_points};
 use crate::geometry::level_triangle::LevelTriangle;
@@ -267,9 +267,9 @@ impl LevelPair<'_> {
         face.map_or(0, |(_, face)| face)
     }
 
-    /// Makes the manifold of one direction.
+    /// Makes the manifold of one direction, or two of more than four points.
     fn add_patch(&self, group: u32, turn: &Mat3, scratch: &mut LevelScratch) {
-        let Group { normal, slot } = scratch.groups[group as usize];
+        let normal = scratch.groups[group as usize].normal;
         let is_steady = self.travel.length() <= STEADY * self.shape.aabb().diagonal();
         let face = is_steady.then(|| self.face_down(group, turn.transpose() * normal, scratch));
         let candidates = &mut scratch.candidates;
@@ -283,15 +283,26 @@ impl LevelPair<'_> {
             kind: CornerKind::Incident,
             leaves_on_cut: false,
         }));
-        reduce(candidates, normal, MERGE * self.shape.aabb().diagonal());
-        let back = turn.transpose();
+        let merge = MERGE * self.shape.aabb().diagonal();
+        reduce_uneven(candidates, &mut scratch.lower, normal, merge);
+        for points in [&scratch.candidates, &scratch.lower] {
+            if !points.is_empty() {
+                let patch = self.patch_of(points, &scratch.groups[group as usize], turn);
+                scratch.patches.push(patch);
+            }
+        }
+    }
+
+    /// The manifold of points under one direction.
+    fn patch_of(&self, points: &[Candidate], group: &Group, turn: &Mat3) -> LocalManifold {
+        let (normal, back) = (group.normal, turn.transpose());
         let mut patch = LocalManifold {
             normal: -(back * normal),
             normal_in_b: Some(-normal),
-            slot,
+            slot: group.slot,
             ..LocalManifold::default()
         };
-        for &Candidate { at, separation, .. } in candidates.iter() {
+        for &Candidate { at, separation, .. } in points {
             patch.push(LocalPoint {
                 on_a: back * at,
                 on_b: self.hull_in_mesh.position + (at - separation * normal),
@@ -299,6 +310,6 @@ impl LevelPair<'_> {
                 ..LocalPoint::default()
             });
         }
-        scratch.patches.push(patch);
+        patch
     }
 }

@@ -65,6 +65,8 @@ pub(crate) struct LevelScratch {
     pub(in crate::contact::narrow) groups: Vec<Group>,
     pub(in crate::contact::narrow) found: Vec<Found>,
     pub(in crate::contact::narrow) candidates: Vec<Candidate>,
+    /// What is as low as these and is not among them.
+    pub(in crate::contact::narrow) lower: Vec<Candidate>,
     /// The manifolds, hull first.
     pub(crate) patches: Vec<LocalManifold>,
 }
