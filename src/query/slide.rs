@@ -17,6 +17,9 @@ const MAX_PUSHES: usize = 6;
 /// Least sine of the angle between a motion and what it meets that the skin is kept for: less would stop the motion too early.
 const GRAZING: f32 = 0.1;
 
+/// Share of the skin to which a shape is pushed out. Pushed out to all of it, a slow one would never get past what is just below its feet.
+const KEPT: f32 = 0.5;
+
 /// A shape that slides.
 #[derive(Clone, Copy, Debug)]
 pub struct Slider<'s> {
@@ -141,8 +144,9 @@ impl Queries<'_> {
             let found = self.near_shape(&slider.shape, &pose, slider.skin, filter, &mut near);
             let push: Vec3 = near
                 .iter()
-                .filter(|hit| hit.distance < 0.5 * slider.skin)
-                .map(|hit| (slider.skin - hit.distance) * hit.normal)
+                .map(|hit| (KEPT * slider.skin - hit.distance, hit.normal))
+                .filter(|(depth, _)| *depth > 1e-3 * slider.skin)
+                .map(|(depth, normal)| depth * normal)
                 .fold(Vec3::ZERO, |sum, push| {
                     // What is pushed that way already is not pushed twice.
                     let done = push.try_normalize().map_or(0.0, |n| sum.dot(n).max(0.0));

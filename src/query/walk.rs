@@ -1,7 +1,7 @@
 //! `Queries::walk`: a character that walks over a scene, by casts of its shape.
 //!
-//! A step of a character, in order: it is pushed out of what has moved into it; it is carried by what it stands on; it goes where it
-//! wants to along the ground, along walls and up steps; it falls, or is set down on ground that is not farther than a step down.
+//! A step of a character, in order: it is pushed out of what has moved into it; it goes where it wants to along the ground, along walls
+//! and up steps; it falls, or is set down on ground that is not farther than a step down; it is carried by that to where it will be.
 
 use crate::bodies::body::RigidBody;
 use crate::bodies::store::Bodies;
@@ -101,9 +101,6 @@ impl Walk<'_, '_> {
         let (up, dt) = (self.settings.up, self.step_dt);
         let mut pose = Pose::new(state.position, state.rotation);
         pose.position = self.queries.push_out(self.slider, pose, self.filter);
-        if let Some(footing) = state.footing {
-            self.ride(&mut pose, &footing);
-        }
         let wish = across(input.velocity, up);
         let jumps = state.footing.is_some() && input.jump > 0.0;
         let mut rise = state.velocity.dot(up);
@@ -133,31 +130,28 @@ impl Walk<'_, '_> {
         } else {
             self.set_down(&mut pose, ground.is_some())
         };
-        if state.footing.is_some() {
+        if let Some(footing) = &mut state.footing {
             rise = 0.0;
+            footing.point += self.ride(&mut pose, footing);
         }
         state.velocity = level + rise * up;
         (state.position, state.rotation) = (pose.position, pose.rotation);
     }
 
-    /// Goes with what it stands on.
-    fn ride(&mut self, pose: &mut Pose, footing: &Footing) {
+    /// Goes with what it stands on, to where that is after the step; how far its footing goes, m.
+    fn ride(&mut self, pose: &mut Pose, footing: &Footing) -> Vec3 {
+        let up = self.settings.up;
         let bodies = self.queries.bodies();
-        let found = carried(bodies, footing.body, footing.point, self.step_dt);
+        // Straight below the frame, about which it turns.
+        let below = pose.position + (footing.point - pose.position).dot(up) * up;
+        let found = carried(bodies, footing.body, below, self.step_dt);
         let Some((way, turn)) = found else {
-            return;
+            return Vec3::ZERO;
         };
         if way != Vec3::ZERO {
-            let (body, filter) = (footing.body, *self.filter);
-            let excluded = [body];
-            let others = QueryFilter {
-                excluded: if filter.excluded.is_empty() {
-                    &excluded
-                } else {
-                    filter.excluded
-                },
-                ..filter
-            };
+            let predicate = self.filter.predicate;
+            let counts = |slot| slot != footing.body && predicate.is_none_or(|it| it(slot));
+            let others = self.filter.with_predicate(&counts);
             let mut met = Vec::new();
             let start = *pose;
             let slid = self
@@ -165,8 +159,8 @@ impl Walk<'_, '_> {
                 .move_and_slide(self.slider, start, way, &others, &mut met);
             pose.position = slid.position;
         }
-        let yaw = turn.dot(self.settings.up) * self.settings.up;
-        pose.rotation = rotate_by(pose.rotation, yaw, 1.0);
+        pose.rotation = rotate_by(pose.rotation, turn.dot(up) * up, 1.0);
+        way
     }
 
     /// Whether a place is ground to stand on.
@@ -211,9 +205,11 @@ impl Walk<'_, '_> {
                 obstacles = Obstacles::default();
                 continue;
             }
-            if ground.is_some() && self.step_up(pose, &mut rest) {
+            if ground.is_some() && self.step_up(pose, &mut rest, hit.normal) {
                 continue;
             }
+            // Down along the ground it may run into an edge that is clear of the way ahead: it goes on level, and is set down after.
+            rest -= rest.dot(up).min(0.0) * up;
             // What is too steep is a wall, however it leans.
             let wall = across(hit.normal, up).try_normalize().unwrap_or(hit.normal);
             rest = obstacles.deflect(rest, wall);
@@ -247,8 +243,8 @@ impl Walk<'_, '_> {
         }
     }
 
-    /// Up, forward and down again; whether it is on a step then.
-    fn step_up(&mut self, pose: &mut Pose, rest: &mut Vec3) -> bool {
+    /// Up, forward and down again, where it ran into something with this normal; whether it is on a step then.
+    fn step_up(&mut self, pose: &mut Pose, rest: &mut Vec3, normal: Vec3) -> bool {
         let (up, height) = (self.settings.up, self.settings.step_height);
         let flat = across(*rest, up);
         let Some(direction) = flat.try_normalize() else {
@@ -260,7 +256,10 @@ impl Walk<'_, '_> {
             .queries
             .advance(self.slider, &there, climb, self.filter);
         there.position += risen;
-        let forward = direction * flat.length().max(FOOTHOLD * height);
+        // Over the skin that it keeps from what it runs into, however slantwise.
+        let over_skin = (2.0 * self.settings.skin / -direction.dot(normal)).abs();
+        let foothold = over_skin.clamp(FOOTHOLD * height, height);
+        let forward = direction * flat.length().max(foothold);
         let (moved, _) = self
             .queries
             .advance(self.slider, &there, forward, self.filter);

@@ -14,6 +14,7 @@ mod queries;
 mod rest;
 mod rolling;
 mod walking;
+mod walking_anywhere;
 
 use bevy_cleave::prelude::*;
 use common::dice::Dice;
