@@ -69,7 +69,7 @@ const KNOWN: [Known; FAMILIES.len()] = [
     known("copies", MANY, 1),
     known("steps", MANY, 0),
     known("compounds", MANY, 1),
-    known("terrains", MANY, 3),
+    known("terrains", MANY, 0),
     known("mixtures", MANY, 0),
 ];
 

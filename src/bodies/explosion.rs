@@ -7,7 +7,8 @@ use glam::Vec3;
 ///
 /// A body whose parts bonds hold, see [`Cluster`](crate::cluster::Cluster), gets no more than another one, but each part its share of it, by the open
 /// area that it turns to the blast and by its distance. What breaks of it under that flies off; a static one breaks too. To another body that is
-/// [`Fracturable`](crate::slice::Fracturable), static or not, it is a blow: with more impulse than its strength it breaks it.
+/// [`Fracturable`](crate::slice::Fracturable), static or not, it is a blow: with more impulse than its strength it breaks it, and its pieces share the
+/// impulse by their areas. No part and no piece gets more than four times the speed that all that are reached would have together.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Explosion {
     /// Where, world, m.

@@ -16,6 +16,8 @@ pub(crate) fn judge(seed: u64) -> Verdict {
     let shape = convex(&mut dice, size);
     let desc = BodyDesc::dynamic(shape, Vec3::ZERO);
     let slot = simulation.bodies.insert(desc).expect("usable");
+    // Its mass is known from then on.
+    simulation.step(1e-6);
     let mass = simulation.bodies.mass(slot).mass;
     // Of the speed of the whole body, m/s.
     let speed = 10.0_f32.powf(dice.in_range(-1.0, 1.5));

@@ -267,7 +267,7 @@ impl LevelPair<'_> {
         face.map_or(0, |(_, face)| face)
     }
 
-    /// Makes the manifold of one direction, or two of more than four points.
+    /// Makes the manifolds of one direction.
     fn add_patch(&self, group: u32, turn: &Mat3, scratch: &mut LevelScratch) {
         let normal = scratch.groups[group as usize].normal;
         let is_steady = self.travel.length() <= STEADY * self.shape.aabb().diagonal();
@@ -283,33 +283,39 @@ impl LevelPair<'_> {
             kind: CornerKind::Incident,
             leaves_on_cut: false,
         }));
-        let merge = MERGE * self.shape.aabb().diagonal();
-        reduce_uneven(candidates, &mut scratch.lower, normal, merge);
+        self.add_candidates(group, MERGE * self.shape.aabb().diagonal(), turn, scratch);
+    }
+
+    /// Makes the manifolds of the candidates of one direction. `merge`: how near to each other points are one, m.
+    pub(in crate::contact::narrow) fn add_candidates(
+        &self,
+        group: u32,
+        merge: f32,
+        turn: &Mat3,
+        scratch: &mut LevelScratch,
+    ) {
+        let Group { normal, slot } = scratch.groups[group as usize];
+        reduce_uneven(&mut scratch.candidates, &mut scratch.lower, normal, merge);
+        let back = turn.transpose();
         for points in [&scratch.candidates, &scratch.lower] {
+            let mut patch = LocalManifold {
+                normal: -(back * normal),
+                normal_in_b: Some(-normal),
+                slot,
+                ..LocalManifold::default()
+            };
+            for &Candidate { at, separation, .. } in points {
+                patch.push(LocalPoint {
+                    on_a: back * at,
+                    on_b: self.hull_in_mesh.position + (at - separation * normal),
+                    separation,
+                    radii: [scratch.curvature_at(group, at), 0.0],
+                    ..LocalPoint::default()
+                });
+            }
             if !points.is_empty() {
-                let patch = self.patch_of(points, &scratch.groups[group as usize], turn);
                 scratch.patches.push(patch);
             }
         }
-    }
-
-    /// The manifold of points under one direction.
-    fn patch_of(&self, points: &[Candidate], group: &Group, turn: &Mat3) -> LocalManifold {
-        let (normal, back) = (group.normal, turn.transpose());
-        let mut patch = LocalManifold {
-            normal: -(back * normal),
-            normal_in_b: Some(-normal),
-            slot: group.slot,
-            ..LocalManifold::default()
-        };
-        for &Candidate { at, separation, .. } in points {
-            patch.push(LocalPoint {
-                on_a: back * at,
-                on_b: self.hull_in_mesh.position + (at - separation * normal),
-                separation,
-                ..LocalPoint::default()
-            });
-        }
-        patch
     }
 }

@@ -7,14 +7,13 @@
 //! What has got through a ridge touches neither side of it so: its lowest points are beyond it on both. If it touches nothing else, it comes
 //! back along the triangle that it is least below.
 
-use crate::contact::local_manifold::{LocalManifold, LocalPoint};
 use crate::contact::narrow::level::{Ground, LevelPair, PIERCED, SHALLOW};
-use crate::contact::narrow::level_scratch::{Found, Group, LevelScratch};
+use crate::contact::narrow::level_scratch::{Found, LevelScratch};
 use crate::contact::narrow::round::axis::{PairAxis, SolidPair};
 use crate::contact::narrow::round::patch::{PatchRule, RoundScratch, clip_places, patch_along};
 use crate::contact::narrow::round::solid::Solid;
 use crate::contact::narrow::scratch::MERGE;
-use crate::contact::reduce::{Candidate, CornerKind, reduce};
+use crate::contact::reduce::{Candidate, CornerKind};
 use crate::geometry::EdgeKind;
 use crate::geometry::distance::{Nearest, Separation, distance};
 use crate::geometry::support::{Core, PlacedCore};
@@ -263,37 +262,18 @@ impl LevelPair<'_> {
         })
     }
 
-    /// Makes the manifold of one direction.
+    /// Makes the manifolds of one direction.
     fn add_round_patch(&self, group: u32, placed: &Placed, scratch: &mut LevelScratch) {
-        let Group { normal, slot } = scratch.groups[group as usize];
         let candidates = &mut scratch.candidates;
         candidates.clear();
-        let of_group = || scratch.found.iter().filter(|found| found.group == group);
-        candidates.extend(of_group().map(|found| Candidate {
+        let of_group = scratch.found.iter().filter(|found| found.group == group);
+        candidates.extend(of_group.map(|found| Candidate {
             at: found.at,
             separation: found.separation,
             kind: CornerKind::Incident,
             leaves_on_cut: false,
         }));
-        reduce(candidates, normal, MERGE * placed.size);
-        let back = placed.turn.transpose();
-        let mut patch = LocalManifold {
-            normal: -(back * normal),
-            normal_in_b: Some(-normal),
-            slot,
-            ..LocalManifold::default()
-        };
-        for &Candidate { at, separation, .. } in candidates.iter() {
-            let curvature = of_group().find(|found| found.at == at);
-            patch.push(LocalPoint {
-                on_a: back * at,
-                on_b: self.hull_in_mesh.position + (at - separation * normal),
-                separation,
-                radii: [curvature.map_or(0.0, |found| found.curvature), 0.0],
-                ..LocalPoint::default()
-            });
-        }
-        scratch.patches.push(patch);
+        self.add_candidates(group, MERGE * placed.size, &placed.turn, scratch);
     }
 }
 
