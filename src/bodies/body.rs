@@ -6,7 +6,7 @@ use crate::contact::surface::{SurfaceMaterial, SurfaceMaterials};
 use crate::geometry::predicates::check_plane;
 use crate::geometry::{Compound, ConvexMesh, HalfSpaceShape, MeshError, PlaneError, StaticMesh};
 use crate::mass::{MassError, MassProperties};
-use crate::math::{Aabb, Plane, Pose};
+use crate::math::{Plane, Pose};
 use crate::slice::fracturable::{Fracturable, FracturableError};
 use bevy_ecs::component::Component;
 use glam::{Quat, Vec3};
@@ -61,35 +61,6 @@ impl Shape {
             Self::Convex(mesh) => mesh.is_round(),
             Self::Compound(compound) => compound.has_round(),
             Self::HalfSpace(_) | Self::Level(_) => false,
-        }
-    }
-
-    /// The shape of several parts, if it is one.
-    pub(crate) fn compound(&self) -> Option<&Compound> {
-        match self {
-            Self::Compound(compound) => Some(compound),
-            _ => None,
-        }
-    }
-
-    /// Volume of its hulls, m3.
-    pub(crate) fn hull_volume(&self) -> Option<f64> {
-        match self {
-            Self::Convex(mesh) => Some(mesh.hull().volume()),
-            Self::Compound(compound) => {
-                let parts = compound.parts().iter();
-                Some(parts.map(|part| part.shape.hull().volume()).sum())
-            }
-            Self::HalfSpace(_) | Self::Level(_) => None,
-        }
-    }
-
-    /// The box around what has a volume, own frame.
-    pub(crate) fn solid_aabb(&self) -> Option<Aabb> {
-        match self {
-            Self::Convex(mesh) => Some(mesh.aabb()),
-            Self::Compound(compound) => Some(compound.aabb()),
-            Self::HalfSpace(_) | Self::Level(_) => None,
         }
     }
 }
@@ -356,14 +327,9 @@ impl BodyInfo {
 
     /// Whether mass properties follow from the same things in both.
     pub(crate) fn has_mass_of(&self, other: &Self) -> bool {
-        let same_shape = match (&self.shape, &other.shape) {
-            (Shape::Convex(a), Shape::Convex(b)) => a.is_same(b),
-            (Shape::HalfSpace(a), Shape::HalfSpace(b)) => a == b,
-            (Shape::Level(a), Shape::Level(b)) => a.is_same(b),
-            (Shape::Compound(a), Shape::Compound(b)) => a.is_same(b),
-            _ => false,
-        };
-        same_shape && self.density == other.density && self.mass_override == other.mass_override
+        self.shape.is_same(&other.shape)
+            && self.density == other.density
+            && self.mass_override == other.mass_override
     }
 
     /// Whether contacts of both are found and solved in the same way, given the same shape and mass.

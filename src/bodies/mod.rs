@@ -3,7 +3,7 @@
 //! | file | holds |
 //! |---|---|
 //! | `store.rs`, `slots.rs` | `Bodies`, the arrays; slots and ids |
-//! | `body.rs` | what a body is made from, and why one is refused |
+//! | `body.rs`, `shapes.rs` | what a body is made from, and why one is refused; what is asked of its shape |
 //! | `solver_body.rs` | the rows of eight numbers that sweeps touch: velocity, mass, motion |
 //! | `drive.rs`, `driving.rs`, `sensor.rs` | forces, damping, locked axes of the few bodies that have some; bodies that only sense |
 //! | `explosion.rs`, `exploding.rs`, `blast_shares.rs` | blasts, on bodies and on the parts of clusters; who gets how much |
@@ -43,6 +43,7 @@ pub(crate) mod local_state;
 pub(crate) mod pushes;
 mod pushing;
 mod sensor;
+mod shapes;
 pub(crate) mod sleep_state;
 mod slots;
 pub(crate) mod solver_body;

@@ -20,8 +20,11 @@ struct News {
 }
 
 impl News {
-    fn add(&mut self, event: &ContactEvent, entities: [Entity; 2], step_dt: f32) {
-        let mut is_first = true;
+    /// `asks`: who of the two asks for news of that.
+    fn add(&mut self, event: &ContactEvent, entities: [Entity; 2], asks: [bool; 2], step_dt: f32) {
+        // Who asks and is not told was told before, and the message was sent then.
+        let was_told = (0..2).any(|side| asks[side] && !event.of[side]);
+        let mut is_first = event.change != ContactChange::Start || !was_told;
         for side in (0..2).filter(|&side| event.of[side]) {
             let (entity, other) = (entities[side], entities[1 - side]);
             let normal = [event.normal, -event.normal][side];
@@ -80,6 +83,15 @@ impl News {
         retain(&mut self.ends, end_messages, |end| {
             !goes_on(&begun, (end.entity, end.other))
         });
+        // Of a pair that goes on while one of the two began or ceased to ask there is no message either.
+        let of_either =
+            |pairs: &[(Entity, Entity)], (a, b)| goes_on(pairs, (a, b)) || goes_on(pairs, (b, a));
+        for (start, is_message) in self.starts.iter().zip(start_messages) {
+            *is_message &= !of_either(&ended, (start.entity, start.other));
+        }
+        for (end, is_message) in self.ends.iter().zip(end_messages) {
+            *is_message &= !of_either(&begun, (end.entity, end.other));
+        }
     }
 }
 
@@ -99,12 +111,14 @@ pub(crate) fn send_collisions(world: &mut World) {
     };
     let news = world.resource_scope(|world, mut contacts: Mut<Contacts>| {
         find_contact_events(world.resource::<Bodies>(), &mut contacts, &settings);
+        let bodies = world.resource::<Bodies>();
         let entities = &world.resource::<PluginState>().entities;
         let mut news = News::default();
         for event in contacts.events().news() {
             let of = |(slot, id)| entity_of(entities, &departed, slot, id);
             if let [Some(a), Some(b)] = event.bodies.map(of) {
-                news.add(event, [a, b], settings.step_dt);
+                let asks = event.bodies.map(|body| contacts.events.asks(bodies, body));
+                news.add(event, [a, b], asks, settings.step_dt);
             }
         }
         world.resource_mut::<PluginState>().is_watching = contacts.events().is_on();

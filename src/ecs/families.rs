@@ -117,7 +117,7 @@ fn unscale(world: &mut World, entity: Entity, slot: u32) {
             local_of(&above, pose, scale.recip())
         }
     };
-    if scaled.scale != own.scale {
+    if scaled.scale != own.scale && scaled.is_finite() {
         world.entity_mut(entity).insert(scaled);
     }
 }

@@ -1,6 +1,7 @@
 //! Components into flat arrays: new bodies, removed bodies, and what the user changed since the last step.
 
 mod description;
+mod kinds;
 mod lone;
 mod motion;
 mod observers;
@@ -16,18 +17,18 @@ use crate::ecs::bond::make_bonds;
 use crate::ecs::components::*;
 use crate::ecs::forces::AppliedForces;
 use crate::ecs::gather::description::*;
-use crate::ecs::gather::lone::LoneParts;
+use crate::ecs::gather::kinds::{RareReadings, read_kinds, set_kind, toggle};
 use crate::ecs::gather::motion::{MotionReader, ReadMotion};
 use crate::ecs::issues::{Issues, Source};
 use crate::ecs::options::{BodyOptions, ChangedOptions, read_options};
 use crate::ecs::parents::Parents;
+use crate::ecs::scaled_shapes::ScaledShapes;
 use crate::ecs::state::{BodyQueue, PluginState};
 use crate::fracture::Bonds;
 use crate::mass::MassProperties;
 use crate::math::Pose;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
-use bevy_ecs::query::Allow;
 use bevy_ecs::system::SystemParam;
 use bevy_math::Vec3;
 use bevy_transform::components::Transform;
@@ -47,14 +48,6 @@ pub(crate) struct Readings<'w, 's> {
     options: Query<'w, 's, BodyOptions>,
     parents: Parents<'w, 's>,
     rare: RareReadings<'w, 's>,
-}
-
-/// What is looked at only of entities that were queued.
-#[derive(SystemParam)]
-pub(crate) struct RareReadings<'w, 's> {
-    toggled: Query<'w, 's, (&'static BodyHandle, Has<Disabled>)>,
-    kinds: Query<'w, 's, (&'static BodyHandle, &'static RigidBody), Allow<Disabled>>,
-    lone: LoneParts<'w, 's>,
 }
 
 impl Readings<'_, '_> {
@@ -78,6 +71,7 @@ pub(crate) fn read_entities(
     let PluginState {
         settings,
         entities,
+        scaled,
         queue,
         bond_requests,
         options,
@@ -93,7 +87,8 @@ pub(crate) fn read_entities(
     let is_orphan = |&entity: &Entity| motion_of(entity).is_ok_and(|(.., up)| up.is_none());
     let orphans: Vec<Entity> = children.drain(..).filter(is_orphan).collect();
     options.read_again(&queue.reduced);
-    gather_changes(queue, bodies, issues, warnings, readings);
+    let shapes = (&mut *bodies, &mut *scaled);
+    gather_changes(queue, shapes, issues, warnings, readings);
     let mut reader = MotionReader {
         step_dt: settings.step_dt,
         bodies: &mut *bodies,
@@ -103,6 +98,7 @@ pub(crate) fn read_entities(
         children,
         kinematic,
         rescaled: &mut queue.reduced,
+        halted: &queue.halted,
         parents: &readings.parents,
         handles: &readings.handles,
     };
@@ -110,7 +106,8 @@ pub(crate) fn read_entities(
     reader.read_again(&readings.motion, enabled, orphans);
     options.read_again(&queue.reduced);
     if !queue.reduced.is_empty() {
-        redescribe(queue, bodies, issues, warnings, readings, None);
+        let shapes = (&mut *bodies, &mut *scaled);
+        redescribe(queue, shapes, issues, warnings, readings, None);
     }
     settle_marked(queue, bodies, &readings.marked);
     read_options(
@@ -121,55 +118,6 @@ pub(crate) fn read_entities(
         &readings.options,
     );
     make_bonds(bond_requests, bodies, bonds, warnings, &readings.handles);
-}
-
-/// Bodies that were made dynamic, kinematic or static, and what is still without a body.
-fn read_kinds(
-    queue: &mut BodyQueue,
-    bodies: &mut Bodies,
-    issues: &mut Issues,
-    warnings: &mut Messages<BodyWarning>,
-    rare: &RareReadings,
-) {
-    rare.lone.tell(&mut queue.lone_parts, issues, warnings);
-    for entity in queue.changed_kind.drain(..) {
-        let Ok((handle, kind)) = rare.kinds.get(entity) else {
-            continue;
-        };
-        if let Some((slot, _)) = handle.0.filter(|&(slot, id)| bodies.is_current(slot, id)) {
-            issues.note(warnings, entity, Source::Kind, bodies.set_kind(slot, *kind));
-            issues.mend(entity, Source::Velocity);
-            if *kind == RigidBody::Static {
-                queue.halted.push(entity);
-            }
-            // Whether it breaks depends on it.
-            queue.reduced.push(entity);
-        }
-    }
-}
-
-/// Takes bodies out whose entities were disabled, and lets those in again that were enabled, whose state is to be read then.
-fn toggle(
-    queue: &mut BodyQueue,
-    bodies: &mut Bodies,
-    issues: &mut Issues,
-    rare: &RareReadings,
-) -> Vec<Entity> {
-    let mut enabled = Vec::new();
-    for entity in queue.toggled.drain(..) {
-        let Ok((handle, is_disabled)) = rare.toggled.get(entity) else {
-            continue;
-        };
-        if let Some((slot, _)) = handle.0.filter(|&(slot, id)| bodies.is_current(slot, id)) {
-            bodies.set_frozen(slot, is_disabled);
-            if !is_disabled {
-                issues.mend(entity, Source::Motion);
-                queue.reduced.push(entity);
-                enabled.push(entity);
-            }
-        }
-    }
-    enabled
 }
 
 /// Bodies that were marked as sleeping need not wait for it.
@@ -210,6 +158,7 @@ pub(crate) fn register_bodies(
 ) {
     let PluginState {
         entities,
+        scaled,
         queue,
         joints,
         options,
@@ -217,6 +166,7 @@ pub(crate) fn register_bodies(
         ..
     } = &mut *state;
     joints.have_bodies_changed = true;
+    queue.left.iter().for_each(|&(slot, _)| scaled.forget(slot));
     remove_bodies(&mut queue.left, &mut bodies, &mut cache);
     let earlier = std::mem::take(&mut queue.refused);
     let arrived = std::mem::take(&mut queue.arrived);
@@ -227,7 +177,7 @@ pub(crate) fn register_bodies(
         if (handle.0).is_some_and(|(slot, id)| bodies.is_current(slot, id)) {
             continue;
         }
-        let inserted = insert(&mut bodies, item.as_ref(), &parents);
+        let inserted = insert((&mut bodies, scaled), item.as_ref(), &parents);
         let inserted = unless_awaited(item.as_ref(), inserted);
         let inserted = issues.note(&mut warnings, entity, Source::Body, inserted);
         match inserted.flatten() {
@@ -280,17 +230,22 @@ struct Arrived {
 
 /// Adds the body that `parts` describe.
 fn insert(
-    bodies: &mut Bodies,
+    (bodies, scaled_shapes): (&mut Bodies, &mut ScaledShapes),
     parts: Option<&BodyPartsItem>,
     parents: &Parents,
 ) -> Result<Arrived, BodyError> {
     let parts = parts.ok_or(BodyError::Incomplete)?;
     let (pose, scale) =
         parents.place(parts.transform, parts.child_of, *parts.kind, &|_, _| None)?;
-    let desc = describe(parts, pose, scale)?;
+    let own = shape_of(parts)?;
+    let shape = scaled(&own, scale)?;
+    let desc = describe(parts, pose, shape.clone())?;
     let breaking = idle_part(parts, &desc);
     let motion = idle_velocity(desc.kind, desc.linear_velocity, desc.angular_velocity);
     let slot = bodies.insert(desc)?;
+    if scale != Vec3::ONE {
+        scaled_shapes.keep((slot, bodies.id(slot)), own, scale, shape);
+    }
     let parent = parts.child_of.map(ChildOf::parent);
     let world = Transform {
         translation: pose.position,
@@ -318,7 +273,7 @@ fn idle_velocity(kind: RigidBody, linear: Vec3, angular: Vec3) -> Result<(), Bod
 /// Shapes, densities, materials and layers that the user changed. What is not usable is not taken over.
 fn gather_changes(
     queue: &mut BodyQueue,
-    bodies: &mut Bodies,
+    (bodies, scaled): (&mut Bodies, &mut ScaledShapes),
     issues: &mut Issues,
     warnings: &mut Messages<BodyWarning>,
     readings: &Readings,
@@ -326,41 +281,59 @@ fn gather_changes(
     let has_changed = has_any_changed(&readings.ticks);
     if has_changed || !queue.reduced.is_empty() {
         let changed = has_changed.then_some(&readings.changed);
-        redescribe(queue, bodies, issues, warnings, readings, changed);
+        redescribe(queue, (bodies, scaled), issues, warnings, readings, changed);
     }
 }
 
 /// Reads the descriptions of entities that are queued or `changed`.
 fn redescribe(
     queue: &mut BodyQueue,
-    bodies: &mut Bodies,
+    (bodies, scaled): (&mut Bodies, &mut ScaledShapes),
     issues: &mut Issues,
     warnings: &mut Messages<BodyWarning>,
     readings: &Readings,
     changed: Option<&Query<Entity, (Changes, With<BodyHandle>)>>,
 ) {
     let changed = changed.into_iter().flat_map(|changed| changed.iter());
+    let mut turned = Vec::new();
     for entity in changed.chain(queue.reduced.drain(..)) {
         let Ok((handle, parts)) = readings.described.get(entity) else {
             continue;
         };
-        let Some((slot, _)) = handle.0.filter(|&(slot, id)| bodies.is_current(slot, id)) else {
+        let Some(body) = handle.0.filter(|&(slot, id)| bodies.is_current(slot, id)) else {
             continue;
         };
+        let slot = body.0;
         // Pose and velocity are read elsewhere: broken ones must not hide a new shape.
         let parts = parts.as_ref();
         let desc = parts.ok_or(BodyError::Incomplete).and_then(|parts| {
             let parents = &readings.parents;
             let placed = parents.place(parts.transform, parts.child_of, *parts.kind, &|_, _| None);
             let (_, scale) = placed?;
-            let desc = describe(parts, Pose::IDENTITY, scale)?;
+            let shape = scaled_anew(scaled, body, shape_of(parts)?, scale)?;
+            let desc = describe(parts, Pose::IDENTITY, shape)?;
             issues.note(warnings, entity, Source::Breaking, idle_part(parts, &desc));
             Ok(desc)
         });
         let taken = desc.and_then(|desc| bodies.redescribe(slot, desc));
         let taken = unless_awaited(parts, taken);
         issues.note(warnings, entity, Source::Description, taken);
+        if let Some(parts) = parts {
+            // A kind that the shape before did not allow.
+            let before = bodies.kind(slot);
+            let made = set_kind(
+                (bodies, issues),
+                &mut queue.halted,
+                entity,
+                slot,
+                *parts.kind,
+            );
+            issues.note(warnings, entity, Source::Kind, made);
+            turned.extend((bodies.kind(slot) != before).then_some(entity));
+        }
     }
+    // What else depends on the kind is to be looked at again.
+    queue.reduced = turned;
 }
 
 /// Writes computed mass properties to their entities.

@@ -1,5 +1,6 @@
 //! What is wrong with entities: a component on each, for as long as it lasts, and a message when it begins.
 
+use crate::bodies::body::BodyError;
 use crate::ecs::components::{BodyProblem, BodyWarning, warn};
 use bevy_ecs::prelude::*;
 
@@ -108,6 +109,18 @@ impl Issues {
             self.known.retain(|issue| !is_of_body(issue));
             self.changed.push(entity);
         }
+    }
+
+    /// Whether the entity lacks something that a body has.
+    pub(crate) fn is_incomplete(&self, entity: Entity) -> bool {
+        self.known.iter().any(|issue| {
+            issue.entity == entity && issue.problem == BodyProblem::Body(BodyError::Incomplete)
+        })
+    }
+
+    /// Whether anything is wrong with the entity.
+    pub(crate) fn is_any_of(&self, entity: Entity) -> bool {
+        self.known.iter().any(|issue| issue.entity == entity)
     }
 
     /// Takes note of what a look found.

@@ -169,6 +169,8 @@ pub(crate) fn read_joints(
             .is_ok_and(|handle| handle.0.is_some_and(|id| joints.contains(id)));
         let is_refused = queue.refused.iter().any(|(other, _)| *other == entity);
         let Ok(parts) = readings.parts.get(entity) else {
+            // What is no joint any more, or disabled, has no problem.
+            queue.problems.push((entity, None));
             continue;
         };
         if is_there || is_refused {
@@ -294,7 +296,8 @@ fn ends_of(
 /// Run condition of the systems of joints: most scenes have none.
 pub(crate) fn any_joint(state: Res<PluginState>) -> bool {
     let queue = &state.joints;
-    !(queue.arrived.is_empty() && queue.refused.is_empty() && queue.entities.is_empty())
+    let is_known = !(queue.refused.is_empty() && queue.entities.is_empty());
+    is_known || !(queue.arrived.is_empty() && queue.problems.is_empty())
 }
 
 /// System: writes to the entities of joints what these bore, what is wrong with them, and which broke.

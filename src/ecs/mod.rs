@@ -20,6 +20,7 @@
 //! | `shape_constructor.rs`, `shape_constructor/` | shapes as data that a scene file can hold |
 //! | `parts.rs` | bodies whose parts are their children |
 //! | `spawn.rs` | an entity from a description of a body |
+//! | `scaled_shapes.rs` | shapes as the scales of their entities make them |
 //! | `state.rs` | the one resource that the plugin keeps for itself |
 //!
 //! The first layer that knows entities, queries and commands. Must not know the order of the phases: that is `plugin.rs`. Read
@@ -45,6 +46,7 @@ pub(crate) mod pieces;
 pub(crate) mod query;
 #[cfg(feature = "reflect")]
 pub(crate) mod reflect;
+mod scaled_shapes;
 pub(crate) mod scatter;
 pub(crate) mod setup;
 pub(crate) mod shape_constructor;

@@ -5,6 +5,7 @@
 
 use crate::bodies::body::{BodyError, RigidBody};
 use crate::bodies::store::Bodies;
+use crate::contact::body_id::BodyId;
 use crate::ecs::components::BodyHandle;
 use crate::ecs::state::PluginState;
 use crate::math::Pose;
@@ -31,6 +32,12 @@ pub(crate) struct Parents<'w, 's> {
 pub(super) type OwnWay<'f> = &'f dyn Fn(Entity, (Entity, Transform)) -> Option<Pose>;
 
 impl Parents<'_, '_> {
+    /// How many entities are above one.
+    pub(super) fn depth(&self, entity: Entity) -> usize {
+        let above = |&entity: &Entity| Some(self.above.get(entity).ok()?.1?.parent());
+        std::iter::successors(Some(entity), above).count() - 1
+    }
+
     /// Where a body is in the world, and by how much its shape is scaled there. Bodies above it may go their own ways.
     pub(crate) fn place(
         &self,
@@ -95,7 +102,9 @@ pub(super) fn place(
 
 /// Whether scales differ by rounding at most.
 pub(super) fn is_same_scale(a: Vec3, b: Vec3) -> bool {
-    (a - b).abs().max_element() <= ROUNDING * b.abs().max_element()
+    let difference = (a - b).abs().max_element();
+    // Infinite ones are no rounding of each other.
+    difference.is_finite() && difference <= ROUNDING * b.abs().max_element()
 }
 
 /// Whether poses differ by rounding at most, of coordinates of their size.
@@ -166,7 +175,9 @@ pub(crate) fn write_children(world: &mut World) {
     for &entity in &children {
         let body = world.get::<BodyHandle>(entity).and_then(|handle| handle.0);
         let bodies = world.resource::<Bodies>();
-        let Some((slot, _)) = body.filter(|&(slot, id)| bodies.is_current(slot, id)) else {
+        let is_there =
+            |&(slot, id): &(u32, BodyId)| bodies.is_current(slot, id) && bodies.is_active(slot);
+        let Some((slot, _)) = body.filter(is_there) else {
             continue;
         };
         // One that stands where its parent brings it has the `Transform` that it was given.

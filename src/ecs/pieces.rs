@@ -32,10 +32,9 @@ use bevy_math::Vec3;
 use bevy_transform::components::{GlobalTransform, Transform};
 use std::cell::RefCell;
 
-/// The entity that stands for what this one is a piece of. Pieces of pieces belong to the same.
+/// The entity that stands for what this one is a piece of. Pieces of pieces belong to the same, and so do clones of pieces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Component)]
 #[relationship(relationship_target = Pieces)]
-#[component(clone_behavior = Ignore)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct PieceOf(pub Entity);
 
@@ -74,6 +73,8 @@ struct Staged {
     mesh: Option<ConvexMesh>,
     compound: Option<Compound>,
     transform: Transform,
+    /// Whether the parent's parent is its parent too.
+    is_child: bool,
     global: GlobalTransform,
     linear: LinearVelocity,
     angular: AngularVelocity,
@@ -133,15 +134,19 @@ impl Staged {
             ..Transform::IDENTITY
         };
         let above = parent_of(world, parent);
+        // The shape is as large as it is in the world: beneath a scaled parent it must be scaled back.
+        let local = above.map(|above| {
+            let (scale, ..) = above.to_scale_rotation_translation();
+            local_of(&above, pose, scale.recip())
+        });
+        // Beneath one that is scaled to nothing there is no place.
+        let local = local.filter(Transform::is_finite);
         Some(Self {
             kind: bodies.kind(slot),
             mesh: bodies.convex(slot).cloned(),
             compound: bodies.compound(slot).cloned(),
-            // The shape is as large as it is in the world: beneath a scaled parent it must be scaled back.
-            transform: above.map_or(in_world, |above| {
-                let (scale, ..) = above.to_scale_rotation_translation();
-                local_of(&above, pose, scale.recip())
-            }),
+            transform: local.unwrap_or(in_world),
+            is_child: local.is_some(),
             global: in_world.into(),
             linear: LinearVelocity(v),
             angular: AngularVelocity(omega),
@@ -260,11 +265,13 @@ fn spawn_piece(
     let staged = Staged::of(world, parent, slot)?;
     let transform = staged.transform;
     let keeps_breaking = staged.fracturable.is_some();
+    let is_child = staged.is_child;
     let piece = world.spawn_empty().id();
     let bodies = world.resource::<Bodies>();
     let (id, seen) = (bodies.id(slot), seen_at(bodies.pose(slot)));
     let wears_out = keeps_breaking || bodies.is_bonded(slot);
     let above = world.get::<ChildOf>(parent).map(ChildOf::parent);
+    let above = above.filter(|_| is_child);
     let state = &mut *world.resource_mut::<PluginState>();
     state.entities.set(slot, id, piece, seen);
     if let Some(above) = above {
@@ -280,6 +287,9 @@ fn spawn_piece(
     STAGED.set(Some(staged));
     let mut builder = EntityCloner::build_opt_out(world);
     keep_apart(&mut builder, keeps_breaking);
+    if !is_child {
+        builder.deny::<ChildOf>();
+    }
     (dropped.iter().flatten()).for_each(|deny| deny(&mut builder));
     builder.clone_entity(parent, piece);
     let staged = STAGED.take();

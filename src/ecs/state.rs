@@ -4,6 +4,7 @@ use crate::contact::body_id::BodyId;
 use crate::ecs::components::BodyEntities;
 use crate::ecs::issues::Issues;
 use crate::ecs::kinematic::KinematicTarget;
+use crate::ecs::scaled_shapes::ScaledShapes;
 use crate::fracture::bond::Bond;
 use crate::joints::{JointError, JointId};
 use crate::math::Plane;
@@ -17,6 +18,7 @@ pub(crate) struct PluginState {
     /// What the phases of the present step are told.
     pub(crate) settings: StepSettings,
     pub(crate) entities: BodyEntities,
+    pub(crate) scaled: ScaledShapes,
     pub(crate) queue: BodyQueue,
     pub(crate) slice_requests: SliceRequests,
     pub(crate) bond_requests: BondRequests,

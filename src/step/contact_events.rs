@@ -101,6 +101,11 @@ impl ContactEvents {
         self.watches[i] = (bodies.id(slot), watch);
     }
 
+    /// Whether it is asked who touches the body in `slot`, if that is still the one with this id.
+    pub(crate) fn asks(&self, bodies: &Bodies, (slot, id): (u32, BodyId)) -> bool {
+        bodies.is_current(slot, id) && self.watch_of(bodies, slot).touches
+    }
+
     /// Whether there is anything to look at.
     pub(crate) fn is_on(&self) -> bool {
         let is_something_left =

@@ -1,12 +1,15 @@
 //! What a body is made from, as its entity has it, and what of that changed.
 
 use crate::bodies::body::{BodyDesc, BodyError, RigidBody, Shape};
+use crate::contact::body_id::BodyId;
 use crate::contact::layers::CollisionLayers;
 use crate::contact::material::{Density, Friction, Restitution};
 use crate::contact::surface::SurfaceMaterials;
 use crate::ecs::collisions::Sensor;
 use crate::ecs::components::*;
 use crate::ecs::forces::Mass;
+use crate::ecs::parents::is_same_scale;
+use crate::ecs::scaled_shapes::ScaledShapes;
 use crate::geometry::{Compound, ConvexMesh, HalfSpaceShape, StaticMesh, TriMesh};
 use crate::mass::{MassProperties, VolumeIntegrals};
 use crate::math::Pose;
@@ -41,13 +44,12 @@ pub(crate) struct BodyParts {
     fracturable: Option<&'static Fracturable>,
 }
 
-/// The description of a body at `pose` whose shape is scaled.
+/// The description of a body at `pose` that has this shape.
 pub(super) fn describe(
     parts: &BodyPartsItem,
     pose: Pose,
-    scale: Vec3,
+    shape: Shape,
 ) -> Result<BodyDesc, BodyError> {
-    let shape = shape_of(parts, scale)?;
     let volume = match &shape {
         Shape::Convex(mesh) => Some(VolumeIntegrals::of_shape(mesh)),
         Shape::Compound(compound) => Some(VolumeIntegrals::of_compound(compound)),
@@ -91,52 +93,58 @@ pub(super) fn unless_awaited<T>(
     }
 }
 
-/// The shape of a body, scaled.
-fn shape_of(parts: &BodyPartsItem, scale: Vec3) -> Result<Shape, BodyError> {
-    if let Some(mesh) = parts.convex {
-        return Ok(Shape::Convex(scaled(mesh, scale)?));
+/// The shape that an entity has, as it is before it is scaled.
+pub(super) fn shape_of(parts: &BodyPartsItem) -> Result<Shape, BodyError> {
+    let convex = parts.convex.map(|mesh| Shape::Convex(mesh.clone()));
+    let compound = || Some(Shape::Compound(parts.compound?.clone()));
+    let half_space = || Some(Shape::HalfSpace(*parts.half_space?));
+    let level = || Some(Shape::Level(parts.level?.clone()));
+    let shape = convex.or_else(compound).or_else(half_space);
+    shape.or_else(level).ok_or(BodyError::NoShape)
+}
+
+/// The same, scaled.
+pub(super) fn scaled(shape: &Shape, scale: Vec3) -> Result<Shape, BodyError> {
+    if scale == Vec3::ONE {
+        return Ok(shape.clone());
     }
-    if let Some(compound) = parts.compound {
-        return Ok(Shape::Compound(scaled_compound(compound, scale)?));
-    }
-    match (parts.half_space, parts.level) {
-        (Some(half_space), _) => Ok(Shape::HalfSpace(HalfSpaceShape {
+    let refused = BodyError::Scaled(scale);
+    Ok(match shape {
+        Shape::Convex(mesh) => Shape::Convex(mesh.scaled(scale).map_err(|_| refused)?),
+        Shape::Compound(parts) => Shape::Compound(parts.scaled(scale).map_err(|_| refused)?),
+        Shape::Level(_) if scale.min_element() <= 0.0 => return Err(refused),
+        Shape::Level(mesh) => Shape::Level(mesh.scaled(scale).map_err(|_| refused)?),
+        Shape::HalfSpace(half_space) => Shape::HalfSpace(HalfSpaceShape {
             normal: scaled_normal(half_space.normal, scale)?,
-        })),
-        (None, Some(mesh)) => Ok(Shape::Level(scaled_level(mesh, scale)?)),
-        (None, None) => Err(BodyError::NoShape),
-    }
+        }),
+    })
 }
 
-fn scaled_compound(compound: &Compound, scale: Vec3) -> Result<Compound, BodyError> {
+/// The same of the entity of a body, whose shape may be known already.
+pub(super) fn scaled_anew(
+    known: &mut ScaledShapes,
+    body: (u32, BodyId),
+    shape: Shape,
+    scale: Vec3,
+) -> Result<Shape, BodyError> {
     if scale == Vec3::ONE {
-        return Ok(compound.clone());
+        known.forget(body.0);
+        return Ok(shape);
     }
-    compound.scaled(scale).map_err(|_| BodyError::Scaled(scale))
-}
-
-fn scaled(mesh: &ConvexMesh, scale: Vec3) -> Result<ConvexMesh, BodyError> {
-    if scale == Vec3::ONE {
-        return Ok(mesh.clone());
-    }
-    mesh.scaled(scale).map_err(|_| BodyError::Scaled(scale))
-}
-
-fn scaled_level(mesh: &StaticMesh, scale: Vec3) -> Result<StaticMesh, BodyError> {
-    if scale == Vec3::ONE {
-        return Ok(mesh.clone());
-    }
-    if scale.min_element() <= 0.0 {
-        return Err(BodyError::Scaled(scale));
-    }
-    mesh.scaled(scale).map_err(|_| BodyError::Scaled(scale))
+    // What rounding makes of a scale as parents turn is the same.
+    let before = known.get(body, &shape, |before| is_same_scale(scale, before));
+    before.map_or_else(
+        || {
+            let made = scaled(&shape, scale)?;
+            known.keep(body, shape, scale, made.clone());
+            Ok(made)
+        },
+        Ok,
+    )
 }
 
 /// The normal of a plane through the origin of a frame that is scaled.
 fn scaled_normal(normal: Vec3, scale: Vec3) -> Result<Vec3, BodyError> {
-    if scale == Vec3::ONE {
-        return Ok(normal);
-    }
     let scaled = (normal / scale).normalize();
     let is_usable = scale.min_element() > 0.0 && scaled.is_finite();
     is_usable.then_some(scaled).ok_or(BodyError::Scaled(scale))

@@ -61,6 +61,8 @@ pub(super) struct MotionReader<'r, 'w, 's> {
     pub(super) kinematic: &'r mut Vec<KinematicTarget>,
     /// Entities whose shapes are to be scaled otherwise.
     pub(super) rescaled: &'r mut Vec<Entity>,
+    /// Entities of bodies that became static in this step: what they moved by is taken from them at its end.
+    pub(super) halted: &'r [Entity],
     pub(super) parents: &'r Parents<'w, 's>,
     pub(super) handles: &'r Query<'w, 's, &'static BodyHandle>,
 }
@@ -69,6 +71,7 @@ impl MotionReader<'_, '_, '_> {
     /// What the plugin wrote itself bears the tick of its own system and is passed over without a look at the values.
     pub(super) fn read_all(&mut self, motion: &Query<ReadMotion>) {
         let own = self.entities.written;
+        let mut deeper = Vec::new();
         // All of these components are stored in tables, so there is a slice for each.
         let tables = motion.contiguous_iter().ok().into_iter().flatten();
         for (entity, handle, transform, linear, angular, child_of) in tables {
@@ -89,13 +92,27 @@ impl MotionReader<'_, '_, '_> {
             if child_of.is_some() {
                 // Their parents may have moved.
                 self.children.extend_from_slice(entity);
-                (0..entity.len()).for_each(|at| self.read(row(at)));
+                for row in (0..entity.len()).map(row) {
+                    let parent = row.child_of.map(ChildOf::parent);
+                    match parent.map_or(0, |parent| self.parents.depth(parent)) {
+                        0 => self.read(row),
+                        depth => deeper.push((depth, row.entity)),
+                    }
+                }
                 continue;
             }
             let strange = strange_rows(ticks, own);
             for at in strange.filter(|&at| ticks.iter().any(|column| by_user(column[at]))) {
                 self.read(row(at));
             }
+        }
+        // From the root down, whatever tables they are in: where somebody is depends on who is above.
+        deeper.sort_by_key(|&(depth, _)| depth);
+        for item in deeper
+            .into_iter()
+            .flat_map(|(_, entity)| motion.get(entity))
+        {
+            self.read_one(item);
         }
     }
 
@@ -133,7 +150,8 @@ impl MotionReader<'_, '_, '_> {
         else {
             return;
         };
-        let idle = idle_velocity(bodies.kind(slot), row.velocity.0, row.velocity.1);
+        let idle = idle_velocity(bodies.kind(slot), row.velocity.0, row.velocity.1)
+            .or_else(|idle| self.halted.contains(&row.entity).then_some(()).ok_or(idle));
         self.issues
             .note(self.warnings, row.entity, Source::Velocity, idle);
         let taken = self.take(slot, row);
@@ -141,6 +159,10 @@ impl MotionReader<'_, '_, '_> {
         self.issues
             .note(self.warnings, row.entity, Source::Motion, taken);
         self.bodies.set_frozen(slot, !is_usable);
+        if self.issues.is_incomplete(row.entity) {
+            // What it lacked may be what is read now.
+            self.rescaled.push(row.entity);
+        }
     }
 
     /// Takes velocity and pose over.
@@ -195,9 +217,20 @@ impl MotionReader<'_, '_, '_> {
         let is_handed_on = known.map(|local| local.0) != row.child_of.map(ChildOf::parent);
         let stays = is_handed_on && is_same_place(pose, self.bodies.pose(slot));
         if is_moved && !stays {
-            self.put(slot, pose)?;
+            let put = self.put(slot, pose);
+            let refused = |_: &BodyError| self.forget_place(slot, row.child_of);
+            put.inspect_err(refused)?;
         }
         Ok(())
+    }
+
+    /// A body is not where it was to be: whenever that is read again it is news again.
+    fn forget_place(&mut self, slot: u32, child_of: Option<&ChildOf>) {
+        self.entities.seen[slot as usize].translation = Vec3::NAN;
+        if let Some(child_of) = child_of {
+            let nowhere = Transform::from_translation(Vec3::NAN);
+            self.entities.set_local(slot, child_of.parent(), nowhere);
+        }
     }
 
     /// Puts a body somewhere else, or lets it go there within the step.
@@ -217,8 +250,10 @@ impl MotionReader<'_, '_, '_> {
 /// Whether somebody has put a body that is no child elsewhere, which was seen last at `seen`.
 fn is_elsewhere(bodies: &Bodies, slot: u32, pose: Pose, seen: &Transform) -> bool {
     if bodies.kind(slot) == RigidBody::Static {
-        // Never written: what was read last may differ by rounding from the pose about the center of mass.
-        return pose != Pose::new(seen.translation, seen.rotation);
+        // Never written: what was read last may differ by rounding from the pose about the center of mass. And it may be long ago that
+        // it was read, before the body moved and was made static where it was.
+        let is_same = pose == Pose::new(seen.translation, seen.rotation);
+        return !is_same && !is_rounded_pose(pose, bodies.pose(slot), false);
     }
     // Whoever sets it anew where it is neither stops it nor moves it.
     let moves = bodies.velocity(slot) != (Vec3::ZERO, Vec3::ZERO);

@@ -29,7 +29,12 @@ pub(crate) fn on_body_inserted(
     let known = parts.get(entity).ok();
     let known = known.and_then(|(handle, kind)| Some((handle.0.filter(is_current)?.0, *kind)));
     match known {
-        Some((slot, kind)) if bodies.kind(slot) == kind => {}
+        Some((slot, kind)) if bodies.kind(slot) == kind => {
+            // Another kind may have been refused, or components that it requires may have come back with it.
+            if state.issues.is_any_of(entity) {
+                state.queue.reduced.push(entity);
+            }
+        }
         Some(_) => {
             state.queue.changed_kind.push(entity);
             state.joints.have_bodies_changed = true;
