@@ -6,6 +6,7 @@ mod common;
 
 mod app;
 
+mod accounts;
 mod bad_input;
 mod births;
 mod bonds;
@@ -13,13 +14,18 @@ mod chaos;
 mod collision_heaps;
 mod collisions;
 mod forces;
+mod hanging;
 #[path = "../common/hierarchy.rs"]
 mod hierarchy;
+mod history;
 mod idle;
 mod kinematic;
+mod no_change;
 mod parents;
 mod phases;
 mod pieces;
 mod plain_step;
+mod random_world;
 mod sleep;
+mod twins;
 mod unusual;
