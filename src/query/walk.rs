@@ -320,6 +320,12 @@ impl Walk<'_, '_> {
         let hit = hit?;
         let normal = self.is_ground(&hit)?;
         pose.position += moved;
+        // What was pushed out of the ground keeps half of its skin.
+        let short = skin / hit.normal.dot(up).max(self.min_rise) - hit.distance;
+        if short > 1e-3 * skin {
+            let (risen, _) = (self.queries).advance(self.slider, pose, short * up, self.filter);
+            pose.position += risen;
+        }
         Some(Footing {
             body: hit.body,
             normal,
