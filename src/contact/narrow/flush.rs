@@ -2,7 +2,7 @@
 
 use crate::contact::local_manifold::{LocalManifold, LocalPoint};
 use crate::contact::narrow::scratch::MERGE;
-use crate::contact::reduce::{Candidate, CornerKind, reduce};
+use crate::contact::reduce::{Candidate, CornerKind, reduce_uneven};
 use crate::math::{Aabb, Pose, tangents};
 use glam::{Quat, Vec2, Vec3};
 use smallvec::SmallVec;
@@ -45,6 +45,8 @@ pub(crate) struct CompoundScratch {
     planes: Vec<usize>,
     points: Vec<LocalPoint>,
     candidates: Vec<Candidate>,
+    /// What is as low as these and is not among them.
+    lower: Vec<Candidate>,
 }
 
 impl CompoundScratch {
@@ -72,8 +74,15 @@ impl CompoundScratch {
             if self.planes[at] != at {
                 continue;
             }
-            if self.planes[at + 1..].contains(&at) {
-                self.join(at, b_in_a);
+            // What lies in its plane leaves a place for a second one.
+            if let Some(next) = (at + 1..self.planes.len()).find(|&it| self.planes[it] == at)
+                && let Some(lower) = self.join(at, b_in_a)
+            {
+                self.planes[next] = next;
+                self.found[next] = Found {
+                    patch: lower,
+                    ..self.found[at]
+                };
             }
             self.found[kept] = self.found[at];
             kept += 1;
@@ -82,13 +91,14 @@ impl CompoundScratch {
     }
 
     /// Adds the points of all contacts in the plane of one to it, and keeps at most four of them: none that is between others, as the
-    /// points at seams are.
-    fn join(&mut self, first: usize, b_in_a: &Pose) {
+    /// points at seams are. What bears beside these, if there is something, makes a contact of its own.
+    fn join(&mut self, first: usize, b_in_a: &Pose) -> Option<LocalManifold> {
         let Self {
             found,
             planes,
             points,
             candidates,
+            lower,
             ..
         } = self;
         let members = || (planes.iter().zip(found.iter())).filter(|(plane, _)| **plane == first);
@@ -110,20 +120,28 @@ impl CompoundScratch {
         let places: Vec<Vec3> = candidates.iter().map(|it| it.at).collect();
         let size = Aabb::of_points(places.iter().copied()).diagonal();
         keep_outline(candidates, normal, MERGE * size);
-        reduce(candidates, normal, MERGE * size);
-        let patch = &mut found[first].patch;
-        patch.count = 0;
-        for candidate in candidates.iter() {
-            if let Some(at) = places.iter().position(|&at| at == candidate.at) {
-                patch.push(points[at]);
+        reduce_uneven(candidates, lower, normal, MERGE * size);
+        let of = |candidates: &[Candidate]| {
+            let mut patch = LocalManifold {
+                count: 0,
+                off_surface,
+                ..found[first].patch
+            };
+            for candidate in candidates {
+                if let Some(at) = places.iter().position(|&at| at == candidate.at) {
+                    patch.push(points[at]);
+                }
             }
-        }
-        patch.off_surface = off_surface;
+            patch
+        };
+        let (joined, lower) = (of(candidates), of(lower));
+        found[first].patch = joined;
+        (lower.count > 0).then_some(lower)
     }
 }
 
 /// Leaves out points that are between others, or within `merge` (m) of a line between two, seen along a normal; but not those that are
-/// deeper than all of the outline.
+/// lower than what is around them.
 fn keep_outline(candidates: &mut Vec<Candidate>, normal: Vec3, merge: f32) {
     if candidates.len() < 3 {
         return;
@@ -156,13 +174,42 @@ fn keep_outline(candidates: &mut Vec<Candidate>, normal: Vec3, merge: f32) {
         }
         outline.push(at);
     }
-    let deepest = outline
-        .iter()
-        .map(|&at| candidates[at].separation)
-        .fold(f32::INFINITY, f32::min);
+    let corners: SmallVec<[(Vec2, f32); 16]> = (outline.iter())
+        .map(|&at| (flat(candidates[at].at), candidates[at].separation))
+        .collect();
     let mut at = 0;
     candidates.retain(|candidate| {
         at += 1;
-        outline.contains(&(at - 1)) || candidate.separation < deepest - merge
+        let lower = || {
+            let gap = gap_between(&corners, flat(candidate.at));
+            candidate.separation < gap - merge
+        };
+        outline.contains(&(at - 1)) || lower()
     });
+}
+
+/// The gap at a place between corners of an outline, m: on the planes through the lowest corner and each edge, so that of a flat face it is the
+/// face's own, and of what stands on several tips it is above a tip between others.
+fn gap_between(corners: &[(Vec2, f32)], place: Vec2) -> f32 {
+    let order = |a: &&(Vec2, f32), b: &&(Vec2, f32)| a.1.total_cmp(&b.1);
+    let Some(&(lowest, least)) = corners.iter().min_by(order) else {
+        return f32::INFINITY;
+    };
+    let arm = place - lowest;
+    let mut best = (f32::NEG_INFINITY, least);
+    for edge in corners.windows(2) {
+        let [(from, from_gap), (to, to_gap)] =
+            [edge[0], edge[1]].map(|(at, gap)| (at - lowest, gap));
+        let area = from.perp_dot(to);
+        if area == 0.0 {
+            continue;
+        }
+        let (to_share, from_share) = (from.perp_dot(arm) / area, arm.perp_dot(to) / area);
+        let inside = to_share.min(from_share).min(1.0 - to_share - from_share);
+        if inside > best.0 {
+            let gap = least + from_share * (from_gap - least) + to_share * (to_gap - least);
+            best = (inside, gap);
+        }
+    }
+    best.1
 }
