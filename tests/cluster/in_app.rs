@@ -156,13 +156,18 @@ fn what_was_saved_breaks_as_what_it_was_saved_from() {
     };
     let loaded = loaded.compound().expect("one wall");
     assert_eq!(loaded.bonds(), shape.bonds());
-    let pieces = |shape: Compound| {
+    // Under the blow alone: what falls on what is chance, of rounding, which hulls with their corners in another order differ by.
+    let pieces = |shape: &Compound, speed: f32| {
+        let shape = shape.clone();
         let mut app = app();
         let entity = app.world_mut().spawn((RigidBody::Static, shape)).id();
         app.update();
-        shoot(&mut app, 15.0);
-        run(&mut app, 20);
+        shoot(&mut app, speed);
+        run(&mut app, 4);
         crate::in_app::parts(&app, entity)
     };
-    assert_eq!(pieces(shape), pieces(loaded));
+    for number in 0..10 {
+        let speed = 8.0 + 2.0 * number as f32;
+        assert_eq!(pieces(&shape, speed), pieces(&loaded, speed), "{speed} m/s");
+    }
 }

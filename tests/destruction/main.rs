@@ -85,7 +85,7 @@ fn blasts_break_what_waits_too() {
 
 #[test]
 fn a_blast_drives_all_pieces_away_or_in_and_none_as_a_bullet() {
-    check(blasts::judge, 200, (0, 2000));
+    check(blasts::judge, 200, (0, 700));
 }
 
 #[test]
