@@ -27,8 +27,8 @@ pub(crate) enum CornerKind {
     Reference,
 }
 
-/// How much lower a point must be to matter, as a share of the distance within which points are one: rounding of a flat face is less.
-const UNEVEN: f32 = 0.1;
+/// How much lower a point must be to matter, as a share of the distance within which points are one: rounding of a flat face is a tenth of that.
+const UNEVEN: f32 = 0.02;
 
 /// Chooses at most [`MAX_POINTS`] of `candidates` that carry a load as well as all of them would, and keeps their order.
 ///
