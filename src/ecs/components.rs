@@ -210,6 +210,11 @@ pub enum WalkerError {
     /// Its velocity or its jump is NaN or infinite.
     #[error("its velocity or its jump is not finite")]
     NotFinite,
+    /// Its [`WalkSettings`](crate::query::WalkSettings) mean nothing.
+    #[error(
+        "its settings mean nothing: up needs length 1, and no other is NaN, negative or infinite but the slope"
+    )]
+    Settings,
 }
 
 /// Entities of the bodies, by slot, and what is needed to tell the user's changes from the plugin's own.

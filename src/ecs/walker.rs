@@ -100,6 +100,9 @@ impl StanceItem<'_, '_> {
         if slot.is_some_and(|slot| cast_shape(&bodies.info(slot).shape).is_none()) {
             return Err(WalkerError::Shape);
         }
+        if !walker.settings.is_usable() {
+            return Err(WalkerError::Settings);
+        }
         let is_finite = walker.velocity.is_finite() && walker.jump.is_finite();
         is_finite.then_some(()).ok_or(WalkerError::NotFinite)
     }

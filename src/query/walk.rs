@@ -39,7 +39,7 @@ impl Queries<'_> {
     /// Moves a character for a step. `pushes` gets what it pushes; it is cleared first. `slider` is its shape; its skin is that of
     /// the settings.
     ///
-    /// A state or an input that is not finite, or a step without length, moves nothing.
+    /// A state or an input that is not finite, settings that are not usable, or a step without length, moves nothing.
     pub fn walk(
         &self,
         (slider, settings): (&Slider, &WalkSettings),
@@ -57,6 +57,7 @@ impl Queries<'_> {
         ];
         let is_usable = numbers.iter().all(|v| v.is_finite())
             && state.rotation.is_normalized()
+            && settings.is_usable()
             && input.step_dt > 0.0
             && input.step_dt.is_finite();
         if !is_usable {
@@ -75,7 +76,15 @@ impl Queries<'_> {
             min_rise: 1.0 / (1.0 + settings.max_slope * settings.max_slope).sqrt(),
             pushes,
         };
-        walk.step(state, input);
+        let mut moved = *state;
+        walk.step(&mut moved, input);
+        // Numbers may be finite, and what is made of them not.
+        let is_finite = moved.position.is_finite() && moved.velocity.is_finite();
+        if is_finite && moved.rotation.is_finite() {
+            *state = moved;
+        } else {
+            pushes.clear();
+        }
     }
 }
 
@@ -258,7 +267,7 @@ impl Walk<'_, '_> {
         there.position += risen;
         // Over the skin that it keeps from what it runs into, however slantwise.
         let over_skin = (2.0 * self.settings.skin / -direction.dot(normal)).abs();
-        let foothold = over_skin.clamp(FOOTHOLD * height, height);
+        let foothold = over_skin.min(height).max(FOOTHOLD * height);
         let forward = direction * flat.length().max(foothold);
         let (moved, _) = self
             .queries

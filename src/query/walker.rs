@@ -18,6 +18,16 @@ pub struct WalkSettings {
     pub push_force: f32,
 }
 
+impl WalkSettings {
+    /// Whether they mean something: `up` has length 1, and nothing is NaN, negative or, but for the slope, infinite.
+    pub fn is_usable(&self) -> bool {
+        let lengths = [self.step_height, self.skin, self.push_force];
+        self.up.is_normalized()
+            && self.max_slope >= 0.0
+            && lengths.iter().all(|it| *it >= 0.0 && it.is_finite())
+    }
+}
+
 impl Default for WalkSettings {
     /// Slopes of 45 degrees, steps of 0.3 m, a push of 500 N, against a gravity along -y.
     fn default() -> Self {

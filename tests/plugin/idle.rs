@@ -280,6 +280,8 @@ fn walkers(world: &mut World) -> Vec<(Entity, WalkerError)> {
         jump: f32::INFINITY,
         ..walker
     };
+    let mut sinks = walker;
+    sinks.settings.step_height = -1.0;
     let at = |x: f32| Transform::from_xyz(5.0 * x, 0.0, 0.0);
     let parent = world.spawn(Transform::default()).id();
     vec![
@@ -309,6 +311,10 @@ fn walkers(world: &mut World) -> Vec<(Entity, WalkerError)> {
         (
             world.spawn((Kinematic, cube(), at(6.0), leaps)).id(),
             WalkerError::NotFinite,
+        ),
+        (
+            world.spawn((Kinematic, cube(), at(7.0), sinks)).id(),
+            WalkerError::Settings,
         ),
     ]
 }

@@ -452,6 +452,32 @@ fn judge_ride(seed: u64) -> Result<(), String> {
     Ok(())
 }
 
+/// Settings that mean nothing do no harm: it stays somewhere.
+fn judge_unusable(seed: u64) -> Result<(), String> {
+    let mut dice = Dice::new(0xf000 + seed);
+    let mut course = Course::new(&mut dice);
+    let flat = |at: Vec3| Pose::new(at, Quat::IDENTITY);
+    course.add_box(Vec3::new(20.0, 1.0, 20.0), flat(Vec3::new(0.0, -0.5, 0.0)));
+    course.add_box(Vec3::new(1.0, 0.2, 20.0), flat(Vec3::new(2.0, 0.1, 0.0)));
+    course.start(Vec3::new(0.0, 1.5, 0.0));
+    course.stand(1.0);
+    let bad = [f32::NAN, f32::INFINITY, -1.0, 0.0, 1e30][dice.below(5)];
+    match dice.below(4) {
+        0 => course.settings.step_height = bad,
+        1 => course.settings.skin = bad,
+        2 => course.settings.max_slope = bad,
+        _ => course.settings.up = bad * course.settings.up,
+    }
+    for _ in 0..60 {
+        course.step(Vec2::new(3.0, dice.in_range(-0.1, 0.1)));
+        let at = course.state.position;
+        if !at.is_finite() {
+            return Err(format!("{:?} brings it to {at}", course.settings));
+        }
+    }
+    Ok(())
+}
+
 /// How many scenes of a law are judged; more show nothing more, but take longer.
 const SCENES: u64 = 100;
 
@@ -485,4 +511,9 @@ fn it_goes_up_all_slopes_that_are_not_too_steep_and_no_others() {
 #[test]
 fn it_stays_where_it_is_on_what_moves_and_turns() {
     check(judge_ride);
+}
+
+#[test]
+fn settings_that_mean_nothing_do_no_harm() {
+    check(judge_unusable);
 }
