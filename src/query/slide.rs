@@ -141,10 +141,11 @@ impl Queries<'_> {
         let mut pose = pose;
         let mut near = Vec::new();
         for _ in 0..MAX_PUSHES {
-            let found = self.near_shape(&slider.shape, &pose, slider.skin, filter, &mut near);
+            let kept = KEPT * slider.skin;
+            let found = self.near_shape(&slider.shape, &pose, kept, filter, &mut near);
             let push: Vec3 = near
                 .iter()
-                .map(|hit| (KEPT * slider.skin - hit.distance, hit.normal))
+                .map(|hit| (kept - hit.distance, hit.normal))
                 .filter(|(depth, _)| *depth > 1e-3 * slider.skin)
                 .map(|(depth, normal)| depth * normal)
                 .fold(Vec3::ZERO, |sum, push| {

@@ -16,6 +16,19 @@ const LENGTH: f32 = 1.0;
 /// Height of its frame when it stands on level ground, m.
 const STANDING: f32 = RADIUS + 0.5 * LENGTH;
 
+/// Moves a character for a step; what it pushes.
+pub(crate) fn walked(
+    simulation: &mut Simulation,
+    how: (&Slider, &WalkSettings),
+    state: &mut WalkState,
+    (input, filter): (&WalkInput, &QueryFilter),
+) -> Vec<Push> {
+    let mut pushes = Vec::new();
+    let queries = simulation.queries();
+    queries.walk(how, state, input, filter, &mut pushes);
+    pushes
+}
+
 /// A scene and a character in it.
 struct Course {
     simulation: Simulation,
@@ -54,15 +67,13 @@ impl Course {
             gravity: self.simulation.gravity.0,
             step_dt: H,
         };
-        let mut pushes: Vec<Push> = Vec::new();
         let how = (&slider, &self.settings);
-        let queries = self.simulation.queries();
-        queries.walk(
+        let filter = QueryFilter::all();
+        let pushes = walked(
+            &mut self.simulation,
             how,
             &mut self.state,
-            &input,
-            &QueryFilter::all(),
-            &mut pushes,
+            (&input, &filter),
         );
         let bodies = &mut self.simulation.bodies;
         for push in pushes {

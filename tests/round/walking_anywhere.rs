@@ -6,8 +6,9 @@
 
 use crate::common::dice::Dice;
 use crate::common::scenes::awake;
+use crate::walking::walked;
 use bevy_cleave::prelude::*;
-use bevy_cleave::query::{Push, Slider, WalkInput, WalkSettings, WalkState};
+use bevy_cleave::query::{Slider, WalkInput, WalkSettings, WalkState};
 use glam::{Quat, Vec2, Vec3};
 
 /// Points of a terrain along one side.
@@ -96,15 +97,13 @@ impl Course {
             gravity: self.simulation.gravity.0,
             step_dt: self.step_dt,
         };
-        let mut pushes: Vec<Push> = Vec::new();
         let how = (&slider, &self.settings);
-        let queries = self.simulation.queries();
-        queries.walk(
+        let filter = QueryFilter::all().excluding(&[NOBODY]);
+        walked(
+            &mut self.simulation,
             how,
             &mut self.state,
-            &input,
-            &QueryFilter::all().excluding(&[NOBODY]),
-            &mut pushes,
+            (&input, &filter),
         );
     }
 

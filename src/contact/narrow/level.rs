@@ -296,7 +296,7 @@ impl LevelPair<'_> {
     ) {
         let Group { normal, slot } = scratch.groups[group as usize];
         reduce_uneven(&mut scratch.candidates, &mut scratch.lower, normal, merge);
-        let back = turn.transpose();
+        let (back, is_round) = (turn.transpose(), self.shape.is_round());
         for points in [&scratch.candidates, &scratch.lower] {
             let mut patch = LocalManifold {
                 normal: -(back * normal),
@@ -305,11 +305,12 @@ impl LevelPair<'_> {
                 ..LocalManifold::default()
             };
             for &Candidate { at, separation, .. } in points {
+                let curvature = is_round.then(|| scratch.curvature_at(group, at));
                 patch.push(LocalPoint {
                     on_a: back * at,
                     on_b: self.hull_in_mesh.position + (at - separation * normal),
                     separation,
-                    radii: [scratch.curvature_at(group, at), 0.0],
+                    radii: [curvature.unwrap_or(0.0), 0.0],
                     ..LocalPoint::default()
                 });
             }

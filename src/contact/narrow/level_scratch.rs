@@ -82,7 +82,7 @@ impl LevelScratch {
         }) as u32
     }
 
-    /// Radius of curvature of what was found of a manifold at a place, m; none of what has corners.
+    /// Radius of curvature of what was found of a manifold of a round shape at a place, m.
     pub(in crate::contact::narrow) fn curvature_at(&self, group: u32, at: Vec3) -> f32 {
         let mut of_group = self.found.iter().filter(|found| found.group == group);
         let found = of_group.find(|found| found.at == at);
