@@ -18,7 +18,6 @@
 //! Sleeping bodies are woken in phase 4, where it is known who touches them; see `solver/sleep.rs`.
 
 mod breakable;
-mod companions;
 pub(crate) mod contact_events;
 mod contact_news;
 mod contact_place;
@@ -235,9 +234,7 @@ pub fn solve(
         .measure_error
         .then(|| bodies.energy(gravity.0, false).iter().sum::<f64>());
     contacts.events.note_velocities(bodies);
-    contacts.companions.begin(bodies, settings);
     contacts.solve_round(bodies, fractures, settings, 0);
-    contacts.put_off_companions(bodies, settings);
     contacts.energy_before = energy_before;
     if contacts.is_solved() {
         report_solution(bodies, contacts, settings, report);

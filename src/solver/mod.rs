@@ -21,8 +21,8 @@ pub(crate) mod batch;
 mod breakage_probe;
 pub(crate) mod config;
 pub(crate) mod contact_solver;
-pub(crate) mod deferral;
-pub(crate) mod estimates;
+mod deferral;
+mod estimates;
 #[cfg(feature = "exact")]
 pub(crate) mod exact;
 mod free_flight;

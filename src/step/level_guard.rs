@@ -7,7 +7,7 @@
 
 use crate::bodies::store::Bodies;
 use crate::geometry::StaticMesh;
-use crate::math::rotate;
+use crate::math::{Pose, rotate};
 use crate::query::level::cast_ray;
 use crate::query::local::LocalRay;
 use glam::Vec3;
@@ -77,6 +77,19 @@ fn levels_of(bodies: &Bodies) -> SmallVec<[u32; 16]> {
     (0..bodies.slots() as u32).filter(is_level).collect()
 }
 
+/// The pose of a body at the end of the step, as it will be.
+fn end_of(bodies: &Bodies, slot: u32) -> Pose {
+    let i = slot as usize;
+    if !bodies.is_moving(slot) {
+        return bodies.pose(slot);
+    }
+    let (center, rotation) = (
+        bodies.center[i] + bodies.motion[i].shift,
+        bodies.motion[i].rotation,
+    );
+    Pose::new(center - rotate(rotation, bodies.mass[i].center), rotation)
+}
+
 /// The middles of a body's convex parts, own frame.
 fn middles(bodies: &Bodies, slot: u32) -> SmallVec<[Vec3; 4]> {
     let shape = &bodies.info(slot).shape;
@@ -95,10 +108,10 @@ fn middles(bodies: &Bodies, slot: u32) -> SmallVec<[Vec3; 4]> {
 fn hold(bodies: &mut Bodies, slot: u32, (level, mesh): (u32, &StaticMesh)) {
     let i = slot as usize;
     let (start, ground) = (bodies.pose(slot), bodies.pose(level));
-    let ground_at_end = bodies.pose_after_step(level);
+    let ground_at_end = end_of(bodies, level);
     for middle in middles(bodies, slot) {
         let from = ground.inverse_transform_point(start.transform_point(middle));
-        let to = bodies.pose_after_step(slot).transform_point(middle);
+        let to = end_of(bodies, slot).transform_point(middle);
         let way = ground_at_end.inverse_transform_point(to) - from;
         let length = way.length();
         let Some(direction) = way.try_normalize().filter(|_| length.is_finite()) else {
