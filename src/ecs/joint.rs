@@ -3,6 +3,7 @@
 //! An entity with a [`Joint`](crate::joints::Joint) and a [`JointB`] joins that body to the one that its [`JointA`] names or, without
 //! one, to the world. What is not usable is named on the entity by a [`JointProblem`] until it is.
 
+use crate::bodies::body::RigidBody;
 use crate::bodies::store::Bodies;
 use crate::contact::body_id::BodyId;
 use crate::ecs::components::*;
@@ -133,10 +134,14 @@ type JointParts = (
 pub(crate) struct JointReadings<'w, 's> {
     changed: Query<'w, 's, Entity, Changed<Joint>>,
     parts: Query<'w, 's, JointParts>,
-    handles: Query<'w, 's, &'static BodyHandle>,
-    awaited: Query<'w, 's, (), With<ShapeAwaited>>,
-    marks: Query<'w, 's, &'static mut JointHandle>,
+    /// Of those that are disabled too: their bodies are kept, and so are the joints that hold them.
+    handles: Query<'w, 's, &'static BodyHandle, Allow<Disabled>>,
+    awaited: Query<'w, 's, (), (IsAwaited, Allow<Disabled>)>,
+    marks: Query<'w, 's, &'static mut JointHandle, Allow<Disabled>>,
 }
+
+/// What has no body yet and says nothing of it: its shape is still to come, or it was never enabled.
+type IsAwaited = Or<(With<ShapeAwaited>, (With<Disabled>, With<RigidBody>))>;
 
 /// System: takes over joints that came, went or changed, and those of bodies that did, once the entities have bodies.
 pub(crate) fn read_joints(
@@ -187,7 +192,7 @@ pub(crate) fn read_joints(
                 }
             }
             Err(error) => {
-                let waits = error == JointError::NoBody && waits(parts, &readings.awaited);
+                let waits = error == JointError::NoBody && waits(parts, bodies, readings);
                 let before = refused.iter().find(|(other, _)| *other == entity);
                 let before = before.map(|(_, why)| *why);
                 let problem = (!waits).then_some(error);
@@ -197,13 +202,19 @@ pub(crate) fn read_joints(
     }
 }
 
-/// Whether a body is still to come that is to be joined.
+/// Whether all bodies that are missing are still to come.
 fn waits(
     (_, a, b): (&Joint, Option<&JointA>, Option<&JointB>),
-    awaited: &Query<(), With<ShapeAwaited>>,
+    bodies: &Bodies,
+    readings: &JointReadings,
 ) -> bool {
-    let ends = [a.map(|a| a.0), b.map(|b| b.0)];
-    ends.into_iter().flatten().any(|end| awaited.contains(end))
+    let Some(b) = b else {
+        return false;
+    };
+    let mut ends = a.map(|a| a.0).into_iter().chain([b.0]);
+    ends.all(|end| {
+        body_of(end, bodies, &readings.handles).is_some() || readings.awaited.contains(end)
+    })
 }
 
 /// A joint does not hold, because of a problem or because it waits; that is told unless it was so before.
@@ -245,11 +256,12 @@ fn update_known(
         let parts = readings.parts.get(entity).ok();
         let is_kept = is_held
             && parts.is_some_and(|parts| is_as_asked(parts, id, bodies, joints, &readings.handles));
+        // What is kept too: the entity may have lost the mark, and got another one, together with its joint.
+        if let Ok(mut handle) = readings.marks.get_mut(entity) {
+            handle.set_if_neq(JointHandle(is_kept.then_some(id)));
+        }
         if !is_kept {
             gone.push(id);
-            if let Ok(mut handle) = readings.marks.get_mut(entity) {
-                handle.0 = None;
-            }
             if parts.is_some() {
                 remade.push(entity);
             }
@@ -268,7 +280,7 @@ fn is_as_asked(
     id: JointId,
     bodies: &mut Bodies,
     joints: &mut Joints,
-    handles: &Query<&BodyHandle>,
+    handles: &Query<&BodyHandle, Allow<Disabled>>,
 ) -> bool {
     let slots = |(a, b): Ends| [a.map(|(slot, _)| slot), Some(b.0)];
     let ends = ends_of(parts, bodies, handles).map(slots);
@@ -281,16 +293,22 @@ type Ends = (Option<(u32, BodyId)>, (u32, BodyId));
 fn ends_of(
     (_, a, b): (&Joint, Option<&JointA>, Option<&JointB>),
     bodies: &Bodies,
-    handles: &Query<&BodyHandle>,
+    handles: &Query<&BodyHandle, Allow<Disabled>>,
 ) -> Result<Ends, JointError> {
-    let body_of = |entity: Entity| {
-        let handle = handles.get(entity).ok().and_then(|handle| handle.0);
-        let body = handle.filter(|&(slot, id)| bodies.is_current(slot, id));
-        body.ok_or(JointError::NoBody)
-    };
+    let body_of = |entity| body_of(entity, bodies, handles).ok_or(JointError::NoBody);
     let b = body_of(b.ok_or(JointError::NoBody)?.0)?;
     let a = a.map(|a| body_of(a.0)).transpose()?;
     Ok((a, b))
+}
+
+/// The body of an entity, if it has one.
+fn body_of(
+    entity: Entity,
+    bodies: &Bodies,
+    handles: &Query<&BodyHandle, Allow<Disabled>>,
+) -> Option<(u32, BodyId)> {
+    let handle = handles.get(entity).ok().and_then(|handle| handle.0);
+    handle.filter(|&(slot, id)| bodies.is_current(slot, id))
 }
 
 /// Run condition of the systems of joints: most scenes have none.
@@ -355,11 +373,10 @@ fn report_broken(
         messages.write(message);
         commands.queue(move |world: &mut World| {
             if let Ok(mut entity) = world.get_entity_mut(message.entity) {
+                // Before it is told, so that who hears of it can mend it.
                 entity.insert((message.load, JointHandle(None)));
-                world.trigger(message);
-            }
-            if let Ok(mut entity) = world.get_entity_mut(message.entity) {
                 entity.remove::<Joint>();
+                world.trigger(message);
             }
         });
     }
@@ -370,14 +387,19 @@ pub(super) fn follow_pieces(world: &mut World) {
     let mut inherited = Vec::new();
     world.resource_scope(|world, mut joints: Mut<Joints>| {
         let state = world.resource::<PluginState>();
-        for record in joints.take_inherited() {
+        // What broke after its body did is told of with the piece that had it.
+        let broken = joints.broken.iter();
+        let broken: Vec<_> = broken.map(|it| (it.id, it.bodies, it.joint)).collect();
+        let records = joints.take_inherited();
+        let records = records.map(|record| (record.id, record.ends, record.joint));
+        for (id, ends, joint) in records.chain(broken) {
             let known = &state.joints.entities;
-            let Ok(at) = known.binary_search_by_key(&record.id, |(id, _)| *id) else {
+            let Ok(at) = known.binary_search_by_key(&id, |(id, _)| *id) else {
                 continue;
             };
             let entity_of =
                 |end: Option<(u32, BodyId)>| end.and_then(|(slot, id)| state.entities.of(slot, id));
-            inherited.push((known[at].1, record.ends.map(entity_of), record.joint));
+            inherited.push((known[at].1, ends.map(entity_of), joint));
         }
     });
     for (entity, [a, b], joint) in inherited {
