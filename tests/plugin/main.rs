@@ -19,6 +19,8 @@ mod hanging;
 mod hierarchy;
 mod history;
 mod idle;
+mod joint_laws;
+mod joint_world;
 mod kinematic;
 mod no_change;
 mod parents;
