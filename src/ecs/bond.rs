@@ -7,6 +7,7 @@ use crate::ecs::state::BondRequest;
 use crate::ecs::state::BondRequests;
 use crate::ecs::state::PluginState;
 use crate::fracture::{Bond, BondError, Bonds};
+use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
 
 /// Bonding on request.
@@ -57,7 +58,7 @@ pub(super) fn make_bonds(
     bodies: &mut Bodies,
     bonds: &mut Bonds,
     warnings: &mut Messages<BodyWarning>,
-    handles: &Query<&BodyHandle>,
+    handles: &Query<&BodyHandle, Allow<Disabled>>,
 ) {
     let slot_of = |bodies: &Bodies, entity: Entity| {
         let handle = handles.get(entity).ok().and_then(|handle| handle.0);

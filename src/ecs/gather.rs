@@ -42,6 +42,8 @@ pub(crate) struct Readings<'w, 's> {
     motion: Query<'w, 's, ReadMotion>,
     marked: Query<'w, 's, &'static BodyHandle, With<Sleeping>>,
     handles: Query<'w, 's, &'static BodyHandle>,
+    /// Of those that are disabled too: their bodies and bonds are kept.
+    kept: Query<'w, 's, &'static BodyHandle, Allow<Disabled>>,
     /// Of those that are disabled too.
     forces: Query<'w, 's, (Ref<'static, AppliedForces>, Has<Disabled>), With<BodyHandle>>,
     changed_options: Query<'w, 's, Entity, (ChangedOptions, With<BodyHandle>)>,
@@ -117,7 +119,7 @@ pub(crate) fn read_entities(
         &readings.changed_options,
         &readings.options,
     );
-    make_bonds(bond_requests, bodies, bonds, warnings, &readings.handles);
+    make_bonds(bond_requests, bodies, bonds, warnings, &readings.kept);
 }
 
 /// Bodies that were marked as sleeping need not wait for it.

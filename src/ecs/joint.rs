@@ -3,10 +3,16 @@
 //! An entity with a [`Joint`](crate::joints::Joint) and a [`JointB`] joins that body to the one that its [`JointA`] names or, without
 //! one, to the world. What is not usable is named on the entity by a [`JointProblem`] until it is.
 
+mod observers;
+mod relations;
+
+pub(crate) use observers::*;
+
 use crate::bodies::body::RigidBody;
 use crate::bodies::store::Bodies;
 use crate::contact::body_id::BodyId;
 use crate::ecs::components::*;
+use crate::ecs::joint::relations::{JointRelations, relate_again};
 use crate::ecs::state::{JointQueue, PluginState};
 use crate::joints::{BrokenJoint, Joint, JointError, JointId, JointLoad, Joints};
 use bevy_ecs::entity_disabling::Disabled;
@@ -84,44 +90,6 @@ impl JointCommands for Commands<'_, '_> {
     }
 }
 
-/// Observer: an entity became a joint, or joins other bodies now.
-pub(crate) fn on_joint_inserted(
-    insert: On<Insert<(Joint, JointA, JointB)>>,
-    mut state: ResMut<PluginState>,
-) {
-    state.joints.arrived.push(insert.entity);
-}
-
-/// Observer: a joint is no more, or lost a body.
-pub(crate) fn on_joint_removed(
-    remove: On<Remove<(Joint, JointA, JointB)>>,
-    mut state: ResMut<PluginState>,
-) {
-    state.joints.arrived.push(remove.entity);
-}
-
-/// Observer: an entity was disabled.
-pub(crate) fn on_disabled(
-    insert: On<Insert<Disabled>>,
-    joints: Query<(), (With<Joint>, Allow<Disabled>)>,
-    mut state: ResMut<PluginState>,
-) {
-    if joints.contains(insert.entity) {
-        state.joints.arrived.push(insert.entity);
-    }
-}
-
-/// Observer: an entity is enabled again.
-pub(crate) fn on_enabled(
-    remove: On<Remove<Disabled>>,
-    joints: Query<(), (With<Joint>, Allow<Disabled>)>,
-    mut state: ResMut<PluginState>,
-) {
-    if joints.contains(remove.entity) {
-        state.joints.arrived.push(remove.entity);
-    }
-}
-
 /// A joint as its entity describes it.
 type JointParts = (
     &'static Joint,
@@ -138,6 +106,8 @@ pub(crate) struct JointReadings<'w, 's> {
     handles: Query<'w, 's, &'static BodyHandle, Allow<Disabled>>,
     awaited: Query<'w, 's, (), (IsAwaited, Allow<Disabled>)>,
     marks: Query<'w, 's, &'static mut JointHandle, Allow<Disabled>>,
+    relations: Query<'w, 's, JointRelations, Allow<Disabled>>,
+    commands: Commands<'w, 's>,
 }
 
 /// What has no body yet and says nothing of it: its shape is still to come, or it was never enabled.
@@ -163,6 +133,9 @@ pub(crate) fn read_joints(
         return;
     }
     queue.have_bodies_changed = false;
+    for &entity in &arrived {
+        relate_again(entity, &readings.relations, &mut readings.commands);
+    }
     asked.sort_unstable();
     let remade = update_known(queue, &asked, bodies, joints, readings);
     let refused = std::mem::take(&mut queue.refused);
@@ -181,8 +154,7 @@ pub(crate) fn read_joints(
         if is_there || is_refused {
             continue;
         }
-        let made = ends_of(parts, bodies, &readings.handles)
-            .and_then(|(a, b)| joints.insert(bodies, a.map(|(slot, _)| slot), b.0, *parts.0));
+        let made = make(parts, bodies, joints, &readings.handles);
         match made {
             Ok(id) => {
                 queue.entities.push((id, entity));
@@ -200,6 +172,18 @@ pub(crate) fn read_joints(
             }
         }
     }
+}
+
+/// A joint as its entity describes it. What is wrong with that itself is told while its bodies are still to come.
+fn make(
+    parts: (&Joint, Option<&JointA>, Option<&JointB>),
+    bodies: &mut Bodies,
+    joints: &mut Joints,
+    handles: &Query<&BodyHandle, Allow<Disabled>>,
+) -> Result<JointId, JointError> {
+    parts.0.check()?;
+    let (a, b) = ends_of(parts, bodies, handles)?;
+    joints.insert(bodies, a.map(|(slot, _)| slot), b.0, *parts.0)
 }
 
 /// Whether all bodies that are missing are still to come.
@@ -295,10 +279,13 @@ fn ends_of(
     bodies: &Bodies,
     handles: &Query<&BodyHandle, Allow<Disabled>>,
 ) -> Result<Ends, JointError> {
+    let b = b.ok_or(JointError::NoBody)?.0;
+    if a.is_some_and(|a| a.0 == b) {
+        return Err(JointError::SameBody);
+    }
     let body_of = |entity| body_of(entity, bodies, handles).ok_or(JointError::NoBody);
-    let b = body_of(b.ok_or(JointError::NoBody)?.0)?;
     let a = a.map(|a| body_of(a.0)).transpose()?;
-    Ok((a, b))
+    Ok((a, body_of(b)?))
 }
 
 /// The body of an entity, if it has one.

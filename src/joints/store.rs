@@ -93,8 +93,8 @@ impl Joints {
         b: u32,
         joint: Joint,
     ) -> Result<JointId, JointError> {
-        let ends = ends_of(bodies, a, b)?;
         joint.check()?;
+        let ends = ends_of(bodies, a, b)?;
         let id = JointId(self.next_id);
         self.next_id += 1;
         self.list.push(JointRecord {

@@ -5,6 +5,7 @@ use crate::common::states::bits;
 use crate::common::structures::cuboid;
 use bevy_app::App;
 use bevy_cleave::prelude::*;
+use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
 use glam::Vec3;
@@ -81,6 +82,40 @@ fn neighbors_are_bonded_as_they_are_spawned_and_released_by_command() {
     assert!(app.world().resource::<Bonds>().is_empty());
     assert_eq!(messages::<BondBroken>(&mut app), [], "it was taken away");
     assert!(height(&app, entities[1]) < -1.5);
+}
+
+#[test]
+fn bonds_are_made_and_taken_away_while_a_body_is_disabled() {
+    for (is_bonded_before, is_upper_off) in
+        [(false, false), (false, true), (true, false), (true, true)]
+    {
+        let mut app = app();
+        let [upper, lower] = hanging(&mut app);
+        // Strong enough to stop what has fallen for a step.
+        let bond = Bond::new(20.0 * WEIGHT, 1.0);
+        if is_bonded_before {
+            app.world_mut().commands().bond(upper, lower, bond);
+        }
+        (0..2).for_each(|_| app.update());
+        let bonded_height = height(&app, lower);
+        let off = if is_upper_off { upper } else { lower };
+        let world = app.world_mut();
+        if !is_bonded_before {
+            // As it was, since it would fall meanwhile.
+            world.entity_mut(lower).insert(LinearVelocity::default());
+        }
+        world.entity_mut(off).insert(Disabled);
+        let mut commands = world.commands();
+        match is_bonded_before {
+            true => commands.unbond(upper, lower),
+            false => commands.bond(upper, lower, bond),
+        }
+        app.update();
+        app.world_mut().entity_mut(off).remove::<Disabled>();
+        (0..30).for_each(|_| app.update());
+        let falls = height(&app, lower) < bonded_height - 0.5;
+        assert_eq!(falls, is_bonded_before, "upper off: {is_upper_off}");
+    }
 }
 
 #[test]

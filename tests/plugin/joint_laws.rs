@@ -56,6 +56,13 @@ fn look(scene: &mut JointWorld) -> Result<(), String> {
     let joints = world.resource::<Joints>();
     let mut known = HashSet::new();
     for joint in all {
+        if let Some(end) = ends(world, joint)
+            .into_iter()
+            .flatten()
+            .find(|it| world.get_entity(*it).is_err())
+        {
+            return Err(format!("{joint} is of {end}, which is gone"));
+        }
         let Some(id) = handle(world, joint) else {
             let is_end_off =
                 |end: Entity| !is_on(world, end) || world.get::<ShapeAwaited>(end).is_some();
@@ -201,7 +208,13 @@ fn compare_afresh(scene: &mut JointWorld) -> Result<(), String> {
             continue;
         }
         let says = [problem(world, joint), problem(fresh, copy)];
-        if says[0] != says[1] {
+        // Of a body that was disabled later it is known what it is; of one that is not there yet it is not.
+        let is_known_longer = says[1].is_none()
+            && ends(world, joint)
+                .into_iter()
+                .flatten()
+                .any(|end| !is_on(world, end) && body_of(world, end).is_some());
+        if says[0] != says[1] && !is_known_longer {
             return Err(format!("{joint} says {:?}, afresh {:?}", says[0], says[1]));
         }
         let is_end_off = |end: Entity| !is_on(world, end);
@@ -274,6 +287,10 @@ pub(crate) fn what_is_nothing_changes_nothing(seed: u64) -> Result<(), String> {
             }
         }
         scenes.iter_mut().for_each(|scene| scene.run(deed));
+        // What was set is read with the next step.
+        if !matches!(deed, Deed::Frame(1..)) {
+            continue;
+        }
         let [a, b] = scenes.each_mut().map(seen);
         if a != b {
             return Err(format!("{a}\nother\n{b}\n{:#?}", scenes[0].said));

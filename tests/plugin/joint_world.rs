@@ -385,8 +385,7 @@ pub(crate) fn do_nothing(it: &mut EntityWorldMut, deed: usize) {
         2 => again::<JointB>(it),
         3 => {
             if let Some(mut joint) = it.get_mut::<Joint>() {
-                // Touched, as it is.
-                joint.contacts = { joint.contacts };
+                joint.set_changed();
             }
         }
         4 if is_on => drop(it.insert(Disabled).remove::<Disabled>()),
