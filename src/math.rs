@@ -124,6 +124,14 @@ impl Aabb {
         }
     }
 
+    /// The box of all places on a straight way, m.
+    pub(crate) fn swept(&self, way: Vec3) -> Self {
+        Self {
+            min: self.min + way.min(Vec3::ZERO),
+            max: self.max + way.max(Vec3::ZERO),
+        }
+    }
+
     /// Whether the two boxes touch or overlap.
     pub fn overlaps(&self, other: &Self) -> bool {
         self.min.cmple(other.max).all() && other.min.cmple(self.max).all()

@@ -318,8 +318,12 @@ fn solve(
     );
 }
 
-fn integrate(mut bodies: ResMut<Bodies>, mut report: ResMut<StepReport>) {
-    step::integrate(&mut bodies, &mut report);
+fn integrate(
+    mut bodies: ResMut<Bodies>,
+    mut contacts: ResMut<Contacts>,
+    mut report: ResMut<StepReport>,
+) {
+    step::integrate(&mut bodies, &mut contacts, &mut report);
 }
 
 fn age_cache(

@@ -18,11 +18,12 @@
 //! Sleeping bodies are woken in phase 4, where it is known who touches them; see `solver/sleep.rs`.
 
 mod breakable;
+mod companions;
 pub(crate) mod contact_events;
 mod contact_news;
 mod contact_place;
 pub(crate) mod contacts;
-mod level_guard;
+mod guard;
 mod loads;
 mod local_buffers;
 mod local_steps;
@@ -31,7 +32,6 @@ pub(crate) mod report;
 pub(crate) mod settings;
 pub(crate) mod simulation;
 
-use crate::step::level_guard::hold_before_levels;
 use crate::step::loads::bear_loads;
 use crate::step::local_steps::take_local_steps;
 use crate::step::measure::report_solution;
@@ -87,7 +87,7 @@ impl Simulation {
         };
         fracture(bodies, contacts, breakable.again(), settings, report);
         local_steps(bodies, contacts, breakable, settings, report);
-        integrate(bodies, report);
+        integrate(bodies, contacts, report);
         age_cache(bodies, contacts, cache, settings);
         sleep(bodies, contacts, cache, settings, report);
         find_contact_events(bodies, contacts, settings);
@@ -234,7 +234,9 @@ pub fn solve(
         .measure_error
         .then(|| bodies.energy(gravity.0, false).iter().sum::<f64>());
     contacts.events.note_velocities(bodies);
+    contacts.companions.begin(bodies, settings);
     contacts.solve_round(bodies, fractures, settings, 0);
+    contacts.put_off_companions(bodies, settings);
     contacts.energy_before = energy_before;
     if contacts.is_solved() {
         report_solution(bodies, contacts, settings, report);
@@ -334,10 +336,10 @@ fn break_in_rounds(
     }
 }
 
-/// Phase 8: poses from velocities. A body that would stop being finite is stopped where it is, and reported; one that would get behind a
-/// level stops before it.
-pub fn integrate(bodies: &mut Bodies, report: &mut StepReport) {
-    hold_before_levels(bodies);
+/// Phase 8: poses from velocities. A body that would stop being finite is stopped where it is, and reported; one that would get through what
+/// it strikes stops before it.
+pub fn integrate(bodies: &mut Bodies, contacts: &mut Contacts, report: &mut StepReport) {
+    contacts.hold_before_walls(bodies);
     integrate::integrate_positions(bodies, &mut report.problems);
 }
 

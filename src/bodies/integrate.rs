@@ -7,6 +7,7 @@ use crate::bodies::sleep_state::Status;
 use crate::bodies::solver_body::{Motion, SolverBody};
 use crate::bodies::store::Bodies;
 use crate::mass::MassProperties;
+use crate::math::{Pose, rotate};
 use crate::threads::parts::{front, front_mut};
 use crate::threads::team::Team;
 use crate::tuning::{MAX_PARTS, MIN_MOVED_BODIES, MOVED_BODIES_WORTH_HELP};
@@ -16,6 +17,19 @@ use glam::{Mat3, Quat, Vec3};
 pub fn integrate_positions(bodies: &mut Bodies, problems: &mut Vec<(u32, BodyError)>) {
     move_bodies(bodies, problems);
     bodies.end_drives();
+}
+
+impl Bodies {
+    /// The pose of a body as it will be after the step that has been solved.
+    pub(crate) fn pose_after_step(&self, slot: u32) -> Pose {
+        let i = slot as usize;
+        if !self.is_moving(slot) {
+            return self.pose(slot);
+        }
+        let Motion { shift, rotation } = self.motion[i];
+        let center = self.center[i] + shift;
+        Pose::new(center - rotate(rotation, self.mass[i].center), rotation)
+    }
 }
 
 /// Moves all bodies and refreshes what follows from their poses.

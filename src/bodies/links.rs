@@ -18,6 +18,21 @@ impl Bodies {
             && !self.are_bonded(a, b)
     }
 
+    /// Whether two bodies touch each other where they meet, and nothing holds them together.
+    pub(crate) fn may_touch(&self, a: u32, b: u32) -> bool {
+        let [first, second] = [a, b].map(|slot| self.info(slot));
+        let [low, high] = if self.id(a) < self.id(b) {
+            [a, b]
+        } else {
+            [b, a]
+        };
+        !first.is_sensor
+            && !second.is_sensor
+            && first.layers.interact(&second.layers)
+            && !self.are_apart(low, high)
+            && !self.are_bonded(low, high)
+    }
+
     /// Whether a joint holds the body.
     pub(crate) fn is_jointed(&self, slot: u32) -> bool {
         !self.jointed.is_empty() && self.jointed.binary_search(&self.id(slot)).is_ok()

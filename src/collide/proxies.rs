@@ -119,6 +119,23 @@ impl Lookahead {
         margin_at_rest(bodies, slot) + self.fall + self.turn(bodies, slot)
     }
 
+    /// Whether two bodies that contacts move may be at one place within the step, even if something stops one of them.
+    pub(crate) fn may_meet(&self, bodies: &Bodies, slots: [u32; 2]) -> bool {
+        let [a, b] = slots.map(|slot| {
+            let i = slot as usize;
+            let turn = Mat3::from_quat(bodies.rotation[i]);
+            let shift = bodies.center[i] - turn * bodies.mass[i].center;
+            let tight = match &bodies.info(slot).shape {
+                Shape::Convex(mesh) => mesh.bounds(&turn, shift),
+                Shape::Compound(compound) => compound.bounds(&turn, shift),
+                Shape::HalfSpace(_) | Shape::Level(_) => Aabb::EMPTY,
+            };
+            let tight = tight.fattened(margin_at_rest(bodies, slot) + self.fall);
+            tight.swept(self.travel(bodies, slot))
+        });
+        a.overlaps(&b)
+    }
+
     /// The body's box with all places it may reach within the step, and in [`STEPS_TOLD`] of them if it goes on as it does.
     /// `bounds`: the box around its shape in a frame.
     fn swept_box(
@@ -132,11 +149,7 @@ impl Lookahead {
         // From the center of mass, so that little is lost far from the origin.
         let shift = bodies.center[i] - turn * bodies.mass[i].center;
         let tight = bounds(&turn, shift).fattened(self.reach(bodies, slot));
-        let travel = STEPS_TOLD * self.travel(bodies, slot);
-        Aabb {
-            min: tight.min + travel.min(Vec3::ZERO),
-            max: tight.max + travel.max(Vec3::ZERO),
-        }
+        tight.swept(STEPS_TOLD * self.travel(bodies, slot))
     }
 }
 
@@ -146,11 +159,7 @@ impl Lookahead {
         let turn = Mat3::from_quat(bodies.rotation[slot as usize]);
         let tight = Core::Box(mesh.aabb()).bounds(&turn, bodies.pose(slot).position);
         let tight = tight.fattened(self.turn(bodies, slot));
-        let travel = STEPS_TOLD * self.travel(bodies, slot);
-        Aabb {
-            min: tight.min + travel.min(Vec3::ZERO),
-            max: tight.max + travel.max(Vec3::ZERO),
-        }
+        tight.swept(STEPS_TOLD * self.travel(bodies, slot))
     }
 }
 

@@ -204,3 +204,33 @@ impl<'s> PlacedCore<'s> {
         (self.exact_turn * inside + self.shift).as_vec3()
     }
 }
+
+/// A core that is smaller about a point inside.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ShrunkCore<'s> {
+    core: PlacedCore<'s>,
+    inside: DVec3,
+    factor: f64,
+}
+
+impl<'s> ShrunkCore<'s> {
+    /// `factor`: how many times as large it is.
+    pub(crate) fn new(core: PlacedCore<'s>, factor: f64) -> Self {
+        Self {
+            core,
+            inside: core.inside().as_dvec3(),
+            factor,
+        }
+    }
+
+    /// The point that stays where it is.
+    pub(crate) fn inside(&self) -> DVec3 {
+        self.inside
+    }
+}
+
+impl Support for ShrunkCore<'_> {
+    fn support(&self, axis: DVec3) -> DVec3 {
+        self.inside + self.factor * (self.core.support(axis) - self.inside)
+    }
+}

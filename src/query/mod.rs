@@ -16,8 +16,8 @@
 
 mod ball;
 mod blade;
-mod compound;
-mod convex;
+pub(crate) mod compound;
+pub(crate) mod convex;
 mod cuboid;
 pub(crate) mod error;
 pub(crate) mod filter;

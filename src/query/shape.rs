@@ -33,7 +33,7 @@ pub(crate) struct QueryPart<'s> {
 }
 
 impl<'s> QueryPart<'s> {
-    fn of(mesh: &'s ConvexMesh, pose: Pose) -> Self {
+    pub(crate) fn of(mesh: &'s ConvexMesh, pose: Pose) -> Self {
         let (core, radius) = match mesh.round() {
             Some(round) => (round.core(), round.radius),
             None => (Core::of_hull(mesh.hull()), 0.0),
@@ -41,7 +41,7 @@ impl<'s> QueryPart<'s> {
         Self { core, radius, pose }
     }
 
-    fn bounds(&self) -> Aabb {
+    pub(crate) fn bounds(&self) -> Aabb {
         let turn = Mat3::from_quat(self.pose.rotation);
         let bounds = self.core.bounds(&turn, self.pose.position);
         bounds.fattened(self.radius)

@@ -40,6 +40,8 @@ pub struct IslandRequirements {
     pub substeps: u32,
     /// Steps that it takes within the step, each with contacts of its own; 1 for the step itself.
     pub local_steps: u32,
+    /// Most of them that it may take, if what it meets takes more.
+    pub max_local_steps: u32,
 }
 
 impl IslandRequirements {

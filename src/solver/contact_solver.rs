@@ -68,6 +68,8 @@ pub(crate) struct PutOff {
     pub(crate) bodies: Range<usize>,
     /// See [`IslandRequirements::local_steps`].
     pub(crate) local_steps: u32,
+    /// See [`IslandRequirements::max_local_steps`].
+    pub(crate) max_local_steps: u32,
 }
 
 /// What a manifold asks for.

@@ -16,14 +16,11 @@ use crate::tuning::{LONE_MANIFOLDS, MIN_MANIFOLDS_OF_PART};
 
 /// How far gravity may move a body within a step of its island, as a share of its least extent: at 60 Hz on Earth 14 cm are enough
 /// for the step itself (`docs/decisions/local_steps.md`).
-const FALL: f32 = 0.02;
+pub(crate) const FALL: f32 = 0.02;
 
 /// How far a body may turn within a step of its island, rad: between the moment at which a contact is found and that at which it acts, a
 /// corner must not become another one.
 const TURN: f32 = 0.5;
-
-/// How many times the updates of an island's sweeps beyond the least its local steps may cost.
-const EFFORT: u32 = 2;
 
 /// Gap of points that bodies keep in a local step, as a share of the least extent: somewhat more than the margin of contacts.
 const NEAR: f32 = 0.05;
@@ -131,6 +128,7 @@ impl ContactSolver {
             joint_swing: None,
             substeps: 0,
             local_steps: 1,
+            max_local_steps: 1,
         };
         if settings.depends_on_load() {
             for &index in &self.islands.manifolds[island.manifolds.clone()] {
@@ -146,7 +144,8 @@ impl ContactSolver {
             requirement.joint_swing = self.joint_swing(island, bodies, settings.step_dt());
         }
         requirement.substeps = settings.substeps_for(&requirement);
-        requirement.local_steps = self.local_steps(island, &requirement, manifolds, settings);
+        [requirement.local_steps, requirement.max_local_steps] =
+            self.local_steps(island, &requirement, manifolds, settings);
         requirement
     }
 
@@ -196,17 +195,18 @@ impl ContactSolver {
     }
 
     /// Steps that an island takes within the step: so many that gravity moves nothing by more than [`FALL`] of its least extent in
-    /// one, and nothing turns by more than [`TURN`], as far as they do not make the island cost more than its sweeps may.
+    /// one, and nothing turns by more than [`TURN`], as far as they do not make the island cost more than its sweeps may; and the most that
+    /// it may take.
     fn local_steps(
         &self,
         island: &Island,
         requirement: &IslandRequirements,
         manifolds: &Manifolds,
         settings: &SubstepSettings,
-    ) -> u32 {
+    ) -> [u32; 2] {
         let is_held = requirement.joints != JointPresence::None;
         if settings.max_local_steps <= 1 || is_held {
-            return 1;
+            return [1; 2];
         }
         let indices = &self.islands.manifolds[island.manifolds.clone()];
         let estimates = indices.iter().map(|m| &self.estimates[m.index()]);
@@ -216,7 +216,7 @@ impl ContactSolver {
         let fall = settings.gravity.length() * settings.step_dt() * settings.step_dt();
         let wanted = (fall / (FALL * least)).sqrt().max(turn / TURN).ceil();
         if wanted <= 1.0 {
-            return 1;
+            return [1; 2];
         }
         // Those that a local step will have: it looks less far.
         let near = |&index: &ManifoldIndex| {
@@ -225,18 +225,12 @@ impl ContactSolver {
             points.filter(|point| point.separation < most).count() as u32
         };
         let points: u32 = indices.iter().map(near).sum();
-        let sweeps = settings.sweeps.saturating_add(settings.relax_sweeps);
-        let updates = points
-            .saturating_mul(settings.substeps)
-            .saturating_mul(sweeps);
-        let affordable = EFFORT.saturating_mul(settings.max_extra_updates) / updates.max(1);
-        // The largest power of two that is allowed.
-        let most = 1 << settings.max_local_steps.min(affordable).max(1).ilog2();
+        let most = settings.affordable_local_steps(points);
         let is_bonded = || indices.iter().any(|&index| is_bonded(&self.bonded, index));
         if most == 1 || is_bonded() {
-            return 1;
+            return [1; 2];
         }
-        (wanted as u32).min(most).next_power_of_two()
+        [(wanted as u32).min(most).next_power_of_two(), most]
     }
 }
 

@@ -21,8 +21,8 @@ pub(crate) mod batch;
 mod breakage_probe;
 pub(crate) mod config;
 pub(crate) mod contact_solver;
-mod deferral;
-mod estimates;
+pub(crate) mod deferral;
+pub(crate) mod estimates;
 #[cfg(feature = "exact")]
 pub(crate) mod exact;
 mod free_flight;

@@ -55,6 +55,9 @@ pub struct SolverOverrides {
     pub order: Option<ContactOrder>,
 }
 
+/// How many times the updates of an island's sweeps beyond the least its local steps may cost.
+const LOCAL_EFFORT: u32 = 2;
+
 /// The numbers of one sub-step, and how many there are.
 #[derive(Clone, Copy, Debug)]
 pub struct SubstepSettings {
@@ -175,6 +178,15 @@ impl SubstepSettings {
             order: ContactOrder::Ordered,
             ..Self::of_soft_step(&SoftStep::default())
         }
+    }
+
+    /// Most local steps that an island may take in which contacts have so many points, so that these do not cost more than its sweeps may: a
+    /// power of two.
+    pub(crate) fn affordable_local_steps(&self, points: u32) -> u32 {
+        let sweeps = self.sweeps.saturating_add(self.relax_sweeps);
+        let updates = points.saturating_mul(self.substeps).saturating_mul(sweeps);
+        let affordable = LOCAL_EFFORT.saturating_mul(self.max_extra_updates) / updates.max(1);
+        1 << self.max_local_steps.min(affordable).max(1).ilog2()
     }
 
     /// The same, with what a test wants otherwise.

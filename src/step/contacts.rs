@@ -9,7 +9,9 @@ use crate::merge::merge;
 use crate::solver::contact_solver::{ContactSolver, Round};
 use crate::solver::rows::contact_rows::PointRows;
 use crate::solver::settings::SubstepSettings;
+use crate::step::companions::Companions;
 use crate::step::contact_events::ContactEvents;
+use crate::step::guard::hold_before_walls;
 use crate::step::local_buffers::LocalBuffers;
 use crate::step::settings::StepSettings;
 use bevy_ecs::resource::Resource;
@@ -29,6 +31,9 @@ pub struct Contacts {
     /// For putting the two together.
     joined: Manifolds,
     pub(crate) local: LocalBuffers,
+    pub(super) companions: Companions,
+    /// Who is near the way of a body; a buffer.
+    near: Vec<u32>,
     /// Kinetic and potential energy before the step, J, if the error is measured.
     pub(crate) energy_before: Option<f64>,
     /// Rows of an island whose error is measured.
@@ -64,6 +69,25 @@ impl Contacts {
             solver, manifolds, ..
         } = self;
         self.is_broken = solver.solve(manifolds, bodies, &substeps, round);
+    }
+
+    /// Cuts the ways that have been solved short where they go through what bodies strike.
+    pub(super) fn hold_before_walls(&mut self, bodies: &mut Bodies) {
+        hold_before_walls(bodies, &self.broadphase, &mut self.near);
+    }
+
+    /// Puts off who goes with those that take local steps, unless something breaks: then who is where is not known yet.
+    pub(crate) fn put_off_companions(&mut self, bodies: &mut Bodies, settings: &StepSettings) {
+        if self.is_broken {
+            return;
+        }
+        let Self {
+            companions,
+            broadphase,
+            solver,
+            ..
+        } = self;
+        companions.put_off(bodies, broadphase, solver, settings);
     }
 
     /// Whether nothing waits for another round or for local steps.

@@ -5,8 +5,7 @@
 //! steps as let gravity move it by a small share of its size in each, and as let it turn by half a radian, all like a step of the whole scene: pairs, contacts,
 //! warm start, solve, breaking, integration. Islands that ask for as many take them together.
 //!
-//! Who waits is not there for them: what they would touch of it before the step ends was too far away for a contact when it
-//! began, and is met in the next step.
+//! Who waits is not there for them. What may meet them takes local steps too, if it is free to (`step/companions.rs`).
 
 use crate::bodies::integrate::move_bodies;
 use crate::bodies::store::Bodies;
@@ -17,7 +16,6 @@ use crate::merge::{Merged, merge};
 use crate::solver::config::Method;
 use crate::solver::contact_solver::ContactSolver;
 use crate::step::contacts::Contacts;
-use crate::step::level_guard::hold_before_levels;
 use crate::step::local_buffers::LocalBuffers;
 use crate::step::report::StepReport;
 use crate::step::settings::StepSettings;
@@ -139,7 +137,7 @@ impl LocalBuffers {
         break_in_rounds(bodies, contacts, breakable.again(), settings, report);
         let broken = &breakable.fractures.done[known..];
         forget_broken(&mut self.sums, broken, &mut self.joined);
-        hold_before_levels(bodies);
+        contacts.hold_before_walls(bodies);
         move_bodies(bodies, &mut report.problems);
         self.keep_impulses(bodies, contacts, settings);
     }

@@ -273,7 +273,7 @@ fn cut_in_place(inherits: bool) -> (f32, f32) {
         joints,
     };
     step::fracture(bodies, contacts, breakable, &settings, report);
-    step::integrate(bodies, report);
+    step::integrate(bodies, contacts, report);
     step::age_cache(bodies, contacts, cache, &settings);
     let mut fastest = 0.0_f32;
     for _ in 0..6 {

@@ -7,6 +7,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod crowds;
 mod cutting;
 mod heaps;
 mod mass;

@@ -103,7 +103,7 @@ fn depth(patch: &LocalManifold) -> f32 {
     points.fold(0.0, |depth, point| depth.max(-point.separation))
 }
 
-/// Keeps the deeper of two contacts that are on no surface, if it is deep at all.
+/// Keeps the deeper of two contacts that are on no surface where they are deep, if they are.
 fn note_deeper(hidden: &mut Option<Found>, other: Found) {
     let known = hidden.as_ref().map_or(0.0, |it| depth(&it.patch));
     if depth(&other.patch) > known {
@@ -111,7 +111,7 @@ fn note_deeper(hidden: &mut Option<Found>, other: Found) {
     }
 }
 
-/// Takes the deepest contact that is on no surface after all, if no other holds the bodies apart.
+/// Takes the deepest contact that is on no surface there after all, if no other holds the bodies apart.
 fn stand_in(hidden: Option<Found>, scratch: &mut CompoundScratch) {
     if let Some(hidden) = hidden {
         let held = HELD * depth(&hidden.patch);
@@ -178,7 +178,9 @@ impl<'s> BodyPair<'s> {
                     };
                     if settled.count > 0 {
                         scratch.found.push(found(&settled));
-                    } else {
+                    }
+                    // What is left of it may be where they hardly touch.
+                    if depth(&settled) < HELD * depth(&patch) {
                         note_deeper(&mut hidden, found(&patch));
                     }
                 }
@@ -309,7 +311,8 @@ impl<'s> BodyPair<'s> {
         gap
     }
 
-    /// Takes a contact of a part with the other body, the part first; or else keeps it if it is the deepest of those on no surface.
+    /// Takes a contact of a part with the other body, the part first, as far as it is on the surface, and keeps it if it is the deepest of those
+    /// that are not where they are deep.
     fn take(
         &self,
         side: &Side,
@@ -332,7 +335,8 @@ impl<'s> BodyPair<'s> {
         let kept = on_surface(side, patch);
         if kept.count > 0 {
             scratch.found.push(lift(&kept));
-        } else if depth(patch) > 0.0 {
+        }
+        if depth(&kept) < HELD * depth(patch) {
             note_deeper(hidden, lift(patch));
         }
     }

@@ -14,6 +14,14 @@ use crate::solver::wide::block::vector;
 use glam::Vec3;
 
 impl Batch {
+    /// Forgets what bodies were hit with: that is taken back.
+    pub(crate) fn forget_blows(&mut self) {
+        self.impacts.overloaded.clear();
+        self.impacts.cracks.clear();
+        self.impacts.strains.clear();
+        self.impacts.limits.clear();
+    }
+
     /// Lists those of its bodies that may break, and what its contacts bear.
     pub(crate) fn load_limits(&mut self, bodies: &Bodies, manifolds: &Manifolds) {
         if !bodies.any_fracturable() {

@@ -193,7 +193,7 @@ impl Runner {
             joints,
         };
         step::fracture(bodies, contacts, breakable, settings, report);
-        step::integrate(bodies, report);
+        step::integrate(bodies, contacts, report);
         step::age_cache(bodies, contacts, cache, settings);
     }
 }
