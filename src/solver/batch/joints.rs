@@ -368,7 +368,7 @@ impl Batch {
         self.joints.system.begin_along(&half);
     }
 
-    fn fetch_velocities(&mut self) {
+    pub(super) fn fetch_velocities(&mut self) {
         let BatchJoints {
             system, numbers, ..
         } = &mut self.joints;

@@ -1,4 +1,4 @@
-//! What bodies get by joints in loops, until it is known which joint bears how much of it.
+//! What bodies get by joints, until it is known which joint bears how much of it.
 
 use crate::solver::joint::vector6::Vector6;
 
@@ -15,4 +15,8 @@ pub(super) struct Borne {
     pub(super) before: Vec<Vector6>,
     /// By body: impulses of joints in the step that are to be spread.
     pub(super) impulses: Vec<Vector6>,
+    /// By component: whether what its joints bear in a half of a sub-step is told by bodies.
+    pub(super) is_passed: Vec<bool>,
+    /// By body: impulse of the joint by which it hangs on another one, in a half of a sub-step.
+    pub(super) passed: Vec<Vector6>,
 }

@@ -1,6 +1,6 @@
 //! Which joints may gain energy in a sub-step, and what drives have given in it.
 
-use crate::solver::joint::row::RowKind;
+use crate::solver::joint::row::{JointRow, RowKind, RowState};
 use crate::solver::joint::system::{BatchJoint, JointSystem};
 use std::ops::Range;
 
@@ -17,6 +17,13 @@ impl JointSystem {
         joints.any(|joint| self.rounds.is_along_end(joint.component))
     }
 
+    /// Whether some come back from the ends of their ranges, as fast as they came by the rows that they had before the motion.
+    pub(crate) fn come_back(&self, joints: Range<usize>) -> bool {
+        let rows = |joint: &BatchJoint| &self.rows[joint.rows.clone()];
+        let mut joints = self.joints[joints].iter();
+        joints.any(|joint| rows(joint).iter().any(JointRow::comes_back))
+    }
+
     /// What motors and springs of these joints have given in the sub-step, J, those that have taken some not counted.
     pub(crate) fn given_by_drives(&self, joints: Range<usize>) -> f64 {
         let of_joint = |joint: &BatchJoint| -> f64 {
@@ -30,5 +37,13 @@ impl JointSystem {
             given.map(|given| given.max(0.0)).sum()
         };
         self.joints[joints].iter().map(of_joint).sum()
+    }
+}
+
+impl JointRow {
+    /// Whether it gives speed away from the end of a range.
+    pub(super) fn comes_back(&self) -> bool {
+        let is_rebound = self.kind == RowKind::Limit && self.restitution > 0.0;
+        is_rebound && self.state == RowState::Free && self.side * self.target > 0.0
     }
 }

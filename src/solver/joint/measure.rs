@@ -9,6 +9,8 @@
 //! | distance | `\|d\|` | `(u, r_b x u)`, `u = d / \|d\|` | `-(u, r_a x u)` |
 //! | three locked angles | `2 vec(q)`, `q` = B's frame in A's | `(0, e_i)` | `-(0, e_i)` |
 //! | swings of a hinge | `-f_x . e_z`, `f_x . e_y` | `(0, e_z x f_x)`, `(0, f_x x e_y)` | the same, negative |
+//! | two locked angles of what turns about another axis | the same of that axis | | |
+//! | a locked swing alone | the same | | |
 //! | twist | `2 atan(q_x / q_w)` | `(0, (e_x + f_x) / (1 + e_x . f_x))` | the same, negative |
 //! | swing | angle `phi` of `e_x x f_x` along `e_y` or `e_z` | `(0, n_i n + t_i phi (cot(phi) t + e_x))`, `n` along `e_x x f_x`, `t = e_x x n` | the same, negative |
 //! | cone | what is left of the ellipse of the two half-angles | `-(0, n)`, `n` across it | the same, negative |
@@ -151,18 +153,18 @@ impl Frames {
             DISTANCE => self.d.length(),
             0..3 => self.axes[0].col(axis).dot(self.d),
             _ if is_fixed(joint) => self.small_angles()[axis - 3],
-            3 => self.twist(last),
-            _ => match cone_of(joint) {
-                Some(_) if axis > 4 => return None,
-                Some(half_angles) => {
+            _ => match (self.held_by(joint, axis - 3), cone_of(joint)) {
+                (Some(of), _) => {
+                    let (across, sign) = self.across(axis - 3, of);
+                    sign * self.axes[1].col(of).dot(across)
+                }
+                _ if axis == 3 => self.twist(last),
+                (None, Some(_)) if axis > 4 => return None,
+                (None, Some(half_angles)) => {
                     let measure = self.cone(self.swing(), half_angles)?;
                     return Some((measure.value, true));
                 }
-                None if self.is_hinge(joint, axis - 3) => {
-                    let (across, sign) = self.across(axis - 3);
-                    sign * self.axes[1].x_axis.dot(across)
-                }
-                None => self.swing()[axis - 4],
+                (None, None) => self.swing()[axis - 4],
             },
         };
         Some((value, false))
@@ -173,16 +175,30 @@ impl Frames {
         [self.relative.x, self.relative.y, self.relative.z].map(|error| 2.0 * error)
     }
 
-    /// Whether a swing, about axis 1 or 2, is held near where it is none.
-    fn is_hinge(&self, joint: &Joint, i: usize) -> bool {
-        let is_locked = joint.angular[i].range == AxisRange::Locked;
-        is_locked && self.axes[0].x_axis.dot(self.axes[1].x_axis) > 0.0
+    /// Which axis of B's frame is to stay across one of A's that holds an angle, if that is how the angle is measured: where two are held the axis
+    /// of the third, about which B turns; where only a swing is held the first, which stays in a plane. Unlike twist and swings that says
+    /// what is held after half a turn too.
+    fn held_by(&self, joint: &Joint, i: usize) -> Option<usize> {
+        let is_locked = |i: usize| joint.angular[i % 3].range == AxisRange::Locked;
+        match [is_locked(i), is_locked(i + 1), is_locked(i + 2)] {
+            [true, true, false] => self.turns_about((i + 2) % 3),
+            [true, false, true] => self.turns_about((i + 1) % 3),
+            [true, false, false] if i > 0 => Some(0),
+            _ => None,
+        }
     }
 
-    /// The other one of A's axes 1 and 2, towards which the x axis of B's frame swings about one of them, and in which direction.
-    fn across(&self, i: usize) -> (DVec3, f64) {
-        let e = &self.axes[0];
-        ([e.y_axis, e.z_axis][2 - i], [-1.0, 1.0][i - 1])
+    /// An axis of both frames, unless they point against each other.
+    fn turns_about(&self, i: usize) -> Option<usize> {
+        let [on_a, on_b] = self.axes.map(|axes| axes.col(i));
+        (on_a.dot(on_b) > 0.0).then_some(i)
+    }
+
+    /// The axis of A's towards which axis `of` of B's frame goes as B turns about axis `i`, and in which direction.
+    fn across(&self, i: usize, of: usize) -> (DVec3, f64) {
+        let is_next = (of + 1) % 3 == i;
+        let sign = if is_next { -1.0 } else { 1.0 };
+        (self.axes[0].col(3 - i - of), sign)
     }
 
     fn measure_angles(&self, joint: &Joint, last: f64, measures: &mut Measures) {
@@ -194,25 +210,25 @@ impl Frames {
             return;
         }
         let (e, f) = (&self.axes[0], self.axes[1].x_axis);
-        if does_anything(&joint.angular[0]) {
-            let share = (1.0 + e.x_axis.dot(f)).max(TINY);
-            let jacobian = about((e.x_axis + f) / share);
-            measures.push(both(3, self.twist(last), jacobian));
-        }
         let cone = cone_of(joint);
-        for i in [1, 2] {
+        for i in 0..3 {
             let axis = &joint.angular[i];
             if !does_anything(axis) {
                 continue;
             }
-            let measure = if self.is_hinge(joint, i) {
-                let (across, sign) = self.across(i);
+            let measure = if let Some(of) = self.held_by(joint, i) {
+                let (across, sign) = self.across(i, of);
+                let f = self.axes[1].col(of);
                 let value = sign * f.dot(across);
                 both(3 + i, value, about(sign * f.cross(across)))
+            } else if i == 0 {
+                let share = (1.0 + e.x_axis.dot(f)).max(TINY);
+                let jacobian = about((e.x_axis + f) / share);
+                both(3, self.twist(last), jacobian)
             } else {
                 both(3 + i, self.swing()[i - 1], about(self.swing_rate(i)))
             };
-            let has_range = measure.has_range && cone.is_none();
+            let has_range = measure.has_range && (i == 0 || cone.is_none());
             measures.push(Measure {
                 has_range,
                 ..measure

@@ -16,8 +16,10 @@
 //! | `settle.rs` | the same where that goes round in circles |
 //! | `bend.rs` | how much what turns is pulled inward |
 //! | `drift.rs` | where the bodies go, and the impulses that keep the joints together there |
+//! | `rigid.rs` | what connected bodies that nothing holds keep |
 //! | `energy.rs` | which joints stay open, and what drives give |
 //! | `borne.rs` | what bodies get by joints in loops |
+//! | `passed.rs` | what those of trees bear that whip |
 //! | `spread.rs` | which of these bears how much |
 //! | `rounds.rs` | how long the search for these goes on, in each component of connected bodies |
 //!
@@ -32,6 +34,8 @@ mod factor;
 mod linearise;
 mod links;
 pub(crate) mod measure;
+mod passed;
+pub(crate) mod rigid;
 mod rounds;
 pub(crate) mod row;
 pub(crate) mod rows;

@@ -290,12 +290,11 @@ impl JointRow {
                     self.side * self.restitution * approach
                 } else if !has_acted && self.side * self.position > 0.0 {
                     // What is to come back comes to the end with all of its speed.
-                    let is_elastic = self.restitution > 0.0;
-                    let stop = -self.position / half.substep_dt;
-                    if is_elastic {
+                    if self.restitution > 0.0 {
+                        self.let_go();
                         -self.side * BEYOND
                     } else {
-                        stop
+                        -self.position / half.substep_dt
                     }
                 } else {
                     0.0
@@ -312,6 +311,16 @@ impl JointRow {
                 self.stiffness = 0.0;
             }
         }
+    }
+
+    /// Has a limit not act. One that did, as where a motion was looked for at which it is reached, would be asked for a speed that nothing has:
+    /// a body was turned by 1e14 rad/s.
+    fn let_go(&mut self) {
+        self.state = if self.side > 0.0 {
+            RowState::AtLeast
+        } else {
+            RowState::AtMost
+        };
     }
 
     /// Sets the bounds of what forces may do in a time.

@@ -56,9 +56,7 @@ impl JointSystem {
 
     /// Begins a half of a sub-step, before joints act.
     pub(super) fn begin_half(&mut self) {
-        if self.borne.any {
-            self.borne.before.clone_from(&self.velocities);
-        }
+        self.borne.before.clone_from(&self.velocities);
     }
 
     fn is_in_loop(&self, joint: &BatchJoint) -> bool {
@@ -67,8 +65,12 @@ impl JointSystem {
 
     /// Takes note of what the joints bear in a half of a sub-step, where the bodies are in it. `are_alone`: nothing else has changed velocities.
     pub(crate) fn note_impulses(&mut self, are_alone: bool) {
+        let any_passed = are_alone && self.note_passed();
         for at in 0..self.joints.len() {
             let is_spread = self.is_in_loop(&self.joints[at]);
+            if any_passed && self.is_passed(&self.joints[at]) {
+                continue;
+            }
             let (rows, joint) = (&self.rows, &mut self.joints[at]);
             let rows = rows[joint.rows.clone()].iter();
             let known = rows.filter(|row| !(is_spread && row.is_spread()));
