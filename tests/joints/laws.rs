@@ -279,7 +279,8 @@ pub(crate) fn energy_comes_from_motors(tree: &Tree) -> Result<(), String> {
         least = least.min(now.energy);
         scale = scale.max(now.kinetic);
         let rise = now.energy - least - rounding;
-        if !(rise <= 0.05 * scale) {
+        let is_kept = rise <= 0.05 * scale;
+        if !is_kept {
             return Err(format!("step {step}: {rise:e} of {scale:e}"));
         }
     }
@@ -312,7 +313,8 @@ pub(crate) fn joints_bear_what_bodies_get(tree: &Tree) -> Result<(), String> {
             }
             let rounding = 2e-6 * mass * (now.length() + before[at].length());
             let miss = (mass * (now - before[at]) - h * force).length() - rounding;
-            if !(miss <= 0.02 * h * sizes) {
+            let is_told = miss <= 0.02 * h * sizes;
+            if !is_told {
                 let share = miss / (h * sizes);
                 return Err(format!("step {step}: body {at} {share:.1e}"));
             }
