@@ -111,11 +111,15 @@ impl Groups {
 pub(super) fn replace_groups(
     bodies: &mut Bodies,
     slot: u32,
-    groups: Groups,
+    mut groups: Groups,
     budget: &FractureBudget,
 ) -> Result<Fracture, CutError> {
     let reference = Reference::of(bodies, slot);
     let foothold = Foothold::of(bodies, slot);
+    if foothold.is_none() {
+        // It stood when it was divided, and was let fall since by what broke before it.
+        groups.pieces.splice(0..0, groups.rest.take());
+    }
     let cracked = bodies.compound(slot).ok_or(CutError::NotConvex)?;
     let cracked = cracked.without_bonds(&groups.broken);
     let mut pieces = groups.bodies(bodies, slot, &cracked)?;

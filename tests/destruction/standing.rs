@@ -472,3 +472,51 @@ pub(crate) fn judge_removed(seed: u64) -> Verdict {
     scene.check_nothing_floats()?;
     Ok(scene.broken.len())
 }
+
+/// A wall that stands on a post alone, both hit in the same step: the post is let break first and the wall fall with it, whatever breaks off of that.
+pub(crate) fn judge_felled(seed: u64) -> Verdict {
+    let dice = &mut Dice::new(seed);
+    let mut simulation = Simulation::default();
+    let floor = BodyDesc::floor(HalfSpaceShape { normal: Vec3::Y });
+    simulation.bodies.insert(floor).expect("usable");
+    let size = Vec3::new(dice.in_range(0.6, 2.0), dice.in_range(0.6, 2.0), 0.3);
+    let mut post = BodyDesc::new(RigidBody::Static, Shape::Convex(cuboid(size)));
+    post.pose.position = 0.5 * size.y * Vec3::Y;
+    post.fracturable = Some(Fracturable {
+        strength: 10.0,
+        pattern: FracturePattern::Planes([Plane::through(Vec3::ZERO, Vec3::Y)].into()),
+        ..Default::default()
+    });
+    simulation.bodies.insert(post).expect("usable");
+    let bricks = FracturePattern::Brick {
+        size: size / dice.in_range(1.8, 4.0),
+    };
+    let strength = 10.0_f32.powf(dice.in_range(3.0, 6.0));
+    let cluster = Cluster::cut(&cuboid(size), &bricks, 7, strength).expect("cells");
+    let cluster = cluster.compound().expect("connected");
+    let mut wall = BodyDesc::new(RigidBody::Static, Shape::Compound(cluster));
+    wall.pose.position = 1.5 * size.y * Vec3::Y;
+    simulation.bodies.insert(wall).expect("usable");
+    let mut whole = 2.0 * 1000.0 * f64::from(size.element_product());
+    for height in [0.5, 1.9] {
+        let target = height * size.y * Vec3::Y;
+        let mass = 10.0_f32.powf(dice.in_range(0.5, 2.5));
+        let ball = shot(dice, target, target + Vec3::Z, mass, 30.0);
+        simulation.bodies.insert(ball).expect("usable");
+        whole += f64::from(mass);
+    }
+    let mut broken = 0;
+    for _ in 0..10 {
+        simulation.step(1.0 / 60.0);
+        whole -= check_ledgers(&simulation)?;
+        broken += simulation.fractures.done.len();
+    }
+    let bodies = &simulation.bodies;
+    let solid = bodies.iter().filter(|&slot| is_solid(bodies, slot));
+    let left: f64 = solid.map(|slot| f64::from(bodies.mass(slot).mass)).sum();
+    ask!(
+        (left - whole).abs() < 1e-5 * whole,
+        "{left} kg of {whole} are left"
+    );
+    Ok(broken)
+}
