@@ -238,10 +238,12 @@ struct Ground<'b> {
     standing: Vec<(u32, Option<Aabb>)>,
     /// Whether whole bodies that may break need a chain of contacts to it. If what they hung on had none, they were put there.
     need_chains: bool,
-    /// By slot: whether a chain leads from it to the ground, of those that an earlier search went through.
+    /// By slot: whether a chain leads from it to the ground, of those that are on one which was found.
     is_known: Vec<bool>,
     /// Bodies of the last search, in the order in which they were found.
     searched: Vec<u32>,
+    /// For each of them, from which one it was found, by its place among them.
+    came_from: Vec<usize>,
 }
 
 impl<'b> Ground<'b> {
@@ -258,6 +260,7 @@ impl<'b> Ground<'b> {
             need_chains,
             is_known: vec![false; bodies.slots()],
             searched: Vec::new(),
+            came_from: Vec::new(),
         }
     }
 
@@ -303,23 +306,35 @@ impl<'b> Ground<'b> {
     /// Whether a chain of contacts leads from a static body to one that stands for itself, if it is none.
     fn reaches(&mut self, slot: u32) -> bool {
         self.searched.clear();
+        self.came_from.clear();
         self.searched.push(slot);
-        let mut next = 0;
-        while let Some(&from) = self.searched.get(next) {
-            next += 1;
+        self.came_from.push(0);
+        let mut at = 0;
+        while let Some(&from) = self.searched.get(at) {
             if self.is_known[from as usize] || self.is_ground(from) {
-                let reached = self.searched.iter();
-                reached.for_each(|&slot| self.is_known[slot as usize] = true);
+                self.note_chain(at);
                 return true;
             }
             let near = self.near(from, self.reach_of(from));
             for other in self.touched(from, &near) {
                 if !self.searched.contains(&other) {
                     self.searched.push(other);
+                    self.came_from.push(at);
                 }
             }
+            at += 1;
         }
         false
+    }
+
+    /// Notes those through whom the last search came to this one. The others that it found may hold on to nothing themselves: who holds on
+    /// to another one need not be held by that one.
+    fn note_chain(&mut self, mut at: usize) {
+        self.is_known[self.searched[at] as usize] = true;
+        while at > 0 {
+            at = self.came_from[at];
+            self.is_known[self.searched[at] as usize] = true;
+        }
     }
 
     /// The gap over which a body holds on, m.
