@@ -97,7 +97,7 @@ pub(crate) fn deepest(crowd: &mut Crowd) -> f32 {
     deepest
 }
 
-/// Most of 300 crowds that may break the law, as many as do. What is left has most often a pair without a contact in a local step.
+/// Most of 300 crowds that may break the law, as many as do; 58 did before who meets what takes local steps took them too. What is left has most often a pair without a contact in a local step.
 const KNOWN: usize = 14;
 
 #[test]
