@@ -189,6 +189,11 @@ impl Bodies {
         matches!(status, Some(Status::Active | Status::Local)) && !self.is_static(slot)
     }
 
+    /// Whether contacts may move the body: it is dynamic and takes part, awake.
+    pub(crate) fn is_carried(&self, slot: u32) -> bool {
+        self.velocity[slot as usize].inverse_mass > 0.0 && self.is_moving(slot)
+    }
+
     /// Whether the body is static.
     pub(crate) fn is_static(&self, slot: u32) -> bool {
         // What contacts move is not; that spares most bodies a look at far memory.

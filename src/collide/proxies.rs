@@ -47,6 +47,18 @@ pub struct Lookahead {
     pub(crate) fall: f32,
 }
 
+/// The box around a body's convex parts where it is; none for a half-space or a level.
+pub(super) fn tight_box(bodies: &Bodies, slot: u32) -> Option<Aabb> {
+    let i = slot as usize;
+    let turn = Mat3::from_quat(bodies.rotation[i]);
+    let place = bodies.center[i] - turn * bodies.mass[i].center;
+    match &bodies.info(slot).shape {
+        Shape::Convex(mesh) => Some(mesh.bounds(&turn, place)),
+        Shape::Compound(compound) => Some(compound.bounds(&turn, place)),
+        Shape::HalfSpace(_) | Shape::Level(_) => None,
+    }
+}
+
 impl Lookahead {
     /// Looks ahead over a step of `step_dt` seconds under `gravity` (m/s2).
     pub fn new(step_dt: f32, gravity: Vec3) -> Self {
@@ -121,19 +133,12 @@ impl Lookahead {
 
     /// Whether two bodies that contacts move may be at one place within the step, even if something stops one of them.
     pub(crate) fn may_meet(&self, bodies: &Bodies, slots: [u32; 2]) -> bool {
-        let [a, b] = slots.map(|slot| {
-            let i = slot as usize;
-            let turn = Mat3::from_quat(bodies.rotation[i]);
-            let shift = bodies.center[i] - turn * bodies.mass[i].center;
-            let tight = match &bodies.info(slot).shape {
-                Shape::Convex(mesh) => mesh.bounds(&turn, shift),
-                Shape::Compound(compound) => compound.bounds(&turn, shift),
-                Shape::HalfSpace(_) | Shape::Level(_) => Aabb::EMPTY,
-            };
+        let boxes = slots.map(|slot| {
+            let tight = tight_box(bodies, slot)?;
             let tight = tight.fattened(margin_at_rest(bodies, slot) + self.fall);
-            tight.swept(self.travel(bodies, slot))
+            Some(tight.swept(self.travel(bodies, slot)))
         });
-        a.overlaps(&b)
+        matches!(boxes, [Some(a), Some(b)] if a.overlaps(&b))
     }
 
     /// The body's box with all places it may reach within the step, and in [`STEPS_TOLD`] of them if it goes on as it does.

@@ -1,12 +1,13 @@
 //! Who is inside a sensor, or was on the way within the last step. Nothing that moves depends on it.
 
-use crate::bodies::body::{RigidBody, Shape};
+use crate::bodies::body::RigidBody;
 use crate::bodies::store::Bodies;
 use crate::collide::narrow_phase::compound_near::PartScratch;
 use crate::collide::narrow_phase::compound_sense::examine_compound_pair;
 use crate::collide::narrow_phase::part::examine_pair;
 use crate::collide::narrow_phase::relative_pose;
 use crate::collide::narrow_phase::round::examine_round_pair;
+use crate::collide::proxies::tight_box;
 use crate::contact::body_id::BodyId;
 use crate::contact::local_manifold::LocalManifold;
 use crate::contact::narrow::level_scratch::LevelScratch;
@@ -14,7 +15,7 @@ use crate::contact::narrow::round::patch::RoundScratch;
 use crate::contact::narrow::scratch::{NarrowScratch, SatCache, SatResult};
 use crate::contact::pairs::broad_phase::{Broadphase, Pair};
 use crate::math::{Aabb, Pose, rotate};
-use glam::{Mat3, Vec3};
+use glam::Vec3;
 
 /// Steps of conservative advancement, each as far as two shapes surely do not touch. Halving the distance each time would come
 /// within a ten-thousandth of it.
@@ -159,19 +160,8 @@ fn shift(bodies: &Bodies, slot: u32) -> Vec3 {
 
 /// The box of all places where the body was within the last step; nothing for one that no box holds.
 fn swept_box(bodies: &Bodies, slot: u32) -> Option<Aabb> {
-    let i = slot as usize;
-    let turn = Mat3::from_quat(bodies.rotation[i]);
-    let place = bodies.center[i] - turn * bodies.mass[i].center;
-    let now = match &bodies.info(slot).shape {
-        Shape::Convex(mesh) => mesh.bounds(&turn, place),
-        Shape::Compound(compound) => compound.bounds(&turn, place),
-        Shape::HalfSpace(_) | Shape::Level(_) => return None,
-    };
-    let back = -shift(bodies, slot);
-    Some(Aabb {
-        min: now.min + back.min(Vec3::ZERO),
-        max: now.max + back.max(Vec3::ZERO),
-    })
+    let now = tight_box(bodies, slot)?;
+    Some(now.swept(-shift(bodies, slot)))
 }
 
 /// Where the pair overlaps, if it does or did on its way.

@@ -65,11 +65,11 @@ impl Companions {
             let (extent, velocity) = (bodies.min_extent[i], bodies.velocity[i].linear);
             let far = FAR * extent;
             (step * step * velocity.length_squared() > far * far || extent < small)
-                && is_carried(bodies, slot)
+                && bodies.is_carried(slot)
         };
         let slots = 0..bodies.slots() as u32;
         if slots.clone().any(is_noted) {
-            let carried = slots.filter(|&slot| is_carried(bodies, slot));
+            let carried = slots.filter(|&slot| bodies.is_carried(slot));
             let start = carried.map(|slot| (slot, bodies.velocity[slot as usize]));
             self.start.extend(start);
         }
@@ -162,11 +162,6 @@ impl Companions {
             }
         }
     }
-}
-
-/// Whether contacts may move a body within the step.
-fn is_carried(bodies: &Bodies, slot: u32) -> bool {
-    bodies.velocity[slot as usize].inverse_mass > 0.0 && bodies.is_moving(slot)
 }
 
 /// How far points of a body are from where they would be without contacts, at most, m. `start`: its velocity before the solve.

@@ -40,7 +40,7 @@ pub(super) fn hold_before_walls(bodies: &mut Bodies, broadphase: &Broadphase, ne
         };
         let is_far = goes_far(bodies, slot);
         // A local step is a part of the way, and few take them.
-        if bodies.any_level && (is_far || is_local && is_carried(bodies, slot)) {
+        if bodies.any_level && (is_far || is_local && bodies.is_carried(slot)) {
             for &level in levels.get_or_insert_with(|| levels_of(bodies)).iter() {
                 hold(bodies, slot, level);
             }
@@ -52,11 +52,6 @@ pub(super) fn hold_before_walls(bodies: &mut Bodies, broadphase: &Broadphase, ne
     }
 }
 
-/// Whether contacts move a body in the step.
-fn is_carried(bodies: &Bodies, slot: u32) -> bool {
-    bodies.velocity[slot as usize].inverse_mass > 0.0 && bodies.is_moving(slot)
-}
-
 /// Whether they move it so far that it is looked at.
 fn goes_far(bodies: &Bodies, slot: u32) -> bool {
     let (extent, motion) = (
@@ -64,7 +59,7 @@ fn goes_far(bodies: &Bodies, slot: u32) -> bool {
         &bodies.motion[slot as usize],
     );
     let far = FAR * extent;
-    motion.shift.length_squared() > far * far && is_carried(bodies, slot)
+    motion.shift.length_squared() > far * far && bodies.is_carried(slot)
 }
 
 /// The slots of the levels that bodies stand on.
@@ -100,10 +95,8 @@ fn hold_before_convex(
 ) {
     let poses = [bodies.pose(slot), bodies.pose_after_step(slot)];
     let middles = middles(bodies, slot);
-    let ends = poses.iter().flat_map(|pose| {
-        let ends = middles.iter().map(|&middle| pose.transform_point(middle));
-        ends.collect::<SmallVec<[Vec3; 4]>>()
-    });
+    let ends = middles.iter();
+    let ends = ends.flat_map(|&middle| poses.map(|pose| pose.transform_point(middle)));
     let way = Aabb::of_points(ends);
     near.clear();
     broadphase.search_box(&way, near);
