@@ -116,6 +116,7 @@ impl Plugin for CleavePlugin {
             .add_observer(gather::on_lone_part_added)
             .add_observer(gather::on_lone_part_removed)
             .add_observer(gather::on_part_removed)
+            .add_observer(gather::on_shape_awaited)
             .add_observer(gather::on_sleeping_inserted)
             .add_observer(gather::on_sleeping_removed)
             .add_observer(joint::on_joint_inserted)

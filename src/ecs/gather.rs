@@ -92,7 +92,6 @@ pub(crate) fn read_entities(
     let shapes = (&mut *bodies, &mut *scaled);
     gather_changes(queue, shapes, issues, warnings, readings);
     let mut reader = MotionReader {
-        step_dt: settings.step_dt,
         bodies: &mut *bodies,
         entities,
         issues: &mut *issues,
@@ -111,6 +110,7 @@ pub(crate) fn read_entities(
         let shapes = (&mut *bodies, &mut *scaled);
         redescribe(queue, shapes, issues, warnings, readings, None);
     }
+    kinematic.retain_mut(|target| target.begin(bodies, settings.step_dt));
     settle_marked(queue, bodies, &readings.marked);
     read_options(
         options,
@@ -187,6 +187,7 @@ pub(crate) fn register_bodies(
                 let (slot, id) = (arrival.slot, bodies.id(arrival.slot));
                 handle.0 = Some((slot, id));
                 entities.set(slot, id, entity, arrival.seen);
+                issues.begin_body(entity);
                 if let Some((parent, local)) = arrival.local {
                     entities.set_local(slot, parent, local);
                 }
@@ -317,21 +318,24 @@ fn redescribe(
             issues.note(warnings, entity, Source::Breaking, idle_part(parts, &desc));
             Ok(desc)
         });
+        if matches!(desc, Err(BodyError::NoShape)) {
+            // What of a shape breaks is not known while there is none.
+            issues.mend(entity, Source::Breaking);
+        }
         let taken = desc.and_then(|desc| bodies.redescribe(slot, desc));
         let taken = unless_awaited(parts, taken);
         issues.note(warnings, entity, Source::Description, taken);
         if let Some(parts) = parts {
             // A kind that the shape before did not allow.
             let before = bodies.kind(slot);
-            let made = set_kind(
-                (bodies, issues),
-                &mut queue.halted,
-                entity,
-                slot,
-                *parts.kind,
-            );
+            let target = (entity, slot, (parts.linear.0, parts.angular.0));
+            let made = set_kind((bodies, issues), &mut queue.halted, target, *parts.kind);
             issues.note(warnings, entity, Source::Kind, made);
             turned.extend((bodies.kind(slot) != before).then_some(entity));
+            if bodies.kind(slot) != RigidBody::Static {
+                // It may have been let fall since that was told.
+                issues.mend(entity, Source::Velocity);
+            }
         }
     }
     // What else depends on the kind is to be looked at again.

@@ -3,6 +3,7 @@
 use crate::bodies::body::BodyError;
 use crate::ecs::components::{BodyProblem, BodyWarning, warn};
 use bevy_ecs::prelude::*;
+use std::any::TypeId;
 
 /// What is wrong with this entity's body. Written by the plugin, and taken off when all of it is mended.
 ///
@@ -25,8 +26,8 @@ pub(crate) enum Source {
     Body,
     /// Shape, mass and materials.
     Description,
-    /// What its shape is to be made from.
-    Constructor,
+    /// What its shape is to be made from: the component of that type.
+    Constructor(TypeId),
     /// How it moves.
     Kind,
     /// Pose and velocity.
@@ -103,7 +104,8 @@ impl Issues {
     /// Takes note that the entity is no body: nothing can be wrong with one.
     pub(crate) fn mend_body(&mut self, entity: Entity) {
         let is_of_body = |issue: &Issue| {
-            issue.entity == entity && !matches!(issue.source, Source::Constructor | Source::Walker)
+            issue.entity == entity
+                && !matches!(issue.source, Source::Constructor(_) | Source::Walker)
         };
         if self.known.iter().any(is_of_body) {
             self.known.retain(|issue| !is_of_body(issue));
@@ -111,10 +113,22 @@ impl Issues {
         }
     }
 
-    /// Whether the entity lacks something that a body has.
-    pub(crate) fn is_incomplete(&self, entity: Entity) -> bool {
+    /// Takes note that the entity has another body, of which nothing is wrong but what is found from now on.
+    pub(crate) fn begin_body(&mut self, entity: Entity) {
+        for source in [Source::Description, Source::Kind, Source::Motion] {
+            self.mend(entity, source);
+        }
+    }
+
+    /// Whether the entity could not be described for a reason that another `Transform` or parent may mend.
+    pub(crate) fn is_any_of_place(&self, entity: Entity) -> bool {
+        use BodyError::{Incomplete, Scaled, Sheared};
         self.known.iter().any(|issue| {
-            issue.entity == entity && issue.problem == BodyProblem::Body(BodyError::Incomplete)
+            let is_of_place = matches!(
+                issue.problem,
+                BodyProblem::Body(Incomplete | Scaled(_) | Sheared)
+            );
+            issue.entity == entity && issue.source == Source::Description && is_of_place
         })
     }
 

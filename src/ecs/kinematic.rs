@@ -1,5 +1,6 @@
 //! Kinematic bodies that are moved by their `Transform`: they go there within the step, so that they push and carry.
 
+use crate::bodies::body::RigidBody;
 use crate::bodies::store::Bodies;
 use crate::contact::body_id::BodyId;
 use crate::math::Pose;
@@ -18,13 +19,45 @@ pub(crate) struct KinematicTarget {
 }
 
 impl KinematicTarget {
-    /// Lets the body move from where it is to `pose` within a step of `step_dt` seconds; nothing for a jump, which is to be made
-    /// at once.
-    pub(crate) fn begin(bodies: &mut Bodies, slot: u32, pose: Pose, step_dt: f32) -> Option<Self> {
+    /// Where the body in this slot is to be, a pose that is one ([`Bodies::set_pose`]).
+    pub(crate) fn new(bodies: &Bodies, slot: u32, pose: Pose) -> Self {
+        Self {
+            slot,
+            id: bodies.id(slot),
+            pose,
+            velocity: (Vec3::ZERO, Vec3::ZERO),
+        }
+    }
+
+    /// Lets the body move from where it is within a step of `step_dt` seconds. One that is to jump is put there at once: it is on no way,
+    /// and this is false. To be called when shapes are what they will be in the step.
+    pub(crate) fn begin(&mut self, bodies: &mut Bodies, step_dt: f32) -> bool {
+        let slot = self.slot;
+        if bodies.radius(slot) == 0.0 {
+            // Another shape or density since the last mass phase; what is wrong with it is told by the next.
+            let _ = bodies.refresh_mass(slot);
+        }
+        self.velocity = bodies.velocity(slot);
+        let way = self.way(bodies, step_dt);
+        let is_on_way = way.is_some_and(|(way, turn)| {
+            let moved = bodies.set_velocity(slot, way / step_dt, turn / step_dt);
+            moved.is_ok()
+        });
+        if !is_on_way {
+            let put = bodies.set_pose(slot, self.pose);
+            debug_assert!(put.is_ok(), "no pose: {:?}", self.pose);
+        }
+        is_on_way
+    }
+
+    /// The way of the center of mass (m) and the turn (rad) to where the body is to be; none for a jump.
+    fn way(&self, bodies: &Bodies, step_dt: f32) -> Option<(Vec3, Vec3)> {
+        let (slot, pose) = (self.slot, self.pose);
         let from = bodies.pose(slot);
         let shift = pose.position - from.position;
         let is_jump = shift.length() > LONGEST_MOVE * 2.0 * bodies.radius(slot);
-        if is_jump || !pose.is_finite() || step_dt <= 0.0 || step_dt.is_nan() {
+        let is_kinematic = bodies.kind(slot) == RigidBody::Kinematic;
+        if is_jump || !is_kinematic || step_dt <= 0.0 || step_dt.is_nan() {
             return None;
         }
         let center = bodies.mass(slot).center;
@@ -38,14 +71,7 @@ impl KinematicTarget {
         // The tangent of half the angle, and two terms of the series of its arc.
         let half = turn.xyz() / turn.w;
         let angle = 2.0 * (1.0 - half.length_squared() / 3.0) * half;
-        let target = Self {
-            slot,
-            id: bodies.id(slot),
-            pose,
-            velocity: bodies.velocity(slot),
-        };
-        let moved = bodies.set_velocity(slot, way / step_dt, angle / step_dt);
-        moved.is_ok().then_some(target)
+        Some((way, angle))
     }
 
     /// Puts the body there, to the bit.

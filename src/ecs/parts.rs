@@ -4,18 +4,22 @@ use crate::bodies::body::{BodyError, RigidBody};
 use crate::ecs::components::{BodyProblem, BodyWarning, ShapeAwaited};
 use crate::ecs::issues::Source;
 use crate::ecs::parents::place;
+use crate::ecs::shape_constructor::note;
 use crate::ecs::state::PluginState;
 use crate::geometry::{Compound, CompoundPart, ConvexMesh};
 use crate::math::Pose;
 use bevy_ecs::entity_disabling::Disabled;
+use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::Allow;
+use bevy_ecs::world::DeferredWorld;
 use bevy_math::{Affine3A, Vec3};
 use bevy_transform::components::Transform;
+use std::any::TypeId;
 
 /// The [`Compound`] of a body is made of its children: each that has a [`ConvexMesh`] and no [`RigidBody`] is a part, and so are
 /// their children. Made as soon as none of them waits for its shape ([`ShapeAwaited`]), and anew whenever their shapes or `Transform`s
-/// change, or children come or go.
+/// change, or children come or go. A [`Compound`] that somebody else puts there is replaced.
 ///
 /// ```
 /// use bevy_cleave::prelude::*;
@@ -35,14 +39,45 @@ use bevy_transform::components::Transform;
 /// If no part is usable the entity gets [`BodyIssues`](crate::ecs::BodyIssues).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Component)]
 #[require(MadeOf)]
-#[component(on_remove = ShapeAwaited::end, clone_behavior = Ignore)]
+#[component(on_remove = Self::forget, clone_behavior = Ignore)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct CompoundOfChildren;
 
-/// What the compound was made of.
+impl CompoundOfChildren {
+    /// Hook: nothing is to come any more, and nothing is wrong with what is not there.
+    fn forget(mut world: DeferredWorld, context: HookContext) {
+        let entity = context.entity;
+        ShapeAwaited::end(world.reborrow(), context);
+        world.commands().queue(move |world: &mut World| {
+            if let Ok(mut entity) = world.get_entity_mut(entity)
+                && !entity.contains::<Self>()
+            {
+                entity.remove::<MadeOf>();
+            }
+            note::<Self, BodyError>(world, entity, Ok(()));
+        });
+    }
+}
+
+/// What the compound was made of, and what became of it.
 #[derive(Clone, Debug, Default, Component)]
 #[component(clone_behavior = Ignore)]
-pub(crate) struct MadeOf(Option<Vec<Child>>);
+pub(crate) struct MadeOf(Option<(Vec<Child>, Option<Compound>)>);
+
+impl MadeOf {
+    /// Whether an entity has what these children make.
+    fn is_current(&self, children: &[Child], compound: Option<&Compound>) -> bool {
+        self.0.as_ref().is_some_and(|(known, made)| {
+            let is_made = match (made, compound) {
+                (Some(made), Some(compound)) => made.is_same(compound),
+                (None, None) => true,
+                (Some(_), None) | (None, Some(_)) => false,
+            };
+            let mut both = known.iter().zip(children);
+            is_made && known.len() == children.len() && both.all(|(a, b)| a.is_same(b))
+        })
+    }
+}
 
 /// A part as its entity has it.
 #[derive(Clone, Debug)]
@@ -108,22 +143,16 @@ pub(crate) fn make_compounds(
             }
             continue;
         }
-        let known = made_of.0.as_ref();
-        let is_known = known.is_some_and(|known| {
-            let mut both = known.iter().zip(&found.children);
-            known.len() == found.children.len() && both.all(|(a, b)| a.is_same(b))
-        });
-        if is_known {
+        if made_of.is_current(&found.children, compound.as_deref()) {
             continue;
         }
         for &part in &found.entities {
             state.issues.mend(part, Source::Body);
         }
         let made = found.compound();
-        let made = state
-            .issues
-            .note(&mut warnings, entity, Source::Constructor, made);
-        match (made, compound) {
+        let source = Source::Constructor(TypeId::of::<CompoundOfChildren>());
+        let made = state.issues.note(&mut warnings, entity, source, made);
+        match (made.clone(), compound) {
             (Some(made), Some(mut compound)) => *compound = made,
             (Some(made), None) => {
                 commands.entity(entity).insert(made);
@@ -136,7 +165,7 @@ pub(crate) fn make_compounds(
         if is_awaited {
             commands.entity(entity).remove::<ShapeAwaited>();
         }
-        made_of.0 = Some(found.children);
+        made_of.0 = Some((found.children, made));
     }
 }
 

@@ -18,6 +18,7 @@ use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
 use bevy_math::Vec3;
+use std::any::TypeId;
 
 /// What a [`ConvexMesh`] is made from. An entity that gets one gets the shape.
 ///
@@ -169,7 +170,7 @@ trait Constructor: Component + Sized {
                     entity.insert(shape);
                 }
             });
-            note(world, entity, found);
+            note::<Self, _>(world, entity, found);
         });
     }
 
@@ -178,7 +179,7 @@ trait Constructor: Component + Sized {
         let entity = context.entity;
         world
             .commands()
-            .queue(move |world: &mut World| note::<Self::Error>(world, entity, Ok(())));
+            .queue(move |world: &mut World| note::<Self, Self::Error>(world, entity, Ok(())));
     }
 }
 
@@ -191,8 +192,8 @@ impl Constructor for ShapeConstructor {
     }
 }
 
-/// Tells what is wrong with it, or that nothing is any more.
-fn note<E: Into<BodyProblem> + std::fmt::Display>(
+/// Tells what is wrong with a constructor of this type, or that nothing is any more.
+pub(super) fn note<C: Component, E: Into<BodyProblem> + std::fmt::Display>(
     world: &mut World,
     entity: Entity,
     found: Result<(), E>,
@@ -206,6 +207,7 @@ fn note<E: Into<BodyProblem> + std::fmt::Display>(
     world.resource_scope(|world, mut state: Mut<PluginState>| {
         let mut warnings = world.resource_mut::<Messages<BodyWarning>>();
         let issues = &mut state.issues;
-        issues.note(&mut warnings, entity, Source::Constructor, found);
+        let source = Source::Constructor(TypeId::of::<C>());
+        issues.note(&mut warnings, entity, source, found);
     });
 }

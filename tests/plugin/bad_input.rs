@@ -340,6 +340,27 @@ fn kind_can_be_switched_and_a_static_body_forgets_its_velocity() {
     assert_eq!(app.world().resource::<Bodies>().len(), 1);
 }
 
+/// Its issue says what to do, and that does it.
+#[test]
+fn a_velocity_that_was_set_while_a_body_was_static_acts_once_it_moves() {
+    for kind in [RigidBody::Dynamic, RigidBody::Kinematic] {
+        let mut app = app();
+        app.insert_resource(Gravity(Vec3::ZERO));
+        let cube = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("valid size");
+        let body = app.world_mut().spawn((RigidBody::Static, cube)).id();
+        app.update();
+        let velocity = LinearVelocity(Vec3::X);
+        app.world_mut().entity_mut(body).insert(velocity);
+        app.update();
+        assert!(app.world().get::<BodyIssues>(body).is_some());
+        app.world_mut().entity_mut(body).insert(kind);
+        (0..60).for_each(|_| app.update());
+        assert!(app.world().get::<BodyIssues>(body).is_none());
+        let at = app.world().get::<Transform>(body).expect("there");
+        assert!((at.translation.x - 1.0).abs() < 1e-3, "{at:?}");
+    }
+}
+
 #[test]
 fn pose_that_becomes_nan_takes_the_body_out() {
     let outcome = run(bystander, |world, bad| {

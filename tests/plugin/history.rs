@@ -65,6 +65,10 @@ fn compare(world: &World, other: &App, twins: &EntityHashMap<Entity>) -> Result<
         }
         let (own, fresh) = (texts(world, entity), texts(fresh_world, copy));
         let (a, b) = (state(world, entity), state(fresh_world, copy));
+        // A body is what it was while its next shape is still to come.
+        if b.is_none() && fresh_world.entity(copy).contains::<ShapeAwaited>() {
+            continue;
+        }
         // Who is refused says what was found first. A body that was there before says all.
         let is_refused = b.is_none() && !fresh.is_empty();
         let said_alike = if is_refused {
@@ -99,5 +103,6 @@ fn compare(world: &World, other: &App, twins: &EntityHashMap<Entity>) -> Result<
 
 #[test]
 fn entities_are_what_their_components_say_whatever_was_done_before() {
-    check(no_history, 0..300);
+    check(no_history, 40, 0..300);
+    check(no_history, 120, 3100..3180);
 }

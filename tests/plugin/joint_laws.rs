@@ -14,6 +14,7 @@ use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
 use glam::Vec3;
 use std::collections::HashSet;
+use std::ops::Range;
 
 /// A random story of so many deeds.
 fn story(seed: u64, deeds: u64) -> Vec<Deed> {
@@ -352,21 +353,24 @@ pub(crate) fn who_hears_of_a_broken_joint_can_mend_it() {
 
 #[test]
 fn joints_hold_what_their_entities_say_whatever_was_done_before() {
-    check(joints_are_what_they_say, 300);
+    check(joints_are_what_they_say, 0..300);
+    // Clones of joints whose other body goes in the same frame.
+    check(joints_are_what_they_say, 2660..2661);
+    check(joints_are_what_they_say, 2861..2862);
 }
 
 #[test]
 fn what_is_set_anew_of_a_joint_as_it_is_changes_no_bit() {
-    check(what_is_nothing_changes_nothing, 200);
+    check(what_is_nothing_changes_nothing, 0..200);
 }
 
 #[test]
 fn what_is_joined_stays_joined_whatever_becomes_of_the_bodies() {
-    check(what_is_joined_stays_joined, 200);
+    check(what_is_joined_stays_joined, 0..200);
 }
 
-fn check(law: fn(u64) -> Result<(), String>, seeds: u64) {
-    for seed in 0..seeds {
+fn check(law: fn(u64) -> Result<(), String>, seeds: Range<u64>) {
+    for seed in seeds {
         if let Err(error) = law(seed) {
             panic!("seed {seed}: {error}");
         }

@@ -116,10 +116,10 @@ fn drawing_moves_nothing(deeds: &[Deed]) -> Result<(), String> {
 
 #[test]
 fn what_is_set_anew_as_it_is_changes_no_bit() {
-    check(nothing_is_nothing, 0..200);
+    check(nothing_is_nothing, 40, 0..400);
 }
 
 #[test]
 fn to_draw_bodies_between_steps_changes_no_bit() {
-    check(drawing_moves_nothing, 0..150);
+    check(drawing_moves_nothing, 40, 200..400);
 }

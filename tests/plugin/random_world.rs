@@ -268,7 +268,7 @@ impl RandomWorld {
                 self.said.push(format!("slice {entity}"));
                 self.app.world_mut().commands().slice(entity, plane);
             }
-            6 => self.push(dice),
+            6 => self.push(entity, dice),
             7 => {
                 self.said.push(format!("clone {a} as {b}"));
                 if other.is_none() && self.clones {
@@ -360,7 +360,8 @@ impl RandomWorld {
         }
     }
 
-    fn push(&mut self, dice: &mut Dice) {
+    /// Pushes bodies, or changes how all go on.
+    fn push(&mut self, entity: Entity, dice: &mut Dice) {
         let explosion = Explosion {
             center: place(dice),
             radius: 2.0,
@@ -369,7 +370,7 @@ impl RandomWorld {
         let gravity = [Vec3::ZERO, -9.81 * Vec3::Y][dice.below(2)];
         let world = self.app.world_mut();
         let hertz = [30.0, 60.0, 120.0][dice.below(3)];
-        match dice.below(4) {
+        match dice.below(7) {
             1 => {
                 self.said.push(format!("{hertz} Hz"));
                 world.resource_mut::<Time<Fixed>>().set_timestep_hz(hertz);
@@ -377,6 +378,21 @@ impl RandomWorld {
             0 => {
                 self.said.push(format!("explode {explosion:?}"));
                 world.commands().explode(explosion);
+            }
+            2 => {
+                use SolverConfig as Config;
+                let other = [Config::default(), Config::fast(), Config::precise()][dice.below(3)];
+                self.said.push(format!("{:?}", other.method));
+                world.resource_mut::<Config>().method = other.method;
+            }
+            3 => {
+                let push = vector(dice, 5.0, self.is_rough);
+                self.said.push(format!("{entity} pushed by {push}"));
+                let mut forces = world.query::<Forces>();
+                if let Ok(mut forces) = forces.get_mut(world, entity) {
+                    forces.apply_impulse(push);
+                    forces.apply_torque(10.0 * push);
+                }
             }
             _ => {
                 self.said.push(format!("gravity {gravity}"));

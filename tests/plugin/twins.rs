@@ -15,10 +15,10 @@ use std::ops::Range;
 /// What must hold of every story.
 pub(crate) type Law = fn(&[Deed]) -> Result<(), String>;
 
-/// Holds random stories of 40 deeds against a law.
-pub(crate) fn check(law: Law, seeds: Range<u64>) {
+/// Holds random stories of so many deeds against a law.
+pub(crate) fn check(law: Law, deeds: usize, seeds: Range<u64>) {
     for seed in seeds {
-        if let Err(error) = law(&story(seed, 40)) {
+        if let Err(error) = law(&story(seed, deeds)) {
             panic!("seed {seed}: {error}");
         }
     }

@@ -10,12 +10,16 @@ use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::Allow;
 use bevy_ecs::system::SystemParam;
+use bevy_math::Vec3;
+
+/// The velocities of an entity, unless they were taken off.
+type Velocities = Option<(&'static LinearVelocity, &'static AngularVelocity)>;
 
 /// What is looked at only of entities that were queued.
 #[derive(SystemParam)]
 pub(crate) struct RareReadings<'w, 's> {
     toggled: Query<'w, 's, (&'static BodyHandle, Has<Disabled>)>,
-    kinds: Query<'w, 's, (&'static BodyHandle, &'static RigidBody), Allow<Disabled>>,
+    kinds: Query<'w, 's, (&'static BodyHandle, &'static RigidBody, Velocities), Allow<Disabled>>,
     lone: LoneParts<'w, 's>,
 }
 
@@ -29,33 +33,39 @@ pub(super) fn read_kinds(
 ) {
     rare.lone.tell(&mut queue.lone_parts, issues, warnings);
     for entity in queue.changed_kind.drain(..) {
-        let Ok((handle, kind)) = rare.kinds.get(entity) else {
+        let Ok((handle, kind, velocities)) = rare.kinds.get(entity) else {
             continue;
         };
+        let velocity = velocities.map_or_else(Default::default, |(v, omega)| (v.0, omega.0));
         if let Some((slot, _)) = handle.0.filter(|&(slot, id)| bodies.is_current(slot, id)) {
             // One that its shape does not allow may get another shape along with it: that is told with the description, which tells
             // of what breaks too.
-            let _ = set_kind((bodies, issues), &mut queue.halted, entity, slot, *kind);
+            let target = (entity, slot, velocity);
+            let _ = set_kind((bodies, issues), &mut queue.halted, target, *kind);
             queue.reduced.push(entity);
         }
     }
 }
 
-/// Makes a body dynamic, kinematic or static, if it is not.
+/// Makes a body (its entity, slot, and the linear and angular velocity that the entity has) dynamic, kinematic or static, if it is not.
 pub(super) fn set_kind(
     (bodies, issues): (&mut Bodies, &mut Issues),
     halted: &mut Vec<Entity>,
-    entity: Entity,
-    slot: u32,
+    (entity, slot, velocity): (Entity, u32, (Vec3, Vec3)),
     kind: RigidBody,
 ) -> Result<(), BodyError> {
-    if bodies.kind(slot) == kind {
+    let before = bodies.kind(slot);
+    if before == kind {
         return Ok(());
     }
     bodies.set_kind(slot, kind)?;
     issues.mend(entity, Source::Velocity);
     if kind == RigidBody::Static {
         halted.push(entity);
+    }
+    if before == RigidBody::Static {
+        // It did nothing until now, whenever it was set. One without numbers is told of by those who read motion.
+        let _ = bodies.set_velocity(slot, velocity.0, velocity.1);
     }
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! Poses and velocities that the user changed.
 
-use crate::bodies::body::{BodyError, RigidBody};
+use crate::bodies::body::{BodyError, RigidBody, check_pose};
 use crate::bodies::store::Bodies;
 use crate::contact::body_id::BodyId;
 use crate::ecs::components::*;
@@ -50,8 +50,6 @@ struct Row<'r> {
 
 /// Reads poses and velocities that the user changed. A state that is not usable takes the body out until it is.
 pub(super) struct MotionReader<'r, 'w, 's> {
-    /// s.
-    pub(super) step_dt: f32,
     pub(super) bodies: &'r mut Bodies,
     pub(super) entities: &'r mut BodyEntities,
     pub(super) issues: &'r mut Issues,
@@ -124,14 +122,28 @@ impl MotionReader<'_, '_, '_> {
         orphans: Vec<Entity>,
     ) {
         for item in enabled.into_iter().flat_map(|entity| motion.get(entity)) {
-            self.read_one(item);
-        }
-        for item in orphans.into_iter().flat_map(|entity| motion.get(entity)) {
-            let slot = item.1.get().map(|(slot, _)| slot);
-            if slot.is_some_and(|slot| self.entities.local(slot).is_some()) {
+            if !self.is_read(&item) {
                 self.read_one(item);
             }
         }
+        for item in orphans.into_iter().flat_map(|entity| motion.get(entity)) {
+            let slot = item.1.get().map(|(slot, _)| slot);
+            // Those that could not be read beneath it take no part.
+            let is_unread =
+                |slot| self.entities.local(slot).is_some() || !self.bodies.is_active(slot);
+            if slot.is_some_and(is_unread) {
+                self.read_one(item);
+            }
+        }
+    }
+
+    /// Whether [`Self::read_all`] has read an entity: to take the velocity over once more would undo that a kinematic body goes to its pose.
+    fn is_read(&self, (_, _, transform, linear, angular, child_of): &MotionOf) -> bool {
+        let by_user = |tick: Tick, is_changed: bool| is_changed && tick != self.entities.written;
+        child_of.is_some()
+            || by_user(transform.last_changed(), transform.is_changed())
+            || by_user(linear.last_changed(), linear.is_changed())
+            || by_user(angular.last_changed(), angular.is_changed())
     }
 
     fn read_one(&mut self, (entity, handle, transform, linear, angular, child_of): MotionOf) {
@@ -159,7 +171,7 @@ impl MotionReader<'_, '_, '_> {
         self.issues
             .note(self.warnings, row.entity, Source::Motion, taken);
         self.bodies.set_frozen(slot, !is_usable);
-        if self.issues.is_incomplete(row.entity) {
+        if self.issues.is_any_of_place(row.entity) {
             // What it lacked may be what is read now.
             self.rescaled.push(row.entity);
         }
@@ -236,14 +248,13 @@ impl MotionReader<'_, '_, '_> {
     /// Puts a body somewhere else, or lets it go there within the step.
     fn put(&mut self, slot: u32, pose: Pose) -> Result<(), BodyError> {
         let bodies = &mut *self.bodies;
-        let target = (bodies.kind(slot) == RigidBody::Kinematic && bodies.is_active(slot))
-            .then(|| KinematicTarget::begin(bodies, slot, pose, self.step_dt))
-            .flatten();
-        match target {
-            Some(target) => self.kinematic.push(target),
-            None => bodies.set_pose(slot, pose)?,
+        if bodies.kind(slot) == RigidBody::Kinematic && bodies.is_active(slot) {
+            check_pose(&pose)?;
+            self.kinematic
+                .push(KinematicTarget::new(bodies, slot, pose));
+            return Ok(());
         }
-        Ok(())
+        bodies.set_pose(slot, pose)
     }
 }
 

@@ -88,7 +88,13 @@ pub(crate) fn on_enabled(
 
 /// Components that a body's description is made from and that may go while the body stays.
 type Removable = (
-    (ConvexMesh, Compound, HalfSpaceShape, StaticMesh),
+    (
+        ConvexMesh,
+        Compound,
+        HalfSpaceShape,
+        StaticMesh,
+        ShapeAwaited,
+    ),
     (Fracturable, Sensor),
     (MassOverride, Mass),
     (Transform, LinearVelocity, AngularVelocity),
@@ -107,6 +113,17 @@ pub(crate) fn on_part_removed(
     let reduced = &mut state.queue.reduced;
     if is_body && reduced.last() != Some(&entity) {
         reduced.push(entity);
+    }
+}
+
+/// Observer: a body that may have lost its shape is to get another one.
+pub(crate) fn on_shape_awaited(
+    add: On<Add<ShapeAwaited>>,
+    handles: Query<&BodyHandle, Allow<Disabled>>,
+    mut state: ResMut<PluginState>,
+) {
+    if handles.get(add.entity).is_ok_and(|it| it.0.is_some()) {
+        state.queue.reduced.push(add.entity);
     }
 }
 

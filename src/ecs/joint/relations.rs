@@ -13,7 +13,7 @@ pub(super) type JointRelations = (
 );
 
 /// Relates a joint to bodies that do not know of it, so that it goes with them: a body that is cloned with its joints gets clones of these,
-/// which bevy_ecs relates to the cloned body alone.
+/// which bevy_ecs relates to the cloned body alone. One whose other body has gone meanwhile goes too.
 pub(super) fn relate_again(
     entity: Entity,
     relations: &Query<JointRelations, Allow<Disabled>>,
@@ -22,6 +22,11 @@ pub(super) fn relate_again(
     let Ok((a, b, ..)) = relations.get(entity) else {
         return;
     };
+    let mut ends = [a.map(|a| a.0), b.map(|b| b.0)].into_iter().flatten();
+    if ends.any(|end| !relations.contains(end)) {
+        commands.entity(entity).try_despawn();
+        return;
+    }
     if let Some(&a) = a
         && let Ok((.., of_a, _)) = relations.get(a.0)
         && !of_a.is_some_and(|joints| joints.0.contains(&entity))
