@@ -37,12 +37,9 @@ impl KinematicTarget {
             // Another shape or density since the last mass phase; what is wrong with it is told by the next.
             let _ = bodies.refresh_mass(slot);
         }
-        self.velocity = bodies.velocity(slot);
-        let way = self.way(bodies, step_dt);
-        let is_on_way = way.is_some_and(|(way, turn)| {
-            let moved = bodies.set_velocity(slot, way / step_dt, turn / step_dt);
-            moved.is_ok()
-        });
+        let shift = self.pose.position - bodies.pose(slot).position;
+        let is_jump = shift.length() > LONGEST_MOVE * 2.0 * bodies.radius(slot);
+        let is_on_way = !is_jump && self.begin_far(bodies, step_dt);
         if !is_on_way {
             let put = bodies.set_pose(slot, self.pose);
             debug_assert!(put.is_ok(), "no pose: {:?}", self.pose);
@@ -50,14 +47,22 @@ impl KinematicTarget {
         is_on_way
     }
 
-    /// The way of the center of mass (m) and the turn (rad) to where the body is to be; none for a jump.
+    /// The same however far it is, and nothing where there is no way.
+    fn begin_far(&mut self, bodies: &mut Bodies, step_dt: f32) -> bool {
+        self.velocity = bodies.velocity(self.slot);
+        let way = self.way(bodies, step_dt);
+        way.is_some_and(|(way, turn)| {
+            let moved = bodies.set_velocity(self.slot, way / step_dt, turn / step_dt);
+            moved.is_ok()
+        })
+    }
+
+    /// The way of the center of mass (m) and the turn (rad) to where the body is to be, if there is one.
     fn way(&self, bodies: &Bodies, step_dt: f32) -> Option<(Vec3, Vec3)> {
         let (slot, pose) = (self.slot, self.pose);
         let from = bodies.pose(slot);
-        let shift = pose.position - from.position;
-        let is_jump = shift.length() > LONGEST_MOVE * 2.0 * bodies.radius(slot);
         let is_kinematic = bodies.kind(slot) == RigidBody::Kinematic;
-        if is_jump || !is_kinematic || step_dt <= 0.0 || step_dt.is_nan() {
+        if !is_kinematic || !pose.is_finite() || step_dt <= 0.0 || step_dt.is_nan() {
             return None;
         }
         let center = bodies.mass(slot).center;
@@ -72,6 +77,25 @@ impl KinematicTarget {
         let half = turn.xyz() / turn.w;
         let angle = 2.0 * (1.0 - half.length_squared() / 3.0) * half;
         Some((way, angle))
+    }
+
+    /// Lets a body go to `pose` on its way, however far that is, in place of where it may have been told to go before.
+    pub(crate) fn redirect(
+        targets: &mut Vec<Self>,
+        bodies: &mut Bodies,
+        (slot, pose): (u32, Pose),
+        step_dt: f32,
+    ) {
+        if let Some(known) = targets.iter().position(|target| target.slot == slot) {
+            let (linear, angular) = targets.swap_remove(known).velocity;
+            if bodies.set_velocity(slot, linear, angular).is_err() {
+                return;
+            }
+        }
+        let mut target = Self::new(bodies, slot, pose);
+        if pose != bodies.pose(slot) && target.begin_far(bodies, step_dt) {
+            targets.push(target);
+        }
     }
 
     /// Puts the body there, to the bit.

@@ -4,24 +4,25 @@ use crate::bodies::body::{RigidBody, Shape};
 use crate::bodies::store::Bodies;
 use crate::contact::body_id::BodyId;
 use crate::ecs::components::{BodyHandle, BodyWarning, WalkerError};
-use crate::ecs::forces::AppliedForces;
 use crate::ecs::issues::Source;
-use crate::ecs::query::SpatialQuery;
+use crate::ecs::kinematic::KinematicTarget;
+use crate::ecs::query::IndexWish;
 use crate::ecs::state::PluginState;
+use crate::math::Pose;
+use crate::query::ahead::kinematic_movers;
 use crate::query::{
-    Footing, Push, QueryFilter, QueryShape, Slider, WalkInput, WalkSettings, WalkState,
+    Footing, Push, QueryFilter, QueryIndex, QueryShape, Slider, WalkInput, WalkSettings, WalkState,
 };
-use crate::solver::config::Gravity;
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
+use bevy_ecs::system::SystemParam;
 use bevy_math::Vec3;
-use bevy_time::Time;
 use bevy_transform::components::Transform;
 
 /// A character: walks up slopes and steps, along walls, rides on what moves, and pushes what is in its way.
 ///
 /// For an entity with a `RigidBody::Kinematic` and a [`ConvexMesh`](crate::geometry::ConvexMesh), mostly a capsule, or a
-/// [`Compound`](crate::geometry::Compound), that is no child; `WalkerPlugin` moves its `Transform` before each step. Set `velocity` to where it is to go.
+/// [`Compound`](crate::geometry::Compound), that is no child; `WalkerPlugin` moves it in each step. Set `velocity` to where it is to go.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Component)]
 #[require(Walking)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
@@ -54,7 +55,8 @@ pub struct Walking {
     pub ground: Option<Entity>,
     /// Unit normal of what it stands on.
     pub ground_normal: Option<Vec3>,
-    footing: Option<(Footing, BodyId)>,
+    drift: Vec3,
+    footing: Option<Footing>,
 }
 
 impl Walking {
@@ -69,7 +71,7 @@ type Character = (
     (Entity, Stance),
     &'static mut Walker,
     &'static mut Walking,
-    &'static mut Transform,
+    &'static Transform,
 );
 
 /// What decides whether an entity can walk.
@@ -144,27 +146,85 @@ pub(crate) fn check_walkers(
     }
 }
 
-/// System: moves all characters, one after the other.
+/// What characters move among.
+#[derive(SystemParam)]
+pub(crate) struct Surroundings<'w, 's> {
+    // First, so that the index is there when the others look for it.
+    _wish: Local<'s, IndexWish>,
+    bodies: ResMut<'w, Bodies>,
+    state: ResMut<'w, PluginState>,
+    index: Res<'w, QueryIndex>,
+}
+
+/// System: moves all characters, one after the other: who stands on another after that one, else by the ids of their bodies.
+///
+/// It comes after what users changed has been read: what is moved by its `Transform` has the velocity then that leads there.
 pub(crate) fn walk(
-    (spatial, bodies): (SpatialQuery, Res<Bodies>),
-    (gravity, time): (Res<Gravity>, Option<Res<Time>>),
+    mut around: Surroundings,
     mut characters: Query<Character>,
-    mut forces: Query<&mut AppliedForces>,
+    mut moving: Local<Vec<u32>>,
     mut pushes: Local<Vec<Push>>,
 ) {
-    let step_dt = time.map_or(0.0, |time| time.delta_secs());
-    for ((entity, stance), mut walker, mut walking, mut transform) in &mut characters {
-        let Some(slot) = stance.slot(&bodies) else {
-            continue;
-        };
-        let Some(shape) = cast_shape(&bodies.info(slot).shape) else {
-            continue;
-        };
-        if stance.check(&walker, &bodies).is_err() {
-            continue;
+    let mut order = Vec::new();
+    for ((entity, stance), walker, walking, _) in &characters {
+        let able = stance.check(walker, &around.bodies).is_ok();
+        let slot = stance.slot(&around.bodies).filter(|_| able);
+        if let Some(slot) = slot {
+            let on = walking.footing.map(|footing| footing.body);
+            order.push((around.bodies.id(slot), slot, on, entity));
         }
-        let mut state = walking.state(&transform, &bodies);
-        let input = walker.input(gravity.0, step_dt);
+    }
+    if order.is_empty() {
+        return;
+    }
+    order.sort_unstable_by_key(|&(id, ..)| id);
+    *moving = kinematic_movers(&around.bodies);
+    for entity in from_the_ground_up(order) {
+        if let Ok((_, walker, walking, transform)) = characters.get_mut(entity.1) {
+            let who = (entity.0, walker, walking);
+            around.move_one(who, &transform, &mut moving, &mut pushes);
+        }
+    }
+}
+
+/// Slots and entities so that who stands on somebody else comes after that one.
+fn from_the_ground_up(mut waiting: Vec<(BodyId, u32, Option<u32>, Entity)>) -> Vec<(u32, Entity)> {
+    let mut order = Vec::with_capacity(waiting.len());
+    while !waiting.is_empty() {
+        let slots: Vec<u32> = waiting.iter().map(|&(_, slot, ..)| slot).collect();
+        let waits = |on: Option<u32>| on.is_some_and(|on| slots.contains(&on));
+        let before = waiting.len();
+        waiting.retain(|&(_, slot, on, entity)| {
+            let waits = waits(on);
+            if !waits {
+                order.push((slot, entity));
+            }
+            waits
+        });
+        if waiting.len() == before {
+            // In a ring.
+            order.extend(waiting.drain(..).map(|(_, slot, _, entity)| (slot, entity)));
+        }
+    }
+    order
+}
+
+impl Surroundings<'_, '_> {
+    fn move_one(
+        &mut self,
+        (slot, mut walker, mut walking): (u32, Mut<Walker>, Mut<Walking>),
+        transform: &Transform,
+        moving: &mut Vec<u32>,
+        pushes: &mut Vec<Push>,
+    ) {
+        let bodies = &*self.bodies;
+        let info = bodies.info(slot).clone();
+        let Some(shape) = cast_shape(&info.shape) else {
+            return;
+        };
+        let step_dt = self.state.settings.step_dt;
+        let input = walker.input(self.state.settings.gravity.0, step_dt);
+        let mut state = walking.state(transform);
         if jumps(&input, &state) {
             walker.jump = 0.0;
         }
@@ -174,25 +234,28 @@ pub(crate) fn walk(
         };
         let counts = |other: u32| other != slot && !bodies.is_sensor(other);
         let filter = QueryFilter::all()
-            .with_layers(bodies.info(slot).layers)
+            .with_layers(info.layers)
             .with_predicate(&counts);
-        let queries = spatial.queries();
+        let queries = self.index.queries(bodies);
         let how = (&slider, &walker.settings);
-        queries.walk(how, &mut state, &input, &filter, &mut pushes);
-        (transform.translation, transform.rotation) = (state.position, state.rotation);
+        queries.walk_among(moving, how, &mut state, (&input, &filter), pushes);
+        let entity = |slot| self.state.entities.of(slot, bodies.id(slot));
         *walking = Walking {
             velocity: state.velocity,
-            ground: state.footing.and_then(|f| spatial.entity(f.body)),
+            ground: state.footing.and_then(|f| entity(f.body)),
             ground_normal: state.footing.map(|f| f.normal),
-            footing: state.footing.map(|f| (f, bodies.id(f.body))),
+            drift: state.drift,
+            footing: state.footing,
         };
+        let to = (slot, Pose::new(state.position, state.rotation));
+        KinematicTarget::redirect(&mut self.state.kinematic, &mut self.bodies, to, step_dt);
+        moving.retain(|&other| other != slot);
+        moving.push(slot);
         for push in pushes.drain(..) {
-            let pushed = spatial.entity(push.body).filter(|&other| other != entity);
-            let pushed = pushed.and_then(|pushed| forces.get_mut(pushed).ok());
-            if let Some(mut forces) = pushed {
-                let lever = push.point - bodies.pose(push.body).position;
-                forces.act_at(lever, [Vec3::ZERO, push.impulse]);
-            }
+            let refused = self
+                .bodies
+                .apply_at(push.body, push.point, [Vec3::ZERO, push.impulse]);
+            debug_assert!(refused.is_ok(), "pushes are finite");
         }
     }
 }
@@ -212,16 +275,14 @@ fn jumps(input: &WalkInput, state: &WalkState) -> bool {
 }
 
 impl Walking {
-    /// What of it the next step goes on from, if what it stands on is still there.
-    fn state(&self, at: &Transform, bodies: &Bodies) -> WalkState {
-        let is_there = |(footing, id): (Footing, BodyId)| {
-            bodies.is_current(footing.body, id).then_some(footing)
-        };
+    /// What of it the next step goes on from.
+    fn state(&self, at: &Transform) -> WalkState {
         WalkState {
             position: at.translation,
             rotation: at.rotation,
             velocity: self.velocity,
-            footing: self.footing.and_then(is_there),
+            drift: self.drift,
+            footing: self.footing,
         }
     }
 }

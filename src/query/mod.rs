@@ -9,13 +9,16 @@
 //! | `hit.rs` | what is found |
 //! | `target.rs` | one body: its shape where it lies now |
 //! | `slide.rs`, `walk.rs`, `walker.rs` | a shape that slides along what it meets; a character that walks |
+//! | `ahead.rs`, `carry.rs` | bodies as a step will leave them; how they carry a character and shove it |
 //! | `nearness.rs`, `convex.rs`, `cuboid.rs`, `compound.rs`, `hull.rs`, `round.rs`, `half_space.rs`, `level.rs`, `local.rs` | the exact tests, in the frame of the body |
 //!
 //! Bodies are seen where they were when the index was refreshed; a scene that asks nothing has none. Nothing here changes a scene or is
 //! remembered by it. Must not know contacts, the solver or the ECS. Read `view.rs` first.
 
+pub(crate) mod ahead;
 mod ball;
 mod blade;
+mod carry;
 pub(crate) mod compound;
 pub(crate) mod convex;
 mod cuboid;

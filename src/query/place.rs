@@ -79,6 +79,12 @@ impl Place {
         self.center = bodies.center_of_mass(self.slot);
     }
 
+    /// The body will be at a pose, with its center of mass there.
+    pub(crate) fn go_to(&mut self, pose: Pose, center: Vec3) {
+        (self.position, self.rotation) = (pose.position, pose.rotation);
+        self.center = center;
+    }
+
     /// The body is gone.
     pub(crate) fn clear(&mut self) {
         self.slot = NOWHERE;

@@ -3,7 +3,7 @@
 use crate::math::Pose;
 use crate::query::filter::QueryFilter;
 use crate::query::hit::QueryHit;
-use crate::query::request::ShapeCast;
+use crate::query::request::{Ray, ShapeCast};
 use crate::query::shape::QueryShape;
 use crate::query::view::Queries;
 use glam::Vec3;
@@ -156,8 +156,30 @@ impl Queries<'_> {
             if found.is_err() || push == Vec3::ZERO {
                 break;
             }
-            pose.position += push;
+            pose.position += self.kept_before_surfaces(slider, &pose, push, filter);
         }
         pose.position
+    }
+
+    /// A push by which the middle of a shape gets into nothing: what is pushed out of one body comes behind no other.
+    fn kept_before_surfaces(
+        &self,
+        slider: &Slider,
+        pose: &Pose,
+        push: Vec3,
+        filter: &QueryFilter,
+    ) -> Vec3 {
+        let middle = slider.shape.bounds(pose).center();
+        let length = push.length();
+        let Ok(ray) = Ray::new(middle, push, length) else {
+            return push;
+        };
+        let mut hits = Vec::new();
+        self.cast_ray_all(&ray.hollow(), filter, &mut hits);
+        let enters = |hit: &&QueryHit| hit.normal.dot(push) < 0.0;
+        let first = hits.iter().find(enters).map(|hit| hit.distance);
+        first.map_or(push, |distance| {
+            (distance - slider.skin).max(0.0) / length * push
+        })
     }
 }

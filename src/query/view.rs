@@ -22,6 +22,8 @@ pub struct Queries<'q> {
     bodies: &'q Bodies,
     index: &'q QueryIndex,
     is_current: bool,
+    /// Bodies that are looked for elsewhere than where they are.
+    ahead: &'q [Place],
 }
 
 impl QueryIndex {
@@ -31,6 +33,7 @@ impl QueryIndex {
             bodies,
             index: self,
             is_current: self.is_current(bodies),
+            ahead: &[],
         }
     }
 }
@@ -39,6 +42,24 @@ impl<'q> Queries<'q> {
     /// The bodies that are asked.
     pub fn bodies(&self) -> &'q Bodies {
         self.bodies
+    }
+
+    /// The same view with some bodies at other places.
+    pub(crate) fn with_ahead<'a>(&self, ahead: &'a [Place]) -> Queries<'a>
+    where
+        'q: 'a,
+    {
+        let shorter: Queries<'a> = *self;
+        Queries { ahead, ..shorter }
+    }
+
+    /// Visits the bodies in a box.
+    pub(crate) fn inside(&self, b: &Aabb, mut visit: impl FnMut(u32)) {
+        self.index.inside(b, |place| {
+            if place.is_taken(self.bodies) {
+                visit(place.slot);
+            }
+        });
     }
 
     /// The first body that a ray hits, at the place where it does so first.
@@ -115,7 +136,7 @@ impl<'q> Queries<'q> {
         found.clear();
         let bounds = shape.bounds(pose);
         let ball = shape.ball(pose, &bounds);
-        self.index.inside(&bounds, |place| {
+        self.near_box(&bounds, |place| {
             if let Some(target) = self.target(place, filter, ball, NOWHERE)
                 && target.overlaps(shape, pose)
             {
@@ -209,7 +230,7 @@ impl<'q> Queries<'q> {
         hits.clear();
         let region = shape.bounds(pose).fattened(max_distance);
         let ball = Ball::around(&region);
-        self.index.inside(&region, |place| {
+        self.near_box(&region, |place| {
             if let Some(target) = self.target(place, filter, ball, NOWHERE) {
                 hits.extend(target.nearest_to(shape, pose, max_distance));
             }
@@ -230,15 +251,26 @@ impl<'q> Queries<'q> {
         let body = place.ball();
         let may_meet = body.is_none_or(|body| ball.may_reach(&body, way));
         let is_there = || self.is_current && !place.is_empty() || place.is_taken(self.bodies);
+        let is_elsewhere = |other: &Place| other.slot == place.slot && !std::ptr::eq(other, place);
+        let is_here = || !self.ahead.iter().any(is_elsewhere);
         let counts = || filter.is_open() || filter.accepts(self.bodies, place.slot);
-        (may_meet && is_there() && counts()).then(|| Target::at(place))
+        (may_meet && is_there() && is_here() && counts()).then(|| Target::at(place))
+    }
+
+    /// Visits what may lie in a box.
+    fn near_box(&self, b: &Aabb, mut visit: impl FnMut(&'q Place)) {
+        self.ahead.iter().for_each(&mut visit);
+        self.index.inside(b, visit);
     }
 
     /// Visits what may lie along a way. `visit` may shorten the way.
     fn along(&self, way: Way, mut visit: impl FnMut(&'q Place, f32) -> Option<f32>) {
-        self.index.along(way.walk, way.length, |place, end| {
-            visit(place, end).unwrap_or(end)
-        });
+        let mut end = way.length;
+        for place in self.ahead {
+            end = visit(place, end).unwrap_or(end);
+        }
+        self.index
+            .along(way.walk, end, |place, end| visit(place, end).unwrap_or(end));
     }
 
     /// Visits what may be near a point. `visit` may shorten the distance; what holds the point is visited all the same.
@@ -250,9 +282,12 @@ impl<'q> Queries<'q> {
     ) -> Result<(), QueryError> {
         check_point("the point", point)?;
         check_length("the distance", max_distance)?;
-        self.index.near(point, max_distance, |place, now| {
-            visit(place, now).map_or(now, |new| new.max(0.0))
-        });
+        let mut step = |place, now: f32| visit(place, now).map_or(now, |new| new.max(0.0));
+        let mut now = max_distance;
+        for place in self.ahead {
+            now = step(place, now);
+        }
+        self.index.near(point, now, step);
         Ok(())
     }
 }

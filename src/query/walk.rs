@@ -1,21 +1,29 @@
 //! `Queries::walk`: a character that walks over a scene, by casts of its shape.
 //!
-//! A step of a character, in order: it is pushed out of what has moved into it; it goes where it wants to along the ground, along walls
-//! and up steps; it falls, or is set down on ground that is not farther than a step down; it is carried by that to where it will be.
+//! A step of a character, in order: it is carried by what it stands on to where that will be; it gets out of the way of what moves
+//! against it; it goes where it wants to along the ground, along walls and up steps; it falls, or is set down on ground that is not
+//! farther than a step down. What moves by its velocity is met where it will be after the step.
 
 use crate::bodies::body::RigidBody;
-use crate::bodies::store::Bodies;
-use crate::math::{Pose, rotate, rotate_by};
+use crate::math::{Aabb, Pose};
+use crate::query::ahead::{Ahead, kinematic_movers};
+use crate::query::ball::Ball;
 use crate::query::filter::QueryFilter;
 use crate::query::hit::QueryHit;
 use crate::query::request::Ray;
 use crate::query::slide::{Obstacles, Slider};
 use crate::query::view::Queries;
 use crate::query::walker::{Footing, Push, WalkInput, WalkSettings, WalkState};
-use glam::{Quat, Vec3};
+use glam::Vec3;
 
 /// How often a motion is deflected.
 const MAX_SLIDES: usize = 6;
+
+/// How many bodies that contacts move are passed at most.
+const MAX_PASSED: usize = 8;
+
+/// Sine of the angle between a motion and what it overlaps below which it gets no deeper.
+const LEAVING: f32 = 1e-4;
 
 /// Share of the step height that the ray is long which looks what the top of an edge is like.
 const PROBE: f32 = 0.1;
@@ -24,14 +32,20 @@ const PROBE: f32 = 0.1;
 const FOOTHOLD: f32 = 0.1;
 
 /// A character in one step.
-struct Walk<'w, 'q> {
-    queries: Queries<'q>,
-    slider: &'w Slider<'w>,
-    settings: &'w WalkSettings,
-    filter: &'w QueryFilter<'w>,
+pub(super) struct Walk<'w, 'q> {
+    /// With what moves where it will be.
+    pub(super) queries: Queries<'q>,
+    /// With everything where it is.
+    pub(super) present: Queries<'q>,
+    pub(super) ahead: &'q Ahead,
+    pub(super) slider: &'w Slider<'w>,
+    pub(super) settings: &'w WalkSettings,
+    pub(super) filter: &'w QueryFilter<'w>,
     step_dt: f32,
     /// Cosine of the steepest slope.
     min_rise: f32,
+    /// Velocity of what carries it, m/s.
+    ground_velocity: Vec3,
     pushes: &'w mut Vec<Push>,
 }
 
@@ -39,53 +53,118 @@ impl Queries<'_> {
     /// Moves a character for a step. `pushes` gets what it pushes; it is cleared first. `slider` is its shape; its skin is that of
     /// the settings.
     ///
-    /// A state or an input that is not finite, settings that are not usable, or a step without length, moves nothing.
+    /// Kinematic bodies are met where their velocities take them in the step. A state or an input that is not finite, settings that are
+    /// not usable, or a step without length, moves nothing.
     pub fn walk(
         &self,
-        (slider, settings): (&Slider, &WalkSettings),
+        how: (&Slider, &WalkSettings),
         state: &mut WalkState,
         input: &WalkInput,
         filter: &QueryFilter,
         pushes: &mut Vec<Push>,
     ) {
+        let moving = kinematic_movers(self.bodies());
+        self.walk_among(&moving, how, state, (input, filter), pushes);
+    }
+
+    /// The same among kinematic bodies that are known to move.
+    pub(crate) fn walk_among(
+        &self,
+        moving: &[u32],
+        (slider, settings): (&Slider, &WalkSettings),
+        state: &mut WalkState,
+        (input, filter): (&WalkInput, &QueryFilter),
+        pushes: &mut Vec<Push>,
+    ) {
         pushes.clear();
-        let numbers = [
-            state.position,
-            state.velocity,
-            input.velocity,
-            input.gravity,
-        ];
-        let is_usable = numbers.iter().all(|v| v.is_finite())
-            && state.rotation.is_normalized()
-            && settings.is_usable()
-            && input.step_dt > 0.0
-            && input.step_dt.is_finite();
-        if !is_usable {
+        if !is_usable(settings, state, input) {
             return;
         }
         let slider = &Slider {
             skin: settings.skin,
             ..*slider
         };
+        let ahead = &self.look_ahead(moving, (slider, settings), state, input);
         let mut walk = Walk {
-            queries: *self,
+            queries: self.with_ahead(ahead.places()),
+            present: *self,
+            ahead,
             slider,
             settings,
             filter,
             step_dt: input.step_dt,
             min_rise: 1.0 / (1.0 + settings.max_slope * settings.max_slope).sqrt(),
+            ground_velocity: Vec3::ZERO,
             pushes,
         };
         let mut moved = *state;
         walk.step(&mut moved, input);
         // Numbers may be finite, and what is made of them not.
-        let is_finite = moved.position.is_finite() && moved.velocity.is_finite();
-        if is_finite && moved.rotation.is_finite() {
+        let is_finite = moved.position.is_finite()
+            && moved.velocity.is_finite()
+            && moved.drift.is_finite()
+            && moved.rotation.is_finite();
+        if is_finite {
             *state = moved;
         } else {
             pushes.clear();
         }
     }
+
+    /// What may meet a character in a step, where it will be.
+    fn look_ahead(
+        &self,
+        moving: &[u32],
+        (slider, settings): (&Slider, &WalkSettings),
+        state: &WalkState,
+        input: &WalkInput,
+    ) -> Ahead {
+        let (bodies, dt) = (self.bodies(), input.step_dt);
+        let bounds = (slider.shape).bounds(&Pose::new(state.position, state.rotation));
+        let speed = input.velocity.length() + state.velocity.length() + state.drift.length();
+        let way = dt * (speed + input.jump.abs() + dt * input.gravity.length());
+        let room = way + 2.0 * (settings.step_height + settings.skin);
+        let region = bounds.fattened(room);
+        let within = (Ball::around(&region), dt);
+        let mut ahead = Ahead::default();
+        let footing = (state.footing).filter(|it| bodies.is_current(it.body, it.id));
+        if let Some(footing) = footing {
+            ahead.look(bodies, footing.body, within);
+        }
+        if let Some(carrier) = ahead.movers().first() {
+            // What goes with it on the same ground is ahead too.
+            let way = carrier.way(state.position).abs();
+            let region = Aabb {
+                min: region.min - way,
+                max: region.max + way,
+            };
+            self.inside(&region, |slot| {
+                if bodies.is_carried(slot) {
+                    ahead.look(bodies, slot, within);
+                }
+            });
+        }
+        for &slot in moving {
+            ahead.look(bodies, slot, within);
+        }
+        ahead
+    }
+}
+
+/// Whether a character can be moved at all.
+fn is_usable(settings: &WalkSettings, state: &WalkState, input: &WalkInput) -> bool {
+    let numbers = [
+        state.position,
+        state.velocity,
+        state.drift,
+        input.velocity,
+        input.gravity,
+    ];
+    numbers.iter().all(|v| v.is_finite())
+        && state.rotation.is_normalized()
+        && settings.is_usable()
+        && input.step_dt > 0.0
+        && input.step_dt.is_finite()
 }
 
 /// What of a vector is across a unit vector.
@@ -93,37 +172,32 @@ fn across(v: Vec3, up: Vec3) -> Vec3 {
     v - v.dot(up) * up
 }
 
-/// How far the body in a slot takes a point of it within a step, m, and how it turns, rad; nothing if it is not moved by its velocity.
-fn carried(bodies: &Bodies, slot: u32, point: Vec3, step_dt: f32) -> Option<(Vec3, Vec3)> {
-    let moves = bodies.is_active(slot) && bodies.kind(slot) != RigidBody::Static;
-    let (linear, angular) = moves.then(|| bodies.velocity(slot))?;
-    let arm = point - bodies.center_of_mass(slot);
-    let turn = rotate_by(Quat::IDENTITY, angular, step_dt);
-    Some((
-        step_dt * linear + rotate(turn, arm) - arm,
-        step_dt * angular,
-    ))
-}
-
 impl Walk<'_, '_> {
     fn step(&mut self, state: &mut WalkState, input: &WalkInput) {
         let (up, dt) = (self.settings.up, self.step_dt);
-        let mut pose = Pose::new(state.position, state.rotation);
-        pose.position = self.queries.push_out(self.slider, pose, self.filter);
-        let wish = across(input.velocity, up);
-        let jumps = state.footing.is_some() && input.jump > 0.0;
-        let mut rise = state.velocity.dot(up);
-        if jumps {
-            rise = input.jump;
-            state.footing = None;
+        let from = Pose::new(state.position, state.rotation);
+        let mut pose = from;
+        let carrier = state.footing.map(|footing| footing.body);
+        if let Some(footing) = &mut state.footing {
+            self.ground_velocity = self.ride(&mut pose, footing) / dt;
         }
-        let begin = pose.position;
+        let is_lifted = self.give_way(&from, &mut pose, carrier);
+        self.come_out(&mut pose);
+        let (wish, mut rise) = (across(input.velocity, up), state.velocity.dot(up));
+        let wish = wish + state.drift;
+        let lift = self.ground_velocity.dot(up);
+        let jumps = state.footing.is_some() && input.jump > 0.0;
+        if jumps {
+            state.footing = None;
+            rise = input.jump;
+        }
         let ground = state.footing.map(|footing| footing.normal);
+        let begin = pose.position;
         self.go(&mut pose, dt * wish, ground);
         let made = across(pose.position - begin, up) / dt;
         // What it ran into takes its speed, what it climbs does not.
         let kept = made.length().min(wish.length());
-        let level = made.normalize_or_zero() * kept;
+        let mut level = made.normalize_or_zero() * kept;
         if ground.is_none() {
             let fall = dt * input.gravity.dot(up);
             let way = dt * (rise + 0.5 * fall);
@@ -134,42 +208,59 @@ impl Walk<'_, '_> {
         } else {
             rise = 0.0;
         }
-        state.footing = if rise > 0.0 {
+        state.drift = hindered(state.drift, wish - level);
+        state.footing = if jumps || (rise > 0.0 && !is_lifted) {
             None
         } else {
             self.set_down(&mut pose, ground.is_some())
         };
-        if let Some(footing) = &mut state.footing {
+        if state.footing.is_some() {
             rise = 0.0;
-            footing.point += self.ride(&mut pose, footing);
+            state.drift = Vec3::ZERO;
+        } else if carrier.is_some() {
+            // It keeps what it had of the ground.
+            state.drift = across(self.ground_velocity, up);
+            level += state.drift;
+            rise += lift;
         }
         state.velocity = level + rise * up;
         (state.position, state.rotation) = (pose.position, pose.rotation);
     }
 
-    /// Goes with what it stands on, to where that is after the step; how far its footing goes, m.
-    fn ride(&mut self, pose: &mut Pose, footing: &Footing) -> Vec3 {
-        let up = self.settings.up;
-        let bodies = self.queries.bodies();
-        // Straight below the frame, about which it turns.
-        let below = pose.position + (footing.point - pose.position).dot(up) * up;
-        let found = carried(bodies, footing.body, below, self.step_dt);
-        let Some((way, turn)) = found else {
-            return Vec3::ZERO;
-        };
-        if way != Vec3::ZERO {
-            let predicate = self.filter.predicate;
-            let counts = |slot| slot != footing.body && predicate.is_none_or(|it| it(slot));
-            let others = self.filter.with_predicate(&counts);
-            let mut met = Vec::new();
-            let start = *pose;
-            let slid = self
-                .queries
-                .move_and_slide(self.slider, start, way, &others, &mut met);
-            pose.position = slid.position;
+    /// How far it gets along a motion, and what it meets then. What contacts move and it gets away from does not hold it back.
+    fn advance(&self, pose: &Pose, motion: Vec3) -> (Vec3, Option<QueryHit>) {
+        self.advance_past(pose, motion, |_| false)
+    }
+
+    /// The same, nor do those of them that `passes` says.
+    fn advance_past(
+        &self,
+        pose: &Pose,
+        motion: Vec3,
+        passes: impl Fn(&QueryHit) -> bool,
+    ) -> (Vec3, Option<QueryHit>) {
+        let (mut passed, mut count) = ([u32::MAX; MAX_PASSED], 0);
+        loop {
+            let known = passed;
+            let counts = |slot: u32| {
+                !known.contains(&slot) && self.filter.predicate.is_none_or(|counts| counts(slot))
+            };
+            let filter = self.filter.with_predicate(&counts);
+            let filter = if count == 0 { *self.filter } else { filter };
+            let (moved, hit) = self.queries.advance(self.slider, pose, motion, &filter);
+            let is_left = |hit: &QueryHit| {
+                hit.distance <= 0.0 && hit.normal.dot(motion) >= -LEAVING * motion.length()
+            };
+            let yields = |hit: &QueryHit| {
+                let kind = self.queries.bodies().kind(hit.body);
+                kind == RigidBody::Dynamic && (is_left(hit) || passes(hit))
+            };
+            let Some(yields) = hit.filter(yields).filter(|_| count < MAX_PASSED) else {
+                return (moved, hit);
+            };
+            passed[count] = yields.body;
+            count += 1;
         }
-        pose.rotation = rotate_by(pose.rotation, turn.dot(up) * up, 1.0);
-        way
     }
 
     /// Whether a place is ground to stand on.
@@ -201,7 +292,7 @@ impl Walk<'_, '_> {
         let mut rest = ground.map_or(wish, |normal| along_ground(wish, normal));
         let mut obstacles = Obstacles::default();
         for _ in 0..MAX_SLIDES {
-            let (moved, hit) = self.queries.advance(self.slider, pose, rest, self.filter);
+            let (moved, hit) = self.advance(pose, rest);
             pose.position += moved;
             rest -= moved;
             let Some(hit) = hit else {
@@ -228,11 +319,12 @@ impl Walk<'_, '_> {
         }
     }
 
-    /// Pushes what it runs into, if that can be moved.
+    /// Pushes what it runs into, if that can be moved, once a step.
     fn push(&mut self, hit: &QueryHit, wish: Vec3) {
         let bodies = self.queries.bodies();
         let (slot, most) = (hit.body, self.settings.push_force * self.step_dt);
-        let is_movable = bodies.kind(slot) == RigidBody::Dynamic && most > 0.0;
+        let is_pushed = self.pushes.iter().any(|push| push.body == slot);
+        let is_movable = bodies.kind(slot) == RigidBody::Dynamic && most > 0.0 && !is_pushed;
         let Some(into) = across(-hit.normal, self.settings.up).try_normalize() else {
             return;
         };
@@ -241,8 +333,12 @@ impl Walk<'_, '_> {
         }
         let (linear, angular) = bodies.velocity(slot);
         let arm = hit.point - bodies.center_of_mass(slot);
-        let speed = into.dot(wish / self.step_dt - linear - angular.cross(arm));
-        let impulse = (speed * bodies.mass(slot).mass).min(most);
+        let own = wish / self.step_dt + self.ground_velocity;
+        let speed = into.dot(own - linear - angular.cross(arm));
+        // Pushed beside its center it turns, and is as fast there by less.
+        let turns = bodies.inverse_inertia[slot as usize] * arm.cross(into);
+        let yields = 1.0 / bodies.mass(slot).mass + turns.cross(arm).dot(into);
+        let impulse = (speed / yields).min(most);
         if impulse > 0.0 {
             self.pushes.push(Push {
                 body: slot,
@@ -261,24 +357,18 @@ impl Walk<'_, '_> {
         };
         let mut there = *pose;
         let climb = height * up;
-        let (risen, _) = self
-            .queries
-            .advance(self.slider, &there, climb, self.filter);
+        let (risen, _) = self.advance(&there, climb);
         there.position += risen;
         // Over the skin that it keeps from what it runs into, however slantwise.
         let over_skin = (2.0 * self.settings.skin / -direction.dot(normal)).abs();
         let foothold = over_skin.min(height).max(FOOTHOLD * height);
         let forward = direction * flat.length().max(foothold);
-        let (moved, _) = self
-            .queries
-            .advance(self.slider, &there, forward, self.filter);
+        let (moved, _) = self.advance(&there, forward);
         there.position += moved;
         if moved.length() <= 0.5 * self.settings.skin {
             return false;
         }
-        let (sunk, hit) = self
-            .queries
-            .advance(self.slider, &there, -risen, self.filter);
+        let (sunk, hit) = self.advance(&there, -risen);
         let Some(hit) = hit.filter(|hit| self.is_ground(hit).is_some()) else {
             return false;
         };
@@ -299,7 +389,7 @@ impl Walk<'_, '_> {
     /// Moves up or down; whether something stops it.
     fn fall(&mut self, pose: &mut Pose, way: f32) -> bool {
         let motion = way * self.settings.up;
-        let (moved, hit) = self.queries.advance(self.slider, pose, motion, self.filter);
+        let (moved, hit) = self.advance(pose, motion);
         pose.position += moved;
         let Some(hit) = hit else {
             return false;
@@ -310,7 +400,7 @@ impl Walk<'_, '_> {
         // Down a slope that is too steep to stand on.
         let rest = motion - moved;
         let along = rest - rest.dot(hit.normal).min(0.0) * hit.normal;
-        let (moved, _) = self.queries.advance(self.slider, pose, along, self.filter);
+        let (moved, _) = self.advance(pose, along);
         pose.position += moved;
         false
     }
@@ -323,22 +413,33 @@ impl Walk<'_, '_> {
         } else {
             skin
         };
-        let (moved, hit) =
-            self.queries
-                .advance(self.slider, pose, -(reach + skin) * up, self.filter);
+        let (moved, hit) = self.advance_past(pose, -(reach + skin) * up, |hit| {
+            // What has come to its side is not what it stands on.
+            self.is_ground(hit).is_none()
+        });
         let hit = hit?;
         let normal = self.is_ground(&hit)?;
         pose.position += moved;
         // What was pushed out of the ground keeps half of its skin.
         let short = skin / hit.normal.dot(up).max(self.min_rise) - hit.distance;
         if short > 1e-3 * skin {
-            let (risen, _) = (self.queries).advance(self.slider, pose, short * up, self.filter);
+            let (risen, _) = self.advance(pose, short * up);
             pose.position += risen;
         }
         Some(Footing {
             body: hit.body,
+            id: hit.id,
             normal,
             point: hit.point,
         })
     }
+}
+
+/// What is left of a drift where something takes so much of a velocity.
+fn hindered(drift: Vec3, lost: Vec3) -> Vec3 {
+    let Some(against) = lost.try_normalize() else {
+        return drift;
+    };
+    let taken = drift.dot(against).clamp(0.0, lost.length());
+    drift - taken * against
 }

@@ -1,5 +1,6 @@
 //! What a character that walks is told, and what it tells.
 
+use crate::contact::body_id::BodyId;
 use glam::{Quat, Vec3};
 
 /// How a character walks.
@@ -46,6 +47,8 @@ impl Default for WalkSettings {
 pub struct Footing {
     /// Slot of the body.
     pub body: u32,
+    /// Its id.
+    pub id: BodyId,
     /// Its unit normal there.
     pub normal: Vec3,
     /// Where, world, m.
@@ -54,8 +57,8 @@ pub struct Footing {
 
 /// What a character pushes in a step: at a point of a dynamic body, along the way into it.
 ///
-/// The impulse is what would make the body as fast as the character there if it were a particle, but no more than
-/// [`WalkSettings::push_force`] gives in the step.
+/// The impulse is what would make the body as fast as the character there if nothing else held it, but no more than
+/// [`WalkSettings::push_force`] gives in the step. Each body is pushed once a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Push {
     /// Slot of the body.
@@ -75,6 +78,9 @@ pub struct WalkState {
     pub rotation: Quat,
     /// Its own velocity, m/s, without that of what it stands on.
     pub velocity: Vec3,
+    /// What it keeps in the air of the velocity of the ground that it left, across `up`, m/s; zero on the ground. It is part of `velocity`,
+    /// and added to where it wants to go.
+    pub drift: Vec3,
     /// What it stands on; nothing in the air.
     pub footing: Option<Footing>,
 }

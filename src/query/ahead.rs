@@ -1,0 +1,110 @@
+//! Bodies as a step will leave them: what moves by its velocity, whatever it meets.
+
+use crate::bodies::body::RigidBody;
+use crate::bodies::store::Bodies;
+use crate::math::{Pose, rotate, rotate_by};
+use crate::query::ball::Ball;
+use crate::query::place::Place;
+use glam::{Quat, Vec3};
+
+/// How a body moves within a step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Mover {
+    pub(crate) slot: u32,
+    pub(crate) kind: RigidBody,
+    /// Of mass, before the step, m.
+    center: Vec3,
+    /// How far that goes, m.
+    shift: Vec3,
+    /// How the body turns about it, and the same as an axis with the angle as its length, rad.
+    pub(crate) turn: Quat,
+    pub(crate) angle: Vec3,
+}
+
+impl Mover {
+    /// Of the body in a slot, if it moves within a step.
+    fn of(bodies: &Bodies, slot: u32, step_dt: f32) -> Option<Self> {
+        let (linear, angular) = bodies.velocity(slot);
+        let moves = bodies.is_moving(slot) && (linear, angular) != (Vec3::ZERO, Vec3::ZERO);
+        moves.then(|| Self {
+            slot,
+            kind: bodies.kind(slot),
+            center: bodies.center_of_mass(slot),
+            shift: step_dt * linear,
+            turn: rotate_by(Quat::IDENTITY, angular, step_dt),
+            angle: step_dt * angular,
+        })
+    }
+
+    /// How far a point of the body goes, m.
+    pub(crate) fn way(&self, point: Vec3) -> Vec3 {
+        let arm = point - self.center;
+        self.shift + rotate(self.turn, arm) - arm
+    }
+
+    /// The body where it will be.
+    fn place(&self, bodies: &Bodies) -> Place {
+        let mut place = Place::of(bodies, self.slot);
+        let rotation = (self.turn * bodies.pose(self.slot).rotation).normalize();
+        let center = self.center + self.shift;
+        let to_center = rotate(rotation, bodies.mass(self.slot).center);
+        place.go_to(Pose::new(center - to_center, rotation), center);
+        place
+    }
+
+    /// Whether the body may come into a ball.
+    fn may_reach(&self, place: &Place, within: Ball) -> bool {
+        let reach = |body: Ball| within.radius + body.radius + self.shift.length();
+        let is_near = |body: Ball| self.center.distance(within.center) <= reach(body);
+        place.ball().is_none_or(is_near)
+    }
+}
+
+/// The kinematic bodies that move.
+pub(crate) fn kinematic_movers(bodies: &Bodies) -> Vec<u32> {
+    let moves = |&slot: &u32| {
+        let body = &bodies.solver_bodies()[slot as usize];
+        let is_still = body.linear == Vec3::ZERO && body.angular == Vec3::ZERO;
+        // What contacts move is not kinematic; that spares most bodies a look at far memory.
+        body.inverse_mass == 0.0
+            && !is_still
+            && bodies.is_moving(slot)
+            && bodies.kind(slot) == RigidBody::Kinematic
+    };
+    (0..bodies.slots() as u32).filter(moves).collect()
+}
+
+/// Bodies that move within a step, and where they will be then.
+#[derive(Debug, Default)]
+pub(crate) struct Ahead {
+    movers: Vec<Mover>,
+    places: Vec<Place>,
+}
+
+impl Ahead {
+    /// Takes a body in, if it moves and may come into a ball.
+    pub(crate) fn look(&mut self, bodies: &Bodies, slot: u32, (within, step_dt): (Ball, f32)) {
+        let is_known = self.movers.iter().any(|mover| mover.slot == slot);
+        let Some(mover) = Mover::of(bodies, slot, step_dt).filter(|_| !is_known) else {
+            return;
+        };
+        let place = mover.place(bodies);
+        if mover.may_reach(&place, within) && place.pose().is_finite() {
+            self.movers.push(mover);
+            self.places.push(place);
+        }
+    }
+
+    /// How a body moves, if it does.
+    pub(crate) fn mover(&self, slot: u32) -> Option<Mover> {
+        self.movers.iter().find(|mover| mover.slot == slot).copied()
+    }
+
+    pub(crate) fn movers(&self) -> &[Mover] {
+        &self.movers
+    }
+
+    pub(crate) fn places(&self) -> &[Place] {
+        &self.places
+    }
+}
