@@ -91,7 +91,7 @@ impl Walk<'_, '_> {
     }
 
     /// Whether a body counts, and no contact moves it.
-    fn is_firm(&self, slot: u32) -> bool {
+    pub(super) fn is_firm(&self, slot: u32) -> bool {
         let is_moved = self.queries.bodies().kind(slot) == RigidBody::Dynamic;
         !is_moved && self.filter.predicate.is_none_or(|counts| counts(slot))
     }

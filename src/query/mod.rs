@@ -9,6 +9,7 @@
 //! | `hit.rs` | what is found |
 //! | `target.rs` | one body: its shape where it lies now |
 //! | `slide.rs`, `walk.rs`, `walker.rs` | a shape that slides along what it meets; a character that walks |
+//! | `footing.rs` | what a character stands on, and steps up to |
 //! | `ahead.rs`, `carry.rs` | bodies as a step will leave them; how they carry a character and shove it |
 //! | `nearness.rs`, `convex.rs`, `cuboid.rs`, `compound.rs`, `hull.rs`, `round.rs`, `half_space.rs`, `level.rs`, `local.rs` | the exact tests, in the frame of the body |
 //!
@@ -24,6 +25,7 @@ pub(crate) mod convex;
 mod cuboid;
 pub(crate) mod error;
 pub(crate) mod filter;
+mod footing;
 mod half_space;
 pub(crate) mod hit;
 mod hull;

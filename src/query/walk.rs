@@ -10,26 +10,13 @@ use crate::query::ahead::{Ahead, kinematic_movers};
 use crate::query::ball::Ball;
 use crate::query::filter::QueryFilter;
 use crate::query::hit::QueryHit;
-use crate::query::request::Ray;
 use crate::query::slide::{Obstacles, Slider};
 use crate::query::view::Queries;
-use crate::query::walker::{Footing, Push, WalkInput, WalkSettings, WalkState};
+use crate::query::walker::{Push, WalkInput, WalkSettings, WalkState};
 use glam::Vec3;
 
 /// How often a motion is deflected.
 const MAX_SLIDES: usize = 6;
-
-/// How many bodies that contacts move are passed at most.
-const MAX_PASSED: usize = 8;
-
-/// Sine of the angle between a motion and what it overlaps below which it gets no deeper.
-const LEAVING: f32 = 1e-4;
-
-/// Share of the step height that the ray is long which looks what the top of an edge is like.
-const PROBE: f32 = 0.1;
-
-/// Least way forward, as a share of the step height, that is asked for on top of a step.
-const FOOTHOLD: f32 = 0.1;
 
 /// A character in one step.
 pub(super) struct Walk<'w, 'q> {
@@ -43,7 +30,7 @@ pub(super) struct Walk<'w, 'q> {
     pub(super) filter: &'w QueryFilter<'w>,
     step_dt: f32,
     /// Cosine of the steepest slope.
-    min_rise: f32,
+    pub(super) min_rise: f32,
     /// Velocity of what carries it, m/s.
     ground_velocity: Vec3,
     pushes: &'w mut Vec<Push>,
@@ -168,7 +155,7 @@ fn is_usable(settings: &WalkSettings, state: &WalkState, input: &WalkInput) -> b
 }
 
 /// What of a vector is across a unit vector.
-fn across(v: Vec3, up: Vec3) -> Vec3 {
+pub(super) fn across(v: Vec3, up: Vec3) -> Vec3 {
     v - v.dot(up) * up
 }
 
@@ -225,60 +212,6 @@ impl Walk<'_, '_> {
         }
         state.velocity = level + rise * up;
         (state.position, state.rotation) = (pose.position, pose.rotation);
-    }
-
-    /// How far it gets along a motion, and what it meets then. What contacts move and it gets away from does not hold it back.
-    fn advance(&self, pose: &Pose, motion: Vec3) -> (Vec3, Option<QueryHit>) {
-        self.advance_past(pose, motion, |_| false)
-    }
-
-    /// The same, nor do those of them that `passes` says.
-    fn advance_past(
-        &self,
-        pose: &Pose,
-        motion: Vec3,
-        passes: impl Fn(&QueryHit) -> bool,
-    ) -> (Vec3, Option<QueryHit>) {
-        let (mut passed, mut count) = ([u32::MAX; MAX_PASSED], 0);
-        loop {
-            let known = passed;
-            let counts = |slot: u32| {
-                !known.contains(&slot) && self.filter.predicate.is_none_or(|counts| counts(slot))
-            };
-            let filter = self.filter.with_predicate(&counts);
-            let filter = if count == 0 { *self.filter } else { filter };
-            let (moved, hit) = self.queries.advance(self.slider, pose, motion, &filter);
-            let is_left = |hit: &QueryHit| {
-                hit.distance <= 0.0 && hit.normal.dot(motion) >= -LEAVING * motion.length()
-            };
-            let yields = |hit: &QueryHit| {
-                let kind = self.queries.bodies().kind(hit.body);
-                kind == RigidBody::Dynamic && (is_left(hit) || passes(hit))
-            };
-            let Some(yields) = hit.filter(yields).filter(|_| count < MAX_PASSED) else {
-                return (moved, hit);
-            };
-            passed[count] = yields.body;
-            count += 1;
-        }
-    }
-
-    /// Whether a place is ground to stand on.
-    fn is_ground(&self, hit: &QueryHit) -> Option<Vec3> {
-        let up = self.settings.up;
-        if hit.normal.dot(up) >= self.min_rise {
-            return Some(hit.normal);
-        }
-        if hit.normal.dot(up) <= 0.0 {
-            return None;
-        }
-        // On an edge: what is on top of it, a little towards the body that it belongs to?
-        let inward = -across(hit.normal, up).try_normalize()?;
-        let length = PROBE * self.settings.step_height;
-        let origin = hit.point + length * (up + 0.5 * inward);
-        let ray = Ray::new(origin, -up, 2.0 * length).ok()?;
-        let top = self.queries.cast_ray(&ray, self.filter)?;
-        (top.distance > 0.0 && top.normal.dot(up) >= self.min_rise).then_some(top.normal)
     }
 
     /// Goes along the ground, along walls and up steps.
@@ -348,90 +281,27 @@ impl Walk<'_, '_> {
         }
     }
 
-    /// Up, forward and down again, where it ran into something with this normal; whether it is on a step then.
-    fn step_up(&mut self, pose: &mut Pose, rest: &mut Vec3, normal: Vec3) -> bool {
-        let (up, height) = (self.settings.up, self.settings.step_height);
-        let flat = across(*rest, up);
-        let Some(direction) = flat.try_normalize() else {
-            return false;
-        };
-        let mut there = *pose;
-        let climb = height * up;
-        let (risen, _) = self.advance(&there, climb);
-        there.position += risen;
-        // Over the skin that it keeps from what it runs into, however slantwise.
-        let over_skin = (2.0 * self.settings.skin / -direction.dot(normal)).abs();
-        let foothold = over_skin.min(height).max(FOOTHOLD * height);
-        let forward = direction * flat.length().max(foothold);
-        let (moved, _) = self.advance(&there, forward);
-        there.position += moved;
-        if moved.length() <= 0.5 * self.settings.skin {
-            return false;
-        }
-        let (sunk, hit) = self.advance(&there, -risen);
-        let Some(hit) = hit.filter(|hit| self.is_ground(hit).is_some()) else {
-            return false;
-        };
-        let is_movable = self.queries.bodies().kind(hit.body) == RigidBody::Dynamic;
-        there.position += sunk;
-        let gain = (there.position - pose.position).dot(up);
-        // What it would stand on there may be higher than its feet are yet.
-        let feet = -self.slider.shape.reach(pose, -up) - self.settings.skin;
-        let is_too_high = hit.point.dot(up) - feet > height + self.settings.skin;
-        if gain <= 0.0 || is_movable || is_too_high {
-            return false;
-        }
-        *pose = there;
-        *rest = flat - moved.clamp_length_max(flat.length());
-        true
-    }
-
-    /// Moves up or down; whether something stops it.
+    /// Moves up or down, and along slopes that are too steep to stand on; whether something stops it.
     fn fall(&mut self, pose: &mut Pose, way: f32) -> bool {
         let motion = way * self.settings.up;
-        let (moved, hit) = self.advance(pose, motion);
-        pose.position += moved;
-        let Some(hit) = hit else {
-            return false;
-        };
-        if way > 0.0 || self.is_ground(&hit).is_some() {
-            return true;
+        let (mut rest, mut obstacles) = (motion, Obstacles::default());
+        for _ in 0..MAX_SLIDES {
+            let (moved, hit) = self.advance(pose, rest);
+            pose.position += moved;
+            rest -= moved;
+            let Some(hit) = hit else {
+                return false;
+            };
+            if way > 0.0 || self.is_ground(&hit).is_some() {
+                return true;
+            }
+            rest = obstacles.deflect(rest, hit.normal);
+            // Between slopes it may lead nowhere.
+            if rest.dot(motion) <= 0.0 {
+                return true;
+            }
         }
-        // Down a slope that is too steep to stand on.
-        let rest = motion - moved;
-        let along = rest - rest.dot(hit.normal).min(0.0) * hit.normal;
-        let (moved, _) = self.advance(pose, along);
-        pose.position += moved;
         false
-    }
-
-    /// Finds what it stands on, and goes down to it: by a step, if it was on the ground.
-    fn set_down(&mut self, pose: &mut Pose, was_on_ground: bool) -> Option<Footing> {
-        let (up, skin) = (self.settings.up, self.settings.skin);
-        let reach = if was_on_ground {
-            self.settings.step_height
-        } else {
-            skin
-        };
-        let (moved, hit) = self.advance_past(pose, -(reach + skin) * up, |hit| {
-            // What has come to its side is not what it stands on.
-            self.is_ground(hit).is_none()
-        });
-        let hit = hit?;
-        let normal = self.is_ground(&hit)?;
-        pose.position += moved;
-        // What was pushed out of the ground keeps half of its skin.
-        let short = skin / hit.normal.dot(up).max(self.min_rise) - hit.distance;
-        if short > 1e-3 * skin {
-            let (risen, _) = self.advance(pose, short * up);
-            pose.position += risen;
-        }
-        Some(Footing {
-            body: hit.body,
-            id: hit.id,
-            normal,
-            point: hit.point,
-        })
     }
 }
 

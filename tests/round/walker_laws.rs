@@ -36,6 +36,13 @@ pub(crate) const LAWS: &[(&str, fn(u64) -> Verdict)] = &[
     ("ledge", judge_ledge),
     ("sliced", judge_sliced),
     ("inside", judge_inside),
+    ("tilt", judge_tilt),
+    ("company", judge_company),
+    ("shoulders", judge_shoulders),
+    ("door", judge_door),
+    ("stair_rates", judge_stair_rates),
+    ("ground_kinds", judge_ground_kinds),
+    ("groove", judge_groove),
 ];
 
 /// A law that is broken.
@@ -486,7 +493,9 @@ fn judge_corridor(seed: u64) -> Verdict {
     let walker = stage.add_walker(Vec3::new(-1.0, STANDING + 0.02, z));
     stage.run(0.2);
     let speed = dice.in_range(0.5, 10.0);
-    let wish = speed * heading(dice.in_range(-0.3, 0.3) * if is_low { 0.3 } else { 1.0 });
+    // Not past the corners of the entrance.
+    let aside = if is_low { 0.1 } else { 0.3 * spare.max(0.0) };
+    let wish = speed * heading(dice.in_range(-aside, aside));
     stage.wish(walker, wish);
     for step in 0..stage.steps(7.0 / wish.x) {
         stage.step();
@@ -1385,5 +1394,352 @@ fn judge_inside(seed: u64) -> Verdict {
     let made = stage.place(walker).distance(before);
     hold!((made - 1.0).abs() < 0.05, "goes {made} then, {deep} deep");
     let _ = LENGTH;
+    Ok(())
+}
+
+/// It stays on what tilts as long as that is not too steep, and out of it.
+fn judge_tilt(seed: u64) -> Verdict {
+    let mut dice = Dice::new(0x16000 + seed);
+    let mut stage = Stage::any(&mut dice);
+    let platform = stage.add_box(
+        RigidBody::Kinematic,
+        Vec3::new(10.0, 1.0, 10.0),
+        flat(Vec3::new(0.0, -0.5, 0.0)),
+    );
+    let at = Vec3::new(
+        dice.in_range(-2.0, 2.0),
+        STANDING + 0.02,
+        dice.in_range(-2.0, 2.0),
+    );
+    let walker = stage.add_walker(at);
+    stage.run(0.3);
+    let axis = heading(dice.in_range(0.0, 6.3));
+    let most = dice.in_range(0.1, 0.6);
+    let rate = dice.in_range(0.5, 3.0);
+    let by_pose = dice.below(2) == 0;
+    let motion = Motion {
+        by_pose,
+        swings: true,
+        linear: Vec3::ZERO,
+        angular: most * rate * Vec3::new(axis.x, 0.0, axis.y),
+        rate,
+    };
+    let local = |stage: &Stage| stage.seen_from(platform, stage.transform_of(walker).translation);
+    let start = local(&stage);
+    let mut time = 0.0;
+    for step in 0..stage.steps(3.0) {
+        motion.apply(&mut stage, platform, time);
+        stage.step();
+        time += stage.step_dt;
+        let gap = stage.gap(walker);
+        hold!(
+            (-1e-3..0.05).contains(&gap),
+            "step {step}: {gap} over what tilts, {motion:?}"
+        );
+        hold!(
+            stage.is_on_ground(walker),
+            "step {step}: off the ground, {motion:?}"
+        );
+        let off = (local(&stage) - start).with_y(0.0).length();
+        // Upright as it is, its middle is somewhere else over what is tilted.
+        hold!(
+            off < STANDING * most + 0.1,
+            "step {step}: {off} off, {motion:?}"
+        );
+    }
+    Ok(())
+}
+
+/// On what moves it is among things that move by themselves as on what stands.
+fn judge_company(seed: u64) -> Verdict {
+    let run = |moves: bool| {
+        let mut dice = Dice::new(0x17000 + seed);
+        let mut stage = Stage::plain([60.0, 120.0][dice.below(2)]);
+        let platform = stage.add_box(
+            RigidBody::Kinematic,
+            Vec3::new(30.0, 1.0, 30.0),
+            flat(Vec3::new(0.0, -0.5, 0.0)),
+        );
+        let size = dice.in_range(0.6, 1.2);
+        let shape = stage.box_shape(Vec3::splat(size));
+        let density = 10.0_f32.powf(dice.in_range(1.0, 3.3));
+        let thing = stage.add(
+            RigidBody::Dynamic,
+            (shape, Density(density)),
+            flat(Vec3::new(
+                RADIUS + SKIN + 0.5 * size + 0.002,
+                0.5 * size,
+                0.0,
+            )),
+        );
+        let walker = stage.add_walker(Vec3::new(0.0, STANDING + 0.02, 0.0));
+        let linear = dice.in_range(0.5, 2.0)
+            * Vec3::new(dice.in_range(-1.0, 1.0), 0.0, dice.in_range(-1.0, 1.0));
+        let rise = [0.0, dice.in_range(-2.0, 2.0)][dice.below(2)] * Vec3::Y;
+        let walks = dice.below(2) == 0;
+        // Slowly, so that the thing does not slip.
+        let steps = stage.steps(2.0);
+        for step in 0..steps {
+            let share = if moves {
+                (2.0 * step as f32 / steps as f32).min(1.0)
+            } else {
+                0.0
+            };
+            stage.set_velocity(platform, share * (linear + rise), Vec3::ZERO);
+            stage.step();
+        }
+        let local = |stage: &Stage, entity| {
+            stage.seen_from(platform, stage.transform_of(entity).translation)
+        };
+        let before = local(&stage, walker);
+        if walks {
+            stage.wish(walker, Vec2::X);
+        }
+        stage.run(1.5);
+        (before, local(&stage, walker), local(&stage, thing), walks)
+    };
+    let ((a0, a1, a2, walks), (b0, b1, b2, _)) = (run(false), run(true));
+    let off = (a1 - a0).distance(b1 - b0);
+    hold!(
+        off < if walks { 0.1 } else { 5e-3 },
+        "{off} off, walks {walks}: from {a0} to {a1}, thing {a2}, but from {b0} to {b1}, thing {b2}"
+    );
+    Ok(())
+}
+
+/// One that stands on another goes where that goes.
+fn judge_shoulders(seed: u64) -> Verdict {
+    let mut dice = Dice::new(0x18000 + seed);
+    let mut stage = Stage::any(&mut dice);
+    add_ground(&mut stage, &mut dice);
+    let high = dice.below(2) == 0;
+    // Whichever comes first.
+    let places = [STANDING + 0.02, 3.0 * STANDING + 0.05];
+    let at = |y: f32| Vec3::new(0.0, y, 0.0);
+    let mut two = [Entity::PLACEHOLDER; 2];
+    for i in if high { [1, 0] } else { [0, 1] } {
+        two[i] = stage.add_walker(at(places[i]));
+    }
+    let [below, above] = two;
+    stage.run(0.3);
+    let wish = dice.in_range(0.2, 4.0) * heading(dice.in_range(0.0, 6.3));
+    stage.wish(below, wish);
+    let start = stage.place(above) - stage.place(below);
+    for step in 0..stage.steps(1.0) {
+        stage.step();
+        let off = (stage.place(above) - stage.place(below)).distance(start);
+        hold!(off < 5e-3, "step {step}: {off} off the shoulders");
+        hold!(
+            stage.is_on_ground(above) && stage.is_on_ground(below),
+            "step {step}: off the ground"
+        );
+    }
+    let made = stage
+        .place(below)
+        .distance(Vec3::new(wish.x, STANDING, wish.y));
+    hold!(made < 0.1, "the one below is {made} off");
+    Ok(())
+}
+
+/// A door that swings lets it through, and is not torn out or thrown about.
+fn judge_door(seed: u64) -> Verdict {
+    let mut dice = Dice::new(0x19000 + seed);
+    let mut stage = Stage::plain([60.0, 120.0][dice.below(2)]);
+    stage.add_floor();
+    let post = stage.block(Vec3::new(0.2, 2.4, 0.2), Vec3::new(0.0, 1.2, -0.75));
+    let shape = stage.box_shape(Vec3::new(0.06, 2.2, 1.2));
+    let density = 10.0_f32.powf(dice.in_range(1.0, 2.7));
+    let door = stage.add(
+        RigidBody::Dynamic,
+        (shape, Density(density)),
+        flat(Vec3::new(0.0, 1.2, 0.0)),
+    );
+    let joint = Joint::hinge()
+        .with_anchors(Vec3::new(0.0, 0.0, 0.1), Vec3::new(0.0, 0.0, -0.65))
+        .with_axes(Vec3::Y, Vec3::Y);
+    stage.app.world_mut().commands().join(post, door, joint);
+    stage.app.world_mut().flush();
+    let walker = stage.add_walker(Vec3::new(-1.5, STANDING + 0.02, dice.in_range(0.0, 0.5)));
+    stage.run(0.5);
+    let speed = dice.in_range(0.5, 4.0);
+    stage.wish(walker, speed * Vec2::X);
+    for step in 0..stage.steps(5.0 / speed) {
+        stage.step();
+        let at = stage.place(door);
+        let apart = at.distance(Vec3::new(0.0, 1.2, -0.65));
+        hold!(
+            (apart - 0.65).abs() < 0.05,
+            "step {step}: door at {at}, {speed}, {density}"
+        );
+        let spin = stage.get::<AngularVelocity>(door).0.length();
+        hold!(
+            spin < 4.0 * speed / 0.3 + 2.0,
+            "step {step}: door spins by {spin}, {speed}, {density}"
+        );
+        let inside = stage.gap_to(walker, &|_, kind| kind == RigidBody::Dynamic);
+        hold!(
+            inside > -0.03,
+            "step {step}: {inside} in the door, {speed}, {density}"
+        );
+    }
+    let at = stage.place(walker);
+    hold!(at.x > 0.5, "not through at {at}, {speed}, {density}");
+    Ok(())
+}
+
+/// Up stairs, finer steps lead to the same places.
+fn judge_stair_rates(seed: u64) -> Verdict {
+    let run = |hertz: f64| {
+        let mut dice = Dice::new(0x1a000 + seed);
+        let mut stage = Stage::plain(hertz);
+        let (rise, run) = (dice.in_range(0.05, 0.28), dice.in_range(0.3, 1.0));
+        stage.add_floor();
+        for i in 0..6 {
+            let (top, from) = (rise * (i + 1) as f32, run * i as f32);
+            let length = run * 6.0 + 12.0 - from;
+            stage.block(
+                Vec3::new(length, top, 12.0),
+                Vec3::new(from + 0.5 * length, 0.5 * top, 0.0),
+            );
+        }
+        let walker = stage.add_walker(Vec3::new(-0.5, STANDING + 0.02, 0.0));
+        stage.run(0.3);
+        let speed = dice.in_range(0.4, 4.0);
+        stage.wish(walker, speed * heading(dice.in_range(-0.4, 0.4)));
+        stage.run((1.5 + 6.0 * run) / speed);
+        (stage.place(walker), speed, run, rise)
+    };
+    let at = [30.0, 60.0, 120.0, 240.0].map(run);
+    let way = 1.5 + 6.0 * at[0].2;
+    for (i, there) in at.iter().enumerate() {
+        let off = there.0.distance(at[3].0) / way;
+        hold!(
+            off < 0.05,
+            "{i}: {off} of the way off what 240 steps a second do, {at:?}"
+        );
+    }
+    Ok(())
+}
+
+/// On compounds, levels of heights, round and kinematic bodies at rest it stands as on a floor.
+fn judge_ground_kinds(seed: u64) -> Verdict {
+    let mut dice = Dice::new(0x1b000 + seed);
+    let mut stage = Stage::any(&mut dice);
+    let unit = stage.unit;
+    let kind = [RigidBody::Static, RigidBody::Kinematic][dice.below(2)];
+    match dice.below(4) {
+        0 => {
+            let slab = stage.box_shape(Vec3::new(5.0, 1.0, 40.0));
+            let parts = (0..8).map(|i| {
+                (
+                    Pose::from_position(unit * Vec3::new(5.0 * i as f32 - 17.5, 0.0, 0.0)),
+                    slab.clone(),
+                )
+            });
+            let compound = Compound::new(parts).expect("usable");
+            stage.add(kind, compound, flat(-0.5 * Vec3::Y));
+        }
+        1 => {
+            let heights = vec![0.0; 41 * 41];
+            let mesh = StaticMesh::from_heights(&heights, 41, unit).expect("a grid");
+            stage.add(kind, mesh, flat(Vec3::new(-20.0, 0.0, -20.0)));
+        }
+        2 => {
+            let shape = ConvexMesh::cylinder(unit * 20.0, unit).expect("usable");
+            stage.add(kind, shape, flat(-0.5 * Vec3::Y));
+        }
+        _ => {
+            stage.add_box(kind, Vec3::new(40.0, 1.0, 40.0), flat(-0.5 * Vec3::Y));
+        }
+    }
+    let walker = stage.add_walker(Vec3::new(0.0, STANDING + 0.02, 0.0));
+    stage.run(0.3);
+    let mut expected = stage.place(walker);
+    for _ in 0..4 {
+        let wish = dice.in_range(0.2, 6.0) * heading(dice.in_range(0.0, 6.3));
+        stage.wish(walker, wish);
+        for step in 0..stage.steps(0.5) {
+            stage.step();
+            let at = stage.place(walker);
+            expected += stage.step_dt * Vec3::new(wish.x, 0.0, wish.y);
+            let off = at.distance(expected);
+            let rounding = 1e-6 * (stage.world.position.length() / stage.unit + 20.0) * step as f32;
+            hold!(
+                off < 1e-3 + rounding,
+                "step {step}: {off} off at {at} with {wish}"
+            );
+            hold!(
+                stage.is_on_ground(walker),
+                "step {step}: off the ground at {at} with {wish}"
+            );
+        }
+        expected = stage.place(walker);
+    }
+    Ok(())
+}
+
+/// Between slopes that are too steep, and in corners of them with the floor, it keeps still and out of them, and walks away.
+fn judge_groove(seed: u64) -> Verdict {
+    let mut dice = Dice::new(0x1c000 + seed);
+    let mut stage = Stage::any(&mut dice);
+    let has_floor = dice.below(2) == 0;
+    if has_floor {
+        stage.add_floor();
+    }
+    let count = 1 + dice.below(3);
+    let turn = dice.in_range(0.0, 6.0);
+    for i in 0..if has_floor { count } else { 2 } {
+        let lean = dice.in_range(0.9, 1.5);
+        let around = turn
+            + if has_floor {
+                dice.in_range(1.0, 2.5) * i as f32
+            } else {
+                std::f32::consts::PI * i as f32
+            };
+        let rotation = Quat::from_rotation_y(around) * Quat::from_rotation_z(lean);
+        let away = if has_floor {
+            dice.in_range(0.4, 0.8)
+        } else {
+            0.0
+        };
+        let foot = Quat::from_rotation_y(around) * Vec3::new(away, 0.0, 0.0);
+        stage.add_box(
+            RigidBody::Static,
+            Vec3::new(12.0, 1.0, 12.0),
+            Pose::new(foot + rotation * Vec3::new(5.0, -0.5, 0.0), rotation),
+        );
+    }
+    let walker = stage.add_walker(Vec3::new(0.0, STANDING + 1.0, 0.0));
+    stage.run(1.5);
+    let before = stage.place(walker);
+    let ground = stage.is_on_ground(walker);
+    for step in 0..stage.steps(0.5) {
+        stage.step();
+        let (at, gap) = (stage.place(walker), stage.gap(walker));
+        hold!(gap > -1e-3, "step {step}: {gap} inside at {at}");
+        hold!(
+            at.distance(before) < 1e-2,
+            "step {step}: from {before} to {at}"
+        );
+        hold!(
+            !has_floor || stage.is_on_ground(walker) == ground,
+            "step {step}: was on the ground {ground}"
+        );
+    }
+    for _ in 0..4 {
+        stage.wish(
+            walker,
+            dice.in_range(0.5, 4.0) * heading(dice.in_range(0.0, 6.3)),
+        );
+        for step in 0..stage.steps(0.5) {
+            stage.step();
+            let (at, gap) = (stage.place(walker), stage.gap(walker));
+            hold!(gap > -1e-3, "walks, step {step}: {gap} inside at {at}");
+            hold!(
+                !has_floor || !ground || stage.is_on_ground(walker),
+                "walks, step {step}: off the ground at {at}"
+            );
+        }
+    }
     Ok(())
 }

@@ -29,6 +29,8 @@ pub(crate) struct Stage {
     /// m.
     pub(crate) unit: f32,
     pub(crate) step_dt: f32,
+    /// What walks: a capsule mostly.
+    form: usize,
 }
 
 impl Stage {
@@ -52,6 +54,7 @@ impl Stage {
             world: Pose::IDENTITY,
             unit: 1.0,
             step_dt: step.as_secs_f32(),
+            form: 2,
         }
     }
 
@@ -64,7 +67,11 @@ impl Stage {
             1 => Pose::new(unit * dice.vector(-50.0, 50.0), Quat::IDENTITY),
             _ => Pose::new(unit * dice.vector(-10.0, 10.0), dice.rotation()),
         };
-        Self::plain(hertz).moved_to(world, unit)
+        let form = dice.below(8);
+        Self {
+            form,
+            ..Self::plain(hertz).moved_to(world, unit)
+        }
     }
 
     pub(crate) fn moved_to(mut self, world: Pose, unit: f32) -> Self {
@@ -130,9 +137,21 @@ impl Stage {
         self.add(RigidBody::Static, mesh, Pose::IDENTITY)
     }
 
-    /// A capsule that walks, upright.
+    /// What a character is made of.
+    fn form(&self) -> ConvexMesh {
+        let (radius, length) = (RADIUS * self.unit, LENGTH * self.unit);
+        let high = length + 2.0 * radius;
+        match self.form {
+            0 => ConvexMesh::cylinder(radius, high),
+            1 => ConvexMesh::cuboid(2.0 * radius, high, 2.0 * radius),
+            _ => ConvexMesh::capsule(radius, length),
+        }
+        .expect("usable")
+    }
+
+    /// A character, upright.
     pub(crate) fn add_walker(&mut self, at: Vec3) -> Entity {
-        let shape = ConvexMesh::capsule(RADIUS * self.unit, LENGTH * self.unit).expect("usable");
+        let shape = self.form();
         let walker = Walker {
             settings: self.settings(),
             ..Walker::default()
