@@ -21,6 +21,9 @@ use bevy_transform::components::Transform;
 
 /// A character: walks up slopes and steps, along walls, rides on what moves, and pushes what is in its way.
 ///
+/// In the air it keeps the velocity of what it jumped or walked off. Dynamic bodies do not move it; it pushes them by no more than
+/// [`WalkSettings::push_force`]. Kinematic ones carry it, and take it along where they come against it.
+///
 /// For an entity with a `RigidBody::Kinematic` and a [`ConvexMesh`](crate::geometry::ConvexMesh), mostly a capsule, or a
 /// [`Compound`](crate::geometry::Compound), that is no child; `WalkerPlugin` moves it in each step. Set `velocity` to where it is to go.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Component)]
@@ -49,7 +52,7 @@ impl Walker {
 /// How a [`Walker`] moves. Written by the plugin.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Component)]
 pub struct Walking {
-    /// Its own velocity, m/s, without that of what it stands on.
+    /// Its own velocity, m/s, without that of what it stands on; in the air with what it kept of that.
     pub velocity: Vec3,
     /// What it stands on.
     pub ground: Option<Entity>,

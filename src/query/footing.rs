@@ -160,7 +160,8 @@ impl Walk<'_, '_> {
         let (moved, hit) = self.advance_past(pose, down, |hit| self.is_ground(hit).is_none());
         let hit = hit?;
         if self.is_firm(hit.body) {
-            return Some((moved, hit));
+            let beside = self.ground_beside(pose, down, &hit);
+            return Some((moved, beside.unwrap_or(hit)));
         }
         let counts = |slot| self.is_firm(slot);
         let filter = self.filter.with_predicate(&counts);
@@ -171,5 +172,19 @@ impl Walk<'_, '_> {
         };
         let firm = firm.filter(is_as_near).map(|firm| (fallen, firm));
         firm.or(Some((moved, hit)))
+    }
+    /// The ground beside what is too steep to stand on, where it leans against that and stands on both.
+    fn ground_beside(&self, pose: &Pose, down: Vec3, steep: &QueryHit) -> Option<QueryHit> {
+        if self.is_ground(steep).is_some() {
+            return None;
+        }
+        let room = 2.0 * self.settings.skin;
+        let away = room * across(steep.normal, self.settings.up).try_normalize()?;
+        let beside = Pose {
+            position: pose.position + away,
+            ..*pose
+        };
+        let (_, hit) = self.advance(&beside, down);
+        hit.filter(|hit| hit.distance - steep.distance <= room && self.is_ground(hit).is_some())
     }
 }

@@ -41,11 +41,13 @@ fn of_mesh(mesh: &ConvexMesh, core: &PlacedCore, limit: f32) -> Option<LocalHit>
             distance: near.distance - rounding,
             ..near
         }),
-        // How deep that is, is told of the middle, if it is inside.
+        // The way out leads from the surface to the middle, and is as long as it takes all of the core.
         Found::Overlap => {
-            let middle = core.middle().as_vec3();
-            let near = convex::closest(mesh, middle, f32::MAX)?;
-            let distance = near.distance.min(0.0);
+            let near = convex::closest(mesh, core.inside(), f32::MAX)?;
+            let out = near.normal.as_dvec3();
+            let top = out.dot(body.exact_support(out)) as f32 + rounding;
+            let lowest = out.dot(core.support(-out)) as f32;
+            let distance = (lowest - top).min(0.0);
             Some(LocalHit { distance, ..near })
         }
     }

@@ -18,6 +18,9 @@ use glam::Vec3;
 /// How often a motion is deflected.
 const MAX_SLIDES: usize = 6;
 
+/// Share of a fall that is none.
+const NOWHERE: f32 = 1e-4;
+
 /// A character in one step.
 pub(super) struct Walk<'w, 'q> {
     /// With what moves where it will be.
@@ -297,11 +300,11 @@ impl Walk<'_, '_> {
             }
             rest = obstacles.deflect(rest, hit.normal);
             // Between slopes it may lead nowhere.
-            if rest.dot(motion) <= 0.0 {
+            if rest.dot(motion) <= NOWHERE * motion.length_squared() {
                 return true;
             }
         }
-        false
+        true
     }
 }
 

@@ -14,6 +14,8 @@ mod mass;
 mod queries;
 mod rest;
 mod rolling;
+mod walker_laws;
+mod walker_stage;
 mod walking;
 mod walking_anywhere;
 
