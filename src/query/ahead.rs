@@ -100,6 +100,12 @@ impl Ahead {
         self.movers.iter().find(|mover| mover.slot == slot).copied()
     }
 
+    /// Where a body will be.
+    pub(crate) fn pose(&self, bodies: &Bodies, slot: u32) -> Pose {
+        let place = self.places.iter().find(|place| place.slot == slot);
+        place.map_or_else(|| bodies.pose(slot), Place::pose)
+    }
+
     pub(crate) fn movers(&self) -> &[Mover] {
         &self.movers
     }

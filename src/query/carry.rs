@@ -9,7 +9,7 @@ use crate::query::hit::QueryHit;
 use crate::query::request::ShapeCast;
 use crate::query::walk::Walk;
 use crate::query::walker::Footing;
-use glam::Vec3;
+use glam::{Quat, Vec3};
 
 /// How often it is looked for what shoves, after the last shove may have led against the next.
 const MAX_SHOVES: usize = 6;
@@ -18,22 +18,60 @@ const MAX_SHOVES: usize = 6;
 const NO_SHOVE: f32 = 1e-3;
 
 impl Walk<'_, '_> {
-    /// Goes with what it stands on to where that will be; how far its footing goes, m.
+    /// Goes with what it stands on: to where that has gone against what was expected, and to where it will be. How far its footing goes, m.
     pub(super) fn ride(&mut self, pose: &mut Pose, footing: &mut Footing) -> Vec3 {
-        let up = self.settings.up;
-        let is_current = self.queries.bodies().is_current(footing.body, footing.id);
-        let mover = self.ahead.mover(footing.body).filter(|_| is_current);
-        let Some(mover) = mover else {
+        let (up, bodies) = (self.settings.up, self.queries.bodies());
+        if !(bodies.is_current(footing.body, footing.id) && bodies.is_active(footing.body)) {
             return Vec3::ZERO;
-        };
+        }
+        let (slip, slip_turn) = self.slip(footing);
+        let mover = self.ahead.mover(footing.body);
         // Straight below the frame, about which it turns.
         let below = pose.position + (footing.point - pose.position).dot(up) * up;
-        let way = mover.way(below);
+        let mut way = slip + rotate(slip_turn, below - footing.point) - (below - footing.point);
+        let mut angle = 2.0 * slip_turn.xyz() * slip_turn.w.signum();
+        footing.normal = rotate(slip_turn, footing.normal);
+        if let Some(mover) = mover {
+            way += mover.way(below + way);
+            angle += mover.angle;
+            footing.normal = rotate(mover.turn, footing.normal);
+        }
+        if way == Vec3::ZERO && angle == Vec3::ZERO {
+            return Vec3::ZERO;
+        }
         footing.point += way;
-        footing.normal = rotate(mover.turn, footing.normal);
-        self.take_along(pose, way, mover.slot);
-        pose.rotation = rotate_by(pose.rotation, mover.angle.dot(up) * up, 1.0);
+        self.take_along(pose, way, footing.body);
+        pose.rotation = rotate_by(pose.rotation, angle.dot(up) * up, 1.0);
         way
+    }
+
+    /// How far its footing is from where it was expected to be by now, m, and how the body has turned against that. One that is far from
+    /// there was put elsewhere, and takes nobody along.
+    fn slip(&self, footing: &Footing) -> (Vec3, Quat) {
+        let bodies = self.queries.bodies();
+        let now = bodies.pose(footing.body);
+        let slip = now.transform_point(footing.place) - footing.point;
+        let is_elsewhere = slip.length() > 2.0 * bodies.radius(footing.body);
+        if now.rotation == footing.rotation || is_elsewhere {
+            let slip = if is_elsewhere { Vec3::ZERO } else { slip };
+            return (slip, Quat::IDENTITY);
+        }
+        (slip, now.rotation * footing.rotation.inverse())
+    }
+
+    /// What it stands on, at a place with a normal.
+    pub(super) fn footing_on(&self, hit: &QueryHit, normal: Vec3) -> Footing {
+        let pose = self.ahead.pose(self.queries.bodies(), hit.body);
+        let place = pose.inverse_transform_point(hit.point);
+        Footing {
+            body: hit.body,
+            id: hit.id,
+            normal,
+            // So that it is the same to the bit as long as the body stays.
+            point: pose.transform_point(place),
+            place,
+            rotation: pose.rotation,
+        }
     }
 
     /// Goes out of the way of all that moves against it, on its way from a pose; whether anything lifts it.

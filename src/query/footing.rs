@@ -146,12 +146,7 @@ impl Walk<'_, '_> {
             let (risen, _) = self.advance(pose, short * up);
             pose.position += risen;
         }
-        Some(Footing {
-            body: hit.body,
-            id: hit.id,
-            normal,
-            point: hit.point,
-        })
+        Some(self.footing_on(&hit, normal))
     }
 
     /// How far it gets down, and what is below then. Of what contacts move, what has come to its side is not below, nor what has got under

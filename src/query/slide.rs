@@ -17,6 +17,9 @@ const MAX_PUSHES: usize = 6;
 /// Least sine of the angle between a motion and what it meets that the skin is kept for: less would stop the motion too early.
 const GRAZING: f32 = 0.1;
 
+/// Share of a motion by which one along a surface may lead into it: rounding.
+const FREE: f32 = 1e-6;
+
 /// Share of the skin to which a shape is pushed out. Pushed out to all of it, a slow one would never get past what is just below its feet.
 const KEPT: f32 = 0.5;
 
@@ -53,10 +56,9 @@ impl Obstacles {
             self.count += 1;
         }
         let met = &self.normals[..self.count];
-        let is_free = |motion: Vec3| {
-            met.iter()
-                .all(|n| motion.dot(*n) >= -1e-6 * motion.length())
-        };
+        // By the length of what is deflected: of a motion almost straight against a wall rounding leaves as much as that.
+        let slack = FREE * motion.length();
+        let is_free = |along: Vec3| met.iter().all(|n| along.dot(*n) >= -slack);
         let along = motion - motion.dot(normal).min(0.0) * normal;
         if is_free(along) {
             return along;

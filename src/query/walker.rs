@@ -51,8 +51,11 @@ pub struct Footing {
     pub id: BodyId,
     /// Its unit normal there.
     pub normal: Vec3,
-    /// Where, world, m.
+    /// Where, world, m, with the body where it will be after the step.
     pub point: Vec3,
+    /// The same as the body sees it, and its rotation then.
+    pub(crate) place: Vec3,
+    pub(crate) rotation: Quat,
 }
 
 /// What a character pushes in a step: at a point of a dynamic body, along the way into it.

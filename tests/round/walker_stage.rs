@@ -244,3 +244,89 @@ impl Stage {
 pub(crate) fn flat(at: Vec3) -> Pose {
     Pose::from_position(at)
 }
+
+/// What a law says of a member.
+pub(crate) type Verdict = Result<(), String>;
+
+/// A law, with its name.
+pub(crate) type Law = (&'static str, fn(u64) -> Verdict);
+
+/// A law that is broken.
+macro_rules! hold {
+    ($is:expr, $($why:tt)*) => {
+        if !$is {
+            return Err(format!($($why)*));
+        }
+    };
+}
+pub(crate) use hold;
+
+/// Judges members of a law, from the first seed on.
+pub(crate) fn check(law: fn(u64) -> Verdict, members: u64) {
+    let judge = |seed| law(seed).err().map(|why| format!("{seed}: {why}"));
+    let broken: Vec<String> = (0..members).filter_map(judge).collect();
+    assert!(
+        broken.is_empty(),
+        "{} of {members}:\n{}",
+        broken.len(),
+        broken.join("\n")
+    );
+}
+
+pub(crate) fn heading(angle: f32) -> Vec2 {
+    Vec2::new(angle.cos(), angle.sin())
+}
+
+/// Ground at height 0 around the origin, of some kind: a half-space, boxes, triangles of any cut.
+pub(crate) fn add_ground(stage: &mut Stage, dice: &mut Dice) {
+    match dice.below(5) {
+        0 => {
+            let normal = stage.world.rotation * Vec3::Y;
+            stage.add(
+                RigidBody::Static,
+                HalfSpaceShape { normal },
+                Pose::new(Vec3::ZERO, stage.world.rotation.inverse()),
+            );
+        }
+        1 => {
+            stage.add_floor();
+        }
+        2 => {
+            // Slabs side by side.
+            for i in -8..8 {
+                let width = 5.0;
+                let at = Vec3::new((i as f32 + 0.5) * width, -0.5, 0.0);
+                stage.block(Vec3::new(width, 1.0, 80.0), at);
+            }
+        }
+        _ => {
+            let (corners, triangles) = flat_triangles(dice);
+            stage.add_level(&corners, &triangles, dice.below(2) == 0);
+        }
+    }
+}
+
+/// Level triangles: rows of different cuts, so that edges end in the middle of others, with thin ones among them.
+pub(crate) fn flat_triangles(dice: &mut Dice) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let (mut corners, mut triangles) = (Vec::new(), Vec::new());
+    let mut z = -40.0_f32;
+    while z < 40.0 {
+        let depth = [0.02, 0.7, 3.0, 10.0][dice.below(4)] * dice.in_range(0.5, 1.5);
+        let mut x = -40.0_f32;
+        while x < 40.0 {
+            let width = [0.05, 0.5, 4.0, 20.0][dice.below(4)] * dice.in_range(0.5, 1.5);
+            let first = corners.len() as u32;
+            for (dx, dz) in [(0.0, 0.0), (width, 0.0), (width, depth), (0.0, depth)] {
+                corners.push(Vec3::new(x + dx, 0.0, z + dz));
+            }
+            let [a, b, c, d] = [0, 1, 2, 3].map(|i| first + i);
+            triangles.extend(match dice.below(2) {
+                0 => [[a, c, b], [a, d, c]],
+                _ => [[a, d, b], [b, d, c]],
+            });
+            x += width;
+        }
+        z += depth;
+    }
+    (corners, triangles)
+}
