@@ -181,11 +181,12 @@ pub(crate) fn walk(
         return;
     }
     order.sort_unstable_by_key(|&(id, ..)| id);
-    *moving = kinematic_movers(&around.bodies);
+    moving.clear();
+    moving.extend(kinematic_movers(&around.bodies));
     for entity in from_the_ground_up(order) {
         if let Ok((_, walker, walking, transform)) = characters.get_mut(entity.1) {
             let who = (entity.0, walker, walking);
-            around.move_one(who, &transform, &mut moving, &mut pushes);
+            around.move_one(who, transform, &mut moving, &mut pushes);
         }
     }
 }
@@ -194,8 +195,9 @@ pub(crate) fn walk(
 fn from_the_ground_up(mut waiting: Vec<(BodyId, u32, Option<u32>, Entity)>) -> Vec<(u32, Entity)> {
     let mut order = Vec::with_capacity(waiting.len());
     while !waiting.is_empty() {
-        let slots: Vec<u32> = waiting.iter().map(|&(_, slot, ..)| slot).collect();
-        let waits = |on: Option<u32>| on.is_some_and(|on| slots.contains(&on));
+        let mut slots: Vec<u32> = waiting.iter().map(|&(_, slot, ..)| slot).collect();
+        slots.sort_unstable();
+        let waits = |on: Option<u32>| on.is_some_and(|on| slots.binary_search(&on).is_ok());
         let before = waiting.len();
         waiting.retain(|&(_, slot, on, entity)| {
             let waits = waits(on);
@@ -221,7 +223,7 @@ impl Surroundings<'_, '_> {
         pushes: &mut Vec<Push>,
     ) {
         let bodies = &*self.bodies;
-        let info = bodies.info(slot).clone();
+        let info = bodies.info(slot);
         let Some(shape) = cast_shape(&info.shape) else {
             return;
         };

@@ -22,15 +22,21 @@ pub(crate) struct Mover {
 }
 
 impl Mover {
-    /// Of the body in a slot, if it moves within a step.
-    fn of(bodies: &Bodies, slot: u32, step_dt: f32) -> Option<Self> {
+    /// Of the body in a slot, if it moves within a step, and may come into a ball then.
+    fn of(bodies: &Bodies, slot: u32, (within, step_dt): (Ball, f32)) -> Option<Self> {
         let (linear, angular) = bodies.velocity(slot);
-        let moves = bodies.is_moving(slot) && (linear, angular) != (Vec3::ZERO, Vec3::ZERO);
+        let (center, shift) = (bodies.center_of_mass(slot), step_dt * linear);
+        let radius = bodies.radius(slot);
+        let reach = within.radius + radius + shift.length();
+        // What has no end has no radius.
+        let is_far = radius > 0.0 && center.distance_squared(within.center) > reach * reach;
+        let is_still = linear == Vec3::ZERO && angular == Vec3::ZERO;
+        let moves = !is_far && !is_still && bodies.is_moving(slot);
         moves.then(|| Self {
             slot,
             kind: bodies.kind(slot),
-            center: bodies.center_of_mass(slot),
-            shift: step_dt * linear,
+            center,
+            shift,
             turn: rotate_by(Quat::IDENTITY, angular, step_dt),
             angle: step_dt * angular,
         })
@@ -51,17 +57,10 @@ impl Mover {
         place.go_to(Pose::new(center - to_center, rotation), center);
         place
     }
-
-    /// Whether the body may come into a ball.
-    fn may_reach(&self, place: &Place, within: Ball) -> bool {
-        let reach = |body: Ball| within.radius + body.radius + self.shift.length();
-        let is_near = |body: Ball| self.center.distance(within.center) <= reach(body);
-        place.ball().is_none_or(is_near)
-    }
 }
 
 /// The kinematic bodies that move.
-pub(crate) fn kinematic_movers(bodies: &Bodies) -> Vec<u32> {
+pub(crate) fn kinematic_movers(bodies: &Bodies) -> impl Iterator<Item = u32> {
     let moves = |&slot: &u32| {
         let body = &bodies.solver_bodies()[slot as usize];
         let is_still = body.linear == Vec3::ZERO && body.angular == Vec3::ZERO;
@@ -71,7 +70,7 @@ pub(crate) fn kinematic_movers(bodies: &Bodies) -> Vec<u32> {
             && bodies.is_moving(slot)
             && bodies.kind(slot) == RigidBody::Kinematic
     };
-    (0..bodies.slots() as u32).filter(moves).collect()
+    (0..bodies.slots() as u32).filter(moves)
 }
 
 /// Bodies that move within a step, and where they will be then.
@@ -82,14 +81,14 @@ pub(crate) struct Ahead {
 }
 
 impl Ahead {
-    /// Takes a body in, if it moves and may come into a ball.
-    pub(crate) fn look(&mut self, bodies: &Bodies, slot: u32, (within, step_dt): (Ball, f32)) {
+    /// Takes a body in, if it moves and may come into a ball within a step of so many seconds.
+    pub(crate) fn look(&mut self, bodies: &Bodies, slot: u32, around: (Ball, f32)) {
         let is_known = self.movers.iter().any(|mover| mover.slot == slot);
-        let Some(mover) = Mover::of(bodies, slot, step_dt).filter(|_| !is_known) else {
+        let Some(mover) = Mover::of(bodies, slot, around).filter(|_| !is_known) else {
             return;
         };
         let place = mover.place(bodies);
-        if mover.may_reach(&place, within) && place.pose().is_finite() {
+        if place.pose().is_finite() {
             self.movers.push(mover);
             self.places.push(place);
         }

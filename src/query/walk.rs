@@ -53,7 +53,7 @@ impl Queries<'_> {
         filter: &QueryFilter,
         pushes: &mut Vec<Push>,
     ) {
-        let moving = kinematic_movers(self.bodies());
+        let moving: Vec<u32> = kinematic_movers(self.bodies()).collect();
         self.walk_among(&moving, how, state, (input, filter), pushes);
     }
 

@@ -6,24 +6,13 @@
 
 use crate::common::dice::Dice;
 use crate::walker_stage::{
-    Law, RADIUS, SKIN, STANDING, Stage, Verdict, add_ground, check, flat, heading, hold,
+    RADIUS, SKIN, STANDING, Stage, Verdict, add_ground, check, flat, heading, hold,
 };
 use bevy_cleave::prelude::*;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
 use glam::{Quat, Vec2, Vec3};
-
-/// The laws of this file.
-pub(crate) const LAWS: &[Law] = &[
-    ("push", judge_push),
-    ("hit", judge_hit),
-    ("meeting", judge_meeting),
-    ("door", judge_door),
-    ("order", judge_order),
-    ("far", judge_far),
-    ("chaos", judge_chaos),
-];
 
 /// A body that moves by itself, on the ground somewhere.
 fn add_thing(stage: &mut Stage, dice: &mut Dice, at: Vec3) -> (Entity, f32) {

@@ -6,22 +6,10 @@
 
 use crate::common::dice::Dice;
 use crate::walker_stage::{
-    Law, RADIUS, STANDING, Stage, Verdict, add_ground, check, flat, heading, hold,
+    RADIUS, STANDING, Stage, Verdict, add_ground, check, flat, heading, hold,
 };
 use bevy_cleave::prelude::*;
 use glam::{Quat, Vec2, Vec3};
-
-/// The laws of this file.
-pub(crate) const LAWS: &[Law] = &[
-    ("still", judge_still),
-    ("flat", judge_flat),
-    ("ground_kinds", judge_ground_kinds),
-    ("stairs", judge_stairs),
-    ("slide", judge_slide),
-    ("slope", judge_slope),
-    ("groove", judge_groove),
-    ("ledge", judge_ledge),
-];
 
 /// Who wants nothing on still ground stays to the bit.
 fn judge_still(seed: u64) -> Verdict {

@@ -6,25 +6,12 @@
 
 use crate::common::dice::Dice;
 use crate::walker_stage::{
-    Law, RADIUS, SKIN, STANDING, Stage, Verdict, add_ground, check, flat, heading, hold,
+    RADIUS, SKIN, STANDING, Stage, Verdict, add_ground, check, flat, heading, hold,
 };
 use bevy_cleave::prelude::*;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
 use glam::{Quat, Vec2, Vec3};
-
-/// The laws of this file.
-pub(crate) const LAWS: &[Law] = &[
-    ("ride", judge_ride),
-    ("jump", judge_jump),
-    ("moving_wall", judge_moving_wall),
-    ("crushed", judge_crushed),
-    ("tilt", judge_tilt),
-    ("company", judge_company),
-    ("shoulders", judge_shoulders),
-    ("sliced", judge_sliced),
-    ("raft", judge_raft),
-];
 
 /// How a platform moves: by its velocity, or by its `Transform`; steadily or to and fro.
 #[derive(Clone, Copy, Debug)]

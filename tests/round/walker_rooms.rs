@@ -6,20 +6,10 @@
 
 use crate::common::dice::Dice;
 use crate::walker_stage::{
-    Law, RADIUS, SKIN, STANDING, Stage, Verdict, add_ground, check, flat, heading, hold,
+    RADIUS, SKIN, STANDING, Stage, Verdict, add_ground, check, flat, heading, hold,
 };
 use bevy_cleave::prelude::*;
 use glam::{Mat3, Quat, Vec2, Vec3};
-
-/// The laws of this file.
-pub(crate) const LAWS: &[Law] = &[
-    ("walls", judge_walls),
-    ("corridor", judge_corridor),
-    ("inside", judge_inside),
-    ("rates", judge_rates),
-    ("stair_rates", judge_stair_rates),
-    ("turned", judge_turned),
-];
 
 /// Walls around the origin at random angles: none is passed at any speed.
 fn judge_walls(seed: u64) -> Verdict {

@@ -248,9 +248,6 @@ pub(crate) fn flat(at: Vec3) -> Pose {
 /// What a law says of a member.
 pub(crate) type Verdict = Result<(), String>;
 
-/// A law, with its name.
-pub(crate) type Law = (&'static str, fn(u64) -> Verdict);
-
 /// A law that is broken.
 macro_rules! hold {
     ($is:expr, $($why:tt)*) => {
