@@ -6,7 +6,7 @@
 
 use crate::common::dice::Dice;
 use crate::walker_stage::{
-    RADIUS, SKIN, STANDING, Stage, Verdict, add_ground, check, flat, heading, hold,
+    RADIUS, STANDING, Stage, Verdict, add_ground, check, flat, heading, hold,
 };
 use bevy_cleave::prelude::*;
 use bevy_ecs::entity_disabling::Disabled;

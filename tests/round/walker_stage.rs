@@ -251,7 +251,8 @@ pub(crate) type Verdict = Result<(), String>;
 /// A law that is broken.
 macro_rules! hold {
     ($is:expr, $($why:tt)*) => {
-        if !$is {
+        let holds: bool = $is;
+        if !holds {
             return Err(format!($($why)*));
         }
     };
