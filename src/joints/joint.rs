@@ -177,6 +177,19 @@ impl Joint {
         self
     }
 
+    /// With friction about every axis that it turns about, N m: what a ragdoll needs to come to rest, as without it nothing but its contacts
+    /// brakes it.
+    pub fn with_angular_friction(mut self, torque: f32) -> Self {
+        brake(&mut self.angular, torque);
+        self
+    }
+
+    /// With friction along every axis that it slides along, N.
+    pub fn with_linear_friction(mut self, force: f32) -> Self {
+        brake(&mut self.linear, force);
+        self
+    }
+
     /// With a range of the hinge or twist, rad.
     pub fn with_angular_limits(mut self, min: f32, max: f32) -> Self {
         self.angular[0].range = AxisRange::Limited { min, max };
@@ -272,4 +285,12 @@ fn rotation_to(direction: Vec3) -> Quat {
         Some(unit) => Quat::from_rotation_arc(Vec3::X, unit).normalize(),
         None => Quat::from_xyzw(0.0, 0.0, 0.0, 0.0),
     }
+}
+
+/// Gives friction to the axes that move.
+fn brake(axes: &mut [JointAxis; 3], friction: f32) {
+    let moves = |axis: &&mut JointAxis| axis.range != AxisRange::Locked;
+    axes.iter_mut()
+        .filter(moves)
+        .for_each(|axis| axis.friction = friction);
 }

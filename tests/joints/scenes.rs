@@ -2,7 +2,7 @@
 
 use crate::common::ragdoll::add_ragdoll;
 use crate::common::scenes::awake;
-use crate::scene::{Bridge, Random, heavy, largest_gap};
+use crate::scene::{Bridge, H, Random, heavy, largest_gap};
 use bevy_cleave::prelude::*;
 use glam::{Quat, Vec3};
 
@@ -66,6 +66,31 @@ fn ragdolls_fall_down_stairs_in_one_piece_at_all_step_rates() {
         assert!(speed < 20.0, "{rate} Hz: {speed}");
         assert!(rest < 1.0, "{rate} Hz: {rest}");
     }
+}
+
+/// Without friction nothing but contacts brakes them: heads and feet that touch nothing swing for minutes.
+#[test]
+fn ragdolls_with_friction_in_their_joints_come_to_rest_and_sleep() {
+    let mut awake = Vec::new();
+    for seed in 0..24 {
+        let mut random = Random::new(seed);
+        let mut simulation = Simulation::default();
+        insert(&mut simulation, floor());
+        let feet = Vec3::new(0.0, random.range(2.0, 3.0), 0.0);
+        let turn = random.rotation();
+        for id in add_ragdoll(&mut simulation, feet, turn) {
+            let joint = *simulation.joints.get(id).expect("there");
+            let joint = joint.with_angular_friction(0.5);
+            let Simulation { joints, bodies, .. } = &mut simulation;
+            joints.set(bodies, id, joint).expect("usable");
+        }
+        let rests = (0..900).any(|_| {
+            simulation.step(H);
+            simulation.report.awake == 0
+        });
+        awake.extend((!rests).then_some(seed));
+    }
+    assert!(awake.len() <= 1, "{awake:?}");
 }
 
 /// A ragdoll that flies and spins as one: its joints and its parts.

@@ -497,7 +497,7 @@ fn judge_sliced(seed: u64) -> Verdict {
     Ok(())
 }
 
-/// It stays where it is on what slides by itself, and on what its owner puts elsewhere in each step of plain data.
+/// It stays where it is on what slides by itself.
 fn judge_raft(seed: u64) -> Verdict {
     let mut dice = Dice::new(0x1e000 + seed);
     let mut stage = Stage::plain([30.0, 60.0, 120.0][dice.below(3)]);
@@ -583,6 +583,6 @@ fn it_stays_where_it_is_when_its_ground_is_cut() {
 }
 
 #[test]
-fn it_stays_where_it_is_on_what_contacts_move_and_on_what_is_put_elsewhere() {
+fn it_stays_where_it_is_on_what_contacts_move() {
     check(judge_raft, 60);
 }
