@@ -454,7 +454,7 @@ fn what_falls_on_it_or_hits_it_does_not_move_it() {
 
 #[test]
 fn those_that_meet_do_not_change_sides() {
-    check(judge_meeting, 80);
+    check(judge_meeting, 50);
 }
 
 #[test]

@@ -467,17 +467,17 @@ fn judge_ledge(seed: u64) -> Verdict {
 
 #[test]
 fn who_wants_nothing_on_still_ground_stays_to_the_bit() {
-    check(judge_still, 100);
+    check(judge_still, 50);
 }
 
 #[test]
 fn on_level_ground_of_any_cut_it_goes_as_on_one_piece() {
-    check(judge_flat, 100);
+    check(judge_flat, 50);
 }
 
 #[test]
 fn on_grounds_of_any_kind_it_goes_as_on_a_floor() {
-    check(judge_ground_kinds, 80);
+    check(judge_ground_kinds, 50);
 }
 
 #[test]
@@ -487,12 +487,12 @@ fn it_goes_up_and_down_stairs_that_are_low_enough() {
 
 #[test]
 fn it_slides_along_walls_however_straight_it_runs_into_them() {
-    check(judge_slide, 150);
+    check(judge_slide, 60);
 }
 
 #[test]
 fn slopes_near_the_limit_are_told_apart() {
-    check(judge_slope, 100);
+    check(judge_slope, 50);
 }
 
 #[test]
@@ -502,5 +502,5 @@ fn between_steep_slopes_it_keeps_still_and_out_of_them() {
 
 #[test]
 fn it_falls_off_ledges_as_a_stone_does() {
-    check(judge_ledge, 80);
+    check(judge_ledge, 50);
 }

@@ -544,27 +544,27 @@ fn judge_raft(seed: u64) -> Verdict {
 
 #[test]
 fn it_stays_where_it_is_on_what_moves() {
-    check(judge_ride, 200);
+    check(judge_ride, 50);
 }
 
 #[test]
 fn who_jumps_keeps_the_motion_of_the_ground() {
-    check(judge_jump, 200);
+    check(judge_jump, 50);
 }
 
 #[test]
 fn what_moves_against_it_takes_it_along_and_never_passes_it() {
-    check(judge_moving_wall, 100);
+    check(judge_moving_wall, 50);
 }
 
 #[test]
 fn crushed_it_stays_between_what_crushes_it() {
-    check(judge_crushed, 80);
+    check(judge_crushed, 50);
 }
 
 #[test]
 fn it_stays_on_what_tilts() {
-    check(judge_tilt, 80);
+    check(judge_tilt, 50);
 }
 
 #[test]
@@ -574,7 +574,7 @@ fn on_what_moves_it_is_among_things_as_on_what_stands() {
 
 #[test]
 fn one_that_stands_on_another_goes_with_it() {
-    check(judge_shoulders, 100);
+    check(judge_shoulders, 50);
 }
 
 #[test]

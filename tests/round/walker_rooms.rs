@@ -309,17 +309,17 @@ fn judge_turned(seed: u64) -> Verdict {
 
 #[test]
 fn no_wall_at_any_angle_is_passed() {
-    check(judge_walls, 200);
+    check(judge_walls, 50);
 }
 
 #[test]
 fn it_goes_through_what_is_wider_and_higher_than_it_is_and_nothing_else() {
-    check(judge_corridor, 100);
+    check(judge_corridor, 50);
 }
 
 #[test]
 fn put_into_what_stands_it_comes_out() {
-    check(judge_inside, 100);
+    check(judge_inside, 50);
 }
 
 #[test]
