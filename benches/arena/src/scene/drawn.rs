@@ -14,7 +14,8 @@ pub(crate) struct Heap {
 /// Half of the edge of the box that stands for a half-space, in largest distances of a body from the origin.
 const WIDE: f32 = 4.0;
 
-/// The scene with a wide box for each half-space, which not all engines have. `None` where a floor moves or materials differ.
+/// The scene with a wide box for each half-space, which not all engines have. `None` where a floor moves or materials differ, or where
+/// a form is neither a box nor a hull.
 pub(crate) fn with_boxes(drawn: &Drawn) -> Option<Drawn> {
     let mut scene = drawn.clone();
     let first = scene.actors.first()?;
@@ -27,11 +28,17 @@ pub(crate) fn with_boxes(drawn: &Drawn) -> Option<Drawn> {
         if (actor.friction, actor.restitution) != material || !(is_still || actor.is_dynamic()) {
             return None;
         }
-        if let Form::HalfSpace(normal) = actor.form {
-            let half = WIDE * reach;
-            actor.form = Form::Box(Vec3::splat(2.0 * half));
-            actor.pose.position -= half * (actor.pose.rotation * normal.normalize());
-            actor.pose.rotation *= Quat::from_rotation_arc(Vec3::Y, normal.normalize());
+        match actor.form {
+            Form::Box(_) | Form::Hull(_) => {}
+            Form::HalfSpace(normal) => {
+                let half = WIDE * reach;
+                actor.form = Form::Box(Vec3::splat(2.0 * half));
+                actor.pose.position -= half * (actor.pose.rotation * normal.normalize());
+                actor.pose.rotation *= Quat::from_rotation_arc(Vec3::Y, normal.normalize());
+            }
+            Form::Smooth(..) | Form::Rounded(..) | Form::Compound(_) | Form::Ground(_) => {
+                return None;
+            }
         }
     }
     Some(scene)
@@ -52,7 +59,11 @@ pub(crate) fn heap(drawn: &Drawn) -> Heap {
         let (shape, center) = match &actor.form {
             Form::Box(size) => (scene.boxed(0.5 * *size), Vec3::ZERO),
             Form::Hull(points) => scene.hull(points),
-            Form::HalfSpace(_) => unreachable!("a box stands for it"),
+            Form::HalfSpace(_)
+            | Form::Smooth(..)
+            | Form::Rounded(..)
+            | Form::Compound(_)
+            | Form::Ground(_) => unreachable!("`with_boxes` gives boxes and hulls"),
         };
         centers.push(center);
         let at = actor.pose.transform_point(center);
