@@ -168,6 +168,7 @@ impl Walk<'_, '_> {
         let firm = firm.filter(is_as_near).map(|firm| (fallen, firm));
         firm.or(Some((moved, hit)))
     }
+
     /// The ground beside what is too steep to stand on, where it leans against that and stands on both.
     fn ground_beside(&self, pose: &Pose, down: Vec3, steep: &QueryHit) -> Option<QueryHit> {
         if self.is_ground(steep).is_some() {
