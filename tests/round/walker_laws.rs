@@ -9,6 +9,7 @@ use crate::walker_stage::{
     RADIUS, STANDING, Stage, Verdict, add_ground, check, flat, heading, hold,
 };
 use bevy_cleave::prelude::*;
+use bevy_ecs::prelude::Entity;
 use glam::{Quat, Vec2, Vec3};
 
 /// Who wants nothing on still ground stays to the bit.
@@ -46,6 +47,28 @@ fn judge_still(seed: u64) -> Verdict {
     Ok(())
 }
 
+/// Half a second on level ground it goes where it wants to, and stays on the ground; `far` is how far from the middle it may be, for rounding.
+fn walk_level(stage: &mut Stage, walker: Entity, wish: Vec2, far: f32) -> Verdict {
+    let mut expected = stage.place(walker);
+    stage.wish(walker, wish);
+    for step in 0..stage.steps(0.5) {
+        stage.step();
+        let at = stage.place(walker);
+        expected += stage.step_dt * Vec3::new(wish.x, 0.0, wish.y);
+        let off = at.distance(expected);
+        let rounding = 1e-6 * (stage.world.position.length() / stage.unit + far) * step as f32;
+        hold!(
+            off < 1e-3 + rounding,
+            "step {step}: {off} off at {at} with {wish}"
+        );
+        hold!(
+            stage.is_on_ground(walker),
+            "step {step}: off the ground at {at} with {wish}"
+        );
+    }
+    Ok(())
+}
+
 /// On level ground of any cut it goes as on one piece.
 fn judge_flat(seed: u64) -> Verdict {
     let mut dice = Dice::new(0x1000 + seed);
@@ -53,28 +76,11 @@ fn judge_flat(seed: u64) -> Verdict {
     add_ground(&mut stage, &mut dice);
     let walker = stage.add_walker(Vec3::new(0.0, STANDING + 0.02, 0.0));
     stage.run(0.3);
-    let mut expected = stage.place(walker);
     for _ in 0..5 {
         let speed = 10.0_f32.powf(dice.in_range(-0.7, 1.0));
         let wish = speed * heading(dice.in_range(0.0, 6.3));
-        stage.wish(walker, wish);
-        for step in 0..stage.steps(0.5) {
-            stage.step();
-            let at = stage.place(walker);
-            expected += stage.step_dt * Vec3::new(wish.x, 0.0, wish.y);
-            let off = at.distance(expected);
-            let rounding = 1e-6 * (stage.world.position.length() / stage.unit + 10.0) * step as f32;
-            hold!(
-                off < 1e-3 + rounding,
-                "step {step}: {off} off at {at} with {wish}"
-            );
-            hold!(
-                stage.is_on_ground(walker),
-                "step {step}: off the ground at {at} with {wish}"
-            );
-        }
-        expected = stage.place(walker);
-        if expected.length() > 25.0 {
+        walk_level(&mut stage, walker, wish, 10.0)?;
+        if stage.place(walker).length() > 25.0 {
             break;
         }
     }
@@ -114,26 +120,9 @@ fn judge_ground_kinds(seed: u64) -> Verdict {
     }
     let walker = stage.add_walker(Vec3::new(0.0, STANDING + 0.02, 0.0));
     stage.run(0.3);
-    let mut expected = stage.place(walker);
     for _ in 0..4 {
         let wish = dice.in_range(0.2, 6.0) * heading(dice.in_range(0.0, 6.3));
-        stage.wish(walker, wish);
-        for step in 0..stage.steps(0.5) {
-            stage.step();
-            let at = stage.place(walker);
-            expected += stage.step_dt * Vec3::new(wish.x, 0.0, wish.y);
-            let off = at.distance(expected);
-            let rounding = 1e-6 * (stage.world.position.length() / stage.unit + 20.0) * step as f32;
-            hold!(
-                off < 1e-3 + rounding,
-                "step {step}: {off} off at {at} with {wish}"
-            );
-            hold!(
-                stage.is_on_ground(walker),
-                "step {step}: off the ground at {at} with {wish}"
-            );
-        }
-        expected = stage.place(walker);
+        walk_level(&mut stage, walker, wish, 20.0)?;
     }
     Ok(())
 }
