@@ -76,7 +76,7 @@ pub(crate) struct SliceRequests(pub(crate) Vec<(Entity, Plane)>);
 pub(crate) struct BodyQueue {
     pub(crate) arrived: Vec<Entity>,
     pub(crate) left: Vec<(u32, BodyId)>,
-    /// Entities that lost a component of their body.
+    /// Entities of bodies that are to be described again, as they lost a component or await a shape.
     pub(crate) reduced: Vec<Entity>,
     /// Entities that were marked as sleeping by somebody else.
     pub(crate) marked: Vec<Entity>,

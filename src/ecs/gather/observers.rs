@@ -106,24 +106,30 @@ type Removable = (
 pub(crate) fn on_part_removed(
     remove: On<Remove<Removable>>,
     handles: Query<&BodyHandle, Allow<Disabled>>,
-    mut state: ResMut<PluginState>,
+    state: ResMut<PluginState>,
 ) {
-    let entity = remove.entity;
-    let is_body = handles.get(entity).is_ok_and(|handle| handle.0.is_some());
-    let reduced = &mut state.queue.reduced;
-    if is_body && reduced.last() != Some(&entity) {
-        reduced.push(entity);
-    }
+    describe_again(remove.entity, &handles, state);
 }
 
 /// Observer: a body that may have lost its shape is to get another one.
 pub(crate) fn on_shape_awaited(
     add: On<Add<ShapeAwaited>>,
     handles: Query<&BodyHandle, Allow<Disabled>>,
+    state: ResMut<PluginState>,
+) {
+    describe_again(add.entity, &handles, state);
+}
+
+fn describe_again(
+    entity: Entity,
+    handles: &Query<&BodyHandle, Allow<Disabled>>,
     mut state: ResMut<PluginState>,
 ) {
-    if handles.get(add.entity).is_ok_and(|it| it.0.is_some()) {
-        state.queue.reduced.push(add.entity);
+    let is_body = handles.get(entity).is_ok_and(|handle| handle.0.is_some());
+    let reduced = &mut state.queue.reduced;
+    // One bundle may have several.
+    if is_body && reduced.last() != Some(&entity) {
+        reduced.push(entity);
     }
 }
 
