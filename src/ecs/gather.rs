@@ -200,8 +200,9 @@ pub(crate) fn register_bodies(
                     options.entities.push(entity);
                 }
             }
-            None if queue.refused.contains(&entity) => {}
-            None => queue.refused.push(entity),
+            None => {
+                queue.refused.insert(entity);
+            }
         }
     }
 }

@@ -7,12 +7,9 @@ use bevy_ecs::prelude::*;
 /// Command: brings the components in line with what is wrong.
 pub(crate) fn sync_issues(world: &mut World) {
     let mut issues = std::mem::take(&mut world.resource_mut::<PluginState>().issues);
-    issues
-        .known
-        .retain(|issue| world.get_entity(issue.entity).is_ok());
-    for entity in issues.changed.drain(..) {
-        let of_entity = issues.known.iter().filter(|issue| issue.entity == entity);
-        let problems: Vec<_> = of_entity.map(|issue| issue.problem.clone()).collect();
+    issues.retain(|entity| world.get_entity(entity).is_ok());
+    for entity in std::mem::take(&mut issues.changed) {
+        let problems = issues.problems(entity);
         let Ok(mut entity) = world.get_entity_mut(entity) else {
             continue;
         };

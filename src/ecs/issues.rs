@@ -2,6 +2,7 @@
 
 use crate::bodies::body::BodyError;
 use crate::ecs::components::{BodyProblem, BodyWarning, warn};
+use bevy_ecs::entity::EntityHashMap;
 use bevy_ecs::prelude::*;
 use std::any::TypeId;
 
@@ -46,20 +47,20 @@ pub(crate) enum Source {
     Walker,
 }
 
-/// Something that is wrong.
+/// Something that is wrong with an entity.
 #[derive(Clone, Debug)]
-pub(super) struct Issue {
-    pub(super) entity: Entity,
+struct Issue {
     source: Source,
-    pub(super) problem: BodyProblem,
+    problem: BodyProblem,
 }
 
 /// All that is wrong now.
 #[derive(Debug, Default)]
 pub(crate) struct Issues {
-    pub(super) known: Vec<Issue>,
+    /// By entity, in the order in which they were found. Entities of which nothing is wrong are not in it.
+    known: EntityHashMap<Vec<Issue>>,
     /// Entities whose component is out of date.
-    pub(crate) changed: Vec<Entity>,
+    pub(super) changed: Vec<Entity>,
 }
 
 impl Issues {
@@ -72,8 +73,8 @@ impl Issues {
         problem: impl Into<BodyProblem>,
     ) {
         let problem = problem.into();
-        let is_same = |issue: &Issue| issue.entity == entity && issue.source == source;
-        let known = self.known.iter_mut().find(|issue| is_same(issue));
+        let of_entity = self.known.entry(entity).or_default();
+        let known = of_entity.iter_mut().find(|issue| issue.source == source);
         // As texts, because a NaN in the reason is not equal to itself.
         if (known.as_ref()).is_some_and(|known| known.problem.to_string() == problem.to_string()) {
             return;
@@ -82,59 +83,73 @@ impl Issues {
         self.changed.push(entity);
         match known {
             Some(known) => known.problem = problem,
-            None => self.known.push(Issue {
-                entity,
-                source,
-                problem,
-            }),
+            None => of_entity.push(Issue { source, problem }),
         }
     }
 
     /// Takes note that nothing is wrong with that any more.
     pub(crate) fn mend(&mut self, entity: Entity, source: Source) {
-        let count = self.known.len();
-        if count > 0 {
-            (self.known).retain(|issue| !(issue.entity == entity && issue.source == source));
-            if self.known.len() < count {
-                self.changed.push(entity);
-            }
-        }
+        self.mend_all(entity, |found| found == source);
     }
 
     /// Takes note that the entity is no body: nothing can be wrong with one.
     pub(crate) fn mend_body(&mut self, entity: Entity) {
-        let is_of_body = |issue: &Issue| {
-            issue.entity == entity
-                && !matches!(issue.source, Source::Constructor(_) | Source::Walker)
-        };
-        if self.known.iter().any(is_of_body) {
-            self.known.retain(|issue| !is_of_body(issue));
-            self.changed.push(entity);
-        }
+        self.mend_all(entity, |found| {
+            !matches!(found, Source::Constructor(_) | Source::Walker)
+        });
     }
 
     /// Takes note that the entity has another body, of which nothing is wrong but what is found from now on.
     pub(crate) fn begin_body(&mut self, entity: Entity) {
-        for source in [Source::Description, Source::Kind, Source::Motion] {
-            self.mend(entity, source);
+        self.mend_all(entity, |found| {
+            matches!(found, Source::Description | Source::Kind | Source::Motion)
+        });
+    }
+
+    fn mend_all(&mut self, entity: Entity, is_mended: impl Fn(Source) -> bool) {
+        let Some(of_entity) = self.known.get_mut(&entity) else {
+            return;
+        };
+        let count = of_entity.len();
+        of_entity.retain(|issue| !is_mended(issue.source));
+        if of_entity.len() < count {
+            self.changed.push(entity);
+        }
+        if of_entity.is_empty() {
+            self.known.remove(&entity);
         }
     }
 
     /// Whether the entity could not be described for a reason that another `Transform` or parent may mend.
     pub(crate) fn is_any_of_place(&self, entity: Entity) -> bool {
         use BodyError::{Incomplete, Scaled, Sheared};
-        self.known.iter().any(|issue| {
+        self.of(entity).iter().any(|issue| {
             let is_of_place = matches!(
                 issue.problem,
                 BodyProblem::Body(Incomplete | Scaled(_) | Sheared)
             );
-            issue.entity == entity && issue.source == Source::Description && is_of_place
+            issue.source == Source::Description && is_of_place
         })
     }
 
     /// Whether anything is wrong with the entity.
     pub(crate) fn is_any_of(&self, entity: Entity) -> bool {
-        self.known.iter().any(|issue| issue.entity == entity)
+        self.known.contains_key(&entity)
+    }
+
+    /// What is wrong with the entity, in the order in which it was found.
+    pub(super) fn problems(&self, entity: Entity) -> Vec<BodyProblem> {
+        let of_entity = self.of(entity).iter();
+        of_entity.map(|issue| issue.problem.clone()).collect()
+    }
+
+    /// Forgets entities that are gone.
+    pub(super) fn retain(&mut self, mut is_there: impl FnMut(Entity) -> bool) {
+        self.known.retain(|&entity, _| is_there(entity));
+    }
+
+    fn of(&self, entity: Entity) -> &[Issue] {
+        self.known.get(&entity).map_or(&[], Vec::as_slice)
     }
 
     /// Takes note of what a look found.

@@ -141,13 +141,13 @@ pub(crate) fn read_joints(
     asked.sort_unstable();
     let remade = update_known(queue, &asked, bodies, joints, readings);
     let refused = std::mem::take(&mut queue.refused);
-    let known: Vec<Entity> = refused.iter().map(|(entity, _)| *entity).collect();
+    let known: Vec<Entity> = refused.keys().copied().collect();
     for entity in remade.into_iter().chain(known).chain(arrived) {
         let is_there = readings
             .marks
             .get(entity)
             .is_ok_and(|handle| handle.0.is_some_and(|id| joints.contains(id)));
-        let is_refused = queue.refused.iter().any(|(other, _)| *other == entity);
+        let is_refused = queue.refused.contains_key(&entity);
         let Ok(parts) = readings.parts.get(entity) else {
             // What is no joint any more, or disabled, has no problem.
             queue.problems.push((entity, None));
@@ -167,8 +167,7 @@ pub(crate) fn read_joints(
             }
             Err(error) => {
                 let waits = error == JointError::NoBody && waits(parts, bodies, readings);
-                let before = refused.iter().find(|(other, _)| *other == entity);
-                let before = before.map(|(_, why)| *why);
+                let before = refused.get(&entity).copied();
                 let problem = (!waits).then_some(error);
                 refuse(queue, &mut warnings, entity, problem, before);
             }
@@ -219,7 +218,7 @@ fn refuse(
         }
         queue.problems.push((entity, problem));
     }
-    queue.refused.push((entity, problem));
+    queue.refused.insert(entity, problem);
 }
 
 /// Follows what became of the joints that hold; those that are to be made anew. `asked`: entities that describe their joints anew, sorted.

@@ -10,6 +10,7 @@ use crate::joints::{JointError, JointId};
 use crate::math::Plane;
 use crate::step::{ContactWatch, StepSettings};
 use bevy_ecs::component::ComponentId;
+use bevy_ecs::entity::{EntityIndexMap, EntityIndexSet};
 use bevy_ecs::prelude::*;
 
 /// One resource for all of it: in a step of one body, to fetch resources is a good part of what the plugin adds.
@@ -43,7 +44,7 @@ pub(crate) struct JointQueue {
     /// Entities that became joints, or stopped to be, in order.
     pub(crate) arrived: Vec<Entity>,
     /// Entities that could not become joints, with the reason, or none if a shape is still to come; tried again each step, warned about once.
-    pub(crate) refused: Vec<(Entity, Option<JointError>)>,
+    pub(crate) refused: EntityIndexMap<Option<JointError>>,
     /// Joints that hold, and their entities, ascending.
     pub(crate) entities: Vec<(JointId, Entity)>,
     /// What is to be written to entities of what is wrong with them.
@@ -81,7 +82,7 @@ pub(crate) struct BodyQueue {
     /// Entities that were marked as sleeping by somebody else.
     pub(crate) marked: Vec<Entity>,
     /// Entities that could not become bodies; tried again each step.
-    pub(crate) refused: Vec<Entity>,
+    pub(crate) refused: EntityIndexSet,
     /// Bodies whose entities got another `RigidBody`.
     pub(crate) changed_kind: Vec<Entity>,
     /// Entities of bodies that became static: what they moved by is no velocity of theirs any more.
