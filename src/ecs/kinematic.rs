@@ -79,15 +79,18 @@ impl KinematicTarget {
         Some((way, angle))
     }
 
-    /// Lets a body go to `pose` on its way, however far that is, in place of where it may have been told to go before.
+    /// Lets a body go to `pose` on its way, however far that is, in place of where it may have been told to go before: by one of the
+    /// first `told` targets.
     pub(crate) fn redirect(
-        targets: &mut Vec<Self>,
+        (targets, told): (&mut Vec<Self>, &mut usize),
         bodies: &mut Bodies,
         (slot, pose): (u32, Pose),
         step_dt: f32,
     ) {
-        if let Some(known) = targets.iter().position(|target| target.slot == slot) {
-            let (linear, angular) = targets.swap_remove(known).velocity;
+        let before = targets[..*told].iter().position(|it| it.slot == slot);
+        if let Some(before) = before {
+            *told -= 1;
+            let (linear, angular) = targets.remove(before).velocity;
             if bodies.set_velocity(slot, linear, angular).is_err() {
                 return;
             }

@@ -9,7 +9,7 @@ use crate::ecs::kinematic::KinematicTarget;
 use crate::ecs::query::IndexWish;
 use crate::ecs::state::PluginState;
 use crate::math::Pose;
-use crate::query::ahead::kinematic_movers;
+use crate::query::movers::KinematicMovers;
 use crate::query::{
     Footing, Push, QueryFilter, QueryIndex, QueryShape, Slider, WalkInput, WalkSettings, WalkState,
 };
@@ -156,7 +156,18 @@ pub(crate) struct Surroundings<'w, 's> {
     _wish: Local<'s, IndexWish>,
     bodies: ResMut<'w, Bodies>,
     state: ResMut<'w, PluginState>,
-    index: Res<'w, QueryIndex>,
+    index: ResMut<'w, QueryIndex>,
+}
+
+/// What the characters of a step share.
+#[derive(Debug, Default)]
+pub(crate) struct Shared {
+    /// With who has walked already.
+    moving: KinematicMovers,
+    /// How many kinematic bodies were told by users where to go.
+    told: usize,
+    /// Of the one that walks.
+    pushes: Vec<Push>,
 }
 
 /// System: moves all characters, one after the other: who stands on another after that one, else by the ids of their bodies.
@@ -165,8 +176,7 @@ pub(crate) struct Surroundings<'w, 's> {
 pub(crate) fn walk(
     mut around: Surroundings,
     mut characters: Query<Character>,
-    mut moving: Local<Vec<u32>>,
-    mut pushes: Local<Vec<Push>>,
+    mut shared: Local<Shared>,
 ) {
     let mut order = Vec::new();
     for ((entity, stance), walker, walking, _) in &characters {
@@ -181,12 +191,14 @@ pub(crate) fn walk(
         return;
     }
     order.sort_unstable_by_key(|&(id, ..)| id);
-    moving.clear();
-    moving.extend(kinematic_movers(&around.bodies));
+    // What came, or was put elsewhere, since the last step is not passed through.
+    around.index.refresh(&around.bodies);
+    shared.told = around.state.kinematic.len();
+    (shared.moving).find(&around.bodies, around.state.settings.step_dt);
     for entity in from_the_ground_up(order) {
         if let Ok((_, walker, walking, transform)) = characters.get_mut(entity.1) {
             let who = (entity.0, walker, walking);
-            around.move_one(who, transform, &mut moving, &mut pushes);
+            around.move_one(who, transform, &mut shared);
         }
     }
 }
@@ -219,8 +231,11 @@ impl Surroundings<'_, '_> {
         &mut self,
         (slot, mut walker, mut walking): (u32, Mut<Walker>, Mut<Walking>),
         transform: &Transform,
-        moving: &mut Vec<u32>,
-        pushes: &mut Vec<Push>,
+        Shared {
+            moving,
+            told,
+            pushes,
+        }: &mut Shared,
     ) {
         let bodies = &*self.bodies;
         let info = bodies.info(slot);
@@ -253,9 +268,9 @@ impl Surroundings<'_, '_> {
             footing: state.footing,
         };
         let to = (slot, Pose::new(state.position, state.rotation));
-        KinematicTarget::redirect(&mut self.state.kinematic, &mut self.bodies, to, step_dt);
-        moving.retain(|&other| other != slot);
-        moving.push(slot);
+        let targets = (&mut self.state.kinematic, told);
+        KinematicTarget::redirect(targets, &mut self.bodies, to, step_dt);
+        moving.add(&self.bodies, slot);
         for push in pushes.drain(..) {
             let refused = self
                 .bodies

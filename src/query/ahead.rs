@@ -59,20 +59,6 @@ impl Mover {
     }
 }
 
-/// The kinematic bodies that move.
-pub(crate) fn kinematic_movers(bodies: &Bodies) -> impl Iterator<Item = u32> {
-    let moves = |&slot: &u32| {
-        let body = &bodies.solver_bodies()[slot as usize];
-        let is_still = body.linear == Vec3::ZERO && body.angular == Vec3::ZERO;
-        // What contacts move is not kinematic; that spares most bodies a look at far memory.
-        body.inverse_mass == 0.0
-            && !is_still
-            && bodies.is_moving(slot)
-            && bodies.kind(slot) == RigidBody::Kinematic
-    };
-    (0..bodies.slots() as u32).filter(moves)
-}
-
 /// Bodies that move within a step, and where they will be then.
 #[derive(Debug, Default)]
 pub(crate) struct Ahead {

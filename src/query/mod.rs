@@ -32,6 +32,7 @@ mod hull;
 pub(crate) mod index;
 pub(crate) mod level;
 pub(crate) mod local;
+pub(crate) mod movers;
 pub(crate) mod nearness;
 mod place;
 pub(crate) mod request;

@@ -6,10 +6,11 @@
 
 use crate::bodies::body::RigidBody;
 use crate::math::{Aabb, Pose};
-use crate::query::ahead::{Ahead, kinematic_movers};
+use crate::query::ahead::Ahead;
 use crate::query::ball::Ball;
 use crate::query::filter::QueryFilter;
 use crate::query::hit::QueryHit;
+use crate::query::movers::KinematicMovers;
 use crate::query::slide::{Obstacles, Slider};
 use crate::query::view::Queries;
 use crate::query::walker::{Push, WalkInput, WalkSettings, WalkState};
@@ -53,14 +54,15 @@ impl Queries<'_> {
         filter: &QueryFilter,
         pushes: &mut Vec<Push>,
     ) {
-        let moving: Vec<u32> = kinematic_movers(self.bodies()).collect();
+        let mut moving = KinematicMovers::default();
+        moving.find(self.bodies(), input.step_dt);
         self.walk_among(&moving, how, state, (input, filter), pushes);
     }
 
     /// The same among kinematic bodies that are known to move.
     pub(crate) fn walk_among(
         &self,
-        moving: &[u32],
+        moving: &KinematicMovers,
         (slider, settings): (&Slider, &WalkSettings),
         state: &mut WalkState,
         (input, filter): (&WalkInput, &QueryFilter),
@@ -104,7 +106,7 @@ impl Queries<'_> {
     /// What may meet a character in a step, where it will be.
     fn look_ahead(
         &self,
-        moving: &[u32],
+        moving: &KinematicMovers,
         (slider, settings): (&Slider, &WalkSettings),
         state: &WalkState,
         input: &WalkInput,
@@ -134,7 +136,7 @@ impl Queries<'_> {
                 }
             });
         }
-        for &slot in moving {
+        for slot in moving.near(self, &region) {
             ahead.look(bodies, slot, within);
         }
         ahead

@@ -442,6 +442,59 @@ fn judge_chaos(seed: u64) -> Verdict {
     Ok(())
 }
 
+/// What moves far away changes no bit of a character among what moves near it: few are looked at one by one, of many those near alone.
+fn judge_many_movers(seed: u64) -> Verdict {
+    let run = |far: usize| {
+        let mut dice = Dice::new(0xe000 + seed);
+        let mut stage = Stage::plain([30.0, 60.0, 120.0][dice.below(3)]);
+        add_ground(&mut stage, &mut dice);
+        let walker = stage.add_walker(Vec3::new(0.0, STANDING + 0.02, 0.0));
+        stage.run(0.2);
+        for _ in 0..3 + dice.below(6) {
+            let speed = 10.0_f32.powf(dice.in_range(-1.0, 1.7));
+            add_mover(&mut stage, &mut dice, Vec3::ZERO, speed);
+        }
+        let wish = dice.in_range(0.0, 5.0) * heading(dice.in_range(0.0, 6.3));
+        stage.wish(walker, wish);
+        for _ in 0..far {
+            let speed = 10.0_f32.powf(dice.in_range(-3.0, 1.0));
+            add_mover(&mut stage, &mut dice, 1e3 * Vec3::X, speed);
+        }
+        let mut way = Vec::new();
+        for _ in 0..stage.steps(2.0) {
+            stage.step();
+            let at = stage.transform_of(walker);
+            way.push((at.translation.to_array(), at.rotation.to_array()));
+        }
+        way
+    };
+    let (few, many) = (run(0), run(150));
+    match few.iter().zip(&many).position(|(few, many)| few != many) {
+        None => Ok(()),
+        Some(step) => Err(format!(
+            "step {step}: {:?} instead of {:?}",
+            many[step], few[step]
+        )),
+    }
+}
+
+/// A kinematic bar that comes past a place, or turns there.
+fn add_mover(stage: &mut Stage, dice: &mut Dice, near: Vec3, speed: f32) {
+    let size = dice.vector(0.2, 2.0) * Vec3::new(dice.in_range(1.0, 4.0), 1.0, 1.0);
+    let way = heading(dice.in_range(0.0, 6.3));
+    let way = Vec3::new(way.x, 0.0, way.y);
+    // It is there within a second.
+    let at = near - speed * dice.in_range(0.0, 1.0) * way + dice.vector(-3.0, 3.0).with_y(1.0);
+    let bar = stage.add_box(RigidBody::Kinematic, size, flat(at));
+    let turn = dice.in_range(-10.0, 10.0) * [Vec3::ZERO, Vec3::Y][dice.below(2)];
+    stage.set_velocity(bar, speed * way, turn);
+}
+
+#[test]
+fn what_moves_far_away_changes_no_bit() {
+    check(judge_many_movers, 30);
+}
+
 #[test]
 fn what_it_pushes_is_not_thrown_about() {
     check(judge_push, 60);
