@@ -6,7 +6,7 @@ use bevy_cleave::prelude::*;
 use glam::{DMat3, DQuat, DVec3};
 
 /// Members of each law.
-const SEEDS: u64 = 400;
+const SEEDS: u64 = 240;
 
 /// Steps of each, of two seconds at most.
 const STEPS: f32 = 240.0;

@@ -97,12 +97,15 @@ pub(crate) fn deepest(crowd: &mut Crowd) -> f32 {
     deepest
 }
 
-/// Most of 300 crowds that may break the law, as many as do; 58 did before who meets what takes local steps took them too. What is left has most often a pair without a contact in a local step.
-const KNOWN: usize = 14;
+const CROWDS: u64 = 120;
+
+/// Most that may break the law, as many as do (14 of the first 300, and 58 before who meets what takes local steps took them too). What is left
+/// has most often a pair without a contact in a local step.
+const KNOWN: usize = 4;
 
 #[test]
 fn none_of_a_crowd_ends_a_step_inside_of_another_one() {
-    let depths = (0..300).map(|seed| deepest(&mut crowd(seed)));
+    let depths = (0..CROWDS).map(|seed| deepest(&mut crowd(seed)));
     let failing: Vec<f32> = depths.filter(|&depth| depth > INSIDE).collect();
     println!("crowds of which two overlap by more than {INSIDE}: {failing:?}");
     assert!(failing.len() <= KNOWN);
