@@ -8,6 +8,7 @@ use crate::geometry::{Compound, ConvexMesh, HalfSpaceShape, MeshError, PlaneErro
 use crate::mass::{MassError, MassProperties};
 use crate::math::{Plane, Pose};
 use crate::slice::fracturable::{Fracturable, FracturableError};
+use crate::slice::roughen::CutLooks;
 use bevy_ecs::component::Component;
 use glam::{Quat, Vec3};
 
@@ -253,6 +254,8 @@ pub(crate) struct BodyInfo {
     pub(crate) layers: CollisionLayers,
     pub(crate) is_sensor: bool,
     pub(crate) fracturable: Option<Fracturable>,
+    /// Of a piece that breaks no more: how its cuts look, if that is how cuts of what it was looked.
+    pub(crate) cut_looks: Option<Box<CutLooks>>,
 }
 
 impl BodyInfo {
@@ -268,6 +271,7 @@ impl BodyInfo {
             layers: desc.layers,
             is_sensor: desc.is_sensor,
             fracturable: desc.fracturable,
+            cut_looks: None,
         }
     }
 

@@ -5,6 +5,7 @@
 
 use crate::bodies::store::Bodies;
 use crate::slice::fracturable::Fracturable;
+use crate::slice::roughen::CutLooks;
 use glam::Vec3;
 use smallvec::SmallVec;
 
@@ -130,6 +131,23 @@ impl Bodies {
     #[inline]
     pub fn fracturable(&self, slot: u32) -> Option<&Fracturable> {
         self.info.get(slot as usize)?.as_ref()?.fracturable.as_ref()
+    }
+
+    /// What the faces of its cuts look like.
+    pub(crate) fn cut_looks(&self, slot: u32) -> CutLooks {
+        let info = self.info(slot);
+        let kept = info.cut_looks.as_deref().copied();
+        match &info.fracturable {
+            Some(fracturable) => fracturable.cut_looks(),
+            None => kept.unwrap_or_default(),
+        }
+    }
+
+    /// Says how cuts of a piece look that may not be [`Fracturable`] any more.
+    pub(crate) fn keep_cut_looks(&mut self, slot: u32, looks: CutLooks) {
+        if let Some(info) = &mut self.info[slot as usize] {
+            info.cut_looks = (looks != CutLooks::default()).then(|| Box::new(looks));
+        }
     }
 
     /// Whether any body can break.

@@ -323,6 +323,7 @@ impl Bodies {
     pub fn redescribe(&mut self, slot: u32, desc: BodyDesc) -> Result<(), BodyError> {
         let info = BodyInfo {
             kind: self.kind(slot),
+            cut_looks: self.info(slot).cut_looks.clone(),
             ..BodyInfo::of(desc)
         };
         info.check_material()?;

@@ -3,7 +3,7 @@
 use crate::bodies::store::Bodies;
 use crate::fracture::BreakingImpact;
 use crate::fracture::impact;
-use crate::fracture::pieces::{BreakPlan, PieceSet, cut_looks};
+use crate::fracture::pieces::{BreakPlan, PieceSet};
 use crate::slice::cut_job::CutJob;
 use crate::slice::{Cutting, Impact};
 use crate::tuning::PASSES_OF_A_CUT;
@@ -34,7 +34,7 @@ impl GradualCut {
         if matches!(cutting, Cutting::Planes(_)) {
             return None;
         }
-        let options = cut_looks(bodies.fracturable(slot)).options;
+        let options = bodies.cut_looks(slot).options;
         let job = CutJob::begin(shape.hull(), visual, (&cutting, most), options).ok()?;
         let plan = BreakPlan {
             slot,

@@ -12,7 +12,6 @@ use crate::geometry::{Compound, ConvexHull, ConvexMesh, HullError, TriMesh};
 use crate::mass::VolumeIntegrals;
 use crate::math::{Plane, Pose, rotate};
 use crate::slice::fracturable::Fracturable;
-use crate::slice::roughen::CutLooks;
 use crate::slice::separate::fit_hulls;
 use crate::slice::{Cutting, Piece, PieceCutter, SliceError, SliceOptions};
 use glam::{Quat, Vec3};
@@ -56,7 +55,7 @@ impl PieceSet {
             return Self::of_compound(bodies, plan, compound, cutter);
         }
         let mesh = bodies.convex(plan.slot).ok_or(CutError::NotConvex)?;
-        let looks = cut_looks(bodies.fracturable(plan.slot));
+        let looks = bodies.cut_looks(plan.slot);
         let visual = looks.visual_of(mesh);
         let visual = visual.as_deref();
         let pieces = pieces_of(mesh.hull(), visual, plan, (cutter, looks.options))?;
@@ -71,8 +70,7 @@ impl PieceSet {
         cutter: &mut PieceCutter,
     ) -> Result<Self, CutError> {
         let mesh = bodies.convex(plan.slot).ok_or(CutError::NotConvex)?;
-        let fracturable = bodies.fracturable(plan.slot);
-        let looks = cut_looks(fracturable);
+        let looks = bodies.cut_looks(plan.slot);
         let surface: f64 = pieces.iter().map(|piece| piece.hull.area()).sum();
         let crack_area = 0.5 * (surface - mesh.hull().area());
         let mut halves = Vec::new();
@@ -81,7 +79,7 @@ impl PieceSet {
             let air = pieces.len();
             pieces.retain(Piece::is_seen);
             let mut is_changed = pieces.len() != air;
-            if fracturable.is_none_or(|f| f.separate_parts) {
+            if !looks.keeps_parts {
                 let joined = pieces.len();
                 cutter.separate(&mut pieces)?;
                 is_changed |= pieces.len() != joined;
@@ -118,7 +116,7 @@ impl PieceSet {
         compound: &Compound,
         cutter: &mut PieceCutter,
     ) -> Result<Self, CutError> {
-        let looks = cut_looks(bodies.fracturable(plan.slot));
+        let looks = bodies.cut_looks(plan.slot);
         let broken = match (&plan.blow, plan.struck) {
             (Some(blow), Some(struck)) => {
                 let how = (blow, plan.most);
@@ -170,21 +168,6 @@ fn pieces_of(
     let mut pieces = cutter.cut(hull, visual, blow, plan.most, options)?;
     cutter.cut_pieces(&mut pieces, &plan.cuts, usize::MAX, options)?;
     Ok(pieces)
-}
-
-/// What the faces of cuts look like.
-pub(super) fn cut_looks(fracturable: Option<&Fracturable>) -> CutLooks {
-    let Some(fracturable) = fracturable else {
-        return CutLooks::default();
-    };
-    CutLooks {
-        options: SliceOptions {
-            cap_color: fracturable.cut_color,
-            cap_material: fracturable.cut_material,
-            ..SliceOptions::default()
-        },
-        relief: fracturable.cut_relief.map(|r| (r, fracturable.seed)),
-    }
 }
 
 /// Replaces the body in `slot` by its pieces, which move as its parts did, or leaves it as it is.
@@ -255,6 +238,7 @@ pub(super) fn insert(
     reference: &Reference,
 ) -> (SmallVec<[u32; 8]>, SmallVec<[u32; 8]>) {
     let fracturable = bodies.fracturable(parent).cloned();
+    let looks = bodies.cut_looks(parent);
     let min_volume = fracturable.as_ref().map_or(0.0, |f| f.min_volume);
     let min_volume = f64::from(min_volume.max(budget.min_volume));
     let (mut kept, mut numbers) = (SmallVec::new(), SmallVec::new());
@@ -275,6 +259,9 @@ pub(super) fn insert(
         match is_large_enough.then(|| bodies.insert_with_mass(desc)) {
             Some(Ok(slot)) => {
                 ledger.after.add_body(bodies, slot, reference);
+                if bodies.fracturable(slot).is_none() {
+                    bodies.keep_cut_looks(slot, looks);
+                }
                 if let Some(hold) = hold {
                     *bodies.hold_mut(slot) = hold;
                 }

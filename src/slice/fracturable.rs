@@ -1,10 +1,12 @@
 //! What makes a body breakable: strength, pattern, and limits for the pieces.
 
 use crate::geometry::ConvexHull;
+use crate::slice::SliceOptions;
 use crate::slice::crack_area::cells_for_energy;
 use crate::slice::cutting::Cutting;
 use crate::slice::pattern::{FracturePattern, Impact};
 use crate::slice::relief::settings::Relief;
+use crate::slice::roughen::CutLooks;
 use bevy_ecs::component::Component;
 use glam::Vec4;
 
@@ -32,14 +34,14 @@ pub struct Fracturable {
     pub max_pieces: u16,
     /// Pieces smaller than this are not spawned, and the ledger says so; m3.
     pub min_volume: f32,
-    /// How many times a piece may break again. At 0 the pieces are ordinary bodies.
+    /// How many times a piece may break again. At 0 the pieces are ordinary bodies; cuts of them that are asked for look as these do.
     pub generations: u8,
     /// Start of the random numbers of the pattern; the same seed gives the same pieces.
     pub seed: u64,
     /// Color of the cut faces; `None` carries the surface's colors over the rim.
     pub cut_color: Option<Vec4>,
     /// Material slot of the cut faces (see [`TriMesh::materials`](crate::geometry::TriMesh::materials)); `None` for no
-    /// slots, or 0 if the mesh has some.
+    /// slots, or 0 if the mesh has some. A body without a visual mesh of its own gets the mesh of its hull when it is cut.
     pub cut_material: Option<u16>,
     /// Relief of the cut faces, from the [`seed`](Self::seed); `None` leaves them flat. A body without a visual mesh of its own gets the
     /// mesh of its hull when it breaks. Only what is drawn changes, and with it the mass only of what weighs as its
@@ -178,6 +180,19 @@ impl Fracturable {
         };
         self.pattern
             .cutting(impact, hull, self.seed, most.min(affordable))
+    }
+
+    /// What the faces of its cuts look like.
+    pub(crate) fn cut_looks(&self) -> CutLooks {
+        CutLooks {
+            options: SliceOptions {
+                cap_color: self.cut_color,
+                cap_material: self.cut_material,
+                ..SliceOptions::default()
+            },
+            relief: self.cut_relief.map(|relief| (relief, self.seed)),
+            keeps_parts: !self.separate_parts,
+        }
     }
 
     /// What piece number `index` inherits: one generation less, random numbers of its own.

@@ -12,22 +12,31 @@ pub(crate) struct CutLooks {
     pub(crate) options: SliceOptions,
     /// Their relief, and its seed.
     pub(crate) relief: Option<(Relief, u64)>,
+    /// Whether pieces whose visual meshes are in several parts stay in one: see [`Fracturable::separate_parts`].
+    ///
+    /// [`Fracturable::separate_parts`]: crate::slice::fracturable::Fracturable::separate_parts
+    pub(crate) keeps_parts: bool,
 }
 
 impl CutLooks {
-    /// The mesh of a shape that is cut with it: the one that rides inside, or, if there is none and faces get relief, that of its hull.
+    /// Whether the faces are told from the rest by what no hull has.
+    fn needs_mesh(&self) -> bool {
+        self.relief.is_some() || self.options.cap_material.is_some()
+    }
+
+    /// The mesh of a shape that is cut with it: the one that rides inside, or, if there is none and faces get relief or a slot, that of
+    /// its hull.
     pub(crate) fn visual_of<'a>(&self, shape: &'a ConvexMesh) -> Option<Cow<'a, TriMesh>> {
-        match (shape.visual(), self.relief) {
-            (Some(mesh), _) => Some(Cow::Borrowed(mesh)),
-            (None, Some(_)) => Some(shape.render_mesh()),
-            (None, None) => None,
+        match shape.visual() {
+            Some(mesh) => Some(Cow::Borrowed(mesh)),
+            None => self.needs_mesh().then(|| shape.render_mesh()),
         }
     }
 
     /// Whether [`visual_of`](Self::visual_of) a shape has anything to see.
     pub(crate) fn has_visual(&self, shape: &ConvexMesh) -> bool {
         let visual = shape.visual();
-        visual.map_or(self.relief.is_some(), |mesh| !mesh.triangles().is_empty())
+        visual.map_or(self.needs_mesh(), |mesh| !mesh.triangles().is_empty())
     }
 
     /// Farthest that a face is from where it was cut, m.

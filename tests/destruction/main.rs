@@ -14,6 +14,7 @@ mod clusters;
 mod cuts;
 mod heirs;
 mod kit;
+mod looks;
 mod standing;
 mod waiting;
 
@@ -35,6 +36,13 @@ fn check(law: fn(u64) -> Verdict, scenes: u64, (failing, shown): (usize, usize))
 #[test]
 fn pieces_of_a_cut_are_apart_on_their_sides_and_move_as_the_body_did() {
     check(cuts::judge, 300, (0, 1000));
+}
+
+// Of plain hulls they had no slot, and of pieces that break no more that of the outside.
+#[test]
+fn faces_of_cuts_and_nothing_else_have_their_slot() {
+    check(looks::judge, 300, (0, 2000));
+    check(looks::judge_after_a_blow, 150, (0, 500));
 }
 
 #[test]
