@@ -99,8 +99,8 @@ struct Gathered {
 /// What acts at a point of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct PointForce {
-    /// From the origin of the body's frame, world axes, m.
-    lever: Vec3,
+    /// World, m: where the body is, the step knows, and not who draws it between two of them.
+    point: Vec3,
     /// N.
     force: Vec3,
     /// N s.
@@ -113,10 +113,10 @@ impl AppliedForces {
         self.0.get_or_insert_default()
     }
 
-    /// A force, N, and an impulse, N s, at a point so far from the origin of the body's frame, world axes, m.
-    pub(super) fn act_at(&mut self, lever: Vec3, [force, impulse]: [Vec3; 2]) {
+    /// A force, N, and an impulse, N s, at a point of the world, m.
+    pub(super) fn act_at(&mut self, point: Vec3, [force, impulse]: [Vec3; 2]) {
         self.sum().at_points.push(PointForce {
-            lever,
+            point,
             force,
             impulse,
         });
@@ -152,17 +152,16 @@ impl AppliedForces {
 }
 
 impl Gathered {
-    /// All of it about the center of mass of a body with this rotation.
-    fn total(&self, mass: &MassProperties, rotation: Quat) -> StepForces {
-        let to_center = rotate(rotation, mass.center);
+    /// All of it about the center of mass (world, m).
+    fn total(&self, center: Vec3) -> StepForces {
         // Sum, and moment about the center.
         let sum = |part: fn(&PointForce) -> Vec3| {
             let (mut sum, mut moment) = (Vec3::ZERO, Vec3::ZERO);
-            for point in &self.at_points {
-                sum += part(point);
-                moment += point.lever.cross(part(point));
+            for at in &self.at_points {
+                sum += part(at);
+                moment += (at.point - center).cross(part(at));
             }
-            (sum, moment - to_center.cross(sum))
+            (sum, moment)
         };
         let (force, torque) = sum(|point| point.force);
         let (impulse, angular_impulse) = sum(|point| point.impulse);
@@ -180,7 +179,10 @@ impl Gathered {
 ///
 /// What is applied acts in the next step and in no other, however many frames or systems come before it: call it in `FixedUpdate`
 /// for a force that lasts, or use [`ConstantForce`]. It acts on dynamic bodies and wakes them if it is not zero. An impulse waits for
-/// those that have no body yet, or are disabled; a force is over with the step. World axes.
+/// those that have no body yet, or are disabled; a force is over with the step. World axes. Points are where [`SpatialQuery`] sees them:
+/// on the body as the last step left it, however it is drawn.
+///
+/// [`SpatialQuery`]: crate::ecs::SpatialQuery
 #[derive(Debug, QueryData)]
 #[query_data(mutable, derive(Debug))]
 pub struct Forces {
@@ -201,8 +203,7 @@ impl ForcesItem<'_, '_> {
 
     /// A force, N, at a point of the world, m. Of a body whose parts bonds hold it loads the part that is there, see [`Bodies::apply_at`].
     pub fn apply_force_at(&mut self, force: Vec3, point: Vec3) {
-        let lever = point - self.origin();
-        self.applied.act_at(lever, [force, Vec3::ZERO]);
+        self.applied.act_at(point, [force, Vec3::ZERO]);
     }
 
     /// A torque, N m.
@@ -217,8 +218,7 @@ impl ForcesItem<'_, '_> {
 
     /// An impulse, N s, at a point of the world, m. Of a body whose parts bonds hold it hits the part that is there, see [`Bodies::apply_at`].
     pub fn apply_impulse_at(&mut self, impulse: Vec3, point: Vec3) {
-        let lever = point - self.origin();
-        self.applied.act_at(lever, [Vec3::ZERO, impulse]);
+        self.applied.act_at(point, [Vec3::ZERO, impulse]);
     }
 
     /// An angular impulse, N m s.
@@ -306,12 +306,11 @@ type Pushed = (Entity, &'static BodyHandle, &'static mut AppliedForces);
 /// Lets what was gathered act on a body: of a cluster on its parts.
 fn apply(bodies: &mut Bodies, slot: u32, gathered: &Gathered) -> Result<(), BodyError> {
     if gathered.at_points.is_empty() || bodies.cluster(slot).is_none() {
-        let total = gathered.total(bodies.mass(slot), bodies.pose(slot).rotation);
+        let total = gathered.total(bodies.center_of_mass(slot));
         return bodies.apply(slot, &total);
     }
-    let origin = bodies.pose(slot).position;
-    for point in &gathered.at_points {
-        bodies.apply_at(slot, origin + point.lever, [point.force, point.impulse])?;
+    for at in &gathered.at_points {
+        bodies.apply_at(slot, at.point, [at.force, at.impulse])?;
     }
     bodies.apply(slot, &gathered.forces)
 }

@@ -263,3 +263,54 @@ fn who_is_disabled_between_steps_is_where_the_last_step_left_it() {
     (0..3).for_each(|_| app.update());
     assert_eq!(place(&app, body), left);
 }
+
+// A push at a point was taken from where the body was drawn, which is up to a step behind.
+#[test]
+fn who_is_pushed_where_a_ray_hits_turns_as_without_it() {
+    /// Shoots at the body from the side, on its way.
+    fn shoot(space: SpatialQuery, mut bodies: Query<Forces>, mut shots: Local<usize>) {
+        *shots += 1;
+        let ahead = Vec3::new(0.05 * *shots as f32 + 0.2, 0.3, 5.0);
+        let ray = Ray::new(ahead, Vec3::NEG_Z, 50.0).expect("a ray");
+        let Some(hit) = space.cast_ray(&ray, &QueryFilter::all()) else {
+            return;
+        };
+        if let Ok(mut forces) = bodies.get_mut(hit.body) {
+            forces.apply_impulse_at(-8.0 * hit.normal, hit.point);
+            forces.apply_force_at(-90.0 * hit.normal, hit.point);
+        }
+    }
+    let motion = |is_smooth: bool, rate: f64, is_child: bool| {
+        let mut app = app();
+        if is_smooth {
+            app.add_plugins(InterpolationPlugin);
+        }
+        app.insert_resource(Gravity(Vec3::ZERO))
+            .add_systems(bevy_app::Update, shoot);
+        app.finish();
+        app.cleanup();
+        with_frames_of(&mut app, 1.0 / rate);
+        let velocity = LinearVelocity(0.05 * rate as f32 * Vec3::X);
+        let spin = AngularVelocity(Vec3::new(0.0, 0.4, 0.1));
+        let body = (RigidBody::Dynamic, cube(), velocity, spin);
+        let body = app.world_mut().spawn(body).id();
+        if is_child {
+            let parent = app.world_mut().spawn(Transform::from_xyz(0.5, 0.0, 0.0));
+            let parent = parent.id();
+            put_beneath(app.world_mut(), body, Some(parent));
+        }
+        (0..(0.4 * rate) as usize).for_each(|_| app.update());
+        let bodies = app.world().resource::<Bodies>();
+        let slots = bodies.iter();
+        let poses = slots.map(|slot| (bodies.pose(slot), bodies.velocity(slot)));
+        let poses: Vec<_> = poses.collect();
+        assert!(poses[0].1.1.length() > 0.6, "it was hit: {poses:?}");
+        format!("{poses:?}")
+    };
+    for rate in [45.0, 75.0, 144.0] {
+        for is_child in [false, true] {
+            let (smooth, plain) = (motion(true, rate, is_child), motion(false, rate, is_child));
+            assert_eq!(smooth, plain, "{rate} Hz {is_child}");
+        }
+    }
+}
