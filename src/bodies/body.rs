@@ -212,6 +212,11 @@ pub enum BodyError {
         "what makes a body (a shape, Fracturable, Sensor, a force) does nothing without RigidBody"
     )]
     NoRigidBody,
+    /// Something on a part of a compound that is of the whole body, or a shape that is no part.
+    #[error(
+        "a part of a compound has a ConvexMesh and a place: what else makes a body does nothing there, but on the compound's entity"
+    )]
+    IdlePart,
     /// A half-space cannot be dynamic.
     #[error("a half-space has no mass and cannot be dynamic")]
     DynamicHalfSpace,

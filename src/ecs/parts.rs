@@ -49,10 +49,14 @@ impl CompoundOfChildren {
         let entity = context.entity;
         ShapeAwaited::end(world.reborrow(), context);
         world.commands().queue(move |world: &mut World| {
-            if let Ok(mut entity) = world.get_entity_mut(entity)
-                && !entity.contains::<Self>()
+            let made_of = world.get_entity_mut(entity).ok().and_then(|mut entity| {
+                let is_gone = !entity.contains::<Self>();
+                is_gone.then(|| entity.take::<MadeOf>()).flatten()
+            });
+            let parts = made_of.and_then(|made_of| made_of.made);
+            if let (Some(parts), Some(mut state)) = (parts, world.get_resource_mut::<PluginState>())
             {
-                entity.remove::<MadeOf>();
+                state.queue.lone_parts.extend(parts.entities);
             }
             note::<Self, BodyError>(world, entity, Ok(()));
         });
@@ -62,20 +66,31 @@ impl CompoundOfChildren {
 /// What the compound was made of, and what became of it.
 #[derive(Clone, Debug, Default, Component)]
 #[component(clone_behavior = Ignore)]
-pub(crate) struct MadeOf(Option<(Vec<Child>, Option<Compound>)>);
+pub(crate) struct MadeOf {
+    made: Option<Made>,
+    /// Whether a part was there whose shape was yet to come.
+    has_waited: bool,
+}
 
-impl MadeOf {
+/// Parts, and what they made.
+#[derive(Clone, Debug)]
+struct Made {
+    children: Vec<Child>,
+    entities: Vec<Entity>,
+    compound: Option<Compound>,
+}
+
+impl Made {
     /// Whether an entity has what these children make.
-    fn is_current(&self, children: &[Child], compound: Option<&Compound>) -> bool {
-        self.0.as_ref().is_some_and(|(known, made)| {
-            let is_made = match (made, compound) {
-                (Some(made), Some(compound)) => made.is_same(compound),
-                (None, None) => true,
-                (Some(_), None) | (None, Some(_)) => false,
-            };
-            let mut both = known.iter().zip(children);
-            is_made && known.len() == children.len() && both.all(|(a, b)| a.is_same(b))
-        })
+    fn is_current(&self, found: &Found, compound: Option<&Compound>) -> bool {
+        let is_made = match (&self.compound, compound) {
+            (Some(made), Some(compound)) => made.is_same(compound),
+            (None, None) => true,
+            (Some(_), None) | (None, Some(_)) => false,
+        };
+        let mut both = self.children.iter().zip(&found.children);
+        let is_as_many = self.children.len() == found.children.len();
+        is_made && is_as_many && self.entities == found.entities && both.all(|(a, b)| a.is_same(b))
     }
 }
 
@@ -138,16 +153,25 @@ pub(crate) fn make_compounds(
         found.collect(ways.collect(), &members);
         // What begins to move has all of its parts.
         if found.is_incomplete && compound.is_none() {
+            made_of.has_waited = true;
             if !is_awaited {
                 commands.entity(entity).insert(ShapeAwaited);
             }
             continue;
         }
-        if made_of.is_current(&found.children, compound.as_deref()) {
+        // Somebody else says that there will be parts, such as those of a scene that is loaded.
+        if is_awaited && found.entities.is_empty() && !made_of.has_waited {
             continue;
         }
-        for &part in &found.entities {
-            state.issues.mend(part, Source::Body);
+        let before = made_of.made.as_ref();
+        if before.is_some_and(|made| made.is_current(&found, compound.as_deref())) {
+            continue;
+        }
+        // What became a part, or is none any more, may do nothing on its own.
+        let known = before.map_or(&[][..], |made| &made.entities);
+        if known != found.entities {
+            let lone = &mut state.queue.lone_parts;
+            lone.extend(found.entities.iter().chain(known));
         }
         let made = found.compound();
         let source = Source::Constructor(TypeId::of::<CompoundOfChildren>());
@@ -165,7 +189,11 @@ pub(crate) fn make_compounds(
         if is_awaited {
             commands.entity(entity).remove::<ShapeAwaited>();
         }
-        made_of.0 = Some((found.children, made));
+        made_of.made = Some(Made {
+            children: found.children,
+            entities: found.entities,
+            compound: made,
+        });
     }
 }
 

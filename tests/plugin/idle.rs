@@ -137,6 +137,82 @@ fn parts_of_a_compound_and_what_is_despawned_are_no_issues() {
     assert!(app.world().get::<Compound>(table).is_some());
 }
 
+// A sensor among the parts of a compound was solid, a shape of another kind was not there, and neither said so.
+#[test]
+fn what_a_part_of_a_compound_has_no_use_for_is_an_issue() {
+    for (number, (give, take)) in parts().into_iter().enumerate() {
+        let mut app = weightless();
+        let mut part = app.world_mut().spawn(Transform::default());
+        give(&mut part);
+        let part = part.id();
+        let table = (RigidBody::Dynamic, CompoundOfChildren, children![cube()]);
+        let table = app.world_mut().spawn(table).add_child(part).id();
+        steps(&mut app);
+        let is_shape = number == 0;
+        let idle = [BodyProblem::Body(BodyError::IdlePart)];
+        let expected = &idle[..usize::from(!is_shape)];
+        assert_eq!(issues(&app, part), expected, "part {number}");
+        assert_eq!(issues(&app, table), [], "part {number}");
+        take(&mut app.world_mut().entity_mut(part));
+        steps(&mut app);
+        assert_eq!(issues(&app, part), [], "part {number}");
+    }
+}
+
+// Only what came or went with the part itself was looked at.
+#[test]
+fn what_is_no_part_any_more_is_an_issue() {
+    let idle = [BodyProblem::Body(BodyError::NoRigidBody)];
+    let mut app = weightless();
+    let at = |x: f32| Transform::from_xyz(x, 0.0, 0.0);
+    let node = (at(2.0), children![(cube(), at(1.0))]);
+    let table = (RigidBody::Dynamic, CompoundOfChildren, at(0.0));
+    let table = app
+        .world_mut()
+        .spawn((table, children![cube(), (cube(), at(1.0)), node]))
+        .id();
+    steps(&mut app);
+    let below = |app: &App, entity: Entity| {
+        let children = app.world().get::<Children>(entity).expect("children");
+        children.to_vec()
+    };
+    let parts = below(&app, table);
+    let leaf = below(&app, parts[2])[0];
+    for part in [parts[0], parts[1], leaf] {
+        assert_eq!(issues(&app, part), []);
+    }
+    // Alone, or with what is above it.
+    for (moved, part) in [(parts[1], parts[1]), (parts[2], leaf)] {
+        app.world_mut().entity_mut(moved).remove::<ChildOf>();
+        steps(&mut app);
+        assert_eq!(issues(&app, part), idle);
+        assert_eq!(issues(&app, table), []);
+        app.world_mut().entity_mut(table).add_child(moved);
+        steps(&mut app);
+        assert_eq!(issues(&app, part), []);
+    }
+    // Beneath a body that has a shape of its own.
+    let block = app.world_mut().spawn((RigidBody::Static, cube())).id();
+    app.world_mut().entity_mut(table).add_child(block);
+    app.world_mut().entity_mut(block).add_child(parts[1]);
+    steps(&mut app);
+    assert_eq!(issues(&app, parts[1]), idle);
+    // All at once.
+    app.world_mut()
+        .entity_mut(table)
+        .remove::<CompoundOfChildren>();
+    steps(&mut app);
+    for part in [parts[0], leaf] {
+        assert_eq!(issues(&app, part), idle);
+    }
+    // What makes a compound and is no body says so too.
+    let mut lone = app.world_mut().spawn((CompoundOfChildren, at(9.0)));
+    let lone = lone.add_child(parts[0]).id();
+    steps(&mut app);
+    assert_eq!(issues(&app, lone), idle);
+    assert_eq!(issues(&app, parts[0]), []);
+}
+
 #[test]
 fn what_pushes_a_body_that_forces_do_not_move_is_an_issue_and_what_bounds_it_is_none() {
     let pushes: Vec<Part> = parts! {

@@ -34,14 +34,9 @@ type Parts = (
     (LinearDamping, AngularDamping, MaxSpeed, LockedAxes),
 );
 
-/// Entities that have some of it.
-pub(crate) type HasPart = Or<(
-    Or<(
-        With<ConvexMesh>,
-        With<Compound>,
-        With<HalfSpaceShape>,
-        With<StaticMesh>,
-    )>,
+/// Entities that have some of what a part of a compound has no use for.
+type HasMore = Or<(
+    Or<(With<Compound>, With<HalfSpaceShape>, With<StaticMesh>)>,
     Or<(
         With<Fracturable>,
         With<Anchors>,
@@ -67,6 +62,9 @@ pub(crate) type HasPart = Or<(
         With<LockedAxes>,
     )>,
 )>;
+
+/// Entities that have some of it.
+pub(crate) type HasPart = Or<(With<ConvexMesh>, HasMore)>;
 
 /// Observer: an entity that is no body got something of one.
 pub(crate) fn on_lone_part_added(
@@ -98,25 +96,50 @@ fn queue(
     }
 }
 
+/// What is looked at of an entity on the way up to a compound.
+type Above = (
+    Option<&'static ChildOf>,
+    Has<CompoundOfChildren>,
+    Has<RigidBody>,
+);
+
 /// What is looked at of entities that may be no bodies.
 #[derive(SystemParam)]
 pub(crate) struct LoneParts<'w, 's> {
-    parts: Query<'w, 's, Has<RigidBody>, (HasPart, Allow<Disabled>)>,
-    bodies: Query<'w, 's, (), (With<RigidBody>, Allow<Disabled>)>,
-    above: Query<'w, 's, (Option<&'static ChildOf>, Has<CompoundOfChildren>), Allow<Disabled>>,
+    parts: Query<'w, 's, (), (HasPart, Allow<Disabled>)>,
+    more: Query<'w, 's, (), (HasMore, Allow<Disabled>)>,
+    above: Query<'w, 's, Above, Allow<Disabled>>,
 }
 
 impl LoneParts<'_, '_> {
-    /// Whether something does nothing: the entity has no body, and is part of none.
-    fn is_idle(&self, entity: Entity) -> bool {
-        let mut next = Some(entity);
-        while let Some((child_of, is_compound)) = next.and_then(|at| self.above.get(at).ok()) {
-            if is_compound {
-                return false;
+    fn is_body(&self, entity: Entity) -> bool {
+        self.above.get(entity).is_ok_and(|(.., is_body)| is_body)
+    }
+
+    /// Whether the entity is a part of a compound: another body between the two has parts of its own.
+    fn is_part(&self, entity: Entity) -> bool {
+        let above = |entity| self.above.get(entity).ok();
+        let mut next = above(entity).and_then(|(child_of, ..)| child_of);
+        while let Some((child_of, is_compound, is_body)) =
+            next.and_then(|child_of| above(child_of.parent()))
+        {
+            if is_compound || is_body {
+                return is_compound;
             }
-            next = child_of.map(ChildOf::parent);
+            next = child_of;
         }
-        self.parts.get(entity).is_ok_and(|is_body| !is_body)
+        false
+    }
+
+    /// What does nothing on an entity that is no body.
+    fn idle(&self, entity: Entity) -> Option<BodyError> {
+        if self.is_part(entity) {
+            let is_idle = self.more.contains(entity);
+            is_idle.then_some(BodyError::IdlePart)
+        } else {
+            let is_idle = self.parts.contains(entity);
+            is_idle.then_some(BodyError::NoRigidBody)
+        }
     }
 
     /// Tells of those that are queued what they are now.
@@ -127,12 +150,12 @@ impl LoneParts<'_, '_> {
         warnings: &mut Messages<BodyWarning>,
     ) {
         for entity in queued.drain(..) {
-            if self.bodies.contains(entity) {
+            if self.is_body(entity) {
                 continue;
             }
             issues.mend_body(entity);
-            if self.is_idle(entity) {
-                issues.raise(warnings, entity, Source::Body, BodyError::NoRigidBody);
+            if let Some(error) = self.idle(entity) {
+                issues.raise(warnings, entity, Source::Body, error);
             }
         }
     }
