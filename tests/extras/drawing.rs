@@ -5,7 +5,9 @@ use bevy_app::App;
 use bevy_asset::Assets;
 use bevy_cleave::geometry::primitives;
 use bevy_cleave::prelude::*;
+use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
+use bevy_ecs::query::Allow;
 use bevy_math::Vec3;
 use bevy_mesh::{Mesh, Mesh3d};
 
@@ -147,4 +149,95 @@ fn tangents_are_made_anew_where_there_were_some() {
                 .contains_attribute(Mesh::ATTRIBUTE_TANGENT)
         );
     }
+}
+
+/// All entities with a component, disabled ones too.
+fn even_disabled<C: Component>(app: &mut App) -> Vec<Entity> {
+    let world = app.world_mut();
+    let mut all = world.query_filtered::<Entity, (With<C>, Allow<Disabled>)>();
+    all.iter(world).collect()
+}
+
+/// Of the bounds of what an entity is drawn as, m.
+fn size(app: &App, entity: Entity) -> f32 {
+    drawn(app, entity).aabb().diagonal()
+}
+
+// What had become of its shape meanwhile was never drawn.
+#[test]
+fn who_was_disabled_is_drawn_as_it_is() {
+    let mut app = mesh_app();
+    app.insert_resource(Gravity(Vec3::ZERO));
+    let cube = |size: f32| ConvexMesh::cuboid(size, size, size).expect("a box");
+    let body = (RigidBody::Dynamic, cube(1.0), DrawShape::new(), Disabled);
+    let body = app.world_mut().spawn(body).id();
+    (0..2).for_each(|_| app.update());
+    app.world_mut().entity_mut(body).remove::<Disabled>();
+    app.update();
+    assert!((size(&app, body) - 3.0_f32.sqrt()).abs() < 1e-5);
+    app.world_mut().entity_mut(body).insert(Disabled);
+    app.update();
+    app.world_mut().entity_mut(body).insert(cube(2.0));
+    (0..2).for_each(|_| app.update());
+    app.world_mut().entity_mut(body).remove::<Disabled>();
+    app.update();
+    assert!((size(&app, body) - 12.0_f32.sqrt()).abs() < 1e-5);
+    // Pieces that somebody disables as they are born.
+    app.world_mut()
+        .add_observer(|born: On<Add<PieceOf>>, mut commands: Commands| {
+            commands.entity(born.entity).insert(Disabled);
+        });
+    let plane = Plane::through(Vec3::ZERO, Vec3::X);
+    app.world_mut().commands().slice(body, plane);
+    (0..2).for_each(|_| app.update());
+    let pieces = even_disabled::<PieceOf>(&mut app);
+    assert_eq!(pieces.len(), 2);
+    for piece in pieces {
+        app.world_mut().entity_mut(piece).remove::<Disabled>();
+        app.update();
+        assert!((size(&app, piece) - 3.0).abs() < 1e-5);
+    }
+}
+
+// The cut faces of what was disabled hung in the air.
+#[test]
+fn slots_are_seen_when_their_body_is() {
+    let mut app = mesh_app();
+    app.insert_resource(Gravity(Vec3::ZERO));
+    let draw = DrawShape::new().with_slot(CUT, Paint("inside"));
+    let body = spawn_body(&mut app, draw);
+    app.update();
+    let plane = Plane::through(Vec3::ZERO, Vec3::X);
+    app.world_mut().commands().slice(body, plane);
+    app.update();
+    let piece = all_with::<PieceOf>(&mut app)[0];
+    for is_seen in [false, true, false, true] {
+        let mut entity = app.world_mut().entity_mut(piece);
+        if is_seen {
+            entity.remove::<Disabled>();
+        } else {
+            entity.insert(Disabled);
+        }
+        app.update();
+        let seen = all_with::<SlotMesh>(&mut app).len();
+        assert_eq!(seen, 1 + usize::from(is_seen));
+    }
+    // Cut anew while nobody sees it.
+    app.world_mut().entity_mut(piece).insert(Disabled);
+    let shape = ConvexMesh::clone(app.world().get(piece).expect("a body"));
+    app.world_mut().entity_mut(piece).insert(shape);
+    app.update();
+    assert_eq!(all_with::<SlotMesh>(&mut app).len(), 1);
+    app.world_mut().entity_mut(piece).remove::<Disabled>();
+    app.update();
+    assert_eq!(all_with::<SlotMesh>(&mut app).len(), 2);
+    // Pieces that are not to be drawn do not keep what drew the cut faces of what they were.
+    app.world_mut()
+        .resource_mut::<PieceRules>()
+        .drop_component::<DrawShape>();
+    let plane = Plane::through(Vec3::ZERO, Vec3::Y);
+    app.world_mut().commands().slice(piece, plane);
+    (0..2).for_each(|_| app.update());
+    assert_eq!(all_with::<RigidBody>(&mut app).len(), 3);
+    assert_eq!(even_disabled::<SlotMesh>(&mut app).len(), 1);
 }

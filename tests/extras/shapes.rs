@@ -5,6 +5,7 @@ use bevy_app::App;
 use bevy_asset::{AssetServer, Assets, Handle, RenderAssetUsages};
 use bevy_cleave::geometry::primitives;
 use bevy_cleave::prelude::*;
+use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
 use bevy_math::Vec3;
 use bevy_mesh::{Mesh, Mesh3d, PrimitiveTopology};
@@ -59,7 +60,7 @@ fn waiting(app: &mut App, mesh: &Handle<Mesh>) -> Vec<Entity> {
         ShapeFromMesh::Static {
             is_two_sided: false,
         },
-        ShapeFromMesh::Static { is_two_sided: true },
+        ShapeFromMesh::Compound(Default::default()),
     ];
     let mesh = Mesh3d(mesh.clone());
     let world = app.world_mut();
@@ -244,6 +245,122 @@ fn a_scene_that_is_loaded_late_becomes_bodies() {
     assert_eq!(all_with::<StaticMesh>(&mut app).len(), 2);
     assert_eq!(all_with::<ConvexMesh>(&mut app), [own]);
     assert_eq!(app.world().resource::<Bodies>().len(), 3);
+}
+
+// Nothing became of nodes that were disabled as they came, or put below later; and what drew cut faces became bodies.
+#[test]
+fn whatever_comes_below_a_scene_becomes_bodies_and_nothing_else() {
+    let mut app = mesh_app();
+    app.insert_resource(Gravity(Vec3::ZERO));
+    let handle = app.world_mut().resource_mut::<Assets<Mesh>>().add(ball());
+    let mesh = || (Mesh3d(handle.clone()), Transform::default());
+    let world = app.world_mut();
+    let scene = (ShapesOfScene::default(), Transform::default(), Disabled);
+    let scene = world.spawn(scene).id();
+    let disabled = world.spawn((mesh(), Disabled, ChildOf(scene))).id();
+    (0..2).for_each(|_| app.update());
+    for entity in [scene, disabled] {
+        app.world_mut().entity_mut(entity).remove::<Disabled>();
+    }
+    let branch = app.world_mut().spawn(Transform::default()).id();
+    let leaf = app.world_mut().spawn((mesh(), ChildOf(branch))).id();
+    let late = app.world_mut().spawn(mesh()).id();
+    (0..2).for_each(|_| app.update());
+    assert_eq!(all_with::<ConvexMesh>(&mut app), [disabled]);
+    for entity in [branch, late] {
+        app.world_mut().entity_mut(entity).insert(ChildOf(scene));
+    }
+    (0..2).for_each(|_| app.update());
+    let mut all = vec![disabled, leaf, late];
+    all.sort_unstable();
+    assert_eq!(all_with::<ConvexMesh>(&mut app), all);
+    let cut = Fracturable {
+        cut_material: Some(1),
+        ..Fracturable::default()
+    };
+    let draw = DrawShape::new().with_slot(1, Name::new("inside"));
+    app.world_mut().entity_mut(late).insert((cut, draw));
+    app.update();
+    let plane = Plane::through(Vec3::ZERO, Vec3::X);
+    app.world_mut().commands().slice(late, plane);
+    (0..3).for_each(|_| app.update());
+    assert_eq!(all_with::<SlotMesh>(&mut app).len(), 2);
+    assert_eq!(all_with::<RigidBody>(&mut app).len(), 4);
+    assert_eq!(all_with::<ShapeAwaited>(&mut app), []);
+}
+
+// A compound of children that were yet to come was an issue, and they became bodies of their own.
+#[test]
+fn a_scene_that_is_loaded_is_one_compound() {
+    for is_below in [false, true] {
+        let mut app = mesh_app();
+        let handle = app.world_mut().resource_mut::<Assets<Mesh>>().add(ball());
+        let body = (RigidBody::Dynamic, CompoundOfChildren, Transform::default());
+        let body = app.world_mut().spawn(body).id();
+        let scene = if is_below {
+            let node = (Transform::default(), ChildOf(body));
+            app.world_mut().spawn(node).id()
+        } else {
+            body
+        };
+        let ask = ShapesOfScene::default();
+        app.world_mut().entity_mut(scene).insert(ask);
+        (0..3).for_each(|_| app.update());
+        assert_eq!(complaining(&app, &[body]), [false]);
+        for i in 0..3 {
+            let at = Transform::from_xyz(i as f32, 0.0, 0.0);
+            let node = app.world_mut().spawn((at, ChildOf(scene))).id();
+            let mesh = (Mesh3d(handle.clone()), ChildOf(node));
+            app.world_mut().spawn((mesh, Transform::default()));
+        }
+        (0..4).for_each(|_| app.update());
+        assert_eq!(all_with::<RigidBody>(&mut app), [body]);
+        let parts = app.world().get::<Compound>(body).map(Compound::len);
+        assert_eq!(parts, Some(3));
+        assert_eq!(all_with::<BodyIssues>(&mut app), []);
+        assert_eq!(all_with::<ShapeAwaited>(&mut app), []);
+    }
+}
+
+#[test]
+fn a_mesh_that_is_not_convex_becomes_a_compound() {
+    let mut app = mesh_app();
+    let slab = |at: Vec3, size: Vec3| {
+        let slab = primitives::cuboid(size.x, size.y, size.z).expect("a box");
+        slab.to_mesh().transformed(&Pose::from_position(at))
+    };
+    // A table: one mesh of parts that overlap.
+    let legs = [[-0.4, -0.4], [0.4, -0.4], [-0.4, 0.4], [0.4, 0.4]];
+    let legs = legs.map(|[x, z]| slab(Vec3::new(x, -0.5, z), Vec3::new(0.1, 1.0, 0.1)));
+    let top = slab(Vec3::ZERO, Vec3::new(1.0, 0.1, 1.0));
+    let mut positions: Vec<Vec3> = Vec::new();
+    let mut triangles: Vec<[u32; 3]> = Vec::new();
+    for part in legs.iter().chain([&top]) {
+        let first = positions.len() as u32;
+        positions.extend(part.positions());
+        triangles.extend(part.triangles().iter().map(|t| t.map(|v| v + first)));
+    }
+    let mesh = TriMesh::new(positions, triangles).expect("five boxes");
+    let mesh = app
+        .world_mut()
+        .resource_mut::<Assets<Mesh>>()
+        .add(Mesh::from(&mesh));
+    let wish = ShapeFromMesh::Compound(Default::default());
+    let table = (RigidBody::Dynamic, wish, Mesh3d(mesh));
+    let table = app.world_mut().spawn(table).id();
+    (0..3).for_each(|_| app.update());
+    assert_eq!(complaining(&app, &[table]), [false]);
+    let compound = app.world().get::<Compound>(table).expect("a table");
+    assert!((5..9).contains(&compound.len()), "{}", compound.len());
+    assert!(compound.visual().is_some());
+    // What is open and cannot be closed says so.
+    let sheet = StaticMesh::from_heights(&[0.0; 4], 2, 1.0).expect("a grid");
+    let sheet = Mesh::from(&sheet.to_mesh());
+    let sheet = app.world_mut().resource_mut::<Assets<Mesh>>().add(sheet);
+    let sheet = (RigidBody::Dynamic, wish, Mesh3d(sheet));
+    let sheet = app.world_mut().spawn(sheet).id();
+    (0..3).for_each(|_| app.update());
+    assert!(app.world().entity(sheet).contains::<ShapeRefused>());
 }
 
 #[test]

@@ -1,12 +1,18 @@
 //! Shapes for entities whose `Mesh3d` is yet to be loaded.
 
 use super::convert::{MeshConversionError, unread_attributes};
+use super::draw::SlotMesh;
 use crate::bodies::body::RigidBody;
-use crate::ecs::ShapeAwaited;
-use crate::geometry::{ConvexMesh, HalfSpaceShape, HullError, MeshError, StaticMesh, TriMesh};
-use crate::import::{ImportError, ImportOptions, Model, ModelObject};
+use crate::ecs::{CompoundOfChildren, ShapeAwaited};
+use crate::geometry::{
+    Compound, ConvexMesh, HalfSpaceShape, HullError, MeshError, StaticMesh, TriMesh,
+};
+use crate::import::{Import, ImportError, ImportOptions, Model, ModelObject};
+use crate::slice::{DecompositionError, DecompositionOptions};
 use bevy_asset::{AssetServer, Assets, LoadState};
+use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
+use bevy_ecs::query::Allow;
 use bevy_math::Vec3;
 use bevy_mesh::{Mesh, Mesh3d};
 #[cfg(feature = "reflect")]
@@ -28,6 +34,9 @@ pub enum ShapeFromMesh {
     /// The convex hull, with the mesh riding in it: pieces look like parts of the mesh. What is not closed is mended as
     /// [`Model::import`] does, by default options; its report goes to the log.
     HullWithVisual,
+    /// The convex parts of a mesh that is not convex, which rides in them; mended as above. To find them takes a fraction of a second
+    /// for a mesh of a thousand triangles, seconds for many more: see [`decompose`](crate::slice::decompose).
+    Compound(DecompositionOptions),
     /// A level of triangles, for bodies that are not dynamic.
     Static {
         /// Whether what comes from behind a triangle collides with it too.
@@ -62,12 +71,18 @@ pub enum ShapeFromMeshError {
     /// It is no level.
     #[error(transparent)]
     Level(#[from] MeshError),
+    /// It has no convex parts.
+    #[error(transparent)]
+    Decomposition(#[from] DecompositionError),
 }
 
 /// Makes bodies of all entities with `Mesh3d` below this one, as they come: put it on the root of a scene that is being loaded.
 ///
-/// Entities that have a [`RigidBody`], a shape or a [`ShapeFromMesh`] of their own are left as they are.
+/// Entities that have a [`RigidBody`], a shape or a [`ShapeFromMesh`] of their own are left as they are. On or below an entity with
+/// [`CompoundOfChildren`] they become parts of its body instead: with `Hull` or `HullWithVisual` a whole scene is one.
 #[derive(Clone, Copy, Component, Debug, Default, PartialEq)]
+#[require(ShapeAwaited)]
+#[component(on_remove = ShapeAwaited::end)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 #[cfg_attr(feature = "reflect", reflect(Component, Default))]
 pub struct ShapesOfScene {
@@ -80,33 +95,76 @@ pub struct ShapesOfScene {
 /// Entities whose shape is for others to see to.
 type Alone = (
     With<Mesh3d>,
+    Without<SlotMesh>,
     Without<RigidBody>,
-    Without<ConvexMesh>,
-    Without<StaticMesh>,
-    Without<HalfSpaceShape>,
+    (
+        Without<ConvexMesh>,
+        Without<Compound>,
+        Without<StaticMesh>,
+        Without<HalfSpaceShape>,
+    ),
     Without<ShapeFromMesh>,
+    Allow<Disabled>,
 );
 
-/// System: entities that come below a [`ShapesOfScene`], or were there when it came, ask for their shapes.
+/// What may be below a [`ShapesOfScene`] now and was not before.
+type IsNew = Or<(Added<ShapesOfScene>, Added<Mesh3d>, Changed<ChildOf>)>;
+
+/// What is looked at on the way up from a mesh.
+type Above = (
+    Option<&'static ShapesOfScene>,
+    Has<CompoundOfChildren>,
+    Has<RigidBody>,
+);
+
+/// System: entities that come below a [`ShapesOfScene`], or were there when it came, ask for their shapes. Whoever is disabled asks too.
 pub(super) fn ask_for_shapes(
     mut commands: Commands,
-    scenes: Query<&ShapesOfScene>,
-    new_scenes: Query<Entity, Added<ShapesOfScene>>,
-    new_meshes: Query<Entity, (Added<Mesh3d>, Alone)>,
-    meshes: Query<Entity, Alone>,
-    (above, below): (Query<&ChildOf>, Query<&Children>),
+    scenes: Query<(), (With<ShapesOfScene>, Allow<Disabled>)>,
+    new: Query<Entity, (IsNew, Allow<Disabled>)>,
+    meshes: Query<(), Alone>,
+    above: Query<Above, Allow<Disabled>>,
+    (up, down): (
+        Query<&ChildOf, Allow<Disabled>>,
+        Query<&Children, Allow<Disabled>>,
+    ),
 ) {
     if scenes.is_empty() {
         return;
     }
-    let there = new_scenes
-        .iter()
-        .flat_map(|root| below.iter_descendants(root));
-    let there = there.filter(|&entity| meshes.contains(entity));
-    for entity in new_meshes.iter().chain(there) {
-        let mut ancestors = above.iter_ancestors(entity);
-        if let Some(scene) = ancestors.find_map(|ancestor| scenes.get(ancestor).ok()) {
+    let with_below = |at| std::iter::once(at).chain(down.iter_descendants(at));
+    let asking = new.iter().flat_map(with_below);
+    let mut asking: Vec<Entity> = asking.filter(|&at| meshes.contains(at)).collect();
+    // Who came with its parent is found from both.
+    asking.sort_unstable();
+    asking.dedup();
+    for entity in asking {
+        let ancestors = || up.iter_ancestors(entity);
+        let scene_of = |at| {
+            above
+                .get(at)
+                .ok()
+                .and_then(|(scene, ..)| scene.zip(Some(at)))
+        };
+        let Some((scene, root)) = ancestors().find_map(scene_of) else {
+            continue;
+        };
+        // Another body between a compound and its part has parts of its own.
+        let owner_of = |at| {
+            let (_, is_compound, is_body) = above.get(at).ok()?;
+            (is_compound || is_body).then_some(is_compound)
+        };
+        if ancestors().find_map(owner_of) == Some(true) {
+            commands.entity(entity).insert(scene.shape);
+        } else {
             commands.entity(entity).insert((scene.body, scene.shape));
+        }
+        // That of a compound goes when it is made.
+        if above
+            .get(root)
+            .is_ok_and(|(_, is_compound, _)| !is_compound)
+        {
+            commands.entity(root).remove::<ShapeAwaited>();
         }
     }
 }
@@ -125,7 +183,7 @@ pub(super) fn construct_shapes(
     mut commands: Commands,
     meshes: Res<Assets<Mesh>>,
     server: Option<Res<AssetServer>>,
-    waiting: Query<Waiting>,
+    waiting: Query<Waiting, Allow<Disabled>>,
 ) {
     for (entity, wish, handle, refused, is_awaited) in &waiting {
         let mesh = handle.map(|handle| (handle, meshes.get(&handle.0)));
@@ -166,7 +224,8 @@ impl ShapeFromMesh {
     /// Gives the entity what comes of its mesh, a shape or the reason why there is none.
     fn finish(self, mesh: &Mesh, entity: &mut EntityCommands) {
         let unread = unread_attributes(mesh);
-        if self == Self::HullWithVisual && !unread.is_empty() {
+        let is_riding = matches!(self, Self::HullWithVisual | Self::Compound(_));
+        if is_riding && !unread.is_empty() {
             let entity = entity.id();
             log::info!("pieces of {entity} will not have the attributes {unread:?} of its mesh");
         }
@@ -187,12 +246,11 @@ impl ShapeFromMesh {
                 entity.insert(ConvexMesh::from_points(&points)?);
             }
             Self::HullWithVisual => {
-                let model = Model::from_object(ModelObject::try_from(mesh)?);
-                let import = model.import(&ImportOptions::default())?;
-                if !import.report.is_untouched() {
-                    log::info!("the mesh of {} was mended:\n{}", entity.id(), import.report);
-                }
-                entity.insert(import.shape()?);
+                entity.insert(mended(mesh, entity.id())?.shape()?);
+            }
+            Self::Compound(options) => {
+                let mesh = mended(mesh, entity.id())?.mesh;
+                entity.insert(Compound::from_mesh(mesh, options)?);
             }
             Self::Static { is_two_sided } => {
                 let level = StaticMesh::from_mesh(&TriMesh::try_from(mesh)?)?;
@@ -205,4 +263,14 @@ impl ShapeFromMesh {
         }
         Ok(())
     }
+}
+
+/// The mesh, closed.
+fn mended(mesh: &Mesh, entity: Entity) -> Result<Import, ShapeFromMeshError> {
+    let model = Model::from_object(ModelObject::try_from(mesh)?);
+    let import = model.import(&ImportOptions::default())?;
+    if !import.report.is_untouched() {
+        log::info!("the mesh of {entity} was mended:\n{}", import.report);
+    }
+    Ok(import)
 }

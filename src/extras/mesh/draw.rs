@@ -2,7 +2,9 @@
 
 use crate::geometry::{Compound, ConvexMesh, StaticMesh};
 use bevy_asset::Assets;
+use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
+use bevy_ecs::query::Allow;
 use bevy_mesh::{Mesh, Mesh3d};
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -42,7 +44,8 @@ struct SlotLook {
     dress: Arc<dyn Fn(&mut EntityCommands) + Send + Sync>,
 }
 
-/// A child that draws the triangles of one material slot of its parent's shape. Made and despawned by [`DrawShape`].
+/// A child that draws the triangles of one material slot of its parent's shape. Made and despawned by [`DrawShape`], and disabled
+/// while its parent is.
 #[derive(Clone, Copy, Component, Debug, PartialEq, Eq)]
 pub struct SlotMesh(pub u16);
 
@@ -78,6 +81,7 @@ type Drawn = (
     &'static DrawShape,
     Option<&'static Mesh3d>,
     Option<&'static Children>,
+    Has<Disabled>,
 );
 
 /// Whose meshes are out of date.
@@ -88,14 +92,14 @@ type IsNew = Or<(
     Changed<DrawShape>,
 )>;
 
-/// System: meshes of shapes that are new.
+/// System: meshes of shapes that are new, of disabled entities too: nobody would tell when they come back.
 pub(super) fn draw_shapes(
     mut commands: Commands,
     mut meshes: ResMut<Assets<Mesh>>,
-    changed: Query<Drawn, IsNew>,
-    slots: Query<(), With<SlotMesh>>,
+    changed: Query<Drawn, (IsNew, Allow<Disabled>)>,
+    slots: Query<(), (With<SlotMesh>, Allow<Disabled>)>,
 ) {
-    for (entity, shape, draw, before, children) in &changed {
+    for (entity, shape, draw, before, children, is_disabled) in &changed {
         let stale = children.into_iter().flatten().copied();
         for child in stale.filter(|&child| slots.contains(child)) {
             commands.entity(child).despawn();
@@ -133,6 +137,53 @@ pub(super) fn draw_shapes(
             let mesh = Mesh3d(meshes.add(finish(mesh)));
             let mut child = commands.spawn((SlotMesh(look.slot), ChildOf(entity), mesh));
             (look.dress)(&mut child);
+            if is_disabled {
+                child.insert(Disabled);
+            }
+        }
+    }
+}
+
+/// Of those that draw slots.
+type Slots = (With<SlotMesh>, Allow<Disabled>);
+
+/// System: a piece that is not drawn does not keep what drew the cut faces of its parent.
+pub(super) fn drop_strays(
+    mut commands: Commands,
+    moved: Query<(Entity, &ChildOf), (Changed<ChildOf>, Slots)>,
+    drawn: Query<(), (With<DrawShape>, Allow<Disabled>)>,
+) {
+    for (slot, child_of) in &moved {
+        if !drawn.contains(child_of.parent()) {
+            commands.entity(slot).try_despawn();
+        }
+    }
+}
+
+/// Observer: what draws the slots of an entity is not seen while that is disabled.
+pub(super) fn on_disabled(
+    insert: On<Insert<Disabled>>,
+    children: Query<&Children, (With<DrawShape>, Allow<Disabled>)>,
+    slots: Query<(), Slots>,
+    mut commands: Commands,
+) {
+    for &child in children.get(insert.entity).into_iter().flatten() {
+        if slots.contains(child) {
+            commands.entity(child).try_insert(Disabled);
+        }
+    }
+}
+
+/// Observer: it is seen again.
+pub(super) fn on_enabled(
+    remove: On<Remove<Disabled>>,
+    children: Query<&Children, (With<DrawShape>, Allow<Disabled>)>,
+    slots: Query<(), Slots>,
+    mut commands: Commands,
+) {
+    for &child in children.get(remove.entity).into_iter().flatten() {
+        if slots.contains(child) {
+            commands.entity(child).try_remove::<Disabled>();
         }
     }
 }

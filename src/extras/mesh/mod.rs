@@ -32,10 +32,13 @@ impl Plugin for CleaveMeshPlugin {
         app.add_systems(PreUpdate, construct.run_if(resource_exists::<Assets<Mesh>>))
             .add_systems(
                 PostUpdate,
-                draw::draw_shapes
+                (draw::drop_strays, draw::draw_shapes)
+                    .chain()
                     .run_if(resource_exists::<Assets<Mesh>>)
                     .before(TransformSystems::Propagate),
-            );
+            )
+            .add_observer(draw::on_disabled)
+            .add_observer(draw::on_enabled);
         #[cfg(feature = "reflect")]
         app.register_type::<ShapeFromMesh>()
             .register_type::<ShapesOfScene>();

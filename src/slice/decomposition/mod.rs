@@ -72,6 +72,7 @@ const LEAST_CONCAVITY: f64 = 1e-3;
 
 /// How exact a decomposition is, and in how many parts.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct DecompositionOptions {
     /// How far a part may stick out of the solid, as a share of the diagonal of the solid's bounding box. Gaps narrower than twice
     /// that may be filled. Less than 1e-3 counts as 1e-3.
