@@ -36,8 +36,17 @@ const COMPUTED: [&str; 16] = [
 /// Components that name entities, and so have no default.
 const RELATED: [&str; 4] = ["JointA", "JointB", "PieceOf", "Remains"];
 
-/// Resources that are settings.
-const SETTINGS: [&str; 4] = ["Gravity", "SolverConfig", "FractureBudget", "StepReport"];
+/// Resources that are no settings: what is simulated, which entities describe, and rules that are functions.
+const STATE: [&str; 8] = [
+    "Bodies",
+    "Bonds",
+    "ContactCache",
+    "Contacts",
+    "Fractures",
+    "Joints",
+    "PieceRules",
+    "QueryIndex",
+];
 
 fn app() -> App {
     let mut app = App::new();
@@ -47,25 +56,25 @@ fn app() -> App {
     app
 }
 
-/// Names of the public types in a folder that derive `Component`.
-fn components_in(folder: &Path, found: &mut Vec<String>) {
+/// Names of the public types in a folder that derive `derive`.
+fn deriving(derive: &str, folder: &Path, found: &mut Vec<String>) {
     for entry in std::fs::read_dir(folder).expect("a folder of sources") {
         let path = entry.expect("readable").path();
         if path.is_dir() {
-            components_in(&path, found);
+            deriving(derive, &path, found);
             continue;
         }
         let text = std::fs::read_to_string(&path).expect("a source");
         let items = text.split("#[derive(").skip(1);
         let of = items.filter_map(|item| {
             let (derived, rest) = item.split_once(")]")?;
-            let is_component = derived.split(", ").any(|name| name == "Component");
+            let is_of_kind = derived.split(", ").any(|name| name == derive);
             let mut lines = rest.lines().map(str::trim_start);
             let line = lines.find(|line| !(line.is_empty() || line.starts_with("#[")))?;
             let name = ["pub struct ", "pub enum "]
                 .iter()
                 .find_map(|start| line.strip_prefix(start));
-            let name = name.filter(|_| is_component)?;
+            let name = name.filter(|_| is_of_kind)?;
             let end = name.find(|c: char| !c.is_alphanumeric());
             Some(name[..end.unwrap_or(name.len())].to_string())
         });
@@ -82,10 +91,12 @@ fn is_data(name: &str) -> bool {
 // Some were not, among them the relations of joints and `NoInterpolation`, which was registered as a type alone.
 #[test]
 fn every_component_and_setting_is_registered_with_a_default() {
-    let mut names = Vec::new();
+    let (mut names, mut resources) = (Vec::new(), Vec::new());
     let sources = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    components_in(&sources, &mut names);
+    deriving("Component", &sources, &mut names);
+    deriving("Resource", &sources, &mut resources);
     assert!(names.len() > 50, "{names:?}");
+    assert!(resources.len() > STATE.len(), "{resources:?}");
     let app = app();
     let registry = app.world().resource::<AppTypeRegistry>().read();
     for name in names.iter().filter(|name| is_data(name)) {
@@ -95,7 +106,8 @@ fn every_component_and_setting_is_registered_with_a_default() {
         let has_default = known.contains::<ReflectDefault>();
         assert!(has_default || RELATED.contains(&name.as_str()), "{name}");
     }
-    for name in SETTINGS {
+    let settings = resources.iter().map(String::as_str);
+    for name in settings.filter(|name| !STATE.contains(name)) {
         let known = registry.get_with_short_type_path(name).expect(name);
         assert!(known.contains::<ReflectResource>() && known.contains::<ReflectDefault>());
     }

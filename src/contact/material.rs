@@ -4,7 +4,9 @@ use bevy_ecs::component::Component;
 
 /// How the coefficients of two touching bodies become one.
 ///
-/// If the two bodies ask for different rules, the later one in this list wins.
+/// If the two bodies ask for different rules, the later one in this list wins. The default is that of Avian and Rapier, so that numbers may
+/// be brought along. Box2D and Jolt take the geometric mean of frictions and the larger restitution: a ball that is to rebound from
+/// any floor as from one of its own kind asks for `Max`, ice for `Min`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum CombineRule {
