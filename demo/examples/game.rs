@@ -1,7 +1,9 @@
-//! A game as a newcomer would write it: rough ground, a figurine, a wall, a pane in its frame; swipe to slice, right button to
-//! throw, `E` for an explosion under the pointer, `S` for slow motion, `D` for what the solver sees.
+//! A game as a newcomer would write it: rough ground, a figurine, a wall, a pane in its frame, a door, a ball on a chain, a goal, and
+//! a hero that walks. Swipe to slice, right button to throw, arrows and space to walk and jump, `E` for an explosion under the pointer,
+//! `S` for slow motion, `D` for what the solver sees.
 //!
-//! What is the game is above; what only brings the physics and Bevy together is [`glue`], line by line, with why it is needed.
+//! What is the game is above; what only brings the physics and Bevy together is [`glue`], line by line, with why it is needed. Nothing
+//! saves the game or turns time back: the crate has no snapshots.
 
 use bevy::prelude::*;
 use bevy::window::PrimaryWindow;
@@ -17,10 +19,14 @@ const REACH: f32 = 50.0;
 fn main() {
     App::new()
         .add_plugins((bevy::DefaultPlugins, glue::plugins))
-        .add_systems(Startup, (build_level, build_targets).chain())
+        .init_resource::<Points>()
+        .add_systems(
+            Startup,
+            (build_level, build_targets, build_machines, build_goal).chain(),
+        )
         .add_systems(
             Update,
-            (slice, throw, explode, slow_down, look_inside, score),
+            (slice, throw, explode, walk, slow_down, look_inside, score),
         )
         .run();
 }
@@ -110,11 +116,13 @@ fn build_targets(mut commands: Commands, palette: Res<Palette>) -> Result {
             0.25 * course as f32 + 0.2,
             -1.6,
         );
-        let brick = (
-            RigidBody::Dynamic,
-            cuboid!(0.5, 0.25, 0.25),
-            Density(1900.0),
-        );
+        // On rough ground it would fall over by itself.
+        let kind = if course == 0 {
+            RigidBody::Static
+        } else {
+            RigidBody::Dynamic
+        };
+        let brick = (kind, cuboid!(0.5, 0.25, 0.25), Density(1900.0));
         let look = (palette.brick.clone(), DrawShape::new());
         wall.push(commands.spawn((brick, at, look)).id());
     }
@@ -144,6 +152,101 @@ fn build_targets(mut commands: Commands, palette: Res<Palette>) -> Result {
     held.push(commands.spawn((pane, at, look)).id());
     commands.bond_neighbors(held, 4.0e5);
     Ok(())
+}
+
+/// A door between two posts, and a ball on a chain beside it.
+fn build_machines(mut commands: Commands, palette: Res<Palette>) -> Result {
+    let look = |paint: &MeshMaterial3d<StandardMaterial>| (paint.clone(), DrawShape::new());
+    let hinge_side = Vec3::new(-0.45, 0.0, 0.0);
+    let at = Vec3::new(-3.6, 1.0, 1.6);
+    let door = (
+        RigidBody::Dynamic,
+        cuboid!(0.9, 1.7, 0.06),
+        Density(600.0),
+        Fracturable::with_strength(60.0),
+    );
+    let door = (door, Transform::from_translation(at), look(&palette.brick));
+    let door = commands.spawn(door).id();
+    for side in [-1.0, 1.0] {
+        let post = (RigidBody::Static, cuboid!(0.1, 2.0, 0.1));
+        let place = Transform::from_translation(at + 0.54 * side * Vec3::X);
+        commands.spawn((post, place, look(&palette.ground)));
+    }
+    let hinge = Joint::hinge()
+        .with_axes(Vec3::Y, Vec3::Y)
+        .with_anchors(at + hinge_side, hinge_side)
+        .with_angular_friction(2.0);
+    commands.join(None, door, hinge);
+
+    let hook = Vec3::new(-2.2, 3.0, 2.2);
+    let half = Vec3::new(0.0, 0.12, 0.0);
+    let mut above = (None, hook);
+    for i in 0..8 {
+        let middle = hook - (2 * i + 1) as f32 * half;
+        let link = (RigidBody::Dynamic, capsule!(0.025, 0.19), Density(7800.0));
+        let place = Transform::from_translation(middle);
+        let link = commands.spawn((link, place, look(&palette.iron))).id();
+        let joint = Joint::ball().with_anchors(above.1, half);
+        commands.join(above.0, link, joint);
+        above = (Some(link), -half);
+    }
+    let reach = Vec3::new(0.0, 0.2, 0.0);
+    let ball = (RigidBody::Dynamic, sphere!(0.2), Density(7800.0));
+    let push = LinearVelocity(Vec3::new(-2.5, 0.0, 0.0));
+    let place = Transform::from_translation(hook - 16.0 * half - reach);
+    let ball = commands
+        .spawn((ball, place, push, look(&palette.iron)))
+        .id();
+    commands.join(above.0, ball, Joint::ball().with_anchors(above.1, reach));
+    Ok(())
+}
+
+/// The one that walks.
+#[derive(Component)]
+struct Hero;
+
+/// Where the hero wants to get.
+#[derive(Component)]
+struct Goal;
+
+/// A zone that sees who is in it, and the hero.
+fn build_goal(mut commands: Commands, palette: Res<Palette>) {
+    let at = Transform::from_xyz(3.4, 0.6, 2.2);
+    let zone = (RigidBody::Static, cuboid!(0.8, 1.2, 0.8), Sensor, Goal);
+    let look = (palette.glass.clone(), DrawShape::new());
+    commands.spawn((zone, at, look)).observe(reach);
+    let at = Transform::from_xyz(0.4, 1.2, 3.0);
+    let hero = (RigidBody::Kinematic, capsule!(0.22, 0.6), Hero);
+    let look = (palette.flesh.clone(), DrawShape::new());
+    commands.spawn((hero, Walker::default(), at, look));
+}
+
+/// Ten points for the hero in the goal, which is elsewhere then.
+fn reach(
+    event: On<CollisionStart>,
+    heroes: Query<(), With<Hero>>,
+    mut goals: Query<&mut Transform, With<Goal>>,
+    mut points: ResMut<Points>,
+) {
+    if heroes.contains(event.other)
+        && let Ok(mut goal) = goals.get_mut(event.entity)
+    {
+        points.0 += 10;
+        goal.translation = Vec3::new(-goal.translation.x, 0.6, 2.6);
+    }
+}
+
+fn walk(keys: Res<ButtonInput<KeyCode>>, mut heroes: Query<&mut Walker, With<Hero>>) {
+    let along =
+        |plus, minus| f32::from(i8::from(keys.pressed(plus)) - i8::from(keys.pressed(minus)));
+    let x = along(KeyCode::ArrowRight, KeyCode::ArrowLeft);
+    let z = along(KeyCode::ArrowDown, KeyCode::ArrowUp);
+    for mut hero in &mut heroes {
+        hero.velocity = 2.5 * Vec3::new(x, 0.0, z).clamp_length_max(1.0);
+        if keys.just_pressed(KeyCode::Space) {
+            hero.jump = 4.0;
+        }
+    }
 }
 
 /// From where the left button was pressed to where it was released, all that moves is cut.
@@ -191,8 +294,9 @@ fn throw(
         let ball = (RigidBody::Dynamic, icosphere!(0.1, 2), Density(7800.0));
         let at = Transform::from_translation(ray.at(1.0));
         let velocity = LinearVelocity(16.0 * ray.direction());
+        let hard = ContactForceEvents { threshold: 5000.0 }; // N
         let look = (palette.iron.clone(), DrawShape::new());
-        commands.spawn((ball, at, velocity, look));
+        commands.spawn((ball, at, velocity, hard, look));
     }
 }
 
@@ -232,17 +336,25 @@ fn slow_down(keys: Res<ButtonInput<KeyCode>>, mut time: ResMut<Time<Virtual>>) {
     }
 }
 
-/// A point for each piece.
+/// What the player has won.
+#[derive(Default, Resource)]
+struct Points(usize);
+
+/// A point for each piece, and one for each hard blow of a ball.
 fn score(
     mut fractures: MessageReader<Fractured>,
+    mut blows: MessageReader<ContactForce>,
     mut windows: Query<&mut Window>,
-    mut points: Local<usize>,
+    mut points: ResMut<Points>,
 ) {
-    let won: usize = fractures.read().map(|fracture| fracture.pieces.len()).sum();
-    if won > 0 {
-        *points += won;
+    let pieces: usize = fractures.read().map(|fracture| fracture.pieces.len()).sum();
+    let blows = blows.read().filter(|blow| blow.is_crossing).count();
+    if pieces + blows > 0 {
+        points.0 += pieces + blows;
+    }
+    if points.is_changed() {
         for mut window in &mut windows {
-            window.title = format!("{} points", *points);
+            window.title = format!("{} points", points.0);
         }
     }
 }
@@ -252,11 +364,12 @@ mod glue {
     use super::*;
     use bevy::ecs::system::SystemParam;
 
-    /// 3 lines: what draws, smooths and shows inside is each to be asked for, since an app without a window needs none of it.
+    /// What draws, smooths, walks and shows inside is each to be asked for, since an app without a window needs none of it.
     pub(crate) fn plugins(app: &mut App) {
         app.add_plugins((
             CleavePlugin::default(),
             InterpolationPlugin,
+            WalkerPlugin,
             CleaveMeshPlugin,
             CleaveGizmosPlugin,
         ));
@@ -264,7 +377,7 @@ mod glue {
         store.config_mut::<CleaveGizmos>().0.enabled = false;
     }
 
-    /// 13 lines: Bevy without its picking has no ray of the pointer, and that of its cameras has no end.
+    /// Bevy without its picking has no ray of the pointer, and that of its cameras has no end.
     #[derive(SystemParam)]
     pub(crate) struct Pointer<'w, 's> {
         window: Query<'w, 's, &'static Window, With<PrimaryWindow>>,

@@ -221,6 +221,31 @@ fn the_glossary_has_sixty_terms_at_most_and_says_each_in_a_line() {
     }
 }
 
+/// Most lines that a small game may have to add to the crate.
+const MOST_GLUE: usize = 80;
+
+#[test]
+fn the_game_needs_as_many_lines_of_glue_as_is_told() {
+    let game = read("demo/examples/game.rs");
+    let (_, glue) = game.split_once("\nmod glue {").expect("the last module");
+    let is_code = |line: &&str| {
+        let line = line.trim();
+        !(line.is_empty() || line.starts_with("//"))
+    };
+    let count = 1 + glue.lines().filter(is_code).count();
+    assert!(count <= MOST_GLUE, "{count}");
+    let pages = [
+        ("docs/demo.md", format!("the {count} lines that it has to")),
+        (
+            "docs/decisions/bevy_plugins.md",
+            format!("has {count} lines of glue"),
+        ),
+    ];
+    for (page, told) in pages {
+        assert!(read(page).contains(&told), "{page}: {told}");
+    }
+}
+
 #[test]
 fn the_chapter_on_windows_quotes_the_example() {
     let (chapter, example) = (read("docs/window.md"), read("demo/examples/pane.rs"));
