@@ -101,36 +101,53 @@ fn build_figures(mut commands: Commands) {
     ));
 }
 
+/// A row that goes on below where the picture is too narrow for it.
+fn row(gap: f32) -> Node {
+    Node {
+        justify_content: JustifyContent::Center,
+        flex_wrap: FlexWrap::Wrap,
+        row_gap: Val::Px(6.0),
+        column_gap: Val::Px(gap),
+        ..default()
+    }
+}
+
+/// Buttons of the exhibits, and of the rest: in a narrow picture each of the two has a row.
 fn build_buttons(mut commands: Commands) {
     let bar = Node {
         position_type: PositionType::Absolute,
         bottom: Val::Px(18.0),
         width: Val::Percent(100.0),
-        justify_content: JustifyContent::Center,
-        flex_wrap: FlexWrap::Wrap,
-        row_gap: Val::Px(6.0),
-        column_gap: Val::Px(6.0),
-        ..default()
+        ..row(24.0)
     };
+    let is_rest = |(_, _, action): &(KeyCode, &str, Action)| *action == Action::Slow;
+    let rest = KEYS.iter().position(is_rest).unwrap_or(KEYS.len());
+    let (exhibits, rest) = KEYS.split_at(rest);
     commands.spawn(bar).with_children(|bar| {
-        for (_, key, action) in KEYS {
-            let button = Node {
-                padding: UiRect::axes(Val::Px(11.0), Val::Px(7.0)),
-                column_gap: Val::Px(6.0),
-                align_items: AlignItems::Baseline,
-                // A gap between exhibits and the rest.
-                margin: UiRect::left(Val::Px(if action == Action::Slow { 18.0 } else { 0.0 })),
-                border_radius: BorderRadius::all(Val::Px(7.0)),
-                ..default()
-            };
-            bar.spawn((
-                action,
-                button,
-                BackgroundColor(CARD),
-                children![text(key, 10.0, FAINT), text(action.name(), 13.0, INK)],
-            ));
+        for group in [exhibits, rest] {
+            bar.spawn(row(6.0)).with_children(|row| {
+                for &(_, key, action) in group {
+                    row.spawn(button(key, action));
+                }
+            });
         }
     });
+}
+
+fn button(key: &'static str, action: Action) -> impl Bundle {
+    let button = Node {
+        padding: UiRect::axes(Val::Px(11.0), Val::Px(7.0)),
+        column_gap: Val::Px(6.0),
+        align_items: AlignItems::Baseline,
+        border_radius: BorderRadius::all(Val::Px(7.0)),
+        ..default()
+    };
+    (
+        action,
+        button,
+        BackgroundColor(CARD),
+        children![text(key, 10.0, FAINT), text(action.name(), 13.0, INK)],
+    )
 }
 
 fn press_keys(keys: Res<ButtonInput<KeyCode>>, mut actions: MessageWriter<Action>) {

@@ -30,6 +30,12 @@ try {
       await page.waitForTimeout(100);
     }
   };
+  // What was drawn when it was asked for is a frame or more behind, and a frame of Chromium's software renderer may take seconds.
+  const picture = async name => {
+    const now = await state();
+    await until(`${name} is drawn`, s => s.frames > now.frames + 2, 60);
+    await page.screenshot({ path: `${pictures}${name}.png` });
+  };
   const begun = Date.now();
   await page.goto(address);
   await until('the page starts', s => s.frames > 5, 300);
@@ -38,7 +44,7 @@ try {
   // A pane hangs in its frame: one body, until the mouse is dragged across it.
   await page.keyboard.press('Digit2');
   const before = await until('the pane is put up', s => s.exhibit === 'Glass' && s.pieces === 1, 60);
-  await page.screenshot({ path: pictures + 'before.png' });
+  await picture('before');
   await page.mouse.move(340, 330);
   await page.mouse.down();
   await page.mouse.move(480, 270, { steps: 6 });
@@ -46,15 +52,13 @@ try {
   await page.mouse.up();
   const after = await until('the swipe cuts', s => s.cuts > before.cuts, 60);
   assert.equal(after.pieces, 2, 'one swipe makes two of one');
-  await page.waitForTimeout(600);
-  await page.screenshot({ path: pictures + 'sliced.png' });
+  await picture('sliced');
 
   await page.keyboard.press('KeyR');
   await until('a new pane is put up', s => s.pieces === 1, 60);
   await page.mouse.click(520, 230);
   const broken = await until('a ball shatters the pane', s => s.pieces > 10, 60);
-  await page.waitForTimeout(600);
-  await page.screenshot({ path: pictures + 'shattered.png' });
+  await picture('shattered');
 
   // Every exhibit, its button's key, how many bodies it has at least.
   const exhibits = [['Wood', 4, 1], ['Brick', 3, 1], ['Stone', 5, 1], ['Figurine', 6, 1], ['Table', 7, 2], ['Chain', 8, 9], ['Tower', 9, 0]];
@@ -62,21 +66,20 @@ try {
     await page.keyboard.press(`Digit${key}`);
     const shown = await until(`${name} is put up`, s => s.exhibit === name && s.pieces >= least, 60);
     const later = await until(`${name} stands`, s => s.frames > shown.frames + 5, 60);
-    await page.screenshot({ path: `${pictures}${name.toLowerCase()}.png` });
+    await picture(name.toLowerCase());
     console.log(`${name}: ${later.pieces} bodies, ${later.step_ms} ms a step`);
   }
 
   // The tower is static, none of the bodies that move, until stones come off.
   await page.mouse.click(480, 250);
   const tower = await until('a ball takes stones off the tower', s => s.pieces > 10, 60);
-  await page.waitForTimeout(600);
-  await page.screenshot({ path: pictures + 'tower_hit.png' });
+  await picture('tower_hit');
 
   await page.keyboard.press('Digit1');
   await until('all is put up', s => s.exhibit === 'All', 60);
   await page.waitForTimeout(5000);
   const rest = await state();
-  await page.screenshot({ path: pictures + 'all.png' });
+  await picture('all');
   console.log(`two pieces of a swipe, ${broken.pieces} bodies of a pane, ${tower.pieces} of a tower; ${rest.pieces} bodies: ${rest.step_ms} ms a step, ${rest.frame_ms} ms a frame`);
   assert.deepEqual(failures, [], 'nothing fails in the page');
 } finally {
