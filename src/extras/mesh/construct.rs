@@ -117,6 +117,12 @@ type Above = (
     Has<RigidBody>,
 );
 
+/// Who is above and below whom, disabled or not.
+type Relatives<'w, 's> = (
+    Query<'w, 's, &'static ChildOf, Allow<Disabled>>,
+    Query<'w, 's, &'static Children, Allow<Disabled>>,
+);
+
 /// System: entities that come below a [`ShapesOfScene`], or were there when it came, ask for their shapes. Whoever is disabled asks too.
 pub(super) fn ask_for_shapes(
     mut commands: Commands,
@@ -124,10 +130,7 @@ pub(super) fn ask_for_shapes(
     new: Query<Entity, (IsNew, Allow<Disabled>)>,
     meshes: Query<(), Alone>,
     above: Query<Above, Allow<Disabled>>,
-    (up, down): (
-        Query<&ChildOf, Allow<Disabled>>,
-        Query<&Children, Allow<Disabled>>,
-    ),
+    (up, down): Relatives,
 ) {
     if scenes.is_empty() {
         return;
