@@ -27,6 +27,8 @@ pub(crate) enum Source {
     Body,
     /// Shape, mass and materials.
     Description,
+    /// Materials of a part of a compound.
+    PartMaterial,
     /// What its shape is to be made from: the component of that type.
     Constructor(TypeId),
     /// How it moves.
@@ -94,8 +96,9 @@ impl Issues {
 
     /// Takes note that the entity is no body: nothing can be wrong with one.
     pub(crate) fn mend_body(&mut self, entity: Entity) {
+        use Source::{Constructor, PartMaterial, Walker};
         self.mend_all(entity, |found| {
-            !matches!(found, Source::Constructor(_) | Source::Walker)
+            !matches!(found, Constructor(_) | PartMaterial | Walker)
         });
     }
 

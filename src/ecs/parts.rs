@@ -1,8 +1,10 @@
 //! Bodies whose parts are their children.
 
 use crate::bodies::body::{BodyError, RigidBody};
+use crate::contact::layers::CollisionLayers;
+use crate::contact::material::{Density, Friction, Restitution};
 use crate::ecs::components::{BodyProblem, BodyWarning, ShapeAwaited};
-use crate::ecs::issues::Source;
+use crate::ecs::issues::{Issues, Source};
 use crate::ecs::parents::place;
 use crate::ecs::shape_constructor::note;
 use crate::ecs::state::PluginState;
@@ -11,7 +13,7 @@ use crate::math::Pose;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
-use bevy_ecs::query::Allow;
+use bevy_ecs::query::{Allow, QueryData};
 use bevy_ecs::world::DeferredWorld;
 use bevy_math::{Affine3A, Vec3};
 use bevy_transform::components::Transform;
@@ -36,7 +38,8 @@ use std::any::TypeId;
 /// ));
 /// ```
 ///
-/// If no part is usable the entity gets [`BodyIssues`](crate::ecs::BodyIssues).
+/// If no part is usable the entity gets [`BodyIssues`](crate::ecs::BodyIssues), and so does a part with something that is for the whole body:
+/// materials, layers, mass and the like belong to this entity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Component)]
 #[require(MadeOf)]
 #[component(on_remove = Self::forget, clone_behavior = Ignore)]
@@ -53,10 +56,14 @@ impl CompoundOfChildren {
                 let is_gone = !entity.contains::<Self>();
                 is_gone.then(|| entity.take::<MadeOf>()).flatten()
             });
-            let parts = made_of.and_then(|made_of| made_of.made);
-            if let (Some(parts), Some(mut state)) = (parts, world.get_resource_mut::<PluginState>())
+            if let (Some(made_of), Some(mut state)) =
+                (made_of, world.get_resource_mut::<PluginState>())
             {
-                state.queue.lone_parts.extend(parts.entities);
+                for part in made_of.chosen {
+                    state.issues.mend(part, Source::PartMaterial);
+                }
+                let parts = made_of.made.map(|made| made.entities);
+                state.queue.lone_parts.extend(parts.into_iter().flatten());
             }
             note::<Self, BodyError>(world, entity, Ok(()));
         });
@@ -70,6 +77,29 @@ pub(crate) struct MadeOf {
     made: Option<Made>,
     /// Whether a part was there whose shape was yet to come.
     has_waited: bool,
+    /// Parts for which somebody chose a material, which does nothing there.
+    chosen: Vec<Entity>,
+}
+
+impl MadeOf {
+    /// Tells of the parts that have materials of their own, and that the others have none any more.
+    fn choose(
+        &mut self,
+        chosen: Vec<Entity>,
+        issues: &mut Issues,
+        warnings: &mut Messages<BodyWarning>,
+    ) {
+        if self.chosen == chosen {
+            return;
+        }
+        for &part in self.chosen.iter().filter(|part| !chosen.contains(part)) {
+            issues.mend(part, Source::PartMaterial);
+        }
+        for &part in chosen.iter().filter(|part| !self.chosen.contains(part)) {
+            issues.raise(warnings, part, Source::PartMaterial, BodyError::IdlePart);
+        }
+        self.chosen = chosen;
+    }
 }
 
 /// Parts, and what they made.
@@ -123,7 +153,7 @@ type Root = (
     Option<&'static Children>,
     &'static mut MadeOf,
     Option<&'static mut Compound>,
-    Has<ShapeAwaited>,
+    (Has<ShapeAwaited>, Has<Disabled>),
 );
 
 type Member = (
@@ -131,7 +161,30 @@ type Member = (
     Option<&'static ConvexMesh>,
     Option<&'static Children>,
     Has<ShapeAwaited>,
+    Materials,
 );
+
+/// Materials of an entity, which may be left from when it was a body.
+#[derive(QueryData)]
+pub(crate) struct Materials {
+    density: Option<&'static Density>,
+    friction: Option<&'static Friction>,
+    restitution: Option<&'static Restitution>,
+    layers: Option<&'static CollisionLayers>,
+}
+
+impl MaterialsItem<'_, '_> {
+    /// Whether somebody chose one: bodies come with the others.
+    fn is_chosen(&self) -> bool {
+        fn is_other<T: Default + PartialEq>(material: Option<&T>) -> bool {
+            material.is_some_and(|material| *material != T::default())
+        }
+        is_other(self.density)
+            || is_other(self.friction)
+            || is_other(self.restitution)
+            || is_other(self.layers)
+    }
+}
 
 /// Run condition of [`make_compounds`].
 pub(crate) fn any(roots: Query<(), (With<CompoundOfChildren>, Allow<Disabled>)>) -> bool {
@@ -143,14 +196,20 @@ pub(crate) fn make_compounds(
     mut commands: Commands,
     mut state: ResMut<PluginState>,
     mut warnings: ResMut<Messages<BodyWarning>>,
-    mut roots: Query<Root, With<CompoundOfChildren>>,
+    mut roots: Query<Root, (With<CompoundOfChildren>, Allow<Disabled>)>,
     members: Query<Member, Without<RigidBody>>,
 ) {
-    for (entity, children, mut made_of, compound, is_awaited) in &mut roots {
+    for (entity, children, mut made_of, compound, (is_awaited, is_disabled)) in &mut roots {
+        if is_disabled {
+            made_of.choose(Vec::new(), &mut state.issues, &mut warnings);
+            continue;
+        }
         let mut found = Found::default();
         let children = children.into_iter().flatten();
         let ways = children.map(|&child| (child, Affine3A::IDENTITY));
         found.collect(ways.collect(), &members);
+        let chosen = std::mem::take(&mut found.chosen);
+        made_of.choose(chosen, &mut state.issues, &mut warnings);
         // What begins to move has all of its parts.
         if found.is_incomplete && compound.is_none() {
             made_of.has_waited = true;
@@ -202,6 +261,8 @@ pub(crate) fn make_compounds(
 struct Found {
     children: Vec<Child>,
     entities: Vec<Entity>,
+    /// Those of them for which somebody chose a material.
+    chosen: Vec<Entity>,
     error: Option<BodyError>,
     /// Whether the shape of a part is still to come.
     is_incomplete: bool,
@@ -216,13 +277,17 @@ impl Found {
     ) {
         ways.reverse();
         while let Some((entity, above)) = ways.pop() {
-            let Ok((transform, shape, children, is_awaited)) = members.get(entity) else {
+            let Ok((transform, shape, children, is_awaited, materials)) = members.get(entity)
+            else {
                 continue;
             };
             let own = transform.copied().unwrap_or_default();
             self.is_incomplete |= is_awaited;
             if let Some(shape) = shape {
                 self.entities.push(entity);
+                if materials.is_chosen() {
+                    self.chosen.push(entity);
+                }
                 match place(&own, Some(above)) {
                     Ok((pose, scale)) => self.children.push(Child {
                         pose,

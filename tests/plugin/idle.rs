@@ -3,6 +3,7 @@
 use crate::app::app;
 use bevy_app::{App, Plugin};
 use bevy_cleave::prelude::*;
+use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
 use bevy_math::Vec3;
 use bevy_transform::components::Transform;
@@ -156,6 +157,44 @@ fn what_a_part_of_a_compound_has_no_use_for_is_an_issue() {
         take(&mut app.world_mut().entity_mut(part));
         steps(&mut app);
         assert_eq!(issues(&app, part), [], "part {number}");
+    }
+}
+
+// What a body leaves behind when it is none any more says nothing.
+#[test]
+fn materials_that_are_chosen_for_a_part_of_a_compound_are_an_issue() {
+    let idle = [BodyProblem::Body(BodyError::IdlePart)];
+    let choices: Vec<Part> = parts! {
+        Density: Density(500.0),
+        Friction: Friction::new(0.9),
+        Restitution: Restitution::new(0.3),
+        CollisionLayers: CollisionLayers::new(2, 2),
+    };
+    for (number, (give, _)) in choices.into_iter().enumerate() {
+        let mut app = weightless();
+        let former = app.world_mut().spawn((RigidBody::Dynamic, cube())).id();
+        steps(&mut app);
+        app.world_mut().entity_mut(former).remove::<RigidBody>();
+        let table = (RigidBody::Dynamic, CompoundOfChildren, children![cube()]);
+        let table = app.world_mut().spawn(table).add_child(former).id();
+        steps(&mut app);
+        assert_eq!(issues(&app, former), [], "material {number}");
+        give(&mut app.world_mut().entity_mut(former));
+        steps(&mut app);
+        assert_eq!(issues(&app, former), idle, "material {number}");
+        assert_eq!(issues(&app, table), [], "material {number}");
+        app.world_mut().entity_mut(table).insert(Disabled);
+        steps(&mut app);
+        assert_eq!(issues(&app, former), [], "material {number}");
+        app.world_mut().entity_mut(table).remove::<Disabled>();
+        steps(&mut app);
+        assert_eq!(issues(&app, former), idle, "material {number}");
+        app.world_mut()
+            .entity_mut(table)
+            .remove::<CompoundOfChildren>();
+        steps(&mut app);
+        let lone = [BodyProblem::Body(BodyError::NoRigidBody)];
+        assert_eq!(issues(&app, former), lone, "material {number}");
     }
 }
 
