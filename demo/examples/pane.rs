@@ -55,7 +55,7 @@ fn set_up(mut commands: Commands, paint: Res<Paint>) {
     );
     let at = Transform::from_xyz(0.0, 0.65, 0.0);
     held.push(commands.spawn((pane, at, color, draw)).id());
-    commands.bond_neighbors(held, 4.0e5); // Pa
+    commands.bond_neighbors(held, 4.0e6); // Pa
 }
 
 /// Any key throws a ball.
