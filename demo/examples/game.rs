@@ -150,7 +150,7 @@ fn build_targets(mut commands: Commands, palette: Res<Palette>) -> Result {
     );
     let look = (palette.glass.clone(), DrawShape::new());
     held.push(commands.spawn((pane, at, look)).id());
-    commands.bond_neighbors(held, 4.0e6);
+    commands.bond_neighbors(held, 4.0e5);
     Ok(())
 }
 
