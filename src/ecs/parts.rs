@@ -204,10 +204,7 @@ pub(crate) fn make_compounds(
             made_of.choose(Vec::new(), &mut state.issues, &mut warnings);
             continue;
         }
-        let mut found = Found::default();
-        let children = children.into_iter().flatten();
-        let ways = children.map(|&child| (child, Affine3A::IDENTITY));
-        found.collect(ways.collect(), &members);
+        let mut found = Found::below(children, &members);
         let chosen = std::mem::take(&mut found.chosen);
         made_of.choose(chosen, &mut state.issues, &mut warnings);
         // What begins to move has all of its parts.
@@ -269,6 +266,15 @@ struct Found {
 }
 
 impl Found {
+    /// The parts of a compound that has these children.
+    fn below(children: Option<&Children>, members: &Query<Member, Without<RigidBody>>) -> Self {
+        let children = children.into_iter().flatten();
+        let ways = children.map(|&child| (child, Affine3A::IDENTITY));
+        let mut found = Self::default();
+        found.collect(ways.collect(), members);
+        found
+    }
+
     /// Goes through entities, each with the frame of its parent, and what is below them, in order.
     fn collect(
         &mut self,
