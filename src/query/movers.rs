@@ -7,8 +7,14 @@ use crate::query::view::Queries;
 use glam::Vec3;
 use smallvec::SmallVec;
 
-/// So many are looked at one by one by everybody; of more, one of so many.
-const FEW: [usize; 2] = [64, 16];
+/// So many are looked at one by one by everybody.
+const FEW: usize = 64;
+
+/// Of more, one of so many, which goes farthest.
+const SHARE: usize = 16;
+
+/// Slots of those that are looked at: room for them on the stack but among thousands.
+type Near = SmallVec<[u32; 2 * FEW]>;
 
 /// Kinematic bodies that move.
 #[derive(Debug, Default)]
@@ -44,26 +50,25 @@ impl KinematicMovers {
             return;
         }
         let step_dt = self.step_dt;
-        let way = |slot| way(bodies, slot, step_dt);
-        if way(slot).is_finite() {
+        let own = way(bodies, slot, step_dt);
+        if own.is_finite() {
             self.count += 1;
-            self.way += way(slot);
+            self.way += own;
         }
-        if way(slot) <= self.limit {
+        if own <= self.limit {
             return;
         }
         self.far.push(slot);
-        let [few, share] = FEW;
-        if self.far.len() > few + self.count / share {
-            // No more than one of `share` goes farther than `share` times the mean.
-            self.limit = self.way * share as f32 / self.count as f32;
-            self.far.retain(|&slot| way(slot) > self.limit);
+        if self.far.len() > FEW + self.count / SHARE {
+            // No more than one of so many goes farther than so many times the mean.
+            self.limit = self.way * SHARE as f32 / self.count as f32;
+            (self.far).retain(|&slot| way(bodies, slot, step_dt) > self.limit);
         }
     }
 
     /// Those that may come to a region, and some others; ascending.
-    pub(crate) fn near(&self, queries: &Queries, region: &Aabb) -> SmallVec<[u32; 16]> {
-        let mut found: SmallVec<[u32; 16]> = self.far.iter().copied().collect();
+    pub(crate) fn near(&self, queries: &Queries, region: &Aabb) -> Near {
+        let mut found: Near = self.far.iter().copied().collect();
         if self.limit > 0.0 {
             let bodies = queries.bodies();
             queries.inside(&region.fattened(self.limit), |slot| {
