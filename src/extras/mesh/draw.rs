@@ -5,6 +5,7 @@ use bevy_asset::Assets;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::Allow;
+use bevy_ecs::system::SystemParam;
 use bevy_mesh::{Mesh, Mesh3d};
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -160,30 +161,30 @@ pub(super) fn drop_strays(
     }
 }
 
+/// What draws the slots of entities.
+#[derive(SystemParam)]
+pub(super) struct Drawers<'w, 's> {
+    children: Query<'w, 's, &'static Children, (With<DrawShape>, Allow<Disabled>)>,
+    slots: Query<'w, 's, (), Slots>,
+}
+
+impl Drawers<'_, '_> {
+    fn of(&self, entity: Entity) -> impl Iterator<Item = Entity> {
+        let children = self.children.get(entity).into_iter().flatten().copied();
+        children.filter(|&child| self.slots.contains(child))
+    }
+}
+
 /// Observer: what draws the slots of an entity is not seen while that is disabled.
-pub(super) fn on_disabled(
-    insert: On<Insert<Disabled>>,
-    children: Query<&Children, (With<DrawShape>, Allow<Disabled>)>,
-    slots: Query<(), Slots>,
-    mut commands: Commands,
-) {
-    for &child in children.get(insert.entity).into_iter().flatten() {
-        if slots.contains(child) {
-            commands.entity(child).try_insert(Disabled);
-        }
+pub(super) fn on_disabled(insert: On<Insert<Disabled>>, drawers: Drawers, mut commands: Commands) {
+    for child in drawers.of(insert.entity) {
+        commands.entity(child).try_insert(Disabled);
     }
 }
 
 /// Observer: it is seen again.
-pub(super) fn on_enabled(
-    remove: On<Remove<Disabled>>,
-    children: Query<&Children, (With<DrawShape>, Allow<Disabled>)>,
-    slots: Query<(), Slots>,
-    mut commands: Commands,
-) {
-    for &child in children.get(remove.entity).into_iter().flatten() {
-        if slots.contains(child) {
-            commands.entity(child).try_remove::<Disabled>();
-        }
+pub(super) fn on_enabled(remove: On<Remove<Disabled>>, drawers: Drawers, mut commands: Commands) {
+    for child in drawers.of(remove.entity) {
+        commands.entity(child).try_remove::<Disabled>();
     }
 }
