@@ -25,7 +25,8 @@ const ROUNDS: usize = 3;
 struct Stage {
     app: App,
     entities: Vec<Entity>,
-    joints: Vec<Entity>,
+    /// Their joints, or the one floor or parent that they all have.
+    others: Vec<Entity>,
 }
 
 /// What is done, what comes before it, and what is timed.
@@ -64,7 +65,7 @@ const DEEDS: &[Deed] = &[
     }),
     ("despawn", Stage::watched, |s, _| s.despawn()),
     ("lose the floor", Stage::watched, |s, _| {
-        let floor = s.joints.pop().expect("a floor");
+        let floor = s.others.pop().expect("a floor");
         s.app.world_mut().despawn(floor);
         s.updates(1);
     }),
@@ -93,7 +94,7 @@ const DEEDS: &[Deed] = &[
     ("bond", Stage::crates, |s, _| s.bond()),
     ("unbond", Stage::bonded, |s, _| s.unbond()),
     ("parent moves", Stage::family, |s, _| {
-        let parent = s.joints[0];
+        let parent = s.others[0];
         let mut parent = s.app.world_mut().entity_mut(parent);
         parent.get_mut::<Transform>().expect("one").translation.y += 1.0;
         s.updates(1);
@@ -134,7 +135,7 @@ fn microseconds(before: fn(&mut Stage, usize), deed: fn(&mut Stage, usize), n: u
     let mut stage = Stage {
         app,
         entities: Vec::new(),
-        joints: Vec::new(),
+        others: Vec::new(),
     };
     before(&mut stage, n);
     let start = ProcessTime::now();
@@ -173,7 +174,7 @@ impl Stage {
     fn floor(&mut self) {
         let half_space = HalfSpaceShape { normal: Vec3::Y };
         let floor = self.app.world_mut().spawn((RigidBody::Static, half_space));
-        self.joints.push(floor.id());
+        self.others.push(floor.id());
     }
 
     fn crates(&mut self, n: usize) {
@@ -212,7 +213,7 @@ impl Stage {
 
     fn family(&mut self, n: usize) {
         let parent = self.app.world_mut().spawn(Transform::default()).id();
-        self.joints.push(parent);
+        self.others.push(parent);
         self.crates(n);
         for &child in &self.entities {
             self.app
@@ -306,7 +307,7 @@ impl Stage {
         let mut joint = Joint::ball();
         joint.frame_a.position = Vec3::X;
         self.pairs(|commands, a, b| joints.push(commands.join(a, b, joint)));
-        self.joints = joints;
+        self.others = joints;
     }
 
     fn joined(&mut self, n: usize) {
@@ -315,7 +316,7 @@ impl Stage {
     }
 
     fn refuse_joints(&mut self) {
-        for &joint in &self.joints {
+        for &joint in &self.others {
             let mut joint = self.app.world_mut().entity_mut(joint);
             let mut joint = joint.get_mut::<Joint>().expect("one");
             joint.frame_a.position.x = f32::NAN;
