@@ -24,6 +24,9 @@ pub trait BondCommands {
 
     /// Takes the bond between two entities away, if they have one.
     fn unbond(&mut self, a: Entity, b: Entity);
+
+    /// Takes all bonds of an entity away: it lets go of whatever held it.
+    fn unbond_all(&mut self, entity: Entity);
 }
 
 impl BondCommands for Commands<'_, '_> {
@@ -38,6 +41,10 @@ impl BondCommands for Commands<'_, '_> {
 
     fn unbond(&mut self, a: Entity, b: Entity) {
         self.queue(BondRequest::Release(a, b).enqueue());
+    }
+
+    fn unbond_all(&mut self, entity: Entity) {
+        self.queue(BondRequest::ReleaseAll(entity).enqueue());
     }
 }
 
@@ -74,6 +81,12 @@ pub(super) fn make_bonds(
             BondRequest::Release(a, b) => {
                 if let (Ok(i), Ok(j)) = (slot_of(bodies, a), slot_of(bodies, b)) {
                     bonds.unbond(bodies, i, j);
+                }
+                continue;
+            }
+            BondRequest::ReleaseAll(entity) => {
+                if let Ok(slot) = slot_of(bodies, entity) {
+                    bonds.unbond_all(bodies, slot);
                 }
                 continue;
             }

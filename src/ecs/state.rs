@@ -59,6 +59,7 @@ pub(crate) enum BondRequest {
     Pair(Entity, Entity, Bond),
     Neighbors(Vec<Entity>, f32),
     Release(Entity, Entity),
+    ReleaseAll(Entity),
 }
 
 /// What commands asked for since the last step, in order.

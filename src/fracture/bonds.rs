@@ -165,6 +165,15 @@ impl Bonds {
         true
     }
 
+    /// Takes all bonds of the body in a slot away, and wakes it and whom it was bonded to; how many there were.
+    pub fn unbond_all(&mut self, bodies: &mut Bodies, slot: u32) -> usize {
+        let held = self.joints.iter().map(|joint| joint.slots);
+        let held: Vec<[u32; 2]> = held.filter(|slots| slots.contains(&slot)).collect();
+        held.into_iter()
+            .filter(|&[a, b]| self.unbond(bodies, a, b))
+            .count()
+    }
+
     fn find(&self, bodies: (BodyId, BodyId)) -> Result<usize, usize> {
         self.joints
             .binary_search_by_key(&bodies, |joint| joint.bodies)

@@ -84,6 +84,37 @@ fn neighbors_are_bonded_as_they_are_spawned_and_released_by_command() {
     assert!(height(&app, entities[1]) < -1.5);
 }
 
+/// One cube is held by three static ones around it; one of those holds another cube too.
+#[test]
+fn an_entity_lets_go_of_all_that_held_it_and_of_nothing_else() {
+    let mut app = app();
+    let [upper, lower] = hanging(&mut app);
+    let bond = Bond::new(20.0 * WEIGHT, 1.0);
+    let beside = |x: f32| (RigidBody::Static, cube(), Transform::from_xyz(x, -1.0, 0.0));
+    let [left, right] = [-1.0, 1.0].map(|x| app.world_mut().spawn(beside(x)).id());
+    let under = (
+        RigidBody::Dynamic,
+        cube(),
+        Transform::from_xyz(-1.0, -2.0, 0.0),
+    );
+    let under = app.world_mut().spawn(under).id();
+    let mut commands = app.world_mut().commands();
+    commands.bond_neighbors([upper, lower, left, right], 20.0 * WEIGHT);
+    commands.bond(left, under, bond);
+    (0..10).for_each(|_| app.update());
+    assert_eq!(app.world().resource::<Bonds>().len(), 4);
+    app.world_mut().commands().unbond_all(lower);
+    // Of an entity without a body, and of one without bonds: nothing to let go.
+    let nobody = app.world_mut().spawn_empty().id();
+    app.world_mut().commands().unbond_all(nobody);
+    app.world_mut().commands().unbond_all(upper);
+    (0..30).for_each(|_| app.update());
+    assert_eq!(app.world().resource::<Bonds>().len(), 1);
+    assert_eq!(messages::<BondBroken>(&mut app), [], "they were taken away");
+    assert!(height(&app, lower) < -1.5, "falls");
+    assert!(height(&app, under) > -2.01, "is still held");
+}
+
 #[test]
 fn bonds_are_made_and_taken_away_while_a_body_is_disabled() {
     for (is_bonded_before, is_upper_off) in
