@@ -5,12 +5,12 @@
 //! after plane.
 
 use crate::geometry::ConvexHull;
-use crate::geometry::distance::{CoreCast, Separation, distance_from};
-use crate::geometry::hull_lanes::{LANES, Planes4};
+use crate::geometry::distance::{CoreCast, Nearest, Separation, distance_from};
+use crate::geometry::hull_lanes::{LANES, Planes4, lowest_height};
 use crate::geometry::support::{Core, PlacedCore};
 use crate::query::cuboid::{Cuboid, Told, box_of, nearest_of_box};
 use crate::query::local::{LocalCast, LocalHit, LocalRay};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 /// Rounding of a point's height over a plane, as a share of coordinates.
 const FOOT: f32 = 3e-7;
@@ -201,29 +201,59 @@ pub(crate) fn closest(hull: &ConvexHull, point: Vec3, limit: f32) -> Option<Loca
     }
     if let Some(b) = box_of(hull) {
         let (on_hull, normal, distance) = nearest_of_box(&b, point);
-        return (distance <= limit).then(|| LocalHit {
-            face: face_at(hull, on_hull, normal),
-            ..LocalHit::at(on_hull, normal, distance)
-        });
+        let found = LocalHit::at(on_hull, normal, distance);
+        return (distance <= limit).then(|| on_surface(hull, found));
     }
-    match distance_from(
-        &Core::of_hull(hull),
-        &point.as_dvec3(),
-        plane.normal.as_dvec3(),
-        f64::from(limit),
-    ) {
+    let point = point.as_dvec3();
+    let edge = on_outline(hull, face, point);
+    let (axis, length) = (point - edge).normalize_and_length();
+    let found = LocalHit::at(edge.as_vec3(), axis.as_vec3(), length as f32);
+    if length > 0.0 && is_farthest(hull, &found) {
+        return (found.distance <= limit).then(|| on_surface(hull, found));
+    }
+    match distance_from(&Core::of_hull(hull), &point, axis, f64::from(limit)) {
         Separation::Far => None,
         Separation::Overlap => on_face(),
-        Separation::Near(nearest) => {
-            let (on_hull, normal) = (nearest.on_a.as_vec3(), nearest.normal.as_vec3());
-            Some(LocalHit {
-                point: on_hull,
-                normal,
-                distance: nearest.distance as f32,
-                part: 0,
-                triangle: None,
-                face: face_at(hull, on_hull, normal),
-            })
+        Separation::Near(Nearest {
+            normal,
+            distance,
+            on_a,
+        }) => {
+            let found = LocalHit::at(on_a.as_vec3(), normal.as_vec3(), distance as f32);
+            Some(on_surface(hull, found))
         }
     }
+}
+
+fn on_surface(hull: &ConvexHull, found: LocalHit) -> LocalHit {
+    LocalHit {
+        face: face_at(hull, found.point, found.normal),
+        ..found
+    }
+}
+
+/// The point of a face's outline that is nearest to a point.
+fn on_outline(hull: &ConvexHull, face: usize, point: DVec3) -> DVec3 {
+    let corners = hull.face_loop(&hull.faces()[face]);
+    let at = |&corner: &u32| hull.vertices()[corner as usize].as_dvec3();
+    let mut from = corners.last().map_or(point, at);
+    let mut best = (f64::INFINITY, from);
+    for to in corners.iter().map(at) {
+        let along = to - from;
+        let share = (point - from).dot(along) / along.length_squared();
+        let on_edge = from + share.clamp(0.0, 1.0) * along;
+        let square = point.distance_squared(on_edge);
+        if square < best.0 {
+            best = (square, on_edge);
+        }
+        from = to;
+    }
+    best.1
+}
+
+/// Whether no point of the hull, but for rounding, lies farther along the normal of a place: then none is nearer to whatever is there.
+fn is_farthest(hull: &ConvexHull, place: &LocalHit) -> bool {
+    let top = -lowest_height(&hull.lanes.points, -place.normal);
+    let slack = FOOT * (hull.aabb().diagonal() + place.point.abs().max_element());
+    top - place.point.dot(place.normal) <= slack
 }
