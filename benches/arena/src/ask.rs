@@ -1,8 +1,10 @@
-//! `arena ask`: questions to a scene, by ours and, with the feature `rapier`, by Rapier: rays, moved shapes, nearest points, overlaps.
+//! `arena ask`: questions to a scene, by ours and, with the features `rapier` and `avian`, by Rapier and Avian: rays, moved shapes, nearest points, overlaps.
 //!
 //! The same questions to the same bodies. Kinds of questions in turns, several rounds, the least time of each; how often the answers
 //! differ is told beside it.
 
+#[cfg(feature = "avian")]
+mod avian;
 mod ours;
 #[cfg(feature = "rapier")]
 mod rapier;
@@ -71,6 +73,27 @@ pub(super) const REACH: f32 = 50.0;
 pub(super) trait Oracle {
     /// Distance (m) or number that answers a question; none for no hit.
     fn answer(&self, kind: Kind, question: &Question) -> Option<f32>;
+}
+
+impl Site {
+    /// Corners (m) and triangles of the terrain.
+    #[cfg(any(feature = "rapier", feature = "avian"))]
+    fn triangles(&self) -> Option<(Vec<Vec3>, Vec<[u32; 3]>)> {
+        let (heights, columns, spacing) = self.level.as_ref()?;
+        let place = |(i, &height): (usize, &f32)| {
+            let (x, z) = ((i % columns) as f32, (i / columns) as f32);
+            Vec3::new(spacing * x - self.half, height, spacing * z - self.half)
+        };
+        let points = heights.iter().enumerate().map(place).collect();
+        let corner = |x: usize, z: usize| (z * columns + x) as u32;
+        let cells = (0..columns - 1).flat_map(|z| (0..columns - 1).map(move |x| (x, z)));
+        let triangles = cells.flat_map(|(x, z)| {
+            let [a, b] = [corner(x, z), corner(x + 1, z)];
+            let [c, d] = [corner(x, z + 1), corner(x + 1, z + 1)];
+            [[a, c, d], [a, d, b]]
+        });
+        Some((points, triangles.collect()))
+    }
 }
 
 fn site(count: usize, triangles: usize, rng: &mut Rng) -> Site {
@@ -176,41 +199,62 @@ pub(crate) fn run(mut words: Arguments) -> Result<(), Error> {
         }
     }
     println!(
-        "| scene | question | ours, a second | Rapier, a second | ratio | answers that differ |"
+        "| scene | question | beside | ours, a second | theirs, a second | ratio | answers that differ |"
     );
-    println!("|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|");
     let scenes = bodies.iter().map(|&bodies| (bodies, 0));
     for (bodies, triangles) in scenes.chain(triangles.iter().map(|&triangles| (0, triangles))) {
         let mut rng = Rng(7);
         let site = site(bodies, triangles, &mut rng);
         let questions = questions(&site, count, &mut rng);
-        let mut ours = ours::Ours::new(&site)?;
-        let ours = ours.oracle();
-        #[cfg(feature = "rapier")]
-        let theirs = rapier::Rapier::new(&site)?;
         let name = match triangles {
             0 => format!("{bodies} bodies"),
             _ => format!("level of {triangles} triangles"),
         };
         let is_asked =
             |name: &str| asked.is_empty() || asked.iter().any(|asked| name.ends_with(asked));
+        let mut ours = ours::Ours::new(&site)?;
+        let ours = ours.oracle();
+        #[cfg(feature = "rapier")]
+        let rapier = rapier::Rapier::new(&site)?;
+        #[cfg(feature = "avian")]
+        let mut avian = avian::Avian::new(&site)?;
+        #[cfg(feature = "avian")]
+        let avian = avian.oracle()?;
+        let others: &[(&str, &dyn Oracle)] = &[
+            #[cfg(feature = "rapier")]
+            ("Rapier", &rapier),
+            #[cfg(feature = "avian")]
+            ("Avian", &avian),
+        ];
         for (kind, question) in KINDS.into_iter().filter(|kind| is_asked(kind.1)) {
-            let mut least = [f64::INFINITY; 2];
-            let mut answers = [Vec::new(), Vec::new()];
-            for _ in 0..rounds {
-                least[0] = least[0].min(ask(&ours, kind, &questions, &mut answers[0]));
-                #[cfg(feature = "rapier")]
-                {
-                    least[1] = least[1].min(ask(&theirs, kind, &questions, &mut answers[1]));
-                }
+            for &(other, theirs) in others {
+                let timed = compare([&ours, theirs], kind, &questions, rounds);
+                let ([own, theirs], differ) = (timed.0, 100.0 * timed.1);
+                let ratio = own / theirs;
+                println!(
+                    "| {name} | {question} | {other} | {own:.3e} | {theirs:.3e} | {ratio:.2} | {differ:.2} % |"
+                );
             }
-            let [own, other] = least.map(|secs| 1.0 / secs);
-            let (ratio, differ) = (own / other, differing(&answers[0], &answers[1]));
-            println!(
-                "| {name} | {question} | {own:.3e} | {other:.3e} | {ratio:.2} | {:.2} % |",
-                100.0 * differ
-            );
         }
     }
     Ok(())
+}
+
+/// Questions that both answer in a second, in turns, at the best of all rounds, and the share of the answers that differ.
+fn compare(
+    oracles: [&dyn Oracle; 2],
+    kind: Kind,
+    questions: &[Question],
+    rounds: usize,
+) -> ([f64; 2], f64) {
+    let mut least = [f64::INFINITY; 2];
+    let mut answers = [Vec::new(), Vec::new()];
+    for _ in 0..rounds {
+        for (i, oracle) in oracles.into_iter().enumerate() {
+            least[i] = least[i].min(ask(oracle, kind, questions, &mut answers[i]));
+        }
+    }
+    let differ = differing(&answers[0], &answers[1]);
+    (least.map(|seconds| 1.0 / seconds), differ)
 }

@@ -23,23 +23,8 @@ impl Rapier {
             };
             add(shape, Pose::from_parts(*at, *turn));
         }
-        if let Some((heights, columns, spacing)) = &site.level {
-            let place = |(i, &height): (usize, &f32)| {
-                let (x, z) = ((i % columns) as f32, (i / columns) as f32);
-                Vector::new(spacing * x - site.half, height, spacing * z - site.half)
-            };
-            let points = heights.iter().enumerate().map(place).collect();
-            let corner = |x: usize, z: usize| (z * columns + x) as u32;
-            let cells = (0..columns - 1).flat_map(|z| (0..columns - 1).map(move |x| (x, z)));
-            let triangles = cells.flat_map(|(x, z)| {
-                let [a, b] = [corner(x, z), corner(x + 1, z)];
-                let [c, d] = [corner(x, z + 1), corner(x + 1, z + 1)];
-                [[a, c, d], [a, d, b]]
-            });
-            add(
-                SharedShape::trimesh(points, triangles.collect())?,
-                Pose::IDENTITY,
-            );
+        if let Some((points, triangles)) = site.triangles() {
+            add(SharedShape::trimesh(points, triangles)?, Pose::IDENTITY);
         }
         world.step();
         Ok(Self(world))
