@@ -31,10 +31,16 @@ impl Look {
     }
 }
 
+/// Of glass, whose pieces are of several tints: a cut that is seen from its edge would not be seen at all.
+#[derive(Clone, Component)]
+pub(crate) struct Tinted;
+
 /// All looks that there are.
 #[derive(Resource)]
 pub(crate) struct Looks {
     pub(crate) glass: Look,
+    /// Of its pieces.
+    tints: [MeshMaterial3d<StandardMaterial>; 3],
     pub(crate) frame: Look,
     /// A few shades, so that no wall is of one color.
     pub(crate) bricks: Vec<Look>,
@@ -48,7 +54,20 @@ pub(crate) struct Looks {
 }
 
 pub(crate) fn plugin(app: &mut App) {
-    app.add_systems(PreStartup, mix);
+    app.add_systems(PreStartup, mix).add_systems(Update, tint);
+}
+
+/// Gives a new piece of glass a tint that its neighbors mostly do not have.
+fn tint(
+    mut pieces: Query<
+        (Entity, &mut MeshMaterial3d<StandardMaterial>),
+        (With<Tinted>, Added<PieceOf>),
+    >,
+    looks: Res<Looks>,
+) {
+    for (entity, mut material) in &mut pieces {
+        *material = looks.tints[entity.index_u32() as usize % looks.tints.len()].clone();
+    }
 }
 
 fn mix(mut commands: Commands, mut materials: ResMut<Assets<StandardMaterial>>) {
@@ -97,9 +116,10 @@ fn mix(mut commands: Commands, mut materials: ResMut<Assets<StandardMaterial>>) 
     };
     // The edge of a pane is seen along its width: dark and green.
     let edge = glass(Color::srgba(0.25, 0.66, 0.58, 0.85));
-    let glass = Look::new(glass(Color::srgba(0.62, 0.86, 0.84, 0.28)), edge);
+    let tints = [0.20, 0.28, 0.38].map(|alpha| glass(Color::srgba(0.62, 0.86, 0.84, alpha)));
     commands.insert_resource(Looks {
-        glass,
+        glass: Look::new(tints[1].clone(), edge),
+        tints: tints.map(MeshMaterial3d),
         frame,
         bricks: bricks.into(),
         laths: laths.into(),

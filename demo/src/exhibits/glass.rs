@@ -1,6 +1,7 @@
 //! A pane in a frame: held at its rim, it breaks where it is hit, and shards stay in the frame.
 
 use super::{Stage, recipes};
+use crate::look::Tinted;
 use crate::shapes;
 use bevy::prelude::*;
 use bevy_cleave::prelude::*;
@@ -33,7 +34,9 @@ pub(super) fn put_up(stage: &mut Stage, at: Vec3) -> Result {
     let glass = stage.looks.glass.clone();
     let pane = shapes::block(SIZE, 0.001)?;
     let at = Transform::from_translation(center);
-    held.push(stage.put(pane, at, 2500.0, recipes::glass(), &glass));
+    let pane = stage.put(pane, at, 2500.0, recipes::glass(), &glass);
+    stage.commands.entity(pane).insert(Tinted);
+    held.push(pane);
     stage.commands.bond_neighbors(held, PUTTY);
     Ok(())
 }

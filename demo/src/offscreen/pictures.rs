@@ -42,7 +42,7 @@ const PLAIN: Shot = Shot {
     debug: false,
 };
 
-const SHOTS: [Shot; 11] = [
+const SHOTS: [Shot; 12] = [
     Shot {
         name: "playground",
         throws: &[[0.70, 0.42], [0.30, 0.36], [0.38, 0.45]],
@@ -114,6 +114,14 @@ const SHOTS: [Shot; 11] = [
         wait: 2,
         swipes: &[[0.30, 0.12, 0.70, 0.46]],
         after: 15,
+        ..PLAIN
+    },
+    Shot {
+        name: "sliced_pane",
+        exhibit: Exhibit::Glass,
+        wait: 2,
+        swipes: &[[0.35, 0.61, 0.65, 0.35]],
+        after: 24,
         ..PLAIN
     },
     Shot {
