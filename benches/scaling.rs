@@ -104,6 +104,11 @@ const DEEDS: &[Deed] = &[
     ("characters walk among platforms", Stage::city, |s, _| {
         s.walk();
     }),
+    (
+        "Queries::walk among platforms",
+        Stage::city,
+        Stage::walk_plainly,
+    ),
 ];
 
 fn main() {
@@ -247,6 +252,35 @@ impl Stage {
             character.get_mut::<Walker>().expect("one").velocity = Vec3::X;
         }
         self.updates(3);
+    }
+
+    /// As many characters as asked for, that no entity stands for, by one view.
+    fn walk_plainly(&mut self, n: usize) {
+        let mut index = QueryIndex::default();
+        let bodies = self.app.world().resource::<Bodies>();
+        index.refresh(bodies);
+        let queries = index.queries(bodies);
+        let shape = ConvexMesh::capsule(0.2, 0.6).expect("a capsule has a volume");
+        let settings = WalkSettings::default();
+        let slider = Slider {
+            shape: QueryShape::from(&shape),
+            skin: settings.skin,
+        };
+        let input = WalkInput {
+            velocity: Vec3::X,
+            jump: 0.0,
+            gravity: 9.81 * Vec3::NEG_Y,
+            step_dt: 1.0 / 60.0,
+        };
+        let mut pushes = Vec::new();
+        for number in 0..n {
+            let mut state = WalkState {
+                position: place(number) + Vec3::new(0.5, 0.6, 0.5),
+                ..WalkState::default()
+            };
+            let how = (&slider, &settings);
+            queries.walk(how, &mut state, &input, &QueryFilter::all(), &mut pushes);
+        }
     }
 
     /// Changes a component of each entity.

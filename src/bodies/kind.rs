@@ -23,6 +23,7 @@ impl Bodies {
         self.dynamic -= usize::from(before == RigidBody::Dynamic);
         self.dynamic += usize::from(kind == RigidBody::Dynamic);
         self.info[slot as usize] = Some(info);
+        self.velocities_set += 1;
         if kind != RigidBody::Dynamic {
             // What no contact moves, none turns.
             self.inverse_inertia[slot as usize] = Mat3::ZERO;
@@ -38,5 +39,6 @@ impl Bodies {
         self.refresh_world(slot);
         let body = &mut self.velocity[slot as usize];
         (body.linear, body.angular) = (linear, angular);
+        self.velocities_set += 1;
     }
 }

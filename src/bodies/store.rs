@@ -98,6 +98,8 @@ pub struct Bodies {
     pub(super) retired: Vec<u32>,
     /// How often a body has gone, or was kept out of the scene: a slot that was noted before may not have its body any more.
     pub(crate) departures: u64,
+    /// How often a velocity was set from outside of the step, or a body became one that moves by it.
+    pub(crate) velocities_set: u64,
     pub(super) next_id: u32,
     pub(super) alive: usize,
 }
@@ -134,6 +136,7 @@ impl Bodies {
         self.ids[i] = BodyId(self.next_id);
         self.next_id += 1;
         self.alive += 1;
+        self.velocities_set += 1;
         self.status[i] = Status::Active;
         self.join_local(slot);
         self.center[i] = pose.position;
@@ -304,6 +307,7 @@ impl Bodies {
             }
             let v = &mut self.velocity[slot as usize];
             (v.linear, v.angular) = (linear, angular);
+            self.velocities_set += 1;
         }
         Ok(())
     }

@@ -194,7 +194,7 @@ pub(crate) fn walk(
     // What came, or was put elsewhere, since the last step is not passed through.
     around.index.refresh(&around.bodies);
     shared.told = around.state.kinematic.len();
-    (shared.moving).find(&around.bodies, around.state.settings.step_dt);
+    shared.moving.find(&around.bodies);
     for entity in from_the_ground_up(order) {
         if let Ok((_, walker, walking, transform)) = characters.get_mut(entity.1) {
             let who = (entity.0, walker, walking);
@@ -272,9 +272,12 @@ impl Surroundings<'_, '_> {
         KinematicTarget::redirect(targets, &mut self.bodies, to, step_dt);
         moving.add(&self.bodies, slot);
         for push in pushes.drain(..) {
-            let refused = self
-                .bodies
-                .apply_at(push.body, push.point, [Vec3::ZERO, push.impulse]);
+            // Bonds bear it as the force that it is: as a blow it would shoot off a splinter.
+            let amounts = match self.bodies.cluster(push.body) {
+                Some(_) => [push.impulse / step_dt, Vec3::ZERO],
+                None => [Vec3::ZERO, push.impulse],
+            };
+            let refused = self.bodies.apply_at(push.body, push.point, amounts);
             debug_assert!(refused.is_ok(), "pushes are finite");
         }
     }

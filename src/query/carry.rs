@@ -24,6 +24,9 @@ impl Walk<'_, '_> {
         if !(bodies.is_current(footing.body, footing.id) && bodies.is_active(footing.body)) {
             return Vec3::ZERO;
         }
+        if self.is_in(pose, footing.body) {
+            return Vec3::ZERO;
+        }
         let (slip, slip_turn) = self.slip(footing);
         let mover = self.ahead.mover(footing.body);
         // Straight below the frame, about which it turns.
@@ -43,6 +46,20 @@ impl Walk<'_, '_> {
         self.take_along(pose, way, footing.body);
         pose.rotation = rotate_by(pose.rotation, angle.dot(up) * up, 1.0);
         way
+    }
+
+    /// Whether it is in a body that contacts move: each would push the other along for ever if that carried it.
+    fn is_in(&self, pose: &Pose, slot: u32) -> bool {
+        if self.is_firm(slot) {
+            return false;
+        }
+        let counts =
+            |other| other == slot && self.filter.predicate.is_none_or(|counts| counts(slot));
+        let filter = self.filter.with_predicate(&counts);
+        let down = -self.slider.skin * self.settings.up;
+        let cast = ShapeCast::new(self.slider.shape, *pose, down, self.slider.skin).ok();
+        let hit = cast.and_then(|cast| self.present.cast_shape(&cast, &filter));
+        hit.is_some_and(|hit| hit.distance <= 0.0)
     }
 
     /// How far its footing is from where it was expected to be by now, m, and how the body has turned against that. One that is far from

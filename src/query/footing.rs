@@ -2,6 +2,7 @@
 
 use crate::bodies::body::RigidBody;
 use crate::math::Pose;
+use crate::query::filter::QueryFilter;
 use crate::query::hit::QueryHit;
 use crate::query::request::Ray;
 use crate::query::walk::{Walk, across};
@@ -90,21 +91,19 @@ impl Walk<'_, '_> {
             position: pose.position + risen,
             ..*pose
         };
-        // Over the skin that it keeps from what it runs into, however slantwise.
-        let over_skin = (2.0 * self.settings.skin / -direction.dot(normal)).abs();
-        let foothold = over_skin.min(height).max(FOOTHOLD * height);
-        let wanted = flat.length();
+        let (wanted, foothold) = (flat.length(), FOOTHOLD * height);
         // No farther than it wants to, if that leads over the edge already.
-        let ways = [wanted.min(foothold), wanted.max(foothold)];
-        let found = ways.iter().find_map(|way| {
-            let (position, moved) = self.step_onto(pose, &raised, *way * direction)?;
-            Some((position, moved))
-        });
-        let Some((position, moved)) = found else {
+        let [near, far] = [wanted.min(foothold), wanted.max(foothold)].map(|way| way * direction);
+        // Over the skin that it keeps from what it runs into, straight if it runs slantwise.
+        let inward = -across(normal, up).try_normalize().unwrap_or(-direction);
+        let short = (2.0 * self.settings.skin - far.dot(inward)).max(0.0);
+        let mut ways = [near, far + short * inward].into_iter();
+        let Some((position, moved)) = ways.find_map(|way| self.step_onto(pose, &raised, way))
+        else {
             return false;
         };
         pose.position = position;
-        *rest = flat - moved.clamp_length_max(wanted);
+        *rest = flat - moved.dot(direction).clamp(0.0, wanted) * direction;
         true
     }
 
@@ -129,15 +128,20 @@ impl Walk<'_, '_> {
         (is_higher && !is_movable && !is_too_high).then_some((there.position, moved))
     }
 
-    /// Finds what it stands on, and goes down to it: by a step, if it was on the ground.
-    pub(super) fn set_down(&self, pose: &mut Pose, was_on_ground: bool) -> Option<Footing> {
+    /// Finds what it stands on, and goes down to it: by a step, if it was on the ground. `before`: where it was before it went, and the body
+    /// that it stood on then.
+    pub(super) fn set_down(
+        &self,
+        pose: &mut Pose,
+        before: (&Pose, Option<u32>),
+    ) -> Option<Footing> {
         let (up, skin) = (self.settings.up, self.settings.skin);
-        let reach = if was_on_ground {
+        let reach = if before.1.is_some() {
             self.settings.step_height
         } else {
             skin
         };
-        let (moved, hit) = self.ground_below(pose, -(reach + skin) * up)?;
+        let (moved, hit) = self.ground_below(pose, -(reach + skin) * up, before)?;
         let normal = self.is_ground(&hit)?;
         pose.position += moved;
         // What was pushed out of the ground keeps half of its skin.
@@ -150,9 +154,18 @@ impl Walk<'_, '_> {
     }
 
     /// How far it gets down, and what is below then. Of what contacts move, what has come to its side is not below, nor what has got under
-    /// its feet while it stands on something firm.
-    fn ground_below(&self, pose: &Pose, down: Vec3) -> Option<(Vec3, QueryHit)> {
-        let (moved, hit) = self.advance_past(pose, down, |hit| self.is_ground(hit).is_none());
+    /// its feet while it stands on something firm; what it has walked onto is.
+    fn ground_below(
+        &self,
+        pose: &Pose,
+        down: Vec3,
+        (begin, stood_on): (&Pose, Option<u32>),
+    ) -> Option<(Vec3, QueryHit)> {
+        let is_beside = |pose: &Pose, hit: &QueryHit| {
+            self.is_ground(hit).is_none() || hit.distance <= 0.0 && !self.is_under(pose, hit.body)
+        };
+        let below = |pose| self.advance_past(pose, down, |hit| is_beside(pose, hit));
+        let (moved, hit) = below(pose);
         let hit = hit?;
         if self.is_firm(hit.body) {
             let beside = self.ground_beside(pose, down, &hit);
@@ -166,7 +179,19 @@ impl Walk<'_, '_> {
             apart <= 2.0 * self.settings.skin && self.is_ground(firm).is_some()
         };
         let firm = firm.filter(is_as_near).map(|firm| (fallen, firm));
-        firm.or(Some((moved, hit)))
+        let was_below = || below(begin).1.is_some_and(|before| before.body == hit.body);
+        let has_come = |_: &_| stood_on != Some(hit.body) && was_below();
+        firm.filter(has_come).or(Some((moved, hit)))
+    }
+
+    /// Whether it would come out of a body that is in it by going up.
+    fn is_under(&self, pose: &Pose, slot: u32) -> bool {
+        let counts = |other| other == slot;
+        let filter = QueryFilter::all().with_predicate(&counts);
+        let (shape, mut near) = (&self.slider.shape, Vec::new());
+        let asked = (self.queries).near_shape(shape, pose, 0.0, &filter, &mut near);
+        let out = near.first().filter(|_| asked.is_ok());
+        out.is_some_and(|hit| hit.normal.dot(self.settings.up) >= self.min_rise)
     }
 
     /// The ground beside what is too steep to stand on, where it leans against that and stands on both.

@@ -10,11 +10,13 @@ use crate::contact::body_id::BodyId;
 use crate::geometry::bvh::{RayWalk, tree_box, tree_of};
 use crate::geometry::wide_tree::WideTree;
 use crate::math::Aabb;
+use crate::query::movers::KinematicMovers;
 use crate::query::place::Place;
 use crate::query::target::Target;
 use bevy_ecs::resource::Resource;
 use glam::{Quat, Vec3};
 use obvhs::ploc::PlocSearchDistance;
+use std::sync::OnceLock;
 
 /// The tree is built anew when there are more strays than this, and than this share of what is in the tree.
 const FEW: usize = 8;
@@ -113,6 +115,8 @@ pub struct QueryIndex {
     sorted: usize,
     /// Of the bodies when they were looked at.
     departures: u64,
+    /// What characters look for, from the first that asks on, and the revision of velocities that this is of.
+    movers: OnceLock<(u64, KinematicMovers)>,
 }
 
 impl std::fmt::Debug for QueryIndex {
@@ -139,6 +143,7 @@ impl QueryIndex {
     /// Looks where the bodies are now: about 10 ns for each.
     pub fn refresh(&mut self, bodies: &Bodies) {
         self.departures = bodies.departures;
+        self.movers.take();
         self.half_spaces.clear();
         self.strays.clear();
         for slot in bodies.slots()..self.seen.len() {
@@ -174,6 +179,14 @@ impl QueryIndex {
     /// Whether all bodies that were found are still there.
     pub(super) fn is_current(&self, bodies: &Bodies) -> bool {
         self.departures == bodies.departures
+    }
+
+    /// The kinematic bodies that move: to find them takes a look at each body, once after each [`refresh`](Self::refresh). None where
+    /// others may move since then.
+    pub(super) fn movers(&self, bodies: &Bodies) -> Option<&KinematicMovers> {
+        let found = || (bodies.velocities_set, KinematicMovers::of(bodies));
+        let (revision, movers) = self.movers.get_or_init(found);
+        (*revision == bodies.velocities_set).then_some(movers)
     }
 
     /// Looks where a body is; whether its box has changed.

@@ -2,8 +2,6 @@
 
 use crate::bodies::body::RigidBody;
 use crate::bodies::store::Bodies;
-use crate::math::Aabb;
-use crate::query::view::Queries;
 use glam::Vec3;
 use smallvec::SmallVec;
 
@@ -19,24 +17,29 @@ type Near = SmallVec<[u32; 2 * FEW]>;
 /// Kinematic bodies that move.
 #[derive(Debug, Default)]
 pub(crate) struct KinematicMovers {
-    /// Those that go farther than the limit in the step.
+    /// Those that are faster than the limit.
     far: Vec<u32>,
-    /// How far those go that are looked for in the tree of the queries, m; 0 as long as nobody needs to.
+    /// How fast those are that are looked for in the tree of the queries, m/s; 0 as long as nobody needs to.
     limit: f32,
-    /// How many there are, and how far they go together, m.
+    /// How many there are, and the sum of their speeds, m/s.
     count: usize,
-    way: f32,
-    step_dt: f32,
+    speeds: f32,
 }
 
 impl KinematicMovers {
-    /// Those of a scene in a step of so many seconds, in place of what was known.
-    pub(crate) fn find(&mut self, bodies: &Bodies, step_dt: f32) {
+    /// Those of a scene.
+    pub(crate) fn of(bodies: &Bodies) -> Self {
+        let mut all = Self::default();
+        all.find(bodies);
+        all
+    }
+
+    /// Those of a scene, in place of what was known.
+    pub(crate) fn find(&mut self, bodies: &Bodies) {
         let mut far = std::mem::take(&mut self.far);
         far.clear();
         *self = Self {
             far,
-            step_dt,
             ..Self::default()
         };
         for slot in 0..bodies.slots() as u32 {
@@ -49,29 +52,33 @@ impl KinematicMovers {
         if !is_mover(bodies, slot) {
             return;
         }
-        let step_dt = self.step_dt;
-        let own = way(bodies, slot, step_dt);
+        let own = speed(bodies, slot);
         if own.is_finite() {
             self.count += 1;
-            self.way += own;
+            self.speeds += own;
         }
         if own <= self.limit {
             return;
         }
         self.far.push(slot);
         if self.far.len() > FEW + self.count / SHARE {
-            // No more than one of so many goes farther than so many times the mean.
-            self.limit = self.way * SHARE as f32 / self.count as f32;
-            (self.far).retain(|&slot| way(bodies, slot, step_dt) > self.limit);
+            // No more than one of so many is faster than so many times the mean.
+            self.limit = self.speeds * SHARE as f32 / self.count as f32;
+            (self.far).retain(|&slot| speed(bodies, slot) > self.limit);
         }
     }
 
-    /// Those that may come to a region, and some others; ascending.
-    pub(crate) fn near(&self, queries: &Queries, region: &Aabb) -> Near {
+    /// Those that may come to a region in a step of so many seconds, and some others; ascending. `visit` visits what is in the region with so
+    /// much room around it (m).
+    pub(crate) fn near(
+        &self,
+        bodies: &Bodies,
+        step_dt: f32,
+        visit: impl FnOnce(f32, &mut dyn FnMut(u32)),
+    ) -> Near {
         let mut found: Near = self.far.iter().copied().collect();
         if self.limit > 0.0 {
-            let bodies = queries.bodies();
-            queries.inside(&region.fattened(self.limit), |slot| {
+            visit(step_dt * self.limit, &mut |slot| {
                 if is_mover(bodies, slot) {
                     found.push(slot);
                 }
@@ -91,13 +98,12 @@ fn is_mover(bodies: &Bodies, slot: u32) -> bool {
         && bodies.kind(slot) == RigidBody::Kinematic
 }
 
-/// How far the points of a body go within a step at most, m.
-fn way(bodies: &Bodies, slot: u32, step_dt: f32) -> f32 {
+/// How fast the points of a body are at most, m/s.
+fn speed(bodies: &Bodies, slot: u32) -> f32 {
     let ((linear, angular), radius) = (bodies.velocity(slot), bodies.radius(slot));
     if radius == 0.0 {
         // What has no end has no radius.
         return f32::INFINITY;
     }
-    // No point goes farther about the center than to the other side.
-    step_dt * linear.length() + radius * (step_dt * angular.length()).min(2.0)
+    linear.length() + radius * angular.length()
 }

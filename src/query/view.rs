@@ -8,6 +8,7 @@ use crate::query::error::{QueryError, check_length, check_point, check_pose};
 use crate::query::filter::QueryFilter;
 use crate::query::hit::QueryHit;
 use crate::query::index::QueryIndex;
+use crate::query::movers::KinematicMovers;
 use crate::query::place::Place;
 use crate::query::request::{Ray, ShapeCast};
 use crate::query::shape::QueryShape;
@@ -51,6 +52,11 @@ impl<'q> Queries<'q> {
     {
         let shorter: Queries<'a> = *self;
         Queries { ahead, ..shorter }
+    }
+
+    /// The kinematic bodies that move, if they are still those of when it was asked for them first.
+    pub(crate) fn kinematic_movers(&self) -> Option<&'q KinematicMovers> {
+        self.index.movers(self.bodies)
     }
 
     /// Visits the bodies in a box.

@@ -54,9 +54,15 @@ impl Queries<'_> {
         filter: &QueryFilter,
         pushes: &mut Vec<Push>,
     ) {
-        let mut moving = KinematicMovers::default();
-        moving.find(self.bodies(), input.step_dt);
-        self.walk_among(&moving, how, state, (input, filter), pushes);
+        let of_now;
+        let moving = match self.kinematic_movers() {
+            Some(known) => known,
+            None => {
+                of_now = KinematicMovers::of(self.bodies());
+                &of_now
+            }
+        };
+        self.walk_among(moving, how, state, (input, filter), pushes);
     }
 
     /// The same among kinematic bodies that are known to move.
@@ -136,7 +142,10 @@ impl Queries<'_> {
                 }
             });
         }
-        for slot in moving.near(self, &region) {
+        let near = moving.near(bodies, dt, |room, visit| {
+            self.inside(&region.fattened(room), visit);
+        });
+        for slot in near {
             ahead.look(bodies, slot, within);
         }
         ahead
@@ -183,10 +192,12 @@ impl Walk<'_, '_> {
             state.footing = None;
             rise = input.jump;
         }
+        // Where up is another direction now, or the ground has turned, it may be too steep.
         let ground = state.footing.map(|footing| footing.normal);
-        let begin = pose.position;
+        let ground = ground.filter(|normal| normal.dot(up) >= self.min_rise);
+        let begin = pose;
         self.go(&mut pose, dt * wish, ground);
-        let made = across(pose.position - begin, up) / dt;
+        let made = across(pose.position - begin.position, up) / dt;
         // What it ran into takes its speed, what it climbs does not.
         let kept = made.length().min(wish.length());
         let mut level = made.normalize_or_zero() * kept;
@@ -204,7 +215,8 @@ impl Walk<'_, '_> {
         state.footing = if jumps || (rise > 0.0 && !is_lifted) {
             None
         } else {
-            self.set_down(&mut pose, ground.is_some())
+            let stood_on = ground.and(carrier);
+            self.set_down(&mut pose, (&begin, stood_on))
         };
         if state.footing.is_some() {
             rise = 0.0;

@@ -6,6 +6,8 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+#[path = "../common/hierarchy.rs"]
+mod hierarchy;
 
 mod crowds;
 mod cutting;
@@ -16,6 +18,7 @@ mod rest;
 mod rolling;
 mod walker_company;
 mod walker_laws;
+mod walker_places;
 mod walker_rides;
 mod walker_rooms;
 mod walker_stage;
