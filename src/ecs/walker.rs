@@ -272,12 +272,7 @@ impl Surroundings<'_, '_> {
         KinematicTarget::redirect(targets, &mut self.bodies, to, step_dt);
         moving.add(&self.bodies, slot);
         for push in pushes.drain(..) {
-            // Bonds bear it as the force that it is: as a blow it would shoot off a splinter.
-            let amounts = match self.bodies.cluster(push.body) {
-                Some(_) => [push.impulse / step_dt, Vec3::ZERO],
-                None => [Vec3::ZERO, push.impulse],
-            };
-            let refused = self.bodies.apply_at(push.body, push.point, amounts);
+            let refused = push.apply(&mut self.bodies, step_dt);
             debug_assert!(refused.is_ok(), "pushes are finite");
         }
     }

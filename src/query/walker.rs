@@ -1,5 +1,7 @@
 //! What a character that walks is told, and what it tells.
 
+use crate::bodies::body::BodyError;
+use crate::bodies::store::Bodies;
 use crate::contact::body_id::BodyId;
 use glam::{Quat, Vec3};
 
@@ -61,7 +63,7 @@ pub struct Footing {
 /// What a character pushes in a step: at a point of a dynamic body, along the way into it.
 ///
 /// The impulse is what would make the body as fast as the character there if nothing else held it, but no more than
-/// [`WalkSettings::push_force`] gives in the step. Each body is pushed once a step.
+/// [`WalkSettings::push_force`] gives in the step. Each body is pushed once a step. [`apply`](Self::apply) lets it act.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Push {
     /// Slot of the body.
@@ -70,6 +72,21 @@ pub struct Push {
     pub point: Vec3,
     /// N s.
     pub impulse: Vec3,
+}
+
+impl Push {
+    /// Lets it act in the next step, which takes `step_dt` (s). On a cluster it acts as the force that it is, which loads bonds: as a blow
+    /// it would shoot off a splinter.
+    ///
+    /// # Errors
+    /// [`BodyError::Drive`] if a number is not finite; nothing acts then.
+    pub fn apply(&self, bodies: &mut Bodies, step_dt: f32) -> Result<(), BodyError> {
+        let amounts = match bodies.cluster(self.body) {
+            Some(_) => [self.impulse / step_dt, Vec3::ZERO],
+            None => [Vec3::ZERO, self.impulse],
+        };
+        bodies.apply_at(self.body, self.point, amounts)
+    }
 }
 
 /// Where a character is and how it moves.

@@ -2,7 +2,6 @@
 
 use crate::common::scenes::awake;
 use bevy_app::{App, TaskPoolPlugin};
-use bevy_cleave::bodies::StepForces;
 use bevy_cleave::prelude::*;
 use bevy_cleave::query::{Push, Slider, WalkInput, WalkSettings, WalkState};
 use bevy_ecs::bundle::Bundle;
@@ -77,13 +76,7 @@ impl Course {
         );
         let bodies = &mut self.simulation.bodies;
         for push in pushes {
-            let arm = push.point - bodies.center_of_mass(push.body);
-            let forces = StepForces {
-                impulse: push.impulse,
-                angular_impulse: arm.cross(push.impulse),
-                ..StepForces::default()
-            };
-            bodies.apply(push.body, &forces).expect("finite");
+            push.apply(bodies, H).expect("finite");
         }
         self.simulation.step(H);
     }
