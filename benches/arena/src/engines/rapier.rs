@@ -3,6 +3,8 @@
 use crate::engine::{Engine, Entry, Settings, State};
 use crate::scene::{self, JointKind, Scene};
 use rapier3d::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::sync::{Arc, OnceLock};
 
 struct Rapier {
     world: PhysicsWorld,
@@ -35,6 +37,20 @@ enum Joints {
     Coordinates,
 }
 
+/// A pool of so many threads. One thread is the calling one: else it waits for the one of the pool, which spins while it has nothing to do, and
+/// in small scenes that takes several times as much CPU time as the step.
+fn thread_pool(threads: usize) -> Arc<ThreadPool> {
+    static CALLING: OnceLock<Arc<ThreadPool>> = OnceLock::new();
+    let pool = |builder: ThreadPoolBuilder| Arc::new(builder.build().expect("thread pool"));
+    let builder = ThreadPoolBuilder::new().num_threads(threads);
+    match threads {
+        1 => CALLING
+            .get_or_init(|| pool(builder.use_current_thread()))
+            .clone(),
+        _ => pool(builder),
+    }
+}
+
 fn build(
     scene: &Scene,
     settings: &Settings,
@@ -46,10 +62,7 @@ fn build(
     world.integration_parameters.dt = scene.dt;
     world.integration_parameters.num_solver_iterations = settings.value as usize;
     world.integration_parameters.friction_model = friction_model;
-    world
-        .physics_pipeline
-        .configure_thread_pool(settings.threads)
-        .expect("thread pool");
+    world.set_thread_pool(Some(thread_pool(settings.threads)));
     let shapes: Vec<_> = scene
         .shapes
         .iter()
