@@ -57,16 +57,13 @@ pub(crate) fn plugin(app: &mut App) {
     app.add_systems(PreStartup, mix).add_systems(Update, tint);
 }
 
-/// Gives a new piece of glass a tint that its neighbors mostly do not have.
+/// Gives the pieces of glass that came together tints in turn.
 fn tint(
-    mut pieces: Query<
-        (Entity, &mut MeshMaterial3d<StandardMaterial>),
-        (With<Tinted>, Added<PieceOf>),
-    >,
+    mut pieces: Query<&mut MeshMaterial3d<StandardMaterial>, (With<Tinted>, Added<PieceOf>)>,
     looks: Res<Looks>,
 ) {
-    for (entity, mut material) in &mut pieces {
-        *material = looks.tints[entity.index_u32() as usize % looks.tints.len()].clone();
+    for (mut material, tint) in pieces.iter_mut().zip(looks.tints.iter().cycle()) {
+        material.clone_from(tint);
     }
 }
 
