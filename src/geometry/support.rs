@@ -162,6 +162,11 @@ impl<'s> PlacedCore<'s> {
         }
     }
 
+    /// The axes of the core's own frame.
+    pub(crate) fn axes(&self) -> DMat3 {
+        self.exact_turn
+    }
+
     /// The same, moved from where it was placed.
     pub(crate) fn moved(&self, by: DVec3) -> Self {
         Self {

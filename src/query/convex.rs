@@ -35,3 +35,11 @@ pub(crate) fn closest(mesh: &ConvexMesh, point: Vec3, limit: f32) -> Option<Loca
         None => hull::closest(mesh.hull(), point, limit),
     }
 }
+
+/// A place on the surface with the face that it lies on, if the shape has faces.
+pub(crate) fn on_surface(mesh: &ConvexMesh, found: LocalHit) -> LocalHit {
+    match mesh.round() {
+        Some(_) => found,
+        None => hull::on_surface(mesh.hull(), found),
+    }
+}

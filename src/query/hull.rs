@@ -225,7 +225,8 @@ pub(crate) fn closest(hull: &ConvexHull, point: Vec3, limit: f32) -> Option<Loca
     }
 }
 
-fn on_surface(hull: &ConvexHull, found: LocalHit) -> LocalHit {
+/// A place on the surface with the face that it lies on.
+pub(crate) fn on_surface(hull: &ConvexHull, found: LocalHit) -> LocalHit {
     LocalHit {
         face: face_at(hull, found.point, found.normal),
         ..found

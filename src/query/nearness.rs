@@ -5,6 +5,7 @@ use crate::geometry::distance::{Nearest, Separation, distance};
 use crate::geometry::support::{Core, PlacedCore};
 use crate::geometry::{Compound, ConvexMesh, StaticMesh};
 use crate::query::local::LocalHit;
+use crate::query::penetration::WayOut;
 use crate::query::{compound, convex, half_space};
 
 /// Where a body is nearest to a core with a radius (m), if it is within `limit` (m); its frame. The distance is negative where they
@@ -41,16 +42,33 @@ fn of_mesh(mesh: &ConvexMesh, core: &PlacedCore, limit: f32) -> Option<LocalHit>
             distance: near.distance - rounding,
             ..near
         }),
-        // The way out leads from the surface to the middle, and is as long as it takes all of the core.
-        Found::Overlap => {
-            let near = convex::closest(mesh, core.inside(), f32::MAX)?;
-            let out = near.normal.as_dvec3();
-            let top = out.dot(body.exact_support(out)) as f32 + rounding;
-            let lowest = out.dot(core.support(-out)) as f32;
-            let distance = (lowest - top).min(0.0);
-            Some(LocalHit { distance, ..near })
-        }
+        Found::Overlap => way_out(mesh, &body, core, rounding),
     }
+}
+
+/// Where the least way leads out for a core that overlaps that of a body with a rounding (m): of those from the surface to the core's middle,
+/// across the faces, and along the core's own axes.
+fn way_out(mesh: &ConvexMesh, body: &Core, core: &PlacedCore, rounding: f32) -> Option<LocalHit> {
+    let near = convex::closest(mesh, core.inside(), f32::MAX)?;
+    let first = near.normal.as_dvec3();
+    let faces = mesh.hull().faces().iter();
+    let across = faces.map(|face| face.plane.normal.as_dvec3());
+    let across = std::iter::once(first).chain(across);
+    let axes = core.axes();
+    let own = [axes.x_axis, axes.y_axis, axes.z_axis];
+    let own = own.map(|axis| WayOut::least(body, core, [axis, -axis]));
+    // Each leads down to another least one.
+    let starts = std::iter::once(WayOut::least(body, core, across)).chain(own);
+    let ways = starts.flatten().map(|way| way.turned(body, core));
+    let way = ways.min_by(WayOut::order)?;
+    let distance = (-(way.length as f32) - rounding).min(0.0);
+    let Some(on_core) = way.on_a.filter(|_| way.normal != first) else {
+        return Some(LocalHit { distance, ..near });
+    };
+    let normal = way.normal.as_vec3();
+    let point = on_core.as_vec3() + rounding * normal;
+    let found = LocalHit::at(point, normal, distance);
+    Some(convex::on_surface(mesh, found))
 }
 
 fn of_compound(mesh: &Compound, core: &PlacedCore, limit: f32) -> Option<LocalHit> {
