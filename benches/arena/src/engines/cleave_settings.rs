@@ -50,11 +50,12 @@ fn named(name: &'static str, config: SolverConfig) -> Named {
     }
 }
 
-/// Soft steps in a fixed number of sub-steps of one sweep before and one after the bodies move: no adaptive effort.
+/// Soft steps in a fixed number of sub-steps of one sweep before and one after the bodies move: no adaptive effort, no local steps.
 fn fixed(substeps: u32) -> SolverConfig {
     SoftStep {
         min_substeps: substeps,
         max_substeps: substeps,
+        max_local_steps: 1,
         tolerance: None,
         ..SoftStep::default()
     }
