@@ -8,7 +8,7 @@ use smallvec::SmallVec;
 /// So many are looked at one by one by everybody.
 const FEW: usize = 64;
 
-/// Of more, one of so many, which goes farthest.
+/// Of more, one of so many, which is fastest.
 const SHARE: usize = 16;
 
 /// Slots of those that are looked at: room for them on the stack but among thousands.
