@@ -113,9 +113,9 @@ fn mix(mut commands: Commands, mut materials: ResMut<Assets<StandardMaterial>>) 
     };
     // The edge of a pane is seen along its width: dark and green.
     let edge = glass(Color::srgba(0.25, 0.66, 0.58, 0.85));
-    let tints = [0.20, 0.28, 0.38].map(|alpha| glass(Color::srgba(0.62, 0.86, 0.84, alpha)));
+    let tints = [0.40, 0.16, 0.28].map(|alpha| glass(Color::srgba(0.62, 0.86, 0.84, alpha)));
     commands.insert_resource(Looks {
-        glass: Look::new(tints[1].clone(), edge),
+        glass: Look::new(tints[2].clone(), edge),
         tints: tints.map(MeshMaterial3d),
         frame,
         bricks: bricks.into(),
