@@ -73,7 +73,7 @@ fn build_level(mut commands: Commands, mut materials: ResMut<Assets<StandardMate
 
     // Rough ground: a level of triangles over a grid of heights.
     let heights: Vec<f32> = (0..64 * 64)
-        .map(|i| 0.06 * ((i % 64) as f32 * 0.9).sin() * ((i / 64) as f32 * 0.7).cos())
+        .map(|i| 0.06 * ops::sin((i % 64) as f32 * 0.9) * ops::cos((i / 64) as f32 * 0.7))
         .collect();
     let ground = StaticMesh::from_heights(&heights, 64, 0.4)?;
     let at = Transform::from_xyz(-12.8, 0.0, -12.8);

@@ -1,7 +1,7 @@
 //! Shapes whose meshes have slots for the outside and for the faces of cuts, and edges that catch the light.
 
 use crate::look::OUTSIDE;
-use bevy::math::Vec3;
+use bevy::math::{Vec3, ops};
 use bevy_cleave::geometry::primitives;
 use bevy_cleave::import::{ImportOptions, Model};
 use bevy_cleave::prelude::*;
@@ -52,7 +52,7 @@ pub(crate) fn wedge(
     slot: u16,
 ) -> Result<ConvexMesh, HullError> {
     let [inner, outer] = radii;
-    let slope = (0.5 * angle).tan();
+    let slope = ops::tan(0.5 * angle);
     chamfered(chamfer, slot, |sides, inset| {
         let z = 0.5 * (inner + outer) + sides.z * (0.5 * (outer - inner) - inset.z);
         let half = Vec3::new(slope * z, 0.5 * height, 0.0) - inset;

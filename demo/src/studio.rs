@@ -131,7 +131,7 @@ fn orbit(keys: Res<ButtonInput<KeyCode>>, time: Res<Time<Real>>, mut view: ResMu
     let speed = time.delta_secs();
     view.yaw += 1.2 * speed * around;
     view.pitch = (view.pitch + 0.9 * speed * up).clamp(0.03, 1.4);
-    view.distance = (view.distance * (1.5 * speed * away).exp()).clamp(2.0, 20.0);
+    view.distance = (view.distance * ops::exp(1.5 * speed * away)).clamp(2.0, 20.0);
 }
 
 fn follow_view(view: Res<View>, mut camera: Query<&mut Transform, With<Camera3d>>) {
