@@ -4,7 +4,7 @@ use crate::engine::{Engine, Entry, Settings, State};
 use crate::scene::{self, JointKind, Scene};
 use rapier3d::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 struct Rapier {
     world: PhysicsWorld,
@@ -37,18 +37,22 @@ enum Joints {
     Coordinates,
 }
 
+thread_local! {
+    /// A pool of the thread that asks for it and no other.
+    static CALLING_THREAD: Arc<ThreadPool> = pool_of(ThreadPoolBuilder::new().num_threads(1).use_current_thread());
+}
+
 /// A pool of so many threads. One thread is the calling one: else it waits for the one of the pool, which spins while it has nothing to do, and
 /// in small scenes that takes several times as much CPU time as the step.
 fn thread_pool(threads: usize) -> Arc<ThreadPool> {
-    static CALLING: OnceLock<Arc<ThreadPool>> = OnceLock::new();
-    let pool = |builder: ThreadPoolBuilder| Arc::new(builder.build().expect("thread pool"));
-    let builder = ThreadPoolBuilder::new().num_threads(threads);
     match threads {
-        1 => CALLING
-            .get_or_init(|| pool(builder.use_current_thread()))
-            .clone(),
-        _ => pool(builder),
+        1 => CALLING_THREAD.with(Arc::clone),
+        _ => pool_of(ThreadPoolBuilder::new().num_threads(threads)),
     }
+}
+
+fn pool_of(builder: ThreadPoolBuilder) -> Arc<ThreadPool> {
+    Arc::new(builder.build().expect("thread pool"))
 }
 
 fn build(
