@@ -74,9 +74,10 @@ pub mod prelude {
         ConstantTorque, ContactForce, ContactForceEvents, DebrisRemoved, Explosion, Fading,
         ForceCommands, Forces, ForcesItem, FractureCause, Fractured, GravityScale, JointA, JointB,
         JointBroken, JointCommands, JointHandle, JointProblem, JointsOfA, JointsOfB,
-        LevelConstructor, LinearDamping, LinearVelocity, Mass, MassOverride, MaxSpeed, PieceOf,
-        PieceRules, Pieces, Remains, Sensor, ShapeAwaited, ShapeConstructor, Sleeping,
-        SliceCommands, SpatialQuery, SpawnBody, Walker, WalkerError, Walking,
+        LevelConstructor, LinearDamping, LinearVelocity, Mass, MassOverride, MaxSpeed,
+        PhysicsHistory, PieceOf, PieceRules, Pieces, Remains, RewindApp, RewindCommands, Rewound,
+        Sensor, ShapeAwaited, ShapeConstructor, Sleeping, SliceCommands, SpatialQuery, SpawnBody,
+        Walker, WalkerError, Walking,
     };
     #[cfg(feature = "diagnostics")]
     pub use crate::extras::CleaveDiagnosticsPlugin;
@@ -104,7 +105,9 @@ pub mod prelude {
     };
     pub use crate::mass::MassProperties;
     pub use crate::math::{Aabb, Plane, Pose};
-    pub use crate::plugin::{CleavePlugin, PhysicsSchedule, PhysicsSystems, WalkerPlugin};
+    pub use crate::plugin::{
+        CleavePlugin, PhysicsSchedule, PhysicsSystems, RewindPlugin, WalkerPlugin,
+    };
     pub use crate::query::{
         Blade, Queries, QueryError, QueryFilter, QueryHit, QueryIndex, QueryShape, Ray, ShapeCast,
         Slid, Slider, WalkInput, WalkSettings, WalkState,

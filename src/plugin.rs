@@ -1,8 +1,10 @@
 //! The plugin: the phases of [`step`] as system sets, in the same order and under the same names.
 
 mod breaking;
+mod rewind;
 mod walker;
 
+pub use rewind::RewindPlugin;
 pub use walker::WalkerPlugin;
 
 use crate::bodies::store::Bodies;

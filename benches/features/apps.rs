@@ -97,6 +97,15 @@ pub(crate) fn rows() -> Vec<Row> {
             };
             changed(plugin, |_, _| {})
         }),
+        Row::new("Rewind", "app: `RewindPlugin`, 60 moments", || {
+            let plugin = |app: &mut App| {
+                app.add_plugins(RewindPlugin {
+                    moments: 60,
+                    interval: 1,
+                });
+            };
+            changed(plugin, |_, _| {})
+        }),
     ];
     rows.extend(featured());
     rows

@@ -19,6 +19,7 @@ pub(crate) enum Action {
     Show(Exhibit),
     Slow,
     Pause,
+    Back,
     Debug,
     Reset,
 }
@@ -39,7 +40,7 @@ pub(crate) fn plugin(app: &mut App) {
         .add_systems(Update, (write_figures, color_buttons));
 }
 
-const KEYS: [(KeyCode, &str, Action); 13] = [
+const KEYS: [(KeyCode, &str, Action); 14] = [
     (KeyCode::Digit1, "1", Action::Show(Exhibit::All)),
     (KeyCode::Digit2, "2", Action::Show(Exhibit::Glass)),
     (KeyCode::Digit3, "3", Action::Show(Exhibit::Brick)),
@@ -51,6 +52,7 @@ const KEYS: [(KeyCode, &str, Action); 13] = [
     (KeyCode::Digit9, "9", Action::Show(Exhibit::Tower)),
     (KeyCode::KeyS, "S", Action::Slow),
     (KeyCode::KeyP, "P", Action::Pause),
+    (KeyCode::KeyB, "B", Action::Back),
     (KeyCode::KeyD, "D", Action::Debug),
     (KeyCode::KeyR, "R", Action::Reset),
 ];
@@ -61,6 +63,7 @@ impl Action {
             Self::Show(exhibit) => exhibit.name(),
             Self::Slow => "Slow",
             Self::Pause => "Pause",
+            Self::Back => "Rewind",
             Self::Debug => "Debug",
             Self::Reset => "Reset",
         }
@@ -200,6 +203,7 @@ fn act(
             }
             Action::Slow => tempo.slow ^= true,
             Action::Pause => tempo.paused ^= true,
+            Action::Back => tempo.back ^= true,
             Action::Debug => debug.0 ^= true,
         }
     }
@@ -230,6 +234,7 @@ fn color_buttons(
             Action::Show(exhibit) => exhibit == shown.0,
             Action::Slow => tempo.slow,
             Action::Pause => tempo.paused,
+            Action::Back => tempo.back,
             Action::Debug => debug.0,
             Action::Reset => false,
         };

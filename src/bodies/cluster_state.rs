@@ -7,7 +7,7 @@ use glam::DVec3;
 use std::sync::Arc;
 
 /// What is known of a cluster.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct ClusterState {
     /// Its parts and bonds.
     pub(crate) network: Arc<Network>,

@@ -191,7 +191,7 @@ pub(super) struct Driven {
 }
 
 /// The bodies that are driven.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Drives {
     list: Vec<Driven>,
     /// By slot: index in the list.

@@ -5,7 +5,7 @@ use crate::contact::body_id::BodyId;
 use glam::{Quat, Vec3};
 
 /// Who takes local steps; buffers are reused.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct LocalBodies {
     /// Whether local steps are being taken.
     pub(crate) is_on: bool,

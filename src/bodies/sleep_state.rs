@@ -46,7 +46,7 @@ pub(crate) struct SleepCandidate {
 }
 
 /// What [`Bodies`] knows of sleep; empty until the first step with sleeping on.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Sleep {
     /// Whether changes of bodies are noted.
     pub(crate) is_on: bool,

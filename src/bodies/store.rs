@@ -28,7 +28,7 @@ use glam::{Mat3, Quat, Vec3};
 ///
 /// A slot is an index: methods that take one panic if it was never given out, and those that need a body panic if there
 /// is none in it any more; [`contains`](Self::contains) tells.
-#[derive(Debug, Default, Resource)]
+#[derive(Clone, Debug, Default, Resource)]
 pub struct Bodies {
     pub(crate) ids: Vec<BodyId>,
     pub(crate) status: Vec<Status>,

@@ -37,7 +37,7 @@ impl Wrench {
 }
 
 /// The system that tells how loads move the parts, for Young's modulus 1; it serves as long as the bonds and what is held are the same.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Elastic {
     is_broken: Vec<bool>,
     /// The parts that move.

@@ -13,7 +13,7 @@ pub(crate) type Six = [f64; 6];
 const NONE: u32 = u32::MAX;
 
 /// Where the lower triangle of a system has blocks, by column.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Pattern {
     /// By column: where its rows begin in `rows`; behind the last one, where they end.
     starts: Vec<usize>,
@@ -22,7 +22,7 @@ pub(crate) struct Pattern {
 }
 
 /// Lower triangle of a system, or its factor.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Sparse {
     pattern: Pattern,
     blocks: Vec<Block>,

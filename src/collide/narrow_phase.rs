@@ -32,7 +32,7 @@ use crate::tuning::{
 use glam::Mat3;
 
 /// What is known of the pairs from step to step, and buffers.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct NarrowPhase {
     boxes: Boxes,
     /// Bodies by slot.

@@ -233,7 +233,7 @@ fn span(reach: f32, travel: Vec3) -> f32 {
 }
 
 /// What the broad phase knows.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Boxes {
     /// What it was told of each slot.
     told: Vec<Option<ProxyState>>,

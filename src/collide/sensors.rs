@@ -36,7 +36,7 @@ pub(crate) struct Overlap {
     pub(crate) point: Vec3,
 }
 
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 struct SenseScratch {
     hulls: NarrowScratch,
     round: RoundScratch,
@@ -44,7 +44,7 @@ struct SenseScratch {
 }
 
 /// The overlaps of the last step, and buffers.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Sensing {
     /// Sorted by the ids of the pair.
     pub(crate) overlaps: Vec<Overlap>,

@@ -218,7 +218,7 @@ pub enum WalkerError {
 }
 
 /// Entities of the bodies, by slot, and what is needed to tell the user's changes from the plugin's own.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct BodyEntities {
     /// With the id of the body, because a slot may have been given to another body since.
     entity: Vec<Option<(BodyId, Entity)>>,

@@ -4,6 +4,7 @@ use crate::bodies::anchors::Anchors;
 use crate::bodies::body::RigidBody;
 use crate::bodies::store::Bodies;
 use crate::ecs::components::*;
+use crate::ecs::set_aside::leave;
 use crate::ecs::state::{PluginState, SliceRequests};
 use crate::fracture::{CutError, CutRequest, ExpiredPiece, FadingPiece, Fracture, Fractures};
 use crate::math::Plane;
@@ -84,7 +85,7 @@ pub(super) fn despawn_expired(
     }
     for &ExpiredPiece { slot, body, mass } in &fractures.expired {
         if let Some(entity) = entities.of(slot, body) {
-            commands.entity(entity).try_despawn();
+            commands.queue(move |world: &mut World| leave(world, entity));
             messages.write(DebrisRemoved { entity, mass });
         }
     }

@@ -57,7 +57,7 @@ struct Issue {
 }
 
 /// All that is wrong now.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Issues {
     /// By entity, in the order in which they were found. Entities of which nothing is wrong are not in it.
     known: EntityHashMap<Vec<Issue>>,

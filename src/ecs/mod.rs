@@ -16,6 +16,7 @@
 //! | `options.rs` | reads what only some bodies have: events and drives |
 //! | `issues.rs`, `issue_sync.rs` | what is wrong with an entity, as a component |
 //! | `kinematic.rs`, `parents.rs` | bodies that are moved by their `Transform`, and that are children |
+//! | `rewind.rs`, `rewind/`, `set_aside.rs` | moments that are kept, and restored; who waits for that |
 //! | `setup.rs` | components that bodies require, whenever the plugin is added |
 //! | `shape_constructor.rs`, `shape_constructor/` | shapes as data that a scene file can hold |
 //! | `parts.rs` | bodies whose parts are their children |
@@ -46,8 +47,10 @@ pub(crate) mod pieces;
 pub(crate) mod query;
 #[cfg(feature = "reflect")]
 pub(crate) mod reflect;
+pub(crate) mod rewind;
 mod scaled_shapes;
 pub(crate) mod scatter;
+pub(crate) mod set_aside;
 pub(crate) mod setup;
 pub(crate) mod shape_constructor;
 pub(crate) mod spawn;
@@ -78,6 +81,7 @@ pub use parts::CompoundOfChildren;
 pub use piece_children::ChildrenOfPieces;
 pub use pieces::{PieceOf, PieceRules, Pieces, Remains};
 pub use query::SpatialQuery;
+pub use rewind::{PhysicsHistory, RewindApp, RewindCommands, Rewound};
 pub use shape_constructor::{
     CompoundConstructor, LevelConstructor, MeshDescription, PartDescription, RoundForm,
     ShapeConstructor,

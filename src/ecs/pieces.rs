@@ -16,6 +16,7 @@ use crate::ecs::issues::BodyIssues;
 use crate::ecs::joint::{JointsOfA, JointsOfB, follow_pieces};
 use crate::ecs::parents::{local_of, parent_of};
 use crate::ecs::piece_children::hand_on_children;
+use crate::ecs::set_aside::leave;
 use crate::ecs::state::PluginState;
 use crate::ecs::uncloned::name_uncloned;
 use crate::fracture::Fractures;
@@ -207,10 +208,8 @@ pub(super) fn spawn_pieces(world: &mut World) {
     follow_pieces(world);
     for event in events {
         world.trigger(event.clone());
-        if let Ok(parent) = world.get_entity_mut(event.parent)
-            && !event.goes_on
-        {
-            parent.despawn();
+        if !event.goes_on {
+            leave(world, event.parent);
         }
         world.write_message(event);
     }

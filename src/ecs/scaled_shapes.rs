@@ -6,11 +6,11 @@ use crate::contact::body_id::BodyId;
 use bevy_math::Vec3;
 
 /// By slot, as far as any is scaled.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct ScaledShapes(Vec<Option<Box<ScaledShape>>>);
 
 /// A shape that was scaled.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct ScaledShape {
     id: BodyId,
     /// What it was before.

@@ -14,7 +14,7 @@ use bevy_ecs::entity::{EntityIndexMap, EntityIndexSet};
 use bevy_ecs::prelude::*;
 
 /// One resource for all of it: in a step of one body, to fetch resources is a good part of what the plugin adds.
-#[derive(Debug, Default, Resource)]
+#[derive(Clone, Debug, Default, Resource)]
 pub(crate) struct PluginState {
     /// What the phases of the present step are told.
     pub(crate) settings: StepSettings,
@@ -39,7 +39,7 @@ pub(crate) struct PluginState {
 }
 
 /// What happened to joints' entities since the last step, and which of them hold.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct JointQueue {
     /// Entities that became joints, or stopped to be, in order.
     pub(crate) arrived: Vec<Entity>,
@@ -54,7 +54,7 @@ pub(crate) struct JointQueue {
 }
 
 /// What a command asked for.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) enum BondRequest {
     Pair(Entity, Entity, Bond),
     Neighbors(Vec<Entity>, f32),
@@ -63,18 +63,18 @@ pub(crate) enum BondRequest {
 }
 
 /// What commands asked for since the last step, in order.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct BondRequests(pub(crate) Vec<BondRequest>);
 
 /// Cuts that commands asked for since the last step, in order.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct SliceRequests(pub(crate) Vec<(Entity, Plane)>);
 
 /// What happened to bodies' entities since the last step, in the order in which it happened.
 ///
 /// The order of commands decides body ids, not tables or entity numbers: results do not depend on how entities are
 /// stored. Observers fill the queue, because what systems are told of removals is forgotten when frames outrun steps.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct BodyQueue {
     pub(crate) arrived: Vec<Entity>,
     pub(crate) left: Vec<(u32, BodyId)>,
@@ -97,7 +97,7 @@ pub(crate) struct BodyQueue {
 }
 
 /// What was asked of the options since the last step.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct OptionQueue {
     /// Whether any entity ever had one.
     pub(crate) is_used: bool,

@@ -5,6 +5,7 @@
 
 use crate::bodies::body::RigidBody;
 use crate::ecs::components::{AngularVelocity, LinearVelocity};
+use crate::ecs::rewind::Rewound;
 use crate::mass::MassProperties;
 use crate::plugin::{PhysicsSchedule, PhysicsSystems};
 use bevy_app::{App, FixedPreUpdate, Plugin, RunFixedMainLoop, RunFixedMainLoopSystems};
@@ -76,6 +77,7 @@ impl Plugin for InterpolationPlugin {
             PhysicsSchedule,
             forget_jumps.before(PhysicsSystems::MassProperties),
         );
+        app.add_observer(begin_anew);
         #[cfg(feature = "reflect")]
         app.register_type::<NoInterpolation>();
     }
@@ -106,6 +108,13 @@ fn put_back(mut bodies: Query<(&mut Transform, &mut Motion), Allow<Disabled>>) {
                 motion.past = None;
             }
         }
+    }
+}
+
+/// Observer: where bodies were taken back to they are at once.
+fn begin_anew(_: On<Rewound>, mut bodies: Query<&mut Motion, Allow<Disabled>>) {
+    for mut motion in &mut bodies {
+        *motion = Motion::default();
     }
 }
 

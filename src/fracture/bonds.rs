@@ -63,7 +63,7 @@ pub(super) struct BondedPair {
 }
 
 /// All bonds of a simulation.
-#[derive(Debug, Default, Resource)]
+#[derive(Clone, Debug, Default, Resource)]
 pub struct Bonds {
     /// Sorted by bodies.
     pub(super) joints: Vec<BondedPair>,

@@ -29,7 +29,7 @@ const RETRIED: f32 = 2.0;
 type Lines = Vec<(ParentState, SmallVec<[u32; 8]>)>;
 
 /// What is kept from step to step, and buffers.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct FractureState {
     /// Pieces made in this step.
     made: usize,

@@ -111,7 +111,7 @@ struct Alive {
 }
 
 /// All pieces that are bodies, in the order in which they came to be.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Debris {
     alive: Vec<Alive>,
     /// Time that has passed while there were rules, s.

@@ -180,7 +180,7 @@ pub struct BreakingImpact {
 }
 
 /// Cuts asked for, and what broke in the last step.
-#[derive(Debug, Default, Resource)]
+#[derive(Clone, Debug, Default, Resource)]
 pub struct Fractures {
     /// Cuts to make at the start of the next step, in order; several on one body cut its pieces too.
     pub requests: Vec<CutRequest>,

@@ -60,7 +60,7 @@ pub(crate) struct JointRecord {
 }
 
 /// All joints of a simulation.
-#[derive(Debug, Default, Resource)]
+#[derive(Clone, Debug, Default, Resource)]
 pub struct Joints {
     /// Sorted by id.
     pub(crate) list: Vec<JointRecord>,

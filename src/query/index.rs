@@ -89,14 +89,14 @@ impl Seen {
 }
 
 /// A body with its box.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Leaf {
     place: Place,
     bounds: Aabb,
 }
 
 /// Where bodies are.
-#[derive(Default, Resource)]
+#[derive(Clone, Default, Resource)]
 pub struct QueryIndex {
     half_spaces: Vec<Place>,
     /// By slot.

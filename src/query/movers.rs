@@ -15,7 +15,7 @@ const SHARE: usize = 16;
 type Near = SmallVec<[u32; 2 * FEW]>;
 
 /// Kinematic bodies that move.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct KinematicMovers {
     /// Those that are faster than the limit.
     far: Vec<u32>,

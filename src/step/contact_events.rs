@@ -68,7 +68,7 @@ enum Source {
 }
 
 /// What bodies are watched, which of their pairs touch, and the news of the last step.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct ContactEvents {
     /// By slot; of another body than the present one it means nothing.
     watches: Vec<(BodyId, ContactWatch)>,

@@ -44,6 +44,19 @@ pub struct Contacts {
 /// one.
 const MAX_ROUNDS: u32 = 3;
 
+/// What the next step goes on from; buffers, and what is arranged anew in each step, begin empty.
+impl Clone for Contacts {
+    fn clone(&self) -> Self {
+        Self {
+            broadphase: self.broadphase.clone(),
+            narrow: self.narrow.clone(),
+            manifolds: self.manifolds.clone(),
+            events: self.events.clone(),
+            ..Self::default()
+        }
+    }
+}
+
 impl Contacts {
     /// Solves what is not solved yet.
     pub(crate) fn solve_round(

@@ -13,7 +13,9 @@ use crate::step::report::StepReport;
 use crate::step::settings::StepSettings;
 
 /// A simulation on plain data: what the plugin does, without an app.
-#[derive(Debug, Default)]
+///
+/// A clone is a snapshot: it goes on to the same bits. Shapes are shared, buffers are left out.
+#[derive(Clone, Debug, Default)]
 pub struct Simulation {
     /// The bodies.
     pub bodies: Bodies,

@@ -16,7 +16,7 @@ pub(crate) const GOLDEN: [(Scene, u64, u64); 20] = [
     (Scene::BrickWall, 0x318ff7e6894dd140, 0xaf050f0572ce62ba),
     (Scene::Paper, 0x97a4281bc6e6afda, 0xa7e33f4dbc36fb7c),
     (Scene::PaperSquare, 0x92b0ce04ce0eb332, 0x9c7794fbd0f13e6e),
-    (Scene::Exact, 0x4f30f2f114afe462, 0x79408b22dbbe8bcc),
+    (Scene::Exact, 0x820cafbd31fb1f5c, 0x94db7e5285a7c316),
     (Scene::TowerKept, 0xcd260e3d321919f7, 0x4b5dc85e5766d72b),
     (Scene::TowerColored, 0xe14f19463c902fff, 0x7193fd069592e4fa),
     (Scene::TowerAutomatic, 0xe14f19463c902fff, 0x7193fd069592e4fa),

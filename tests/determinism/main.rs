@@ -94,6 +94,32 @@ fn recycled_slots_give_the_same_bits() {
     assert_driver(Driver::RecycledSlots, 4);
 }
 
+/// What breaks, sleeps, bounces, is bonded or carried, by all methods.
+#[test]
+fn what_is_taken_back_goes_on_to_the_same_bits() {
+    use Scene::*;
+    for scene in [
+        Mixed,
+        LargeBreaking,
+        Sleep,
+        BondedWall,
+        BrickWall,
+        Paper,
+        Exact,
+        ColdStart,
+        Blows,
+        Carried,
+    ] {
+        let driver = Driver::TakenBack;
+        let run = Run {
+            scene,
+            driver,
+            ..PLAIN
+        };
+        assert_eq!(run.hashes_of_child(), golden(scene), "{run:?}");
+    }
+}
+
 #[test]
 fn plugin_gives_the_same_bits() {
     assert_driver(Driver::Plugin, 1);

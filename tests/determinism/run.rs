@@ -34,6 +34,8 @@ pub(crate) enum Driver {
     Plain,
     /// [`Simulation`] in slots that others left in another order.
     RecycledSlots,
+    /// [`Simulation`], taken back every so often to a copy of what it was some steps before.
+    TakenBack,
     /// The plugin.
     Plugin,
     /// The plugin with entities and slots that others left in another order.
@@ -86,6 +88,7 @@ impl Run {
         let drivers = [
             Plain,
             RecycledSlots,
+            TakenBack,
             Plugin,
             RecycledEntities,
             ManyTables,
@@ -122,7 +125,7 @@ impl Run {
     /// Makes the run in this process; its hashes.
     pub(crate) fn hashes(&self) -> Hashes {
         let (bodies, mut watch) = match self.driver {
-            Driver::Plain | Driver::RecycledSlots => self.step_plainly(),
+            Driver::Plain | Driver::RecycledSlots | Driver::TakenBack => self.step_plainly(),
             _ => self.step_plugin(),
         };
         let hashes = watch.end(&bodies);
@@ -158,6 +161,9 @@ impl Run {
         self.scene.prepare(&mut simulation, &slots);
         let mut watch = Watch::default();
         for step in 0..self.scene.steps() {
+            if self.driver == Driver::TakenBack && step % 9 == 4 {
+                go_and_come_back(&mut simulation);
+            }
             self.scene.act(step, &mut simulation, &slots);
             simulation.step(step_length().as_secs_f32());
             watch.add(&View::of(&simulation));
@@ -256,6 +262,13 @@ const EARLIER: usize = 101;
 fn earlier(i: usize) -> BodyDesc {
     let shape = ConvexMesh::cuboid(0.1, 0.1, 0.1).expect("valid size");
     BodyDesc::dynamic(shape, glam::Vec3::new(i as f32, 50.0, 0.0))
+}
+
+/// Steps that are taken back.
+fn go_and_come_back(simulation: &mut Simulation) {
+    let copy = simulation.clone();
+    (0..3).for_each(|_| simulation.step(step_length().as_secs_f32()));
+    simulation.clone_from(&copy);
 }
 
 fn use_and_leave_slots(simulation: &mut Simulation) {

@@ -2,7 +2,7 @@
 #![allow(dead_code, reason = "each test uses some of it")]
 
 use crate::common::states::bits;
-use bevy_app::{App, TaskPoolPlugin};
+use bevy_app::{App, Plugins, TaskPoolPlugin};
 use bevy_cleave::prelude::*;
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::{LogLevel, ScheduleBuildSettings};
@@ -20,10 +20,11 @@ pub(crate) fn app() -> App {
     app_of(CleavePlugin::default())
 }
 
-/// The same with another plugin.
-pub(crate) fn app_of(plugin: CleavePlugin) -> App {
+/// The same with other plugins.
+pub(crate) fn app_of<M>(plugins: impl Plugins<M>) -> App {
     let mut app = App::new();
-    app.add_plugins((TaskPoolPlugin::default(), TimePlugin, plugin))
+    app.add_plugins((TaskPoolPlugin::default(), TimePlugin))
+        .add_plugins(plugins)
         .insert_resource(Time::<Fixed>::from_duration(step_length()))
         .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
     app.edit_schedule(PhysicsSchedule, |schedule| {

@@ -28,6 +28,7 @@ mod phases;
 mod pieces;
 mod plain_step;
 mod random_world;
+mod rewind;
 mod sleep;
 mod twins;
 mod unusual;

@@ -163,8 +163,13 @@ fn transform(dice: &mut Dice, is_rough: bool) -> Transform {
 
 impl RandomWorld {
     pub(crate) fn new(is_rough: bool) -> Self {
+        Self::in_app(app(), is_rough)
+    }
+
+    /// One in an app of another kind.
+    pub(crate) fn in_app(app: App, is_rough: bool) -> Self {
         Self {
-            app: app(),
+            app,
             names: vec![None; NAMES],
             joints: vec![None; JOINTS],
             is_rough,

@@ -112,6 +112,7 @@ fn show(
     mut shown: ResMut<Shown>,
     mut view: ResMut<View>,
     looks: Res<Looks>,
+    mut history: ResMut<PhysicsHistory>,
     bodies: Query<Entity, (With<RigidBody>, With<DrawShape>)>,
 ) -> Result {
     let Some(&Show(exhibit)) = requests.read().last() else {
@@ -120,6 +121,7 @@ fn show(
     for body in &bodies {
         commands.entity(body).despawn();
     }
+    history.clear();
     shown.0 = exhibit;
     *view = exhibit.view();
     let mut stage = Stage {

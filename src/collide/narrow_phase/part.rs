@@ -26,7 +26,7 @@ use glam::{Quat, Vec3};
 use std::ops::Range;
 
 /// A run of pairs that follow each other.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct PairRun {
     /// The least name of a pair that belongs to it.
     pub(crate) least: PairName,

@@ -19,7 +19,7 @@ use crate::tuning::TOUCH_DISORDER;
 use smallvec::SmallVec;
 
 /// What is known of a run of pairs.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct PairStore {
     names: Vec<PairName>,
     pub(crate) terms: Vec<RecycleTest>,

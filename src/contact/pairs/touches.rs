@@ -18,7 +18,7 @@ pub(crate) struct Touch {
 const _: () = assert!(size_of::<Touch>() == 4 * 64);
 
 /// A list whose elements stay where they are.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Slab<T> {
     pub(crate) list: Vec<T>,
     pub(crate) free: Vec<u32>,
@@ -42,7 +42,7 @@ impl<T> Slab<T> {
 }
 
 /// The touches of a run of pairs.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Touches {
     pub(crate) slab: Slab<Touch>,
     /// How many have come since they were sorted.

@@ -92,6 +92,8 @@ impl Polish {
             .into_iter()
             .for_each(|list| zeros(list, dimension));
         self.factors = 0;
+        // The factor of another problem would do, nearly: but the result must not depend on what was solved before.
+        self.forget_factor();
         self.restart(space, rows, lambda);
     }
 
