@@ -1,9 +1,9 @@
 //! A game as a newcomer would write it: rough ground, a figurine, a wall, a pane in its frame, a door, a ball on a chain, a goal, and
 //! a hero that walks. Swipe to slice, right button to throw, arrows and space to walk and jump, `E` for an explosion under the pointer,
-//! `S` for slow motion, `D` for what the solver sees.
+//! `S` for slow motion, `B` to go back by two seconds, `D` for what the solver sees.
 //!
 //! What is the game is above; what only brings the physics and Bevy together is [`glue`], line by line, with why it is needed. Nothing
-//! saves the game or turns time back: the crate has no snapshots.
+//! saves the game to a file: bonds are no components.
 
 use bevy::prelude::*;
 use bevy::window::PrimaryWindow;
@@ -26,7 +26,16 @@ fn main() {
         )
         .add_systems(
             Update,
-            (slice, throw, explode, walk, slow_down, look_inside, score),
+            (
+                slice,
+                throw,
+                explode,
+                walk,
+                slow_down,
+                go_back,
+                look_inside,
+                score,
+            ),
         )
         .run();
 }
@@ -336,6 +345,12 @@ fn slow_down(keys: Res<ButtonInput<KeyCode>>, mut time: ResMut<Time<Virtual>>) {
     }
 }
 
+fn go_back(keys: Res<ButtonInput<KeyCode>>, mut commands: Commands) {
+    if keys.just_pressed(KeyCode::KeyB) {
+        commands.rewind(128);
+    }
+}
+
 /// What the player has won.
 #[derive(Default, Resource)]
 struct Points(usize);
@@ -370,6 +385,7 @@ mod glue {
             CleavePlugin::default(),
             InterpolationPlugin,
             WalkerPlugin,
+            RewindPlugin::default(),
             CleaveMeshPlugin,
             CleaveGizmosPlugin,
         ));

@@ -59,6 +59,9 @@ try {
   await page.mouse.click(520, 230);
   const broken = await until('a ball shatters the pane', s => s.pieces > 10, 60);
   await picture('shattered');
+  await page.keyboard.press('KeyB');
+  await until('the pane is whole again', s => s.pieces === 1, 60);
+  await picture('rewound');
 
   // Every exhibit, its button's key, how many bodies it has at least.
   const exhibits = [['Wood', 4, 1], ['Brick', 3, 1], ['Stone', 5, 1], ['Figurine', 6, 1], ['Table', 7, 2], ['Chain', 8, 9], ['Tower', 9, 0]];

@@ -1,6 +1,6 @@
 //! `Mesh3d` in step with the shapes of bodies and pieces.
 
-use crate::{all_with, mesh_app};
+use crate::{all_with, app, mesh_app};
 use bevy_app::App;
 use bevy_asset::Assets;
 use bevy_cleave::geometry::primitives;
@@ -10,6 +10,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::query::Allow;
 use bevy_math::Vec3;
 use bevy_mesh::{Mesh, Mesh3d};
+use bevy_transform::components::Transform;
 
 /// In place of a material, which needs a renderer.
 #[derive(Clone, Component, Debug, PartialEq)]
@@ -105,6 +106,41 @@ fn pieces_of_pieces_are_drawn_whole_and_inside_out() {
             "none is left over"
         );
     }
+}
+
+#[test]
+fn what_is_whole_again_is_drawn_as_it_was() {
+    let mut app = app();
+    app.add_plugins((CleaveMeshPlugin, RewindPlugin::default()));
+    app.finish();
+    app.cleanup();
+    let draw = DrawShape::new().with_slot(CUT, Paint("inside"));
+    let body = spawn_body(&mut app, draw);
+    (0..3).for_each(|_| app.update());
+    for normal in [Vec3::X, Vec3::Z] {
+        for piece in all_with::<RigidBody>(&mut app) {
+            let at = app
+                .world()
+                .get::<Transform>(piece)
+                .expect("a body")
+                .translation;
+            let plane = Plane::through(at, normal);
+            app.world_mut().commands().slice(piece, plane);
+        }
+        app.update();
+    }
+    assert_eq!(all_with::<RigidBody>(&mut app).len(), 4);
+    assert_eq!(
+        all_with::<Mesh3d>(&mut app).len(),
+        8,
+        "each has a child for cut faces"
+    );
+    app.world_mut().commands().rewind(3);
+    app.update();
+    assert_eq!(all_with::<RigidBody>(&mut app), [body]);
+    assert_eq!(all_with::<Mesh3d>(&mut app), [body]);
+    assert_eq!(app.world().get::<Paint>(body), Some(&Paint("outside")));
+    assert!((swept_volume(&drawn(&app, body)) - 1.0).abs() < 1e-6);
 }
 
 #[test]

@@ -314,3 +314,37 @@ fn who_is_pushed_where_a_ray_hits_turns_as_without_it() {
         }
     }
 }
+
+#[test]
+fn a_body_goes_on_evenly_from_where_it_is_taken_back_to() {
+    // In frames of a step what is drawn is the pose before the last one.
+    for rate in [60.0, 100.0, 144.0] {
+        let mut app = app();
+        app.add_plugins((InterpolationPlugin, RewindPlugin::default()))
+            .insert_resource(Gravity(Vec3::ZERO));
+        app.finish();
+        app.cleanup();
+        with_frames_of(&mut app, 1.0 / rate);
+        let body = (RigidBody::Dynamic, cube(), LinearVelocity(3.0 * Vec3::X));
+        let body = app.world_mut().spawn(body).id();
+        (0..30).for_each(|_| app.update());
+        for steps in [1, 4, 0] {
+            let before = place(&app, body);
+            app.world_mut().commands().rewind(steps);
+            app.world_mut().flush();
+            app.update();
+            let way = f64::from((place(&app, body) - before).x) / 3.0;
+            let expected = 1.0 / rate - steps as f64 * STEP;
+            // What is drawn lies up to a step behind.
+            assert!((way - expected).abs() < 1.01 * STEP, "{way} s at {rate} Hz");
+            let mut before = place(&app, body);
+            for _ in 0..10 {
+                app.update();
+                let now = place(&app, body);
+                let speed = f64::from((now - before).x) * rate;
+                assert!((speed - 3.0).abs() < 0.02, "{speed} m/s at {rate} Hz");
+                before = now;
+            }
+        }
+    }
+}

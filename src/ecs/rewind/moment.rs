@@ -3,7 +3,7 @@
 use crate::bodies::body::RigidBody;
 use crate::bodies::store::Bodies;
 use crate::contact::impulses::ContactCache;
-use crate::ecs::components::BodyHandle;
+use crate::ecs::components::{AngularVelocity, BodyHandle, LinearVelocity};
 use crate::ecs::rewind::values::{InPhysics, Kept, Values};
 use crate::ecs::set_aside::bring_back;
 use crate::ecs::state::PluginState;
@@ -120,6 +120,7 @@ impl Moment {
         let removed = self.remove_new(world, new);
         world.flush();
         self.simulated.clone().put_into(world);
+        self.claim_motion(world);
         let lost = leave_lost(world);
         Rewound {
             steps,
@@ -146,6 +147,19 @@ impl Moment {
         }
     }
 
+    /// Says that the plugin has written what was put back of bodies' motion: it is changed for everyone else, and nothing to be read. Rounding
+    /// and the sign of zero differ between what was written and what is simulated. What the app has set otherwise in the step is still to be read.
+    fn claim_motion(&self, world: &mut World) {
+        let now = world.change_tick();
+        world.increment_change_tick();
+        world.resource_scope(|world, bodies: Mut<Bodies>| {
+            for &entity in &self.tracked {
+                claim_motion(world, &bodies, entity, now);
+            }
+        });
+        world.resource_mut::<PluginState>().entities.written = now;
+    }
+
     /// Despawns bodies and joints that are younger, and takes what makes them such from older entities; the former.
     fn remove_new(&self, world: &mut World, aside: Vec<Entity>) -> Vec<Entity> {
         let mut removed = Vec::new();
@@ -170,6 +184,33 @@ impl Moment {
             }
         }
         removed
+    }
+}
+
+/// Marks as changed at `now` what an entity says of the motion of its body, if that is how it moves.
+fn claim_motion(world: &mut World, bodies: &Bodies, entity: Entity, now: Tick) {
+    let body = world.get::<BodyHandle>(entity).and_then(BodyHandle::get);
+    let Some((slot, _)) = body.filter(|&(slot, id)| bodies.is_current(slot, id)) else {
+        return;
+    };
+    let (pose, (linear, angular)) = (bodies.pose(slot), bodies.velocity(slot));
+    let is_written = world
+        .get::<Transform>(entity)
+        .is_some_and(|place| place.translation == pose.position && place.rotation == pose.rotation);
+    if !is_written
+        || world.get::<LinearVelocity>(entity) != Some(&LinearVelocity(linear))
+        || world.get::<AngularVelocity>(entity) != Some(&AngularVelocity(angular))
+    {
+        return;
+    }
+    if let Some(mut place) = world.get_mut::<Transform>(entity) {
+        place.set_last_changed(now);
+    }
+    if let Some(mut velocity) = world.get_mut::<LinearVelocity>(entity) {
+        velocity.set_last_changed(now);
+    }
+    if let Some(mut velocity) = world.get_mut::<AngularVelocity>(entity) {
+        velocity.set_last_changed(now);
     }
 }
 

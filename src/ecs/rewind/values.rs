@@ -12,8 +12,10 @@ use crate::ecs::components::*;
 use crate::ecs::forces::*;
 use crate::ecs::issues::BodyIssues;
 use crate::ecs::joint::{JointA, JointB, JointHandle, JointProblem};
+use crate::ecs::parts::CompoundOfChildren;
 use crate::ecs::pieces::PieceOf;
 use crate::ecs::set_aside::SetAside;
+use crate::ecs::shape_constructor::{CompoundConstructor, LevelConstructor, ShapeConstructor};
 use crate::ecs::walker::{Walker, Walking};
 use crate::geometry::{Compound, ConvexMesh, HalfSpaceShape, StaticMesh};
 use crate::joints::{Joint, JointLoad};
@@ -150,6 +152,11 @@ pub(super) fn physics_values() -> Vec<Box<dyn Values>> {
         JointHandle,
         Disabled,
         Transform,
+        ShapeAwaited,
+        ShapeConstructor,
+        CompoundConstructor,
+        CompoundOfChildren,
+        LevelConstructor,
         ConvexMesh,
         Compound,
         HalfSpaceShape,
