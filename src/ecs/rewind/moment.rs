@@ -164,8 +164,10 @@ impl Moment {
     fn remove_new(&self, world: &mut World, aside: Vec<Entity>) -> Vec<Entity> {
         let mut removed = Vec::new();
         for entity in aside {
-            // Nobody has seen it since it broke.
-            world.despawn(entity);
+            // Nobody has seen it since it broke, but the app may have despawned it.
+            if let Ok(entity) = world.get_entity_mut(entity) {
+                entity.despawn();
+            }
         }
         let now = world.read_change_tick();
         for entity in tracked(world) {
