@@ -140,12 +140,6 @@ pub(super) fn physics_values() -> Vec<Box<dyn Values>> {
             [$(ValuesOf::<$component, HasPhysics>::boxed()),*]
         };
     }
-    let relations: [Box<dyn Values>; 4] = [
-        Box::new(Relations::<ChildOf>(None)),
-        Box::new(Relations::<PieceOf>(None)),
-        Box::new(Relations::<JointA>(None)),
-        Box::new(Relations::<JointB>(None)),
-    ];
     let values = values![
         // First who it is, with which the rest comes by default.
         BodyHandle,
@@ -195,5 +189,15 @@ pub(super) fn physics_values() -> Vec<Box<dyn Values>> {
         BodyIssues,
         Sleeping,
     ];
-    relations.into_iter().chain(values).collect()
+    relations().into_iter().chain(values).collect()
+}
+
+/// Who bodies and joints are related to.
+fn relations() -> [Box<dyn Values>; 4] {
+    [
+        Box::new(Relations::<ChildOf>(None)),
+        Box::new(Relations::<PieceOf>(None)),
+        Box::new(Relations::<JointA>(None)),
+        Box::new(Relations::<JointB>(None)),
+    ]
 }
