@@ -40,10 +40,25 @@ impl SolidPair<'_> {
     }
 
     /// The point of B farthest against a unit vector of A's frame.
-    pub(super) fn foot_of_b(&self, axis: DVec3) -> DVec3 {
+    fn foot_of_b(&self, axis: DVec3) -> DVec3 {
         let turn = Mat3::from_quat(self.b_in_a.rotation).as_dmat3();
         let own = (turn.transpose() * -axis).normalize();
         turn * self.b.support(own) + self.b_in_a.position.as_dvec3()
+    }
+
+    /// Where the shapes come nearest to each other along a unit vector, on the one that has fewer such places: a hull has a whole face of
+    /// them, of which [`Solid::support`] tells any corner.
+    pub(super) fn place_along(&self, axis: DVec3, is_a_smaller: bool) -> DVec3 {
+        let [is_a_hull, is_b_hull] =
+            [self.a, self.b].map(|solid| matches!(solid.form, Form::Hull(_)));
+        let is_on_a = match is_a_hull == is_b_hull {
+            true => is_a_smaller,
+            false => is_b_hull,
+        };
+        match is_on_a {
+            true => self.a.support(axis),
+            false => self.foot_of_b(axis),
+        }
     }
 
     /// How far the shapes are apart along a unit vector from A to B, m.

@@ -127,8 +127,9 @@ impl RoundCast<'_> {
         let pair = self.pair(moment);
         let start = self.pair(0.0);
         let approach = |normal: Vec3| {
-            let foot = pair.foot_of_b(normal.as_dvec3()).as_vec3();
-            self.course.approach(moment, normal, foot).max(0.0)
+            let is_a_smaller = self.course.radii[0] < self.course.radii[1];
+            let place = pair.place_along(normal.as_dvec3(), is_a_smaller);
+            self.course.approach(moment, normal, place.as_vec3()).max(0.0)
         };
         let mut least = LESS * approach(found);
         let tolerance = self.tolerance + GRAZE * moment * self.course.travel.length();
