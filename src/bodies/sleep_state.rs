@@ -35,14 +35,21 @@ pub(crate) struct Rest {
 pub(crate) struct SleepCandidate {
     /// Its number among the islands of the step.
     pub(crate) island: usize,
-    /// Impulse of the step that keeps it at rest, N s.
-    pub(crate) weight: f32,
-    /// Impulse against gravity that it got from fixed bodies, N s.
-    pub(crate) supported_weight: f32,
+    /// Impulse of gravity and of its bodies' own forces in the step, N s.
+    pub(crate) weight: Vec3,
+    /// Impulse that it got from fixed bodies, N s.
+    pub(crate) support: Vec3,
     /// Whether a fixed body touches it.
     pub(crate) has_support: bool,
     /// Whether a fixed body touches it that moves.
     pub(crate) is_carried: bool,
+}
+
+impl SleepCandidate {
+    /// Whether fixed bodies bear at least this share of what pulls it.
+    pub(crate) fn is_borne(&self, least: f32) -> bool {
+        -self.support.dot(self.weight) >= least * self.weight.length_squared()
+    }
 }
 
 /// What [`Bodies`] knows of sleep; empty until the first step with sleeping on.

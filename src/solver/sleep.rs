@@ -1,7 +1,7 @@
 //! Sleep: islands that rest are left out of the step until something disturbs them.
 //!
 //! A whole island sleeps or none of it. It falls asleep when all its bodies have been slow and in place for a time
-//! and fixed bodies that rest bear its weight, so nothing sleeps in mid-air or on what moves. A sleeping body has no
+//! and fixed bodies that rest bear its weight and what else pulls it, so nothing sleeps in mid-air or on what moves. A sleeping body has no
 //! velocity and keeps its pose bit for bit; its pairs with sleeping and resting fixed bodies make no work.
 //!
 //! Two things wake an island: somebody changes one of its bodies, which [`Bodies`] notices in its setters and does at once;
@@ -140,7 +140,9 @@ impl Bodies {
             if self.status[i] != Status::Active || self.velocity[i].inverse_mass == 0.0 {
                 continue;
             }
-            if self.is_slow(slot, config, gravity) && self.is_in_place(slot, config, gravity) {
+            // What a force of its own presses against a wall may tremble there as what gravity does.
+            let pull = self.pull_on(slot).length().max(gravity);
+            if self.is_slow(slot, config, pull) && self.is_in_place(slot, config, pull) {
                 self.sleep.rest[i].time += step_dt;
             } else {
                 self.sleep.rest[i] = self.rest_here(slot);
@@ -213,7 +215,7 @@ impl Bodies {
             };
             if candidate.island == number {
                 next += 1;
-                let is_borne = candidate.supported_weight >= MIN_SUPPORTED_SHARE * candidate.weight;
+                let is_borne = candidate.is_borne(MIN_SUPPORTED_SHARE);
                 if is_borne && candidate.has_support && !candidate.is_carried {
                     self.put_to_sleep(slots);
                 }
@@ -224,36 +226,42 @@ impl Bodies {
 
     /// Lists the islands all of whose bodies have been at rest for long enough.
     fn find_candidates(&mut self, config: &SleepConfig, solver: &ContactSolver, step_dt: f32) {
-        let Self {
-            sleep,
-            velocity,
-            mass,
-            ..
-        } = self;
-        let pull = step_dt * sleep.gravity.length();
-        sleep.candidates.clear();
-        sleep.candidate_of.resize(velocity.len(), NONE);
+        let mut candidates = std::mem::take(&mut self.sleep.candidates);
+        candidates.clear();
+        self.sleep.candidate_of.resize(self.slots(), NONE);
         for (number, slots) in solver.whole_islands().enumerate() {
             let dynamic = || {
-                let slots = slots.iter().map(|&slot| slot as usize);
-                slots.filter(|&i| velocity[i].inverse_mass > 0.0)
+                let slots = slots.iter().copied();
+                slots.filter(|&slot| self.velocity[slot as usize].inverse_mass > 0.0)
             };
-            if !dynamic().all(|i| sleep.rest[i].time >= config.time) {
+            if !dynamic().all(|slot| self.sleep.rest[slot as usize].time >= config.time) {
                 continue;
             }
-            let index = sleep.candidates.len() as u32;
-            dynamic().for_each(|i| sleep.candidate_of[i] = index);
-            sleep.candidates.push(SleepCandidate {
+            let index = candidates.len() as u32;
+            let weight = |slot: u32| self.mass[slot as usize].mass * self.pull_on(slot);
+            candidates.push(SleepCandidate {
                 island: number,
-                weight: pull * dynamic().map(|i| mass[i].mass).sum::<f32>(),
+                weight: step_dt * dynamic().map(weight).sum::<Vec3>(),
                 ..SleepCandidate::default()
             });
+            for &slot in slots {
+                if self.velocity[slot as usize].inverse_mass > 0.0 {
+                    self.sleep.candidate_of[slot as usize] = index;
+                }
+            }
         }
+        self.sleep.candidates = candidates;
+    }
+
+    /// What gravity and the body's own forces pull it with, m/s2.
+    fn pull_on(&self, slot: u32) -> Vec3 {
+        let gravity = self.sleep.gravity;
+        let drive = self.drive_of(slot, gravity);
+        drive.map_or(gravity, |drive| gravity + drive.acceleration)
     }
 
     /// Adds up what fixed bodies bear of each candidate.
     fn weigh_supports(&mut self, manifolds: &Manifolds) {
-        let up = -self.sleep.gravity.normalize_or_zero();
         for m in manifolds.iter() {
             let Some((fixed, body, sign)) = self.support(&m) else {
                 continue;
@@ -266,10 +274,9 @@ impl Bodies {
             }
             let is_displaced = self.is_displaced(fixed);
             let on_b = m.points().iter();
-            let on_b =
-                on_b.map(|p| p.normal_impulse * m.normal.dot(up) + p.friction_impulse.dot(up));
+            let on_b = on_b.map(|p| p.normal_impulse * m.normal + p.friction_impulse);
             let candidate = &mut self.sleep.candidates[index as usize];
-            candidate.supported_weight += sign * on_b.sum::<f32>();
+            candidate.support += sign * on_b.sum::<Vec3>();
             candidate.has_support = true;
             candidate.is_carried |= is_displaced;
         }
@@ -277,7 +284,6 @@ impl Bodies {
 
     /// Adds up what joints to the world and to fixed bodies bear of each candidate.
     fn weigh_joints(&mut self, joints: &[JointRecord], step_dt: f32) {
-        let up = -self.sleep.gravity.normalize_or_zero();
         for record in joints {
             let slots = record.ends.map(|end| end.map(|(slot, _)| slot));
             let moves = slots
@@ -293,7 +299,7 @@ impl Bodies {
             }
             let is_displaced = fixed.is_some_and(|fixed| self.is_displaced(fixed));
             let candidate = &mut self.sleep.candidates[index as usize];
-            candidate.supported_weight += sign * step_dt * record.load.force.dot(up);
+            candidate.support += sign * step_dt * record.load.force;
             candidate.has_support = true;
             candidate.is_carried |= is_displaced;
         }

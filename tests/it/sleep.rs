@@ -601,3 +601,41 @@ fn sleeping_waking_and_steps_asleep_allocate_nothing_once_warm() {
     let allocated = measure(|| cycle(&mut simulation));
     assert_eq!(allocated.count_total, 0, "{allocated:?}");
 }
+
+/// What gravity, weak, strong or turned round for a body, and a force of its own press against a wall; once only what acts in full was
+/// counted as borne.
+#[test]
+fn what_rests_under_other_forces_than_gravity_sleeps() {
+    for seed in 0..60 {
+        let dice = &mut Dice::new(seed);
+        let pull = dice.direction();
+        let wall = BodyDesc::floor(HalfSpaceShape { normal: -pull });
+        let mut simulation = sleepy([wall]);
+        let (scale, share) = (dice.in_range(0.05, 3.0), dice.in_range(0.0, 0.9));
+        let (gravity, scale, force) = match seed % 4 {
+            0 => (9.81, scale, 0.0),
+            1 => (-9.81, -scale, 0.0),
+            2 => (0.0, 1.0, 9.81 * scale),
+            _ => (9.81, 1.0, -9.81 * share),
+        };
+        simulation.gravity = Gravity(gravity * pull);
+        for i in 0..2_u8 {
+            let mut body = BodyDesc::dynamic(cube(), -(0.5 + f32::from(i)) * pull);
+            body.pose.rotation = Quat::from_rotation_arc(Vec3::Y, -pull);
+            let mass = body.density;
+            let slot = simulation.bodies.insert(body).expect("usable");
+            let drive = BodyDrive {
+                gravity_scale: scale,
+                force: mass * force * pull,
+                ..BodyDrive::default()
+            };
+            simulation.bodies.set_drive(slot, drive).expect("usable");
+        }
+        run(&mut simulation, 120);
+        let awake = simulation.report.awake;
+        assert_eq!(
+            awake, 0,
+            "{seed}: gravity {gravity}, scale {scale}, {force}"
+        );
+    }
+}
