@@ -11,6 +11,9 @@ use glam::Vec3;
 /// reach farther.
 const GRAZING: f32 = 1e-4;
 
+/// How deep what is round may lie in a triangle and is lifted out of it to be followed, as a share of its diagonal.
+const SUNK: f32 = 0.01;
+
 /// How often a hull is followed to what it touches within a step.
 const MAX_STOPS: usize = 4;
 
@@ -41,6 +44,9 @@ impl LevelPair<'_> {
         let (mut shift, mut way) = (Vec3::ZERO, self.travel);
         for part in 0..MAX_STOPS {
             self.look_ahead(tight, (shift, way), scratch);
+            if part == 0 {
+                shift = self.lift(scratch);
+            }
             scratch.near.extend_from_slice(&scratch.ahead);
             if part > 0 {
                 // In the order of the mesh, whatever its tree is like.
@@ -82,6 +88,30 @@ impl LevelPair<'_> {
                 ahead.push(leaf);
             });
         ahead.sort_unstable_by_key(|&leaf| self.number(leaf));
+    }
+
+    /// How far what is round is lifted to touch what it lies in by a little, m. By its sag already it would meet a hollow edge before it is
+    /// over what rises beyond, and then not be followed on to that; what goes up a bowl so gained energy in each step, from overlap that was
+    /// pushed out.
+    fn lift(&self, scratch: &LevelScratch) -> Vec3 {
+        let Some(round) = self.shape.round() else {
+            return Vec3::ZERO;
+        };
+        let pose = Pose::new(Vec3::ZERO, self.hull_in_mesh.rotation);
+        let core = PlacedCore::new(round.core(), &pose);
+        let deepest = SUNK * self.shape.aabb().diagonal();
+        let mut lift = Vec3::ZERO;
+        for &leaf in &scratch.ahead {
+            let Some(ground) = self.ground(&self.mesh.triangles()[leaf as usize]) else {
+                continue;
+            };
+            let foot = core.support(-ground.normal.as_dvec3()).as_vec3() + lift;
+            let depth = round.radius - ground.height(foot);
+            if depth > 0.0 && depth < deepest && ground.is_over(foot) {
+                lift += depth * ground.normal;
+            }
+        }
+        lift
     }
 
     /// What of `scratch.ahead` the shape touches first on a way, begun at a shift.
