@@ -7,7 +7,8 @@ use crate::math::rotate;
 use glam::{Mat3, Quat, Vec3};
 
 impl Bodies {
-    /// Mass properties in the body's frame; zero mass before the first mass phase and for half-spaces.
+    /// Mass properties in the body's frame; zero mass for half-spaces, and before the first mass phase: each step begins with one, and
+    /// `step::mass_properties` is one for whoever must know before.
     #[inline]
     pub fn mass(&self, slot: u32) -> &MassProperties {
         &self.mass[slot as usize]

@@ -1,10 +1,10 @@
 //! What a joint is: two frames, and what each of six axes may do.
 
-use crate::joints::axis::{AxisRange, JointAxis, JointDrive, JointSpring};
+use crate::joints::axis::{AxisRange, DriveTarget, JointAxis, JointDrive, JointSpring};
 use crate::joints::error::JointError;
 use crate::math::{Pose, rotate};
 use bevy_ecs::component::Component;
-use glam::{Quat, Vec3};
+use glam::{Mat3, Quat, Vec3};
 
 /// Joins two bodies, or a body and the world: a frame in each, and for each axis of A's what B may do along and about it.
 ///
@@ -80,6 +80,26 @@ impl Joint {
         }
     }
 
+    /// A wheel on a suspension: turns about x, and gives way along y by at most `travel` (m) to either side of where the spring holds it.
+    /// [`with_anchor_and_up`](Self::with_anchor_and_up) says where both point; a wheel that steers has a spring in `angular[1]`, and that
+    /// axis free.
+    pub const fn wheel(travel: f32, spring: JointSpring) -> Self {
+        let suspension = JointAxis {
+            drive: Some(JointDrive {
+                target: DriveTarget::Position {
+                    position: 0.0,
+                    spring,
+                },
+                max_force: f32::INFINITY,
+            }),
+            ..JointAxis::limited(-travel, travel)
+        };
+        Self {
+            linear: [JointAxis::LOCKED, suspension, JointAxis::LOCKED],
+            ..Self::hinge()
+        }
+    }
+
     /// A shoulder: x of B stays within the half-angle `swing` (rad) of x of A, and B turns about it by at most `twist` (rad) to
     /// either side.
     pub const fn cone_twist(swing: f32, twist: f32) -> Self {
@@ -113,7 +133,7 @@ impl Joint {
     pub const fn spring(length: f32, spring: JointSpring) -> Self {
         Self::between_anchors(JointAxis {
             drive: Some(JointDrive {
-                target: crate::joints::axis::DriveTarget::Position {
+                target: DriveTarget::Position {
                     position: length,
                     spring,
                 },
@@ -163,6 +183,12 @@ impl Joint {
     /// The same about a point and an axis of the world; how far it has turned is counted from there.
     pub fn with_anchor(self, point: Vec3, axis: Vec3, bodies: [Pose; 2]) -> Self {
         self.with_frame(Pose::new(point, rotation_to(axis)), bodies)
+    }
+
+    /// The same with the second axis, y, as near to `up` as it can be across the first: for what has a direction besides, as a wheel's
+    /// suspension.
+    pub fn with_anchor_and_up(self, point: Vec3, axis: Vec3, up: Vec3, bodies: [Pose; 2]) -> Self {
+        self.with_frame(Pose::new(point, rotation_of_axes(axis, up)), bodies)
     }
 
     /// With a drive of the hinge or twist.
@@ -283,6 +309,16 @@ impl Default for Joint {
 fn rotation_to(direction: Vec3) -> Quat {
     match direction.try_normalize() {
         Some(unit) => Quat::from_rotation_arc(Vec3::X, unit).normalize(),
+        None => Quat::from_xyzw(0.0, 0.0, 0.0, 0.0),
+    }
+}
+
+/// A rotation that takes x to a direction and y as near as that allows to another one; no rotation at all if they tell none.
+fn rotation_of_axes(axis: Vec3, up: Vec3) -> Quat {
+    let x = axis.normalize_or_zero();
+    let z = x.cross(up.normalize_or_zero());
+    match z.try_normalize() {
+        Some(z) => Quat::from_mat3(&Mat3::from_cols(x, z.cross(x), z)).normalize(),
         None => Quat::from_xyzw(0.0, 0.0, 0.0, 0.0),
     }
 }

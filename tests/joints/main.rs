@@ -23,3 +23,4 @@ mod scene;
 mod scenes;
 mod statics;
 mod touching;
+mod vehicles;
