@@ -129,7 +129,9 @@ impl RoundCast<'_> {
         let approach = |normal: Vec3| {
             let is_a_smaller = self.course.radii[0] < self.course.radii[1];
             let place = pair.place_along(normal.as_dvec3(), is_a_smaller);
-            self.course.approach(moment, normal, place.as_vec3()).max(0.0)
+            self.course
+                .approach(moment, normal, place.as_vec3())
+                .max(0.0)
         };
         let mut least = LESS * approach(found);
         let tolerance = self.tolerance + GRAZE * moment * self.course.travel.length();
