@@ -5,7 +5,7 @@
 
 use crate::bodies::body::RigidBody;
 use crate::ecs::components::{AngularVelocity, LinearVelocity};
-use crate::ecs::rewind::Rewound;
+use crate::ecs::rewind::{PhysicsHistory, Rewound};
 use crate::mass::MassProperties;
 use crate::plugin::{PhysicsSchedule, PhysicsSystems};
 use bevy_app::{App, FixedPreUpdate, Plugin, RunFixedMainLoop, RunFixedMainLoopSystems};
@@ -77,9 +77,15 @@ impl Plugin for InterpolationPlugin {
             PhysicsSchedule,
             forget_jumps.before(PhysicsSystems::MassProperties),
         );
-        app.add_observer(begin_anew);
         #[cfg(feature = "reflect")]
         app.register_type::<NoInterpolation>();
+    }
+
+    /// Where time may go back, bodies are where that puts them.
+    fn finish(&self, app: &mut App) {
+        if app.world().contains_resource::<PhysicsHistory>() {
+            app.add_observer(begin_anew);
+        }
     }
 }
 

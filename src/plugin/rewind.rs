@@ -11,6 +11,26 @@ use bevy_ecs::prelude::*;
 ///
 /// From a moment that was restored the physics goes on to the same bits, as long as the app does the same. A moment costs a copy of all that
 /// is simulated; see `docs/features.md`.
+///
+/// ```
+/// use bevy_app::App;
+/// use bevy_cleave::prelude::*;
+/// # use bevy_time::Time;
+///
+/// let mut app = App::new();
+/// app.add_plugins((CleavePlugin::default(), RewindPlugin::default()));
+/// # app.init_resource::<Time>();
+/// let cube = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("a box");
+/// let cube = app.world_mut().spawn((RigidBody::Dynamic, cube)).id();
+/// let step = |app: &mut App| app.world_mut().run_schedule(PhysicsSchedule);
+/// step(&mut app);
+/// app.world_mut().commands().slice(cube, Plane::through(Default::default(), bevy_math::Vec3::X));
+/// step(&mut app);
+/// assert_eq!(app.world().resource::<Bodies>().len(), 2);
+/// app.world_mut().commands().rewind(1);
+/// app.world_mut().flush();
+/// assert_eq!(app.world().resource::<Bodies>().len(), 1); // whole again
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct RewindPlugin {
     /// Most moments that are kept.

@@ -12,6 +12,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::query::Allow;
 use bevy_time::{Fixed, Time};
 use bevy_transform::components::Transform;
+use glam::Vec3;
 use std::collections::BTreeMap;
 
 fn rewinding_app() -> App {
@@ -177,4 +178,74 @@ fn whatever_was_done_since_is_undone() {
     let is_complete = |seed| check(seed, true).unwrap();
     let complete = (0..40).filter(|&seed| is_complete(seed)).count();
     assert!(complete > 20, "{complete}");
+}
+
+/// Something of the app's.
+#[derive(Clone, Component, Debug, PartialEq)]
+struct Health(u32);
+
+#[test]
+fn who_comes_back_and_who_does_not_is_told() {
+    let mut app = rewinding_app();
+    app.rewind_component::<Health>();
+    let cube = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("a box");
+    let body = |x: f32| {
+        (
+            RigidBody::Dynamic,
+            cube.clone(),
+            Transform::from_xyz(x, 0.0, 0.0),
+        )
+    };
+    let world = app.world_mut();
+    let lamp = world.spawn(Health(7)).id();
+    let vase = world
+        .spawn((body(0.0), Health(3), children![Health(1)]))
+        .id();
+    let bullet = world.spawn(body(9.0)).id();
+    let hinge = world.commands().join(None, vase, Joint::ball());
+    (0..3).for_each(|_| app.update());
+
+    let world = app.world_mut();
+    world
+        .commands()
+        .slice(vase, Plane::through(Vec3::ZERO, Vec3::X));
+    world.despawn(bullet);
+    for mut health in world.query::<&mut Health>().iter_mut(world) {
+        health.0 += 10;
+    }
+    let ball = world.spawn(body(5.0)).id();
+    (0..2).for_each(|_| app.update());
+    let world = app.world_mut();
+    assert!(world.query::<(&RigidBody, &PieceOf)>().iter(world).count() == 2);
+    assert!(world.get::<Disabled>(vase).is_some(), "set aside");
+
+    let rewound = rewind(&mut app, 2);
+    assert_eq!((rewound.returned, rewound.lost), (vec![vase], vec![bullet]));
+    assert!(rewound.removed.contains(&ball) && rewound.removed.len() == 3);
+    let world = app.world_mut();
+    let mut health = world.query::<(Entity, &Health)>();
+    let mut health: Vec<_> = health.iter(world).map(|(_, it)| it.0).collect();
+    health.sort_unstable();
+    assert_eq!(health, [1, 3, 7]);
+    assert_eq!(world.get::<Health>(lamp), Some(&Health(7)));
+    assert!(world.get::<Disabled>(vase).is_none());
+    assert_eq!(world.get::<JointB>(hinge), Some(&JointB(vase)));
+    assert_eq!(world.query::<&RigidBody>().iter(world).count(), 1);
+    app.update();
+    assert_eq!(
+        app.world().resource::<Bodies>().len(),
+        1,
+        "the bullet's is gone"
+    );
+    assert_eq!(app.world().resource::<Joints>().len(), 1);
+
+    // What can not come back any more goes.
+    let world = app.world_mut();
+    world
+        .commands()
+        .slice(vase, Plane::through(Vec3::ZERO, Vec3::X));
+    app.update();
+    app.world_mut().resource_mut::<PhysicsHistory>().clear();
+    app.update();
+    assert!(app.world().get_entity(vase).is_err());
 }
