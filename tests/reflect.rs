@@ -37,13 +37,14 @@ const COMPUTED: [&str; 16] = [
 const RELATED: [&str; 4] = ["JointA", "JointB", "PieceOf", "Remains"];
 
 /// Resources that are no settings: what is simulated, which entities describe, and rules that are functions.
-const STATE: [&str; 8] = [
+const STATE: [&str; 9] = [
     "Bodies",
     "Bonds",
     "ContactCache",
     "Contacts",
     "Fractures",
     "Joints",
+    "PhysicsHistory",
     "PieceRules",
     "QueryIndex",
 ];
