@@ -22,7 +22,11 @@ use bevy_ecs::prelude::*;
 /// # app.init_resource::<Time>();
 /// let cube = ConvexMesh::cuboid(1.0, 1.0, 1.0).expect("a box");
 /// let cube = app.world_mut().spawn((RigidBody::Dynamic, cube)).id();
-/// let step = |app: &mut App| app.world_mut().run_schedule(PhysicsSchedule);
+/// let step = |app: &mut App| {
+///     # app.world_mut().flush();
+///     # app.world_mut().resource_mut::<Time>().advance_by(std::time::Duration::from_millis(16));
+///     app.world_mut().run_schedule(PhysicsSchedule)
+/// };
 /// step(&mut app);
 /// app.world_mut().commands().slice(cube, Plane::through(Default::default(), bevy_math::Vec3::X));
 /// step(&mut app);
