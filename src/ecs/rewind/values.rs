@@ -115,7 +115,10 @@ fn remove_new<C: Component>(had: &[(Entity, C)], world: &mut World, tracked: &En
     let new = |entity: &Entity| tracked.contains(entity) && !had.contains(entity);
     let new: Vec<Entity> = now.iter(world).filter(new).collect();
     for entity in new {
-        world.entity_mut(entity).remove::<C>();
+        // An observer of the app may have despawned it.
+        if let Ok(mut entity) = world.get_entity_mut(entity) {
+            entity.remove::<C>();
+        }
     }
 }
 
