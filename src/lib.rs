@@ -69,15 +69,15 @@ pub mod prelude {
     };
     pub use crate::ecs::{
         AngularDamping, AngularVelocity, BodyHandle, BodyIssues, BodyProblem, BodyWarning,
-        BondBroken, BondCommands, ChildrenOfPieces, Collision, CollisionEnd, CollisionEvents,
-        CollisionStart, Collisions, CompoundConstructor, CompoundOfChildren, ConstantForce,
-        ConstantTorque, ContactForce, ContactForceEvents, DebrisRemoved, Explosion, Fading,
-        ForceCommands, Forces, ForcesItem, FractureCause, Fractured, GravityScale, JointA, JointB,
-        JointBroken, JointCommands, JointHandle, JointProblem, JointsOfA, JointsOfB,
-        LevelConstructor, LinearDamping, LinearVelocity, Mass, MassOverride, MaxSpeed,
-        PhysicsHistory, PieceOf, PieceRules, Pieces, Remains, RewindApp, RewindCommands, Rewound,
-        Sensor, ShapeAwaited, ShapeConstructor, Sleeping, SliceCommands, SpatialQuery, SpawnBody,
-        Walker, WalkerError, Walking,
+        BondBroken, BondCommands, BondConstructor, BondDescription, ChildrenOfPieces, Collision,
+        CollisionEnd, CollisionEvents, CollisionStart, Collisions, CompoundConstructor,
+        CompoundOfChildren, ConstantForce, ConstantTorque, ContactForce, ContactForceEvents,
+        DebrisRemoved, Explosion, Fading, ForceCommands, Forces, ForcesItem, FractureCause,
+        Fractured, GravityScale, JointA, JointB, JointBroken, JointCommands, JointHandle,
+        JointProblem, JointsOfA, JointsOfB, LevelConstructor, LinearDamping, LinearVelocity, Mass,
+        MassOverride, MaxSpeed, PhysicsHistory, PieceOf, PieceRules, Pieces, Remains, RewindApp,
+        RewindCommands, Rewound, Sensor, ShapeAwaited, ShapeConstructor, Sleeping, SliceCommands,
+        SpatialQuery, SpawnBody, Walker, WalkerError, Walking, describe_bodies,
     };
     #[cfg(feature = "diagnostics")]
     pub use crate::extras::CleaveDiagnosticsPlugin;

@@ -15,7 +15,7 @@ use crate::ecs::forces::{self, ForceQuery};
 use crate::ecs::pieces::PieceRules;
 use crate::ecs::state::PluginState;
 use crate::ecs::walker as walkers;
-use crate::ecs::{gather, joint, options, parts, pieces, query, scatter, setup};
+use crate::ecs::{bond_constructor, gather, joint, options, parts, pieces, query, scatter, setup};
 use crate::fracture::{Bonds, FractureBudget, Fractures};
 use crate::joints::{Joint, JointLoad, Joints};
 use crate::mass::MassProperties;
@@ -126,6 +126,7 @@ impl Plugin for CleavePlugin {
             .add_observer(joint::on_disabled)
             .add_observer(joint::on_enabled);
         setup::require_components(app);
+        bond_constructor::adopt_bonds(app.world_mut());
         app.register_required_components::<Joint, joint::JointHandle>()
             .register_required_components::<Joint, JointLoad>();
         app.add_systems(Startup, setup::name_what_is_missing);
@@ -184,6 +185,7 @@ fn add_phases(schedule: &mut Schedule) {
             parts::make_compounds.run_if(parts::any),
             gather::register_bodies.run_if(gather::any_body_comes_or_goes),
             mass_properties,
+            bond_constructor::make_described_bonds.run_if(bond_constructor::any_bond_is_described),
             joint::read_joints.run_if(joint::any_joint),
         )
             .chain()

@@ -97,6 +97,10 @@ pub(crate) fn rows() -> Vec<Row> {
             };
             changed(plugin, |_, _| {})
         }),
+        // What they stay described by costs nothing: in each step it is looked for.
+        Row::new("Saving", "app: all are described", || {
+            changed(|_| {}, |world, _| describe_bodies(world))
+        }),
         Row::new("Rewind", "app: `RewindPlugin`, 60 moments", || {
             let plugin = |app: &mut App| {
                 app.add_plugins(RewindPlugin {

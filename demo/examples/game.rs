@@ -1,10 +1,10 @@
 //! A game as a newcomer would write it: rough ground, a figurine, a wall, a pane in its frame, a door, a ball on a chain, a goal, and
 //! a hero that walks. Swipe to slice, right button to throw, arrows and space to walk and jump, `E` for an explosion under the pointer,
-//! `S` for slow motion, `B` to go back by two seconds, `D` for what the solver sees.
+//! `S` for slow motion, `B` to go back by two seconds, `D` for what the solver sees, `F5` to save to `target/game.ron` and `F9` to load that.
 //!
-//! What is the game is above; what only brings the physics and Bevy together is [`glue`], line by line, with why it is needed. Nothing
-//! saves the game to a file: bonds are no components.
+//! What is the game is above; what only brings the physics and Bevy together is [`glue`], line by line, with why it is needed.
 
+use bevy::input::common_conditions::input_just_pressed;
 use bevy::prelude::*;
 use bevy::window::PrimaryWindow;
 use bevy_cleave::import::{ImportOptions, Model};
@@ -35,9 +35,47 @@ fn main() {
                 go_back,
                 look_inside,
                 score,
+                glue::save.run_if(input_just_pressed(KeyCode::F5)),
+                glue::load.run_if(input_just_pressed(KeyCode::F9)),
             ),
         )
+        .add_observer(paint)
+        .add_observer(reach)
         .run();
+}
+
+/// What a body looks like; what is drawn of it follows, since a file of the game holds no materials.
+#[derive(Clone, Copy, Component, Reflect)]
+#[reflect(Component)]
+enum Look {
+    Ground,
+    Brick,
+    Figurine,
+    Glass,
+    Iron,
+    Flesh,
+}
+
+fn paint(
+    event: On<Add<Look>>,
+    looks: Query<&Look>,
+    palette: Res<Palette>,
+    mut commands: Commands,
+) -> Result {
+    let (material, draw) = match looks.get(event.entity)? {
+        Look::Ground => (&palette.ground, DrawShape::new()),
+        Look::Brick => (&palette.brick, DrawShape::new()),
+        Look::Figurine => {
+            let cut = DrawShape::new().with_slot(CUT, palette.flesh.clone());
+            (&palette.brick, cut)
+        }
+        Look::Glass => (&palette.glass, DrawShape::new()),
+        Look::Iron => (&palette.iron, DrawShape::new()),
+        Look::Flesh => (&palette.flesh, DrawShape::new()),
+    };
+    let mut entity = commands.entity(event.entity);
+    entity.insert_if_new((material.clone(), draw));
+    Ok(())
 }
 
 /// Materials of the game.
@@ -86,35 +124,22 @@ fn build_level(mut commands: Commands, mut materials: ResMut<Assets<StandardMate
         .collect();
     let ground = StaticMesh::from_heights(&heights, 64, 0.4)?;
     let at = Transform::from_xyz(-12.8, 0.0, -12.8);
-    commands.spawn((
-        RigidBody::Static,
-        ground,
-        at,
-        DrawShape::new(),
-        palette.ground.clone(),
-    ));
     commands.insert_resource(palette);
+    commands.spawn((RigidBody::Static, ground, at, Look::Ground));
     Ok(())
 }
 
-fn build_targets(mut commands: Commands, palette: Res<Palette>) -> Result {
+fn build_targets(mut commands: Commands) -> Result {
     let figurine = Fracturable {
         cut_material: Some(CUT),
         ..Fracturable::with_strength(400.0)
     };
-    let draw = DrawShape::new().with_slot(CUT, palette.flesh.clone());
     let model = Model::from_obj(SPOT)?.import(&ImportOptions::default())?;
     let shape = model.shape()?.scaled(Vec3::splat(0.5))?;
     for i in 0..3 {
         let at = Transform::from_xyz(1.1 * i as f32 - 1.1, 2.5 + i as f32, 1.2);
-        let look = (palette.brick.clone(), draw.clone());
-        commands.spawn((
-            RigidBody::Dynamic,
-            shape.clone(),
-            at,
-            figurine.clone(),
-            look,
-        ));
+        let body = (RigidBody::Dynamic, shape.clone(), figurine.clone());
+        commands.spawn((body, at, Look::Figurine));
     }
 
     let mut wall = Vec::new();
@@ -132,8 +157,7 @@ fn build_targets(mut commands: Commands, palette: Res<Palette>) -> Result {
             RigidBody::Dynamic
         };
         let brick = (kind, cuboid!(0.5, 0.25, 0.25), Density(1900.0));
-        let look = (palette.brick.clone(), DrawShape::new());
-        wall.push(commands.spawn((brick, at, look)).id());
+        wall.push(commands.spawn((brick, at, Look::Brick)).id());
     }
     commands.bond_neighbors(wall, 3.0e5);
 
@@ -147,8 +171,7 @@ fn build_targets(mut commands: Commands, palette: Res<Palette>) -> Result {
     for x in [1.3, 2.7] {
         let at = Transform::from_xyz(x, 0.8, -0.8);
         let post = (RigidBody::Static, cuboid!(0.1, 1.6, 0.1), at);
-        let look = (palette.ground.clone(), DrawShape::new());
-        held.push(commands.spawn((post, look)).id());
+        held.push(commands.spawn((post, Look::Ground)).id());
     }
     let at = Transform::from_xyz(2.0, 0.9, -0.8);
     let pane = (
@@ -157,15 +180,13 @@ fn build_targets(mut commands: Commands, palette: Res<Palette>) -> Result {
         Density(2500.0),
         glass,
     );
-    let look = (palette.glass.clone(), DrawShape::new());
-    held.push(commands.spawn((pane, at, look)).id());
+    held.push(commands.spawn((pane, at, Look::Glass)).id());
     commands.bond_neighbors(held, 4.0e5);
     Ok(())
 }
 
 /// A door between two posts, and a ball on a chain beside it.
-fn build_machines(mut commands: Commands, palette: Res<Palette>) -> Result {
-    let look = |paint: &MeshMaterial3d<StandardMaterial>| (paint.clone(), DrawShape::new());
+fn build_machines(mut commands: Commands) {
     let hinge_side = Vec3::new(-0.45, 0.0, 0.0);
     let at = Vec3::new(-3.6, 1.0, 1.6);
     let door = (
@@ -174,12 +195,12 @@ fn build_machines(mut commands: Commands, palette: Res<Palette>) -> Result {
         Density(600.0),
         Fracturable::with_strength(60.0),
     );
-    let door = (door, Transform::from_translation(at), look(&palette.brick));
+    let door = (door, Transform::from_translation(at), Look::Brick);
     let door = commands.spawn(door).id();
     for side in [-1.0, 1.0] {
         let post = (RigidBody::Static, cuboid!(0.1, 2.0, 0.1));
         let place = Transform::from_translation(at + 0.54 * side * Vec3::X);
-        commands.spawn((post, place, look(&palette.ground)));
+        commands.spawn((post, place, Look::Ground));
     }
     let hinge = Joint::hinge()
         .with_axes(Vec3::Y, Vec3::Y)
@@ -194,7 +215,7 @@ fn build_machines(mut commands: Commands, palette: Res<Palette>) -> Result {
         let middle = hook - (2 * i + 1) as f32 * half;
         let link = (RigidBody::Dynamic, capsule!(0.025, 0.19), Density(7800.0));
         let place = Transform::from_translation(middle);
-        let link = commands.spawn((link, place, look(&palette.iron))).id();
+        let link = commands.spawn((link, place, Look::Iron)).id();
         let joint = Joint::ball().with_anchors(above.1, half);
         commands.join(above.0, link, joint);
         above = (Some(link), -half);
@@ -203,31 +224,28 @@ fn build_machines(mut commands: Commands, palette: Res<Palette>) -> Result {
     let ball = (RigidBody::Dynamic, sphere!(0.2), Density(7800.0));
     let push = LinearVelocity(Vec3::new(-2.5, 0.0, 0.0));
     let place = Transform::from_translation(hook - 16.0 * half - reach);
-    let ball = commands
-        .spawn((ball, place, push, look(&palette.iron)))
-        .id();
+    let ball = commands.spawn((ball, place, push, Look::Iron)).id();
     commands.join(above.0, ball, Joint::ball().with_anchors(above.1, reach));
-    Ok(())
 }
 
 /// The one that walks.
-#[derive(Component)]
+#[derive(Component, Default, Reflect)]
+#[reflect(Component)]
 struct Hero;
 
 /// Where the hero wants to get.
-#[derive(Component)]
+#[derive(Component, Default, Reflect)]
+#[reflect(Component)]
 struct Goal;
 
 /// A zone that sees who is in it, and the hero.
-fn build_goal(mut commands: Commands, palette: Res<Palette>) {
+fn build_goal(mut commands: Commands) {
     let at = Transform::from_xyz(3.4, 0.6, 2.2);
     let zone = (RigidBody::Static, cuboid!(0.8, 1.2, 0.8), Sensor, Goal);
-    let look = (palette.glass.clone(), DrawShape::new());
-    commands.spawn((zone, at, look)).observe(reach);
+    commands.spawn((zone, at, Look::Glass));
     let at = Transform::from_xyz(0.4, 1.2, 3.0);
     let hero = (RigidBody::Kinematic, capsule!(0.22, 0.6), Hero);
-    let look = (palette.flesh.clone(), DrawShape::new());
-    commands.spawn((hero, Walker::default(), at, look));
+    commands.spawn((hero, Walker::default(), at, Look::Flesh));
 }
 
 /// Ten points for the hero in the goal, which is elsewhere then.
@@ -291,12 +309,7 @@ fn slice(
 }
 
 /// A ball from the camera through the pointer.
-fn throw(
-    buttons: Res<ButtonInput<MouseButton>>,
-    pointer: glue::Pointer,
-    palette: Res<Palette>,
-    mut commands: Commands,
-) {
+fn throw(buttons: Res<ButtonInput<MouseButton>>, pointer: glue::Pointer, mut commands: Commands) {
     if buttons.just_pressed(MouseButton::Right)
         && let Some(ray) = pointer.ray()
     {
@@ -304,8 +317,7 @@ fn throw(
         let at = Transform::from_translation(ray.at(1.0));
         let velocity = LinearVelocity(16.0 * ray.direction());
         let hard = ContactForceEvents { threshold: 5000.0 }; // N
-        let look = (palette.iron.clone(), DrawShape::new());
-        commands.spawn((ball, at, velocity, hard, look));
+        commands.spawn((ball, at, velocity, hard, Look::Iron));
     }
 }
 
@@ -377,7 +389,14 @@ fn score(
 /// What a game has to add today, and nothing else.
 mod glue {
     use super::*;
+    use bevy::ecs::entity::EntityHashMap;
+    use bevy::ecs::entity_disabling::Disabled;
     use bevy::ecs::system::SystemParam;
+    use bevy::world_serialization::serde::WorldDeserializer;
+    use bevy::world_serialization::{DynamicWorld, DynamicWorldBuilder};
+    use serde::de::DeserializeSeed;
+
+    const FILE: &str = "target/game.ron";
 
     /// What draws, smooths, walks and shows inside is each to be asked for, since an app without a window needs none of it.
     pub(crate) fn plugins(app: &mut App) {
@@ -391,6 +410,50 @@ mod glue {
         ));
         let mut store = app.world_mut().resource_mut::<GizmoConfigStore>();
         store.config_mut::<CleaveGizmos>().0.enabled = false;
+    }
+
+    /// What is saved: bodies, joints, and what pieces are pieces of.
+    type Saved = Or<(With<RigidBody>, With<Joint>, With<Remains>)>;
+
+    fn saved(world: &mut World) -> Vec<Entity> {
+        let mut saved = world.query_filtered::<Entity, (Saved, Allow<Disabled>)>();
+        saved.iter(world).collect()
+    }
+
+    /// Which entities and components are a game is the game's affair, and so is where its files are.
+    pub(crate) fn save(world: &mut World) -> Result {
+        describe_bodies(world);
+        let saved = saved(world);
+        let registry = world.resource::<AppTypeRegistry>().read();
+        let file = DynamicWorldBuilder::from_world(world, &registry)
+            .deny_component::<Mesh3d>()
+            .deny_component::<MeshMaterial3d<StandardMaterial>>()
+            .deny_component::<Children>()
+            .extract_entities(saved.into_iter())
+            .build();
+        Ok(std::fs::write(FILE, file.serialize(&registry)?)?)
+    }
+
+    pub(crate) fn load(world: &mut World) -> Result {
+        let file = read(world)?;
+        for entity in saved(world) {
+            world.try_despawn(entity)?;
+        }
+        world.resource_mut::<PhysicsHistory>().clear();
+        file.write_to_world(world, &mut EntityHashMap::default())?;
+        Ok(())
+    }
+
+    fn read(world: &World) -> Result<DynamicWorld> {
+        let text = std::fs::read_to_string(FILE)?;
+        let type_registry = &world.resource::<AppTypeRegistry>().read();
+        let mut assets = world.resource::<AssetServer>();
+        let load_from_path = &mut assets;
+        let reader = WorldDeserializer {
+            type_registry,
+            load_from_path,
+        };
+        Ok(reader.deserialize(&mut ron::Deserializer::from_str(&text)?)?)
     }
 
     /// Bevy without its picking has no ray of the pointer, and that of its cameras has no end.

@@ -51,10 +51,9 @@ impl BondCommands for Commands<'_, '_> {
 impl BondRequest {
     /// The command that puts it into the queue.
     fn enqueue(self) -> impl Command {
-        move |world: &mut World| {
-            if let Some(mut state) = world.get_resource_mut::<PluginState>() {
-                state.bond_requests.0.push(self);
-            }
+        move |world: &mut World| match world.get_resource_mut::<PluginState>() {
+            Some(mut state) => state.bond_requests.0.push(self),
+            None => log::warn!("a command about bonds does nothing: the app has no CleavePlugin"),
         }
     }
 }

@@ -8,6 +8,7 @@ use crate::joints::JointError;
 use crate::mass::MassProperties;
 use crate::math::Plane;
 use bevy_ecs::change_detection::Tick;
+use bevy_ecs::entity::{ComponentCloneCtx, SourceComponent};
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
@@ -57,7 +58,7 @@ pub struct Sleeping;
 ///
 /// Constructors that wait for assets or children put it on and take it off; so may those of your own.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Component)]
-#[component(clone_behavior = Ignore)]
+#[component(clone_behavior = Custom(not_cloned))]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct ShapeAwaited;
 
@@ -216,6 +217,9 @@ pub enum WalkerError {
     )]
     Settings,
 }
+
+/// What clones get of components that are data, but belong to one entity: nothing. Bevy reads no scene file's components that say `Ignore`.
+pub(crate) fn not_cloned(_: &SourceComponent, _: &mut ComponentCloneCtx) {}
 
 /// Entities of the bodies, by slot, and what is needed to tell the user's changes from the plugin's own.
 #[derive(Clone, Debug, Default)]

@@ -22,11 +22,12 @@ pub trait SliceCommands {
 
 impl SliceCommands for Commands<'_, '_> {
     fn slice(&mut self, entity: Entity, plane: Plane) {
-        self.queue(move |world: &mut World| {
-            if let Some(mut state) = world.get_resource_mut::<PluginState>() {
-                state.slice_requests.0.push((entity, plane));
-            }
-        });
+        self.queue(
+            move |world: &mut World| match world.get_resource_mut::<PluginState>() {
+                Some(mut state) => state.slice_requests.0.push((entity, plane)),
+                None => log::warn!("{entity} is not cut: the app has no CleavePlugin"),
+            },
+        );
     }
 }
 

@@ -36,11 +36,13 @@ pub struct JointB(pub Entity);
 /// The joints of which a body is the first; they are despawned with it.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Component)]
 #[relationship_target(relationship = JointA, linked_spawn)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct JointsOfA(Vec<Entity>);
 
 /// The joints of which a body is the second; they are despawned with it.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Component)]
 #[relationship_target(relationship = JointB, linked_spawn)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct JointsOfB(Vec<Entity>);
 
 /// Why a joint does not hold. Written by the plugin; gone as soon as it does.

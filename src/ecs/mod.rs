@@ -8,6 +8,7 @@
 //! | `cut.rs` | `commands.slice` |
 //! | `pieces.rs`, `families.rs`, `piece_children.rs`, `uncloned.rs` | pieces as entities, whose children those of the parent become, what they cannot get |
 //! | `bond.rs` | `commands.bond` |
+//! | `bond_constructor.rs`, `description.rs` | bonds as data, and the description of all that is there, for scene files |
 //! | `query.rs` | `SpatialQuery`: rays, casts, overlaps by entity |
 //! | `walker.rs` | characters that walk |
 //! | `joint.rs` | joints as entities |
@@ -28,10 +29,12 @@
 //! `components.rs` first.
 
 pub(crate) mod bond;
+pub(crate) mod bond_constructor;
 pub(crate) mod collision_news;
 pub(crate) mod collisions;
 pub(crate) mod components;
 pub(crate) mod cut;
+mod description;
 mod families;
 pub(crate) mod forces;
 pub(crate) mod gather;
@@ -60,6 +63,7 @@ pub(crate) mod walker;
 
 pub use crate::bodies::Explosion;
 pub use bond::BondCommands;
+pub use bond_constructor::{BondConstructor, BondDescription};
 pub use collisions::{
     Collision, CollisionEnd, CollisionEvents, CollisionStart, Collisions, ContactForce,
     ContactForceEvents, Sensor,
@@ -69,6 +73,7 @@ pub use components::{
     FractureCause, Fractured, LinearVelocity, MassOverride, ShapeAwaited, Sleeping, WalkerError,
 };
 pub use cut::SliceCommands;
+pub use description::describe_bodies;
 pub use forces::{
     AngularDamping, AppliedForces, ConstantForce, ConstantTorque, ForceCommands, Forces,
     ForcesItem, GravityScale, LinearDamping, Mass, MaxSpeed,

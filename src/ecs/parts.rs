@@ -3,6 +3,7 @@
 use crate::bodies::body::{BodyError, RigidBody};
 use crate::contact::layers::CollisionLayers;
 use crate::contact::material::{Density, Friction, Restitution};
+use crate::ecs::components::not_cloned;
 use crate::ecs::components::{BodyProblem, BodyWarning, ShapeAwaited};
 use crate::ecs::issues::{Issues, Source};
 use crate::ecs::parents::place;
@@ -42,7 +43,7 @@ use std::any::TypeId;
 /// materials, layers, mass and the like belong to this entity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Component)]
 #[require(MadeOf)]
-#[component(on_remove = Self::forget, clone_behavior = Ignore)]
+#[component(on_remove = Self::forget, clone_behavior = Custom(not_cloned))]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct CompoundOfChildren;
 

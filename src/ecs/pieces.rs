@@ -42,6 +42,7 @@ pub struct PieceOf(pub Entity);
 /// The pieces of what once was one body. Despawning this entity despawns them all; it goes when the last of them goes.
 #[derive(Debug, Default, Component)]
 #[relationship_target(relationship = PieceOf, linked_spawn)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Pieces(Vec<Entity>);
 
 /// What the pieces of an entity with [`Pieces`] were.

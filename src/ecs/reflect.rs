@@ -10,15 +10,16 @@ use crate::bodies::fatigue::Fatigue;
 use crate::contact::layers::CollisionLayers;
 use crate::contact::material::{Density, Friction, Restitution};
 use crate::contact::surface::SurfaceMaterials;
+use crate::ecs::bond_constructor::BondConstructor;
 use crate::ecs::collisions::{CollisionEvents, ContactForceEvents, Sensor};
 use crate::ecs::components::{
     AngularVelocity, LinearVelocity, MassOverride, ShapeAwaited, Sleeping,
 };
 use crate::ecs::forces::*;
-use crate::ecs::joint::{JointA, JointB};
+use crate::ecs::joint::{JointA, JointB, JointsOfA, JointsOfB};
 use crate::ecs::parts::CompoundOfChildren;
 use crate::ecs::piece_children::ChildrenOfPieces;
-use crate::ecs::pieces::{PieceOf, Remains};
+use crate::ecs::pieces::{PieceOf, Pieces, Remains};
 use crate::ecs::shape_constructor::{CompoundConstructor, LevelConstructor, ShapeConstructor};
 use crate::ecs::walker::Walker;
 use crate::fracture::{FractureBudget, Ledger};
@@ -41,6 +42,9 @@ pub(crate) fn register_types(app: &mut App) {
     component::<JointB>(app);
     component::<PieceOf>(app);
     component::<Remains>(app);
+    component_with_default::<JointsOfA>(app);
+    component_with_default::<JointsOfB>(app);
+    component_with_default::<Pieces>(app);
     component_with_default::<HalfSpaceShape>(app);
     component_with_default::<MassOverride>(app);
     component_with_default::<Joint>(app);
@@ -48,6 +52,7 @@ pub(crate) fn register_types(app: &mut App) {
     component_with_default::<ShapeConstructor>(app);
     component_with_default::<CompoundConstructor>(app);
     component_with_default::<LevelConstructor>(app);
+    component_with_default::<BondConstructor>(app);
     component_with_default::<Walker>(app);
     component_with_default::<Fracturable>(app);
     component_with_default::<RigidBody>(app);

@@ -10,6 +10,7 @@ pub use level::LevelConstructor;
 pub use mesh::MeshDescription;
 pub use round::RoundForm;
 
+use crate::ecs::components::not_cloned;
 use crate::ecs::components::{BodyProblem, BodyWarning};
 use crate::ecs::issues::Source;
 use crate::ecs::state::PluginState;
@@ -28,7 +29,7 @@ use std::any::TypeId;
 ///
 /// No shape comes of unusable numbers: then the entity gets [`BodyIssues`](crate::ecs::BodyIssues).
 #[derive(Clone, Component, Debug, PartialEq)]
-#[component(on_insert = Self::construct, on_remove = Self::forget, clone_behavior = Ignore)]
+#[component(on_insert = Self::construct, on_remove = Self::forget, clone_behavior = Custom(not_cloned))]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum ShapeConstructor {
     /// [`ConvexMesh::cuboid`].
@@ -151,22 +152,32 @@ impl ShapeConstructor {
 }
 
 /// A component that a shape is made from.
-trait Constructor: Component + Sized {
+pub(super) trait Constructor: Component + PartialEq + Sized {
     type Shape: Component;
     type Error: Into<BodyProblem> + std::fmt::Display + Send;
 
     fn build(&self) -> Result<Self::Shape, Self::Error>;
 
-    /// Hook: the entity gets the shape, whether the plugin is there yet or not.
+    fn describe(shape: &Self::Shape) -> Self;
+
+    /// Whether this shape is what comes of it.
+    fn makes(&self, shape: &Self::Shape) -> bool {
+        let described = Self::describe(shape);
+        *self == described || (self.build()).is_ok_and(|built| Self::describe(&built) == described)
+    }
+
+    /// Hook: the entity gets the shape unless it has it, whether the plugin is there yet or not.
     fn construct(mut world: DeferredWorld, context: HookContext) {
         let entity = context.entity;
-        let built = world.get::<Self>(entity).map(Constructor::build);
-        let Some(built) = built else {
+        let Some(constructor) = world.get::<Self>(entity) else {
             return;
         };
+        let shape = world.get::<Self::Shape>(entity);
+        let is_made = shape.is_some_and(|shape| Self::describe(shape) == *constructor);
+        let built = (!is_made).then(|| constructor.build()).transpose();
         world.commands().queue(move |world: &mut World| {
             let found = built.map(|shape| {
-                if let Ok(mut entity) = world.get_entity_mut(entity) {
+                if let (Some(shape), Ok(mut entity)) = (shape, world.get_entity_mut(entity)) {
                     entity.insert(shape);
                 }
             });
@@ -189,6 +200,10 @@ impl Constructor for ShapeConstructor {
 
     fn build(&self) -> Result<ConvexMesh, HullError> {
         self.build()
+    }
+
+    fn describe(shape: &ConvexMesh) -> Self {
+        Self::of(shape)
     }
 }
 

@@ -23,6 +23,8 @@ pub(crate) struct PluginState {
     pub(crate) queue: BodyQueue,
     pub(crate) slice_requests: SliceRequests,
     pub(crate) bond_requests: BondRequests,
+    /// Entities whose bonds are described, and not all made yet.
+    pub(crate) bond_constructors: Vec<Entity>,
     pub(crate) options: OptionQueue,
     pub(crate) issues: Issues,
     /// Components that could not be cloned for pieces, and were named.

@@ -2,6 +2,7 @@
 
 /// What holds two bodies together.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Bond {
     /// Tensile strength, Pa. `f32::MAX` for a joint that does not break.
     pub strength: f32,
@@ -55,6 +56,9 @@ pub enum BondError {
         /// Pa.
         strength: f32,
     },
+    /// The pose has a number that is not finite, or a rotation that is no unit quaternion.
+    #[error("the pose has a number that is not finite, or a rotation that is no unit quaternion")]
+    Pose,
     /// The area is not finite and positive.
     #[error("an area of {area} m2 is not finite and positive")]
     Area {

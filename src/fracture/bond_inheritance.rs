@@ -1,7 +1,8 @@
 //! Who holds on to the neighbors of a body that breaks: the pieces that lie on them.
 
 use crate::bodies::store::Bodies;
-use crate::fracture::bonds::{BondedPair, Bonds};
+use crate::fracture::bonded_pair::BondedPair;
+use crate::fracture::bonds::Bonds;
 use crate::fracture::inheritance::ParentState;
 use crate::fracture::neighbors::area_in_pose;
 use crate::math::Pose;

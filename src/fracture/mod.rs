@@ -21,7 +21,7 @@
 //! | `cluster.rs`, `cluster_loads.rs` | bodies whose parts are held by bonds: what comes off, and what sustained loads break |
 //! | `debris.rs` | which pieces go again |
 //! | `inheritance.rs`, `bond_inheritance.rs`, `joint_inheritance.rs` | which piece gets multipliers, bonds and joints of the parent |
-//! | `bond.rs`, `bonds.rs`, `neighbors.rs` | what holds bodies together, and over which area |
+//! | `bond.rs`, `bonded_pair.rs`, `bonds.rs`, `neighbors.rs` | what holds bodies together, and over which area |
 //!
 //! Must not know entities. How an impact divides a shape is decided in `slice`, whether it is too much in `bodies/breaking.rs` while
 //! the island is solved. Read `breaking.rs` first.
@@ -29,6 +29,7 @@
 mod blast;
 pub(crate) mod bond;
 mod bond_inheritance;
+mod bonded_pair;
 pub(crate) mod bonds;
 mod breaking;
 mod budget;
@@ -51,7 +52,8 @@ mod requests;
 mod shares;
 
 pub use bond::{Bond, BondError};
-pub use bonds::{Bonds, BrokenBond};
+pub use bonded_pair::BrokenBond;
+pub use bonds::Bonds;
 pub(crate) use breaking::{
     Inherited, break_overloaded, break_under_loads, end_loads, make_cuts, note_blows,
 };

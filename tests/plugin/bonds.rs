@@ -223,3 +223,87 @@ fn plugin_and_plain_step_agree_bit_for_bit_while_bonds_break() {
     }
     assert!(broken > 0, "a bond is meant to break");
 }
+
+fn described(entity: Entity, bond: Bond) -> BondConstructor {
+    let pose = Pose::from_position(-Vec3::Y);
+    BondConstructor {
+        bonds: vec![BondDescription { entity, bond, pose }],
+    }
+}
+
+fn is_described(app: &App, entity: Entity) -> bool {
+    app.world().get::<BondConstructor>(entity).is_some()
+}
+
+// A scene file held shapes and joints, and no bonds.
+#[test]
+fn bonds_are_made_of_their_descriptions_once_there_are_bodies() {
+    let bond = Bond::new(2.0 * WEIGHT, 1.0);
+    let mut app = app();
+    let [upper, lower] = hanging(&mut app);
+    let world = app.world_mut();
+    let shape = world.entity_mut(lower).take::<ConvexMesh>();
+    world.entity_mut(lower).insert(ShapeAwaited);
+    world.entity_mut(upper).insert(described(lower, bond));
+    app.update();
+    assert!(is_described(&app, upper), "its shape is still to come");
+    assert!(app.world().get::<BodyIssues>(upper).is_none());
+    let world = app.world_mut();
+    let shape = shape.expect("a cube");
+    (world.entity_mut(lower).remove::<ShapeAwaited>())
+        .insert((shape, Transform::from_xyz(0.0, -1.0, 0.0)));
+    (0..60).for_each(|_| app.update());
+    assert!(!is_described(&app, upper));
+    assert_eq!(app.world().resource::<Bonds>().len(), 1);
+    assert!((height(&app, lower) + 1.0).abs() < 1e-3, "hangs");
+}
+
+#[test]
+fn what_keeps_a_described_bond_from_being_made_is_an_issue() {
+    let mut app = app();
+    let [upper, lower] = hanging(&mut app);
+    let nobody = app.world_mut().spawn_empty().id();
+    let unusable = |change: fn(&mut BondDescription)| {
+        let mut constructor = described(lower, Bond::new(1e6, 1.0));
+        change(&mut constructor.bonds[0]);
+        constructor
+    };
+    let cases = [
+        (described(nobody, Bond::new(1e6, 1.0)), BondError::NoBody),
+        (described(upper, Bond::new(1e6, 1.0)), BondError::SameBody),
+        (
+            unusable(|it| it.bond.area = 0.0),
+            BondError::Area { area: 0.0 },
+        ),
+        (
+            unusable(|it| it.pose.position.x = f32::NAN),
+            BondError::Pose,
+        ),
+        (unusable(|it| it.pose.rotation *= 2.0), BondError::Pose),
+    ];
+    for (constructor, error) in cases {
+        app.world_mut().entity_mut(upper).insert(constructor);
+        app.update();
+        let issues = app.world().get::<BodyIssues>(upper);
+        let issues: Vec<BodyProblem> = issues.iter().flat_map(|it| it.iter().cloned()).collect();
+        assert_eq!(issues, [BodyProblem::Bond(error)]);
+        app.world_mut()
+            .entity_mut(upper)
+            .remove::<BondConstructor>();
+        app.update();
+        assert!(app.world().get::<BodyIssues>(upper).is_none());
+    }
+    // Those that can be made are.
+    let mut app = crate::app::app();
+    let [upper, lower] = hanging(&mut app);
+    let nobody = app.world_mut().spawn_empty().id();
+    let bonds = [lower, nobody].map(|end| described(end, Bond::new(1e6, 1.0)).bonds);
+    let two = BondConstructor {
+        bonds: bonds.concat(),
+    };
+    app.world_mut().entity_mut(upper).insert(two);
+    app.update();
+    assert_eq!(app.world().resource::<Bonds>().len(), 1);
+    let left = app.world().get::<BondConstructor>(upper);
+    assert_eq!(left.map(|it| it.bonds.len()), Some(1));
+}

@@ -1,5 +1,5 @@
-//! What changes nothing changes no bit: components that are set anew as they are, what is disabled and enabled within a frame, and
-//! bodies that are drawn between steps.
+//! What changes nothing changes no bit: components that are set anew as they are, what is disabled and enabled within a frame,
+//! bodies that are drawn between steps, and those that are described to be saved.
 
 use crate::common::dice::Dice;
 use crate::random_world::{Deed, NAMES, RandomWorld};
@@ -114,6 +114,13 @@ fn drawing_moves_nothing(deeds: &[Deed]) -> Result<(), String> {
     compare(scenes, deeds, |_| {})
 }
 
+fn saving_moves_nothing(deeds: &[Deed]) -> Result<(), String> {
+    let scenes = [(); 2].map(|()| RandomWorld::new(false));
+    compare(scenes, deeds, |scene| {
+        describe_bodies(scene.app.world_mut())
+    })
+}
+
 #[test]
 fn what_is_set_anew_as_it_is_changes_no_bit() {
     check(nothing_is_nothing, 40, 200..400);
@@ -122,4 +129,9 @@ fn what_is_set_anew_as_it_is_changes_no_bit() {
 #[test]
 fn to_draw_bodies_between_steps_changes_no_bit() {
     check(drawing_moves_nothing, 40, 200..400);
+}
+
+#[test]
+fn to_describe_bodies_changes_no_bit() {
+    check(saving_moves_nothing, 40, 200..400);
 }

@@ -1,6 +1,7 @@
 //! Random apps: a few names, each of which may stand for an entity, and a random story of what users do to them between frames.
 //!
 //! Every deed has a seed of its own, so that a story that fails fails as well without the deeds that do not matter.
+#![allow(dead_code, reason = "each test program uses some of it")]
 
 use crate::app::app;
 use crate::common::dice::Dice;

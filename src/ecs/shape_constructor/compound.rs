@@ -1,5 +1,6 @@
 //! Compounds as data.
 
+use crate::ecs::components::not_cloned;
 use crate::ecs::shape_constructor::{Constructor, MeshDescription, ShapeConstructor};
 use crate::geometry::{Compound, CompoundError, CompoundPart, PartBond};
 use crate::math::Pose;
@@ -7,7 +8,7 @@ use bevy_ecs::prelude::*;
 
 /// What a [`Compound`] is made from. An entity that gets one gets the compound; see [`ShapeConstructor`].
 #[derive(Clone, Component, Debug, Default, PartialEq)]
-#[component(on_insert = Self::construct, on_remove = Self::forget, clone_behavior = Ignore)]
+#[component(on_insert = Self::construct, on_remove = Self::forget, clone_behavior = Custom(not_cloned))]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct CompoundConstructor {
     /// In order.
@@ -80,5 +81,9 @@ impl Constructor for CompoundConstructor {
 
     fn build(&self) -> Result<Compound, CompoundError> {
         self.build()
+    }
+
+    fn describe(shape: &Compound) -> Self {
+        Self::of(shape)
     }
 }

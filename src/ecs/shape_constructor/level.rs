@@ -1,5 +1,6 @@
 //! Levels of triangles as data.
 
+use crate::ecs::components::not_cloned;
 use crate::ecs::shape_constructor::{Constructor, MeshDescription};
 use crate::geometry::{HullError, MeshError, StaticMesh};
 use bevy_ecs::prelude::*;
@@ -7,7 +8,7 @@ use bevy_ecs::prelude::*;
 /// What a [`StaticMesh`] is made from. An entity that gets one gets the level; see
 /// [`ShapeConstructor`](crate::ecs::ShapeConstructor).
 #[derive(Clone, Component, Debug, Default, PartialEq)]
-#[component(on_insert = Self::construct, on_remove = Self::forget, clone_behavior = Ignore)]
+#[component(on_insert = Self::construct, on_remove = Self::forget, clone_behavior = Custom(not_cloned))]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct LevelConstructor {
     /// Its triangles, with their material slots.
@@ -45,5 +46,9 @@ impl Constructor for LevelConstructor {
 
     fn build(&self) -> Result<StaticMesh, HullError> {
         Ok(self.build()?)
+    }
+
+    fn describe(shape: &StaticMesh) -> Self {
+        Self::of(shape)
     }
 }

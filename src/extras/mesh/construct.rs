@@ -3,6 +3,7 @@
 use super::convert::{MeshConversionError, unread_attributes};
 use super::draw::SlotMesh;
 use crate::bodies::body::RigidBody;
+use crate::ecs::components::not_cloned;
 use crate::ecs::{CompoundOfChildren, ShapeAwaited};
 use crate::geometry::{
     Compound, ConvexMesh, HalfSpaceShape, HullError, MeshError, StaticMesh, TriMesh,
@@ -24,7 +25,7 @@ use bevy_reflect::std_traits::ReflectDefault;
 /// entity, and a warning in the log; a mesh that could not be loaded, or is missing, may still come.
 #[derive(Clone, Copy, Component, Debug, Default, PartialEq)]
 #[require(ShapeAwaited)]
-#[component(on_remove = ShapeAwaited::end, clone_behavior = Ignore)]
+#[component(on_remove = ShapeAwaited::end, clone_behavior = Custom(not_cloned))]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 #[cfg_attr(feature = "reflect", reflect(Component, Default))]
 pub enum ShapeFromMesh {

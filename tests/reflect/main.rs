@@ -1,7 +1,19 @@
 //! With the feature `reflect`, inspectors and scene files find the plugin's components and resources.
 
+#[path = "../plugin/app.rs"]
+mod app;
+#[path = "../common/mod.rs"]
+mod common;
+#[path = "../plugin/random_world.rs"]
+mod random_world;
+mod saving;
+mod scene_file;
+#[path = "../plugin/twins.rs"]
+mod twins;
+
 use bevy_app::App;
 use bevy_cleave::prelude::*;
+use bevy_ecs::component::ComponentCloneBehavior;
 use bevy_ecs::prelude::*;
 use bevy_ecs::reflect::{ReflectComponent, ReflectResource};
 use bevy_math::{Quat, Vec3};
@@ -11,7 +23,7 @@ use std::any::TypeId;
 use std::path::Path;
 
 /// Components that a scene file cannot hold, or need not: what is computed from others or names what is in memory.
-const COMPUTED: [&str; 16] = [
+const COMPUTED: [&str; 13] = [
     // Described by constructors.
     "ConvexMesh",
     "Compound",
@@ -27,10 +39,6 @@ const COMPUTED: [&str; 16] = [
     "ShapeRefused",
     "SlotMesh",
     "Walking",
-    // The other side of relations.
-    "JointsOfA",
-    "JointsOfB",
-    "Pieces",
 ];
 
 /// Components that name entities, and so have no default.
@@ -98,14 +106,24 @@ fn every_component_and_setting_is_registered_with_a_default() {
     deriving("Resource", &sources, &mut resources);
     assert!(names.len() > 50, "{names:?}");
     assert!(resources.len() > STATE.len(), "{resources:?}");
-    let app = app();
-    let registry = app.world().resource::<AppTypeRegistry>().read();
+    let mut app = app();
+    let registry = app.world().resource::<AppTypeRegistry>().clone();
+    let registry = registry.read();
     for name in names.iter().filter(|name| is_data(name)) {
         let known = registry.get_with_short_type_path(name);
         let known = known.unwrap_or_else(|| panic!("{name} is not registered"));
         assert!(known.contains::<ReflectComponent>(), "{name}");
         let has_default = known.contains::<ReflectDefault>();
         assert!(has_default || RELATED.contains(&name.as_str()), "{name}");
+        let component = known.data::<ReflectComponent>().expect("seen above");
+        let id = component.register_component(app.world_mut());
+        let info = app.world().components().get_info(id);
+        let behavior = info.expect("registered").clone_behavior();
+        // Bevy's scene files are read without those.
+        assert!(
+            !matches!(behavior, ComponentCloneBehavior::Ignore),
+            "{name}"
+        );
     }
     let settings = resources.iter().map(String::as_str);
     for name in settings.filter(|name| !STATE.contains(name)) {
