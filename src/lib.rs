@@ -77,7 +77,7 @@ pub mod prelude {
         JointProblem, JointsOfA, JointsOfB, LevelConstructor, LinearDamping, LinearVelocity, Mass,
         MassOverride, MaxSpeed, PhysicsHistory, PieceOf, PieceRules, Pieces, Remains, RewindApp,
         RewindCommands, Rewound, Sensor, ShapeAwaited, ShapeConstructor, Sleeping, SliceCommands,
-        SpatialQuery, SpawnBody, Walker, WalkerError, Walking, describe_bodies,
+        SpatialQuery, SpawnBody, SurfaceVelocity, Walker, WalkerError, Walking, describe_bodies,
     };
     #[cfg(feature = "diagnostics")]
     pub use crate::extras::CleaveDiagnosticsPlugin;

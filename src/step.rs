@@ -31,6 +31,7 @@ mod measure;
 pub(crate) mod report;
 pub(crate) mod settings;
 pub(crate) mod simulation;
+mod surfaces;
 
 use crate::step::loads::bear_loads;
 use crate::step::local_steps::take_local_steps;
@@ -192,13 +193,14 @@ pub fn generate_contacts(
     report.contacts = manifolds.points().len();
 }
 
-/// The end of phase 4: manifolds of bonded pairs hold.
+/// The end of phase 4: manifolds of bonded pairs hold, those of running surfaces run.
 pub fn attach_bonds(bodies: &Bodies, contacts: &mut Contacts, bonds: &mut Bonds) {
     let Contacts {
         solver, manifolds, ..
     } = contacts;
     bonds.begin_step();
     bonds.attach(bodies, manifolds, &mut solver.bonded);
+    surfaces::attach(bodies, manifolds, &mut solver.bonded);
 }
 
 /// The end of phase 2: joints of bodies that were cut go to the pieces, those of bodies that are gone go.
@@ -327,9 +329,10 @@ fn break_in_rounds(
         broadphase(bodies, contacts, settings, report);
         generate_contacts(bodies, contacts, cache, settings, report);
         contacts.merge_solved(bodies);
-        // What is bonded or jointed takes no local steps.
+        // What is bonded, jointed or on a running surface takes no local steps.
         if !bodies.local.is_on {
             bonds.attach(bodies, &mut contacts.manifolds, &mut contacts.solver.bonded);
+            surfaces::attach(bodies, &contacts.manifolds, &mut contacts.solver.bonded);
             joints.attach(bodies, &mut contacts.solver.joints);
         }
         contacts.solve_round(bodies, fractures, settings, round);

@@ -52,6 +52,19 @@ fn all_with(component: impl Component + Clone) -> Pair {
     changed(|_| {}, give)
 }
 
+/// Lets the ground run.
+fn run_ground(world: &mut World, _: &[Entity]) {
+    let mut kinds = world.query::<(Entity, &RigidBody)>();
+    let ground = kinds
+        .iter(world)
+        .find(|(_, kind)| **kind == RigidBody::Static);
+    if let Some((ground, _)) = ground {
+        world
+            .entity_mut(ground)
+            .insert(SurfaceVelocity(0.1 * Vec3::X));
+    }
+}
+
 /// Somebody who stands beside the heap.
 fn spawn_walker(world: &mut World, _: &[Entity]) {
     let capsule = ConvexMesh::capsule(0.3, 0.5).expect("valid size");
@@ -81,6 +94,11 @@ pub(crate) fn rows() -> Vec<Row> {
             "Events, sensors, forces",
             "app: `LinearDamping` on all",
             || all_with(LinearDamping(0.01)),
+        ),
+        Row::new(
+            "Events, sensors, forces",
+            "app: `SurfaceVelocity` of the ground",
+            || changed(|_| {}, run_ground),
         ),
         Row::new("Characters", "app: `WalkerPlugin` and one `Walker`", || {
             let plugin = |app: &mut App| {

@@ -77,7 +77,7 @@ impl BitOr for LockedAxes {
     }
 }
 
-/// What moves a dynamic body besides gravity and contacts, until it is changed.
+/// What moves a dynamic body besides gravity and contacts, and what moves on any body's surface, until it is changed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyDrive {
     /// How much of gravity acts on it.
@@ -96,6 +96,9 @@ pub struct BodyDrive {
     pub force: Vec3,
     /// Torque, world axes, N m.
     pub torque: Vec3,
+    /// How fast its surface runs along itself, in the axes of its shape, m/s: friction takes what touches it to this velocity, less what of it
+    /// is along the normal. Not where the two are bonded.
+    pub surface_velocity: Vec3,
 }
 
 impl Default for BodyDrive {
@@ -110,16 +113,19 @@ impl Default for BodyDrive {
             locked: LockedAxes::NONE,
             force: Vec3::ZERO,
             torque: Vec3::ZERO,
+            surface_velocity: Vec3::ZERO,
         }
     }
 }
 
 impl BodyDrive {
-    /// What pieces of the body have of it: a force on a body ends with it, or each of its pieces would get all of it.
+    /// What pieces of the body have of it: a force on a body ends with it, or each of its pieces would get all of it, and what is broken
+    /// does not run.
     pub(crate) fn of_pieces(self) -> Self {
         Self {
             force: Vec3::ZERO,
             torque: Vec3::ZERO,
+            surface_velocity: Vec3::ZERO,
             ..self
         }
     }
@@ -140,6 +146,7 @@ impl BodyDrive {
             ),
             ("ConstantForce", self.force.is_finite()),
             ("ConstantTorque", self.torque.is_finite()),
+            ("SurfaceVelocity", self.surface_velocity.is_finite()),
         ];
         match checks.iter().find(|(_, is_usable)| !is_usable) {
             Some((name, _)) => Err(BodyError::Drive(name)),
@@ -196,6 +203,8 @@ pub(crate) struct Drives {
     list: Vec<Driven>,
     /// By slot: index in the list.
     index: Vec<u32>,
+    /// Whether there ever was a surface that runs.
+    pub(super) has_surfaces: bool,
 }
 
 impl Drives {

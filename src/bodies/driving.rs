@@ -3,6 +3,7 @@
 use crate::bodies::body::BodyError;
 use crate::bodies::drive::{BodyDrive, Drive, StepForces};
 use crate::bodies::store::Bodies;
+use crate::math::rotate;
 use glam::Vec3;
 
 impl Bodies {
@@ -20,6 +21,19 @@ impl Bodies {
         free.map(|free| Vec3::ONE - free)
     }
 
+    /// Whether surfaces of bodies may run along themselves.
+    pub(crate) fn has_running_surfaces(&self) -> bool {
+        self.drives.has_surfaces
+    }
+
+    /// How fast the surface of the body in `slot` runs along itself, world axes, m/s.
+    pub(crate) fn surface_velocity(&self, slot: u32) -> Vec3 {
+        let driven = self.drives.get(slot);
+        driven.map_or(Vec3::ZERO, |driven| {
+            rotate(self.rotation[slot as usize], driven.drive.surface_velocity)
+        })
+    }
+
     /// Sets what moves the body besides gravity and contacts, and wakes it if that changes anything.
     ///
     /// # Errors
@@ -31,6 +45,7 @@ impl Bodies {
         }
         let id = self.id(slot);
         self.drives.of(slot, id).drive = drive;
+        self.drives.has_surfaces |= drive.surface_velocity != Vec3::ZERO;
         if drive == BodyDrive::default() {
             self.drives.remove(slot);
         }

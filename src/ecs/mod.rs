@@ -76,7 +76,7 @@ pub use cut::SliceCommands;
 pub use description::describe_bodies;
 pub use forces::{
     AngularDamping, AppliedForces, ConstantForce, ConstantTorque, ForceCommands, Forces,
-    ForcesItem, GravityScale, LinearDamping, Mass, MaxSpeed,
+    ForcesItem, GravityScale, LinearDamping, Mass, MaxSpeed, SurfaceVelocity,
 };
 pub use issues::BodyIssues;
 pub use joint::{

@@ -23,6 +23,7 @@ type Options = (
     (CollisionEvents, ContactForceEvents, LockedAxes, MaxSpeed),
     (GravityScale, LinearDamping, AngularDamping),
     (ConstantForce, ConstantTorque, Anchors, Fatigue),
+    SurfaceVelocity,
 );
 
 /// What may have changed of them without having come or gone.
@@ -35,6 +36,7 @@ pub(crate) type ChangedOptions = Or<(
     Changed<AngularDamping>,
     Changed<ConstantForce>,
     Changed<ConstantTorque>,
+    Changed<SurfaceVelocity>,
     Changed<Anchors>,
     Changed<Fatigue>,
     // Whether it can wear out depends on them.
@@ -55,6 +57,7 @@ pub(crate) struct BodyOptions {
     angular_damping: Option<&'static AngularDamping>,
     force: Option<&'static ConstantForce>,
     torque: Option<&'static ConstantTorque>,
+    surface_velocity: Option<&'static SurfaceVelocity>,
     anchors: Option<&'static Anchors>,
     fatigue: Option<&'static Fatigue>,
 }
@@ -112,6 +115,7 @@ fn read_option(
         locked: item.locked.copied().unwrap_or_default(),
         force: item.force.map_or(Vec3::ZERO, |force| force.0),
         torque: item.torque.map_or(Vec3::ZERO, |torque| torque.0),
+        surface_velocity: (item.surface_velocity).map_or(Vec3::ZERO, |velocity| velocity.0),
     };
     let force = (item.force_events).map_or(f32::INFINITY, |events| events.threshold);
     let is_usable = (!force.is_nan()).then_some(());

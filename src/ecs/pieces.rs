@@ -11,7 +11,7 @@ use crate::contact::material::Density;
 use crate::ecs::components::*;
 use crate::ecs::cut::let_fall;
 use crate::ecs::families::{families, sync_cracked};
-use crate::ecs::forces::{ConstantForce, ConstantTorque, Mass};
+use crate::ecs::forces::{ConstantForce, ConstantTorque, Mass, SurfaceVelocity};
 use crate::ecs::issues::BodyIssues;
 use crate::ecs::joint::{JointsOfA, JointsOfB, follow_pieces};
 use crate::ecs::parents::{local_of, parent_of};
@@ -347,7 +347,14 @@ fn keep_apart(builder: &mut EntityClonerBuilder<OptOut>, keeps_breaking: bool) {
     builder.add_observers(true);
     // Whatever requires one of these is denied too: nothing that `RigidBody` requires may be among them.
     builder.deny::<(
-        (MassOverride, Mass, ConstantForce, ConstantTorque, Anchors),
+        (
+            MassOverride,
+            Mass,
+            ConstantForce,
+            ConstantTorque,
+            Anchors,
+            SurfaceVelocity,
+        ),
         (Sleeping, Children, BodyIssues, PieceOf),
         (JointsOfA, JointsOfB),
     )>();

@@ -77,6 +77,7 @@ pub(crate) fn register_types(app: &mut App) {
     component_with_default::<MaxSpeed>(app);
     component_with_default::<ConstantForce>(app);
     component_with_default::<ConstantTorque>(app);
+    component_with_default::<SurfaceVelocity>(app);
     component_with_default::<ChildrenOfPieces>(app);
     component_with_default::<CompoundOfChildren>(app);
     component_with_default::<Anchors>(app);

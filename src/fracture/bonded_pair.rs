@@ -116,6 +116,7 @@ impl BondedPair {
             tension: self.bond.strength * share,
             shear: self.bond.shear_strength * share,
             is_new: self.is_new,
+            slip: Vec3::ZERO,
             displacement,
             yielded: 0.0,
         }

@@ -39,13 +39,21 @@ impl Walk<'_, '_> {
             angle += mover.angle;
             footing.normal = rotate(mover.turn, footing.normal);
         }
-        if way == Vec3::ZERO && angle == Vec3::ZERO {
+        let belt = self.surface_velocity(footing);
+        if way == Vec3::ZERO && angle == Vec3::ZERO && belt == Vec3::ZERO {
             return Vec3::ZERO;
         }
         footing.point += way;
+        way += self.step_dt * belt;
         self.take_along(pose, way, footing.body);
         pose.rotation = rotate_by(pose.rotation, angle.dot(up) * up, 1.0);
         way
+    }
+
+    /// How fast what it stands on runs along its surface, m/s.
+    fn surface_velocity(&self, footing: &Footing) -> Vec3 {
+        let velocity = self.queries.bodies().surface_velocity(footing.body);
+        velocity - velocity.dot(footing.normal) * footing.normal
     }
 
     /// Whether it is in a body that contacts move: each would push the other along for ever if that carried it.

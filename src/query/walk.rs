@@ -32,7 +32,7 @@ pub(super) struct Walk<'w, 'q> {
     pub(super) slider: &'w Slider<'w>,
     pub(super) settings: &'w WalkSettings,
     pub(super) filter: &'w QueryFilter<'w>,
-    step_dt: f32,
+    pub(super) step_dt: f32,
     /// Cosine of the steepest slope.
     pub(super) min_rise: f32,
     /// Velocity of what carries it, m/s.

@@ -11,6 +11,7 @@ mod mlcp_files;
 mod models;
 mod slice_common;
 mod sources;
+mod surfaces;
 
 mod allocation;
 mod bonds;

@@ -6,9 +6,10 @@ use bevy_app::{App, FixedUpdate, Update};
 use bevy_cleave::prelude::*;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
-use bevy_math::Vec3;
+use bevy_math::{Quat, Vec3};
 use bevy_time::TimeUpdateStrategy;
 use bevy_transform::components::Transform;
+use std::f32::consts::FRAC_PI_2;
 
 fn weightless() -> App {
     let mut app = app();
@@ -222,6 +223,49 @@ fn damping_and_limits_of_speed() {
     assert!((velocity(&app, limited).x - 3.0).abs() < 1e-5);
     assert!((spin(&app, limited).z - 2.0).abs() < 1e-5);
     assert!((place(&app, limited).x - 3.0).abs() < 1e-3);
+}
+
+#[test]
+fn a_belt_carries_what_lies_on_it_until_it_loses_its_velocity_or_breaks() {
+    let mut app = app();
+    let belt = ConvexMesh::cuboid(20.0, 1.0, 2.0).expect("a slab");
+    // Turned, it runs along z.
+    let turned = Quat::from_rotation_y(-FRAC_PI_2);
+    let place = Transform::from_xyz(0.0, -0.5, 0.0).with_rotation(turned);
+    let run = SurfaceVelocity(2.0 * Vec3::X);
+    let belt = (RigidBody::Static, belt, run, place);
+    let belt = app.world_mut().spawn(belt).id();
+    let brick = spawn(&mut app, Transform::from_xyz(0.0, 0.25, -3.0));
+    steps(&mut app, 60);
+    let along = 2.0 * Vec3::Z;
+    assert!((velocity(&app, brick) - along).length() < 1e-3);
+    assert_eq!(self::place(&app, belt), place.translation);
+
+    app.world_mut().entity_mut(belt).remove::<SurfaceVelocity>();
+    steps(&mut app, 120);
+    assert!(velocity(&app, brick).length() < 1e-3);
+    assert!(app.world().get::<Sleeping>(brick).is_some());
+
+    app.world_mut().entity_mut(belt).insert(run);
+    steps(&mut app, 60);
+    assert!((velocity(&app, brick) - along).length() < 1e-3);
+    let middle = Plane::through(5.0 * Vec3::Z, Vec3::Z);
+    app.world_mut().commands().slice(belt, middle);
+    steps(&mut app, 60);
+    assert!(app.world().get_entity(belt).is_err());
+    let mut running = app.world_mut().query::<&SurfaceVelocity>();
+    assert_eq!(running.iter(app.world()).count(), 0);
+}
+
+#[test]
+fn a_belt_whose_velocity_is_no_number_is_an_issue_and_does_not_run() {
+    let mut app = app();
+    let run = SurfaceVelocity(f32::NAN * Vec3::X);
+    let belt = spawn(&mut app, run);
+    steps(&mut app, 2);
+    let issues = app.world().get::<BodyIssues>(belt).expect("an issue");
+    let problem = BodyProblem::Body(BodyError::Drive("SurfaceVelocity"));
+    assert_eq!(issues.iter().collect::<Vec<_>>(), [&problem]);
 }
 
 #[test]

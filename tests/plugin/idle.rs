@@ -79,6 +79,7 @@ fn parts() -> Vec<Part> {
         AngularDamping: AngularDamping(0.1),
         MaxSpeed: MaxSpeed::default(),
         LockedAxes: LockedAxes::ROTATION,
+        SurfaceVelocity: SurfaceVelocity(Vec3::X),
     }
 }
 
@@ -266,6 +267,7 @@ fn what_pushes_a_body_that_forces_do_not_move_is_an_issue_and_what_bounds_it_is_
         AngularDamping: AngularDamping(0.1),
         MaxSpeed: MaxSpeed { linear: 1.0, angular: 1.0 },
         LockedAxes: LockedAxes::ROTATION,
+        SurfaceVelocity: SurfaceVelocity(Vec3::X),
         Mass: Mass(3.0),
     };
     let all = pushes.into_iter().map(|part| (part, true));

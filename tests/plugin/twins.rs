@@ -101,7 +101,7 @@ fn copy_body(it: EntityRef, to: &mut EntityWorldMut) {
         it to to: ShapeAwaited, ConvexMesh, Compound, HalfSpaceShape, StaticMesh, Density,
         MassOverride, Mass, Friction, Restitution, Fracturable, Sensor, ContactForceEvents,
         LockedAxes, MaxSpeed, GravityScale, LinearDamping, AngularDamping, ConstantForce,
-        ConstantTorque, Anchors, Fatigue, RigidBody, Transform, LinearVelocity, AngularVelocity,
+        ConstantTorque, SurfaceVelocity, Anchors, Fatigue, RigidBody, Transform, LinearVelocity, AngularVelocity,
         CollisionLayers, CollisionEvents,
     );
     // What the others required.

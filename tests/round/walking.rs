@@ -414,3 +414,31 @@ fn walks_in_an_app(shape: impl Bundle) {
     assert!(walking(&app).is_on_ground());
     assert!(place(&app, crate_).x > 4.5, "{}", place(&app, crate_));
 }
+
+#[test]
+fn a_belt_takes_along_who_stands_on_it_and_whom_walks() {
+    let belt = cuboid(Vec3::new(60.0, 1.0, 4.0), -0.5 * Vec3::Y);
+    let mut course = Course::new(vec![belt], Vec3::new(-5.0, STANDING + 0.01, 0.0));
+    let run = BodyDrive {
+        surface_velocity: Vec3::new(1.0, 0.3, 0.0),
+        ..BodyDrive::default()
+    };
+    course.simulation.bodies.set_drive(0, run).expect("usable");
+    let mut went = |seconds: f32, velocity: Vec3, jump: f32| {
+        let before = course.state.position;
+        for step in 0..(seconds / H).round() as usize {
+            course.step_with(velocity, if step == 0 { jump } else { 0.0 });
+        }
+        course.state.position - before
+    };
+    went(0.5, Vec3::ZERO, 0.0);
+    let stood = went(2.0, Vec3::ZERO, 0.0);
+    assert!((stood - 2.0 * Vec3::X).length() < 0.02, "{stood}");
+    let walked = went(2.0, Vec3::new(-3.0, 0.0, 0.5), 0.0);
+    assert!(
+        (walked - Vec3::new(-4.0, 0.0, 1.0)).length() < 0.02,
+        "{walked}"
+    );
+    let jumped = went(0.5, Vec3::ZERO, 4.0);
+    assert!((jumped.x - 0.5).abs() < 0.02, "{jumped}");
+}

@@ -31,6 +31,7 @@ type Parts = (
         ConstantForce,
         ConstantTorque,
     ),
+    SurfaceVelocity,
     (LinearDamping, AngularDamping, MaxSpeed, LockedAxes),
 );
 
@@ -55,6 +56,7 @@ type HasMore = Or<(
         With<ConstantForce>,
         With<ConstantTorque>,
     )>,
+    With<SurfaceVelocity>,
     Or<(
         With<LinearDamping>,
         With<AngularDamping>,

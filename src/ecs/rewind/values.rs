@@ -178,6 +178,7 @@ pub(super) fn physics_values() -> Vec<Box<dyn Values>> {
         AppliedForces,
         ConstantForce,
         ConstantTorque,
+        SurfaceVelocity,
         GravityScale,
         LinearDamping,
         AngularDamping,

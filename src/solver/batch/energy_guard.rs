@@ -22,6 +22,7 @@
 use crate::bodies::solver_body::{BodyMass, SolverBody};
 use crate::solver::batch::Batch;
 use crate::solver::batch::layout::Member;
+use crate::solver::graph::indices::LaneSlot;
 use crate::threads::team::Team;
 use crate::tuning::{MAX_LEAVES, MAX_PARTS, MIN_MEASURED_BODIES};
 use glam::{Mat3, Vec3};
@@ -249,14 +250,26 @@ impl Batch {
             .push(most.into_iter().fold(0.0, f32::max));
     }
 
-    /// Whether bodies that contacts do not move, but that move, may give energy.
+    /// Whether bodies that contacts do not move, but that move or whose surfaces run, may give energy.
     pub(super) fn is_driven(&self, member: &Member) -> bool {
         let moves = |body: &SolverBody| body.linear != Vec3::ZERO || body.angular != Vec3::ZERO;
         // Contacts move those in leaves.
         let leaves = self.layout.cuts.leaves();
         let first = leaves.last().map_or(member.bodies.start, |leaf| leaf.end);
         let mut bodies = self.bodies.velocities[first..member.bodies.end].iter();
-        bodies.any(|body| body.inverse_mass == 0.0 && moves(body))
+        bodies.any(|body| body.inverse_mass == 0.0 && moves(body)) || self.has_running(member)
+    }
+
+    /// Whether an island touches running surfaces.
+    fn has_running(&self, member: &Member) -> bool {
+        let constraints = &self.bonds.constraints;
+        let is_running = |place: &LaneSlot| {
+            let points = self.contacts.blocks[place.block as usize].points.clone();
+            let of_place = &constraints[points];
+            of_place.iter().any(|it| it.is_running(place.lane as usize))
+        };
+        let mut places = self.layout.places[member.places.clone()].iter();
+        !constraints.is_empty() && places.any(|(_, place)| is_running(place))
     }
 
     fn sums(&self, member: &Member, team: Option<&Team>) -> Sums {

@@ -145,8 +145,9 @@ fn bond_targets<L: Lanes>(
             .store(&mut point.target_velocity);
         for k in 0..2 {
             let slide = L::load(&constraint.slide[k]) + frame.tangents[k].dot(shift);
+            let target = L::load(&constraint.target_velocity[k]);
             adhesion
-                .if_above(zero, back(slide), zero)
+                .if_above(zero, back(slide), target)
                 .store(&mut constraint.target_velocity[k]);
         }
     }

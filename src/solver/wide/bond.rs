@@ -36,7 +36,7 @@ pub(crate) const BOND_DAMPING: f32 = 10.0;
 /// Share of its bound from which an impulse counts as being at it.
 const AT_BOUND: f32 = 0.999;
 
-/// A manifold whose bodies are bonded.
+/// A manifold whose bodies are bonded, or slide on each other's [running surfaces](crate::bodies::BodyDrive::surface_velocity).
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BondedManifold {
     /// Index of the manifold.
@@ -49,6 +49,9 @@ pub struct BondedManifold {
     pub shear: f32,
     /// Whether the bond was made since the last step: nobody knows yet what it will bear.
     pub is_new: bool,
+    /// Velocity of B against A at which friction lets it be, of which only what is along the tangents counts; zero if they are bonded. World
+    /// axes, m/s.
+    pub slip: Vec3,
     /// How far B has moved against A at each point since the bond was made, world axes, m.
     pub displacement: [Vec3; MAX_POINTS],
     /// How far the point that is farthest off, of those that bear all they can, has opened or slid at the end of the step, m.
@@ -79,7 +82,7 @@ pub struct BondConstraint {
     pub start: [F8; 2],
     /// How far B is off along the tangents, less what displacements of the bodies add to it, m.
     pub slide: [F8; 2],
-    /// Velocities along the tangents that the point should have, m/s.
+    /// Velocities along the tangents that the point should have, m/s; those of lanes that are not bonded stay as they were loaded.
     pub target_velocity: [F8; 2],
 }
 
@@ -98,7 +101,14 @@ impl BondConstraint {
         for (k, tangent) in block.tangents.iter().enumerate() {
             self.start[k].0[lane] = vector(tangent, lane).dot(off);
             self.slide[k].0[lane] = self.start[k].0[lane];
+            self.target_velocity[k].0[lane] = vector(tangent, lane).dot(bond.slip);
         }
+    }
+
+    /// Whether a lane slides on a running surface.
+    pub(crate) fn is_running(&self, lane: usize) -> bool {
+        let slips = |velocity: &F8| velocity.0[lane] != 0.0;
+        self.adhesion.0[lane] == 0.0 && self.target_velocity.iter().any(slips)
     }
 
     /// Has the bond of a lane hold still, where it was to go back; returns the largest change of a target velocity, m/s.

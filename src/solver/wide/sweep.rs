@@ -162,13 +162,34 @@ impl<L: Lanes, const BONDED: bool> State<'_, L, BONDED> {
         delta
     }
 
-    /// The friction that stops the point, or goes a `share` of the way there.
+    /// The velocities along the tangents, above those that the point should have.
     #[inline(always)]
-    fn stopping_friction(&self, share: L) -> [L; 2] {
+    fn slip(&self) -> [L; 2] {
+        let [_, v1, v2] = self.velocity;
+        if !BONDED {
+            return [v1, v2];
+        }
+        let [to_t1, to_t2] = self.bounds.target_velocity;
+        [v1 - to_t1, v2 - to_t2]
+    }
+
+    /// The same once bodies have moved, when what is bonded is to hold still.
+    #[inline(always)]
+    fn relaxed_slip(&self) -> [L; 2] {
+        let [_, v1, v2] = self.velocity;
+        let [slip1, slip2] = self.slip();
+        [
+            self.bounds.if_bonded(v1, slip1),
+            self.bounds.if_bonded(v2, slip2),
+        ]
+    }
+
+    /// The friction that takes a slip away, or a `share` of it.
+    #[inline(always)]
+    fn stopping_friction(&self, slip: [L; 2], share: L) -> [L; 2] {
         let mass = share * L::load(&self.point.tangent_mass);
         let [_, t1, t2] = self.impulse;
-        let [_, v1, v2] = self.velocity;
-        [t1 - v1 * mass, t2 - v2 * mass]
+        [t1 - slip[0] * mass, t2 - slip[1] * mass]
     }
 
     /// Moves friction to `unbounded`, within the bound of the present normal impulse; returns the changes.
@@ -234,13 +255,14 @@ impl<L: Lanes> SolveWithBias<L> {
     /// Friction that goes its share of the way to stopping the point or, where it is bonded, takes it back as softly as the normal does.
     #[inline(always)]
     fn friction<const BONDED: bool>(&self, state: &State<'_, L, BONDED>) -> [L; 2] {
-        let stopping = state.stopping_friction(self.friction);
+        let slip = state.slip();
+        let stopping = state.stopping_friction(slip, self.friction);
         if !BONDED {
             return stopping;
         }
         let mass = L::load(&state.point.tangent_mass);
         let back = |k: usize| {
-            let correction = (state.velocity[k + 1] - state.bounds.target_velocity[k]) * mass;
+            let correction = slip[k] * mass;
             self.bonds.keep * state.impulse[k + 1] - self.bonds.mass_scale * correction
         };
         [
@@ -289,7 +311,7 @@ impl<L: Lanes> PointUpdate<L> for RelaxPoint {
             .if_above(zero, state.rebound, at_rest + state.rebound);
         let mass = L::load(&state.point.normal_mass);
         let unbounded = state.impulse[0] - (state.velocity[0] - target) * mass;
-        let [t1, t2] = state.stopping_friction(L::splat(1.0));
+        let [t1, t2] = state.stopping_friction(state.relaxed_slip(), L::splat(1.0));
         let [to_t1, to_t2] = load_coupling(state.point, L::load(&state.point.tangent_mass));
         let normal = state.move_normal(unbounded);
         let [t1, t2] = state.move_tangents([t1 - to_t1 * normal, t2 - to_t2 * normal]);
