@@ -108,7 +108,8 @@ pub struct Fractured {
     pub cause: FractureCause,
     /// The planes of the cut, world frame.
     pub planes: SmallVec<[Plane; 8]>,
-    /// Mass, momentum, angular momentum and energy before and after the parent broke.
+    /// Mass, momentum, angular momentum and energy before and after the parent broke. What broke again in the same step is counted as what came
+    /// of it.
     pub ledger: Ledger,
     /// Whether the parent lives on, with those of its parts that bonds still hold to where it is anchored. It is none of the pieces.
     pub goes_on: bool,

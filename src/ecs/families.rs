@@ -7,42 +7,58 @@ use crate::ecs::forces::Mass;
 use crate::ecs::parents::{local_of, parent_of};
 use crate::ecs::state::PluginState;
 use crate::fracture::Fracture;
+use crate::mass::MassProperties;
 use bevy_ecs::prelude::*;
 use bevy_math::Vec3;
 use bevy_transform::components::Transform;
 use smallvec::SmallVec;
 
-/// The events to send, without the pieces, and the slots of these.
-pub(super) fn families(world: &World, done: &[Fracture]) -> Vec<(Fractured, Vec<u32>)> {
+/// Who broke in a step.
+#[derive(Default)]
+pub(super) struct Families {
+    /// The events to send, without the pieces, and the slots of these.
+    pub(super) told: Vec<(Fractured, Vec<u32>)>,
+    /// Slots of the pieces of entities that went in the same step: with a parent that was debris, say.
+    pub(super) orphans: Vec<u32>,
+}
+
+/// Who broke in a step, and the pieces of each. Those of bodies that were put into `Bodies` without entities are not among them.
+pub(super) fn families(world: &World, done: &[Fracture]) -> Families {
     let bodies = world.resource::<Bodies>();
     let entities = &world.resource::<PluginState>().entities;
-    let mut families: Vec<(Fractured, Vec<u32>)> = Vec::new();
-    // By id of a piece: which of the families it belongs to. Ids only grow.
-    let mut family_of: Vec<(BodyId, usize)> = Vec::new();
+    let Families {
+        mut told,
+        mut orphans,
+    } = Families::default();
+    // By id of a piece: which of those told of it belongs to, none for an orphan. Ids only grow.
+    let mut family_of: Vec<(BodyId, Option<usize>)> = Vec::new();
     for fracture in done {
         let known = family_of.binary_search_by_key(&fracture.parent, |&(id, _)| id);
+        let count = told.len();
         let family = match known {
             Ok(at) => family_of[at].1,
             Err(_) => {
-                let parent = entities.of(fracture.parent_slot, fracture.parent);
-                let Some(parent) = parent.filter(|&p| world.get_entity(p).is_ok()) else {
+                let Some(parent) = entities.of(fracture.parent_slot, fracture.parent) else {
                     continue;
                 };
-                // What goes on may break again in the same step.
-                let known = families
-                    .iter()
-                    .position(|(event, _)| event.parent == parent);
-                known.unwrap_or_else(|| {
-                    families.push((event_of(fracture, parent, entities), Vec::new()));
-                    families.len() - 1
-                })
+                let is_there = has_body(world, parent, fracture);
+                is_there.then(|| family_of_entity(&mut told, parent, fracture, entities))
             }
         };
-        let (event, slots) = &mut families[family];
-        if known.is_err() {
-            event.goes_on = fracture.goes_on;
-        }
-        event.planes.extend_from_slice(&fracture.planes);
+        let slots = match family {
+            Some(family) => {
+                let (event, slots) = &mut told[family];
+                if known.is_err() {
+                    event.goes_on = fracture.goes_on;
+                }
+                if family < count {
+                    event.ledger.go_on(&fracture.ledger);
+                }
+                event.planes.extend_from_slice(&fracture.planes);
+                slots
+            }
+            None => &mut orphans,
+        };
         for (&slot, &id) in fracture.pieces.iter().zip(&fracture.ids) {
             family_of.push((id, family));
             if bodies.is_current(slot, id) {
@@ -50,7 +66,27 @@ pub(super) fn families(world: &World, done: &[Fracture]) -> Vec<(Fractured, Vec<
             }
         }
     }
-    families
+    Families { told, orphans }
+}
+
+/// Whether an entity is there, and has the body that broke.
+fn has_body(world: &World, entity: Entity, fracture: &Fracture) -> bool {
+    let handle = world.get::<BodyHandle>(entity).and_then(|handle| handle.0);
+    handle == Some((fracture.parent_slot, fracture.parent))
+}
+
+/// The family of an entity whose body broke, which may be known: what goes on may break again in the same step.
+fn family_of_entity(
+    told: &mut Vec<(Fractured, Vec<u32>)>,
+    parent: Entity,
+    fracture: &Fracture,
+    entities: &BodyEntities,
+) -> usize {
+    let known = told.iter().position(|(event, _)| event.parent == parent);
+    known.unwrap_or_else(|| {
+        told.push((event_of(fracture, parent, entities), Vec::new()));
+        told.len() - 1
+    })
 }
 
 /// What is told of a fracture, but for planes and pieces.
@@ -84,7 +120,7 @@ pub(super) fn sync_cracked(world: &mut World) {
         let Some(shape) = bodies.is_current(slot, id).then(|| bodies.compound(slot)) else {
             continue;
         };
-        let (Some(shape), mass) = (shape.cloned(), bodies.mass(slot).mass) else {
+        let (Some(shape), mass) = (shape.cloned(), *bodies.mass(slot)) else {
             continue;
         };
         let entity = world.resource::<PluginState>().entities.of(slot, id);
@@ -95,7 +131,11 @@ pub(super) fn sync_cracked(world: &mut World) {
         let mut entity = world.entity_mut(entity);
         entity.insert(shape);
         if entity.contains::<Mass>() {
-            entity.insert(Mass(mass));
+            entity.insert(Mass(mass.mass));
+        }
+        // What the mass phase of the next step finds is too late for who reads of the fracture.
+        if let Some(mut own) = entity.get_mut::<MassProperties>() {
+            own.set_if_neq(mass);
         }
     }
 }

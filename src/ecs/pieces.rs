@@ -10,7 +10,7 @@ use crate::bodies::store::Bodies;
 use crate::contact::material::Density;
 use crate::ecs::components::*;
 use crate::ecs::cut::let_fall;
-use crate::ecs::families::{families, sync_cracked};
+use crate::ecs::families::{Families, families, sync_cracked};
 use crate::ecs::forces::{ConstantForce, ConstantTorque, Mass, SurfaceVelocity};
 use crate::ecs::issues::BodyIssues;
 use crate::ecs::joint::{JointsOfA, JointsOfB, follow_pieces};
@@ -195,18 +195,22 @@ impl Staged {
 /// Command: spawns an entity for every piece, tells what happened, despawns the parents.
 ///
 /// A piece that broke again in the same step never was an entity: its pieces are told of as those of the first parent.
-/// Pieces of a body without an entity stay bodies without entities.
+/// Pieces of a body without an entity stay bodies without entities; those of an entity that went in the same step go too.
 pub(super) fn spawn_pieces(world: &mut World) {
     let done = std::mem::take(&mut world.resource_mut::<Fractures>().done);
     let_fall(world, &done);
-    let families = families(world, &done).into_iter();
-    let events: Vec<Fractured> = families
+    let Families { told, orphans } = families(world, &done);
+    orphans.iter().for_each(|&slot| forget_body(world, slot));
+    let events: Vec<Fractured> = told
+        .into_iter()
         .map(|(event, slots)| Fractured {
             pieces: spawn_family(world, (event.parent, event.goes_on), slots),
             ..event
         })
         .collect();
     follow_pieces(world);
+    // Who is told of it finds what goes on as it is now.
+    sync_cracked(world);
     for event in events {
         world.trigger(event.clone());
         if !event.goes_on {
@@ -214,7 +218,6 @@ pub(super) fn spawn_pieces(world: &mut World) {
         }
         world.write_message(event);
     }
-    sync_cracked(world);
     world.resource_mut::<Fractures>().done = done;
 }
 
@@ -234,6 +237,10 @@ fn spawn_family(
             piece
         })
         .collect();
+    if world.get::<Pieces>(remains).is_none() {
+        // Nothing came off that is large enough to be a piece, or observers have taken it away.
+        world.try_despawn(remains).ok();
+    }
     name_uncloned(world, parent, pieces.first().map(|&(_, piece)| piece));
     let mut heirs = pieces.clone();
     let handle = world.get::<BodyHandle>(parent).and_then(|handle| handle.0);

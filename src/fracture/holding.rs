@@ -266,6 +266,10 @@ impl<'b> Ground<'b> {
 
     /// Whether a static body stands for itself.
     fn is_ground(&self, slot: u32) -> bool {
+        if hulls_box(&self.bodies.info(slot).shape).is_none() {
+            // It has no inside, and never falls, whatever is said of its anchors.
+            return true;
+        }
         let anchors = self.bodies.anchors(slot);
         if anchors.is_some_and(|anchors| self.is_in_region(slot, anchors)) {
             return true;

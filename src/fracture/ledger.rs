@@ -124,6 +124,14 @@ pub struct Ledger {
 }
 
 impl Ledger {
+    /// Counts what came of one of those after it, which broke too, in its place.
+    pub(crate) fn go_on(&mut self, later: &Self) {
+        self.after.add(&later.after);
+        self.after.take(&later.before);
+        self.dropped.add(&later.dropped);
+        self.dropped_pieces += later.dropped_pieces;
+    }
+
     fn accounted(&self) -> Invariants {
         let mut sum = self.after;
         sum.add(&self.dropped);

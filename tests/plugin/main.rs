@@ -22,6 +22,7 @@ mod idle;
 mod joint_laws;
 mod joint_world;
 mod kinematic;
+mod levels;
 mod no_change;
 mod parents;
 mod phases;
