@@ -6,6 +6,8 @@
 //! would go through a triangle from the front or into a convex body, it ends.
 //!
 //! What contacts do not move takes the speed towards it away. A body that they move does not: the next step finds the two where they touch.
+//! But what it finds may be another side that they leave each other on, so the way goes on along the surface there. Otherwise what strikes an edge
+//! of a body that hangs would be held at that place in the air, step by step, while gravity makes it faster.
 
 use crate::bodies::body::Shape;
 use crate::bodies::store::Bodies;
@@ -153,15 +155,41 @@ fn hold_middle(bodies: &mut Bodies, (slot, middle): (u32, Vec3), wall: u32) {
         end: length,
         is_solid: true,
     };
-    let Some(hit) = cast_ray(&bodies.info(wall).shape, &ray) else {
+    let shape = &bodies.info(wall).shape;
+    let Some(hit) = cast_ray(shape, &ray) else {
         return;
     };
-    let last = hit.point + BEFORE * bodies.min_extent[i] * hit.normal;
+    let before = BEFORE * bodies.min_extent[i];
+    let first = hit.point + before * hit.normal;
+    let is_moved = bodies.velocity[wall as usize].inverse_mass != 0.0;
+    let last = match is_moved {
+        true => slide(shape, (first, from + way), hit.normal, before),
+        false => first,
+    };
     bodies.motion[i].shift += at_end.transform_point(last) - to;
-    if bodies.velocity[wall as usize].inverse_mass == 0.0 {
+    if !is_moved {
         let normal = rotate(at_end.rotation, hit.normal);
         let against = bodies.velocity[i].linear - velocity_at(bodies, wall, to);
         bodies.velocity[i].linear -= against.dot(normal).min(0.0) * normal;
+    }
+}
+
+/// Where a way ends that goes on along a surface with this normal from where it struck it (the shape's frame); at most `before` from what is
+/// on it, m.
+fn slide(shape: &Shape, (from, to): (Vec3, Vec3), normal: Vec3, before: f32) -> Vec3 {
+    let way = (to - from).reject_from_normalized(normal);
+    let Some(direction) = way.try_normalize() else {
+        return from;
+    };
+    let ray = LocalRay {
+        origin: from,
+        direction,
+        end: way.length(),
+        is_solid: true,
+    };
+    match cast_ray(shape, &ray) {
+        Some(hit) => hit.point + before * hit.normal,
+        None => from + way,
     }
 }
 

@@ -12,6 +12,7 @@ mod common;
 mod blasts;
 mod clusters;
 mod cuts;
+mod edges;
 mod heirs;
 mod kit;
 mod looks;
@@ -109,6 +110,12 @@ fn debris_goes_by_its_rules_and_its_mass_is_told() {
 #[test]
 fn pieces_share_the_bonds_of_a_body_by_area() {
     check(heirs::judge_bonds, 150, (0, 400));
+}
+
+/// Was held at the edge in the air, step by step, while gravity made it faster: seven in 1500.
+#[test]
+fn what_strikes_an_edge_of_what_hangs_flies_on() {
+    check(edges::judge, 1500, (0, 2000));
 }
 
 #[test]

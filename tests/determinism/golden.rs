@@ -13,7 +13,7 @@ pub(crate) const GOLDEN: [(Scene, u64, u64); 20] = [
     (Scene::LargeBreaking, 0x92652cfa1a1a9e2d, 0x0885b278801a4872),
     (Scene::Sleep, 0x2a3b6b1098d3c56f, 0x4303a51423c07b3d),
     (Scene::BondedWall, 0x27c7687600f2a707, 0xda7d96f8d033f8fa),
-    (Scene::BrickWall, 0x318ff7e6894dd140, 0xaf050f0572ce62ba),
+    (Scene::BrickWall, 0x639253a1d09bb6c2, 0xb1249d5ab0958411),
     (Scene::Paper, 0x97a4281bc6e6afda, 0xa7e33f4dbc36fb7c),
     (Scene::PaperSquare, 0x92b0ce04ce0eb332, 0x9c7794fbd0f13e6e),
     (Scene::Exact, 0x820cafbd31fb1f5c, 0x94db7e5285a7c316),
