@@ -16,7 +16,8 @@ pub struct Explosion {
     /// How far it reaches, m.
     pub radius: f32,
     /// Impulse on a body at its center, N s. It falls to nothing at the radius, linearly with the distance to the box around the
-    /// body's shape, and acts at that box's nearest point.
+    /// body's shape, and acts at that box's nearest point. It makes no body faster than 10 km/s, as fast as the gas of an explosion is: of what is
+    /// too light for it the rest is lost.
     pub impulse: f32,
 }
 

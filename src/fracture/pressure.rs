@@ -79,7 +79,7 @@ fn push(bodies: &mut Bodies, slot: u32, explosion: &Explosion, share: f32) {
     if bodies.kind(slot) == RigidBody::Dynamic
         && let Some(given) = explosion.push_on(bodies, slot)
     {
-        bodies.push(slot, given.map(|v| share * v));
+        bodies.push_by_blast(slot, given.map(|v| share * v));
     }
 }
 
@@ -94,7 +94,7 @@ fn share_out(bodies: &mut Bodies, pieces: &[u32], explosion: &Explosion, impulse
         if bodies.kind(piece) == RigidBody::Dynamic {
             let away = bodies.center_of_mass(piece) - explosion.center;
             let given = share as f32 * impulse.copysign(explosion.impulse);
-            bodies.push(piece, [given * away.normalize_or(Vec3::Y), Vec3::ZERO]);
+            bodies.push_by_blast(piece, [given * away.normalize_or(Vec3::Y), Vec3::ZERO]);
         }
     }
 }

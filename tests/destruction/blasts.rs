@@ -1,7 +1,9 @@
 //! What a blast gives to what it breaks.
 
 use crate::common::dice::Dice;
-use crate::kit::{Verdict, ask, breakable, check_ledgers, convex, in_space};
+use crate::kit::{
+    H, Verdict, ask, awake_on_floor, breakable, check_ledgers, convex, cuboid, in_space,
+};
 use bevy_cleave::prelude::*;
 use glam::Vec3;
 
@@ -53,4 +55,37 @@ pub(crate) fn judge(seed: u64) -> Verdict {
     ask!(sum.length() <= 1.001 * whole, "{sum} of {whole}");
     ask!(outward * sign > 0.3 * whole, "{outward} of {whole}");
     Ok(pieces - 1)
+}
+
+/// A heap in which light splinters lie: however hard the blast is, none gets faster than what drives it, and nothing overflows.
+pub(crate) fn judge_dust(seed: u64) -> Verdict {
+    let dice = &mut Dice::new(seed);
+    let mut simulation = awake_on_floor();
+    let (size, least) = (dice.in_range(0.05, 0.4), dice.in_range(-2.0, -1.0));
+    let count = 5 + dice.below(25);
+    for _ in 0..count {
+        let size = size * 10.0_f32.powf(dice.in_range(least, 0.0)) * dice.vector(0.2, 1.0);
+        let at = dice.vector(-0.3, 0.3) + 0.4 * Vec3::Y;
+        let mut desc = BodyDesc::dynamic(cuboid(size), at);
+        desc.pose.rotation = dice.rotation();
+        simulation.bodies.insert(desc).expect("usable");
+    }
+    (0..10).for_each(|_| simulation.step(H));
+    let explosion = Explosion {
+        center: dice.vector(-0.3, 0.3) + 0.2 * Vec3::Y,
+        radius: 1.5,
+        impulse: 10.0_f32.powf(dice.in_range(1.0, 3.5)),
+    };
+    simulation.bodies.explode(explosion).expect("usable");
+    for number in 0..5 {
+        simulation.step(H);
+        let problems = &simulation.report.problems;
+        ask!(problems.is_empty(), "step {number}: {problems:?}");
+        let bodies = &simulation.bodies;
+        let speeds = bodies.iter().map(|slot| bodies.velocity(slot).0.length());
+        // What is struck by it may be faster: a ball that a wall strikes is twice as fast as the wall.
+        let fastest = speeds.fold(0.0, f32::max);
+        ask!(fastest < 2e4, "step {number}: {fastest} m/s");
+    }
+    Ok(count)
 }

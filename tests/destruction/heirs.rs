@@ -191,9 +191,10 @@ pub(crate) fn judge_joints(seed: u64) -> Verdict {
     }
     for &(id, at) in &joints {
         let both = [0, 1].map(|side| {
-            // Splinters that a blast has hit are away by now.
+            // Splinters that a blast has hit are away by now, or have turned.
             let alive = bodies.iter().filter(|&s| {
-                let is_near = bodies.velocity(s).0.length() < 1e4 * size;
+                let (v, omega) = bodies.velocity(s);
+                let is_near = v.length() < 1e4 * size && omega.length() < 1e4;
                 is_near && parts[side].contains(&bodies.id(s))
             });
             alive.collect::<Vec<u32>>()
