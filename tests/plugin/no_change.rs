@@ -133,5 +133,5 @@ fn to_draw_bodies_between_steps_changes_no_bit() {
 
 #[test]
 fn to_describe_bodies_changes_no_bit() {
-    check(saving_moves_nothing, 40, 200..400);
+    check(saving_moves_nothing, 40, 200..260);
 }
