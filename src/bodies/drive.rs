@@ -77,7 +77,7 @@ impl BitOr for LockedAxes {
     }
 }
 
-/// What moves a dynamic body besides gravity and contacts, and what moves on any body's surface, until it is changed.
+/// What moves a dynamic body besides gravity and contacts, and how the surface of any body runs, until it is changed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyDrive {
     /// How much of gravity acts on it.

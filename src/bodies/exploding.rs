@@ -12,7 +12,7 @@ use glam::Vec3;
 
 /// The fastest that a blast makes a point of a body that it drives as a whole, m/s: the gas that drives it is not faster. By the impulse alone a
 /// splinter of a milligram flies at a thousandth of the speed of light, and what it hits overflows with it.
-const GAS: f32 = 1e4;
+const GAS_SPEED: f32 = 1e4;
 
 impl Explosion {
     /// Impulse, and angular impulse about the center, that the body in `slot` gets, world.
@@ -150,7 +150,7 @@ impl Bodies {
             (self.inverse_inertia[slot as usize] * given[1]).length(),
         ];
         // What is not moved at all has no speed, and gets all of it.
-        let share = (GAS / (v + omega * self.radius(slot))).min(1.0);
+        let share = (GAS_SPEED / (v + omega * self.radius(slot))).min(1.0);
         self.push(slot, given.map(|it| share * it));
     }
 

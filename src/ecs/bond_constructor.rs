@@ -2,8 +2,7 @@
 
 use crate::bodies::store::Bodies;
 use crate::contact::body_id::BodyId;
-use crate::ecs::components::not_cloned;
-use crate::ecs::components::{BodyHandle, BodyWarning, ShapeAwaited};
+use crate::ecs::components::{BodyHandle, BodyWarning, ShapeAwaited, not_cloned};
 use crate::ecs::issues::Source;
 use crate::ecs::shape_constructor::note;
 use crate::ecs::state::PluginState;

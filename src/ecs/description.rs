@@ -31,11 +31,15 @@ fn describe_shapes<C: Constructor>(world: &mut World) {
     // What is made of children is described by these.
     type IsWanted = (Without<CompoundOfChildren>, Allow<Disabled>);
     let mut shapes = world.query_filtered::<(Entity, &C::Shape, Option<&C>), IsWanted>();
-    let outdated: Vec<(Entity, C)> = shapes
-        .iter(world)
-        .filter(|(_, shape, constructor)| !constructor.is_some_and(|it| it.makes(shape)))
-        .map(|(entity, shape, _)| (entity, C::describe(shape)))
-        .collect();
+    let outdated = |(entity, shape, constructor): (Entity, &C::Shape, Option<&C>)| {
+        let described = C::describe(shape);
+        let makes = |it: &C| {
+            let again = || it.build().map(|built| C::describe(&built));
+            *it == described || again().is_ok_and(|again| again == described)
+        };
+        (!constructor.is_some_and(makes)).then_some((entity, described))
+    };
+    let outdated: Vec<(Entity, C)> = shapes.iter(world).filter_map(outdated).collect();
     for (entity, constructor) in outdated {
         world.entity_mut(entity).insert(constructor);
     }

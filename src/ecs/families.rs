@@ -14,7 +14,6 @@ use bevy_transform::components::Transform;
 use smallvec::SmallVec;
 
 /// Who broke in a step.
-#[derive(Default)]
 pub(super) struct Families {
     /// The events to send, without the pieces, and the slots of these.
     pub(super) told: Vec<(Fractured, Vec<u32>)>,
@@ -26,10 +25,7 @@ pub(super) struct Families {
 pub(super) fn families(world: &World, done: &[Fracture]) -> Families {
     let bodies = world.resource::<Bodies>();
     let entities = &world.resource::<PluginState>().entities;
-    let Families {
-        mut told,
-        mut orphans,
-    } = Families::default();
+    let (mut told, mut orphans) = (Vec::new(), Vec::new());
     // By id of a piece: which of those told of it belongs to, none for an orphan. Ids only grow.
     let mut family_of: Vec<(BodyId, Option<usize>)> = Vec::new();
     for fracture in done {

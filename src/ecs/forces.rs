@@ -60,8 +60,8 @@ impl Default for MaxSpeed {
 }
 
 /// How fast the surface of a body runs along itself, in its own axes, m/s: a conveyor belt, a moving walkway, tracks. Friction takes what
-/// touches it to that velocity, however steep it is, and so does a [`Walker`](crate::ecs::Walker) who stands on it; the body itself stays
-/// where it is. A face that the velocity is normal to does nothing.
+/// touches it to what of that velocity is along the face there, and a [`Walker`](crate::ecs::Walker) who stands on it goes along; the body
+/// itself stays where it is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Component)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct SurfaceVelocity(pub Vec3);

@@ -3,8 +3,7 @@
 use crate::bodies::body::{BodyError, RigidBody};
 use crate::contact::layers::CollisionLayers;
 use crate::contact::material::{Density, Friction, Restitution};
-use crate::ecs::components::not_cloned;
-use crate::ecs::components::{BodyProblem, BodyWarning, ShapeAwaited};
+use crate::ecs::components::{BodyProblem, BodyWarning, ShapeAwaited, not_cloned};
 use crate::ecs::issues::{Issues, Source};
 use crate::ecs::parents::place;
 use crate::ecs::shape_constructor::note;

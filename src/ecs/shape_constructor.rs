@@ -10,8 +10,7 @@ pub use level::LevelConstructor;
 pub use mesh::MeshDescription;
 pub use round::RoundForm;
 
-use crate::ecs::components::not_cloned;
-use crate::ecs::components::{BodyProblem, BodyWarning};
+use crate::ecs::components::{BodyProblem, BodyWarning, not_cloned};
 use crate::ecs::issues::Source;
 use crate::ecs::state::PluginState;
 use crate::geometry::{ConvexMesh, HullError};
@@ -159,12 +158,6 @@ pub(super) trait Constructor: Component + PartialEq + Sized {
     fn build(&self) -> Result<Self::Shape, Self::Error>;
 
     fn describe(shape: &Self::Shape) -> Self;
-
-    /// Whether this shape is what comes of it.
-    fn makes(&self, shape: &Self::Shape) -> bool {
-        let described = Self::describe(shape);
-        *self == described || (self.build()).is_ok_and(|built| Self::describe(&built) == described)
-    }
 
     /// Hook: the entity gets the shape unless it has it, whether the plugin is there yet or not.
     fn construct(mut world: DeferredWorld, context: HookContext) {

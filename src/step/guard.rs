@@ -145,26 +145,17 @@ fn hold_middle(bodies: &mut Bodies, (slot, middle): (u32, Vec3), wall: u32) {
     let from = at_start.inverse_transform_point(place);
     let to = bodies.pose_after_step(slot).transform_point(middle);
     let way = at_end.inverse_transform_point(to) - from;
-    let length = way.length();
-    let Some(direction) = way.try_normalize().filter(|_| length.is_finite()) else {
-        return;
-    };
-    let ray = LocalRay {
-        origin: from,
-        direction,
-        end: length,
-        is_solid: true,
-    };
     let shape = &bodies.info(wall).shape;
-    let Some(hit) = cast_ray(shape, &ray) else {
+    let Some(hit) = first_hit(shape, from, way) else {
         return;
     };
     let before = BEFORE * bodies.min_extent[i];
     let first = hit.point + before * hit.normal;
     let is_moved = bodies.velocity[wall as usize].inverse_mass != 0.0;
-    let last = match is_moved {
-        true => slide(shape, (first, from + way), hit.normal, before),
-        false => first,
+    let last = if is_moved {
+        slide(shape, (first, from + way), hit.normal, before)
+    } else {
+        first
     };
     bodies.motion[i].shift += at_end.transform_point(last) - to;
     if !is_moved {
@@ -178,23 +169,22 @@ fn hold_middle(bodies: &mut Bodies, (slot, middle): (u32, Vec3), wall: u32) {
 /// on it, m.
 fn slide(shape: &Shape, (from, to): (Vec3, Vec3), normal: Vec3, before: f32) -> Vec3 {
     let way = (to - from).reject_from_normalized(normal);
-    let Some(direction) = way.try_normalize() else {
-        return from;
-    };
-    let ray = LocalRay {
-        origin: from,
-        direction,
-        end: way.length(),
-        is_solid: true,
-    };
-    match cast_ray(shape, &ray) {
+    match first_hit(shape, from, way) {
         Some(hit) => hit.point + before * hit.normal,
         None => from + way,
     }
 }
 
-/// Where a ray gets to a shape from outside (the shape's frame).
-fn cast_ray(shape: &Shape, ray: &LocalRay) -> Option<LocalHit> {
+/// Where a way gets to a shape from outside (the shape's frame).
+fn first_hit(shape: &Shape, from: Vec3, way: Vec3) -> Option<LocalHit> {
+    let length = way.length();
+    let direction = way.try_normalize().filter(|_| length.is_finite())?;
+    let ray = &LocalRay {
+        origin: from,
+        direction,
+        end: length,
+        is_solid: true,
+    };
     let from_outside = |hit: &LocalHit| hit.distance > 0.0;
     match shape {
         Shape::Level(mesh) => level::cast_ray(mesh, ray),

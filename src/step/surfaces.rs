@@ -2,7 +2,7 @@
 //! the body. What it runs into or over, overlap and rebounds are those of the body.
 //!
 //! The contact is told as one that holds nothing, with a velocity along the tangents that its points should have; see
-//! [`bond`](crate::solver::wide::bond). What does not touch such a body is not asked.
+//! [`bond`](crate::solver::wide::bond). Nothing is looked at where no surface ever ran.
 
 use crate::bodies::store::Bodies;
 use crate::contact::manifolds::Manifolds;

@@ -75,7 +75,7 @@ fn random_ground(dice: &mut Dice, mu: f32) -> BodyDesc {
     }
 }
 
-/// A few bodies that fall onto a belt, or onto a floor that moves as fast; where they are after a second and a half.
+/// A few bodies that stand on a belt, or on a floor that moves as fast; where they are after a second.
 fn ride(seed: u64, is_belt: bool) -> (Vec<Vec3>, String) {
     let mut dice = Dice::new(seed);
     let mu = dice.in_range(0.1, 1.2);

@@ -153,6 +153,13 @@ fn carry(component: impl Component + Reflect, to: &mut App) -> Entity {
     entity
 }
 
+/// The shape that comes of a description which was carried over.
+fn rebuilt<S: Component + Clone>(description: impl Component + Reflect) -> S {
+    let mut to = app();
+    let entity = carry(description, &mut to);
+    to.world().get::<S>(entity).cloned().expect("built")
+}
+
 /// Carries one over and compares.
 fn check_carried<C: Component + Reflect + Clone + PartialEq + std::fmt::Debug>(component: C) {
     let mut to = app();
@@ -214,10 +221,8 @@ fn look(shape: &ConvexMesh) -> (ShapeConstructor, Vec<Vec3>, bool) {
 #[test]
 fn shapes_survive_as_data() {
     for shape in shapes() {
-        let mut to = app();
-        let entity = carry(ShapeConstructor::of(&shape), &mut to);
-        let again = to.world().get::<ConvexMesh>(entity).expect("built");
-        assert_eq!(look(again), look(&shape));
+        let again: ConvexMesh = rebuilt(ShapeConstructor::of(&shape));
+        assert_eq!(look(&again), look(&shape));
     }
     let beside = |i: usize| Pose::new(i as f32 * Vec3::X, Quat::from_rotation_x(0.1));
     let parts = shapes().into_iter().enumerate();
@@ -229,10 +234,8 @@ fn shapes_survive_as_data() {
     let drawn = bonded.clone().with_visual(cube().hull().to_mesh());
     for compound in [loose, bonded, drawn] {
         let described = CompoundConstructor::of(&compound);
-        let mut to = app();
-        let entity = carry(described.clone(), &mut to);
-        let again = to.world().get::<Compound>(entity).expect("built");
-        assert_eq!(CompoundConstructor::of(again), described);
+        let again: Compound = rebuilt(described.clone());
+        assert_eq!(CompoundConstructor::of(&again), described);
         assert_eq!(again.is_bonded(), compound.is_bonded());
     }
     let ground = StaticMesh::from_heights(&[0.0, 1.0, 2.0, 0.0, 3.0, 0.0], 3, 1.0);
@@ -240,10 +243,8 @@ fn shapes_survive_as_data() {
     let slots = ground.with_materials(vec![0, 1, 2, 3]).expect("four");
     for level in [ground.clone(), ground.two_sided(), slots] {
         let described = LevelConstructor::of(&level);
-        let mut to = app();
-        let entity = carry(described.clone(), &mut to);
-        let again = to.world().get::<StaticMesh>(entity).expect("built");
-        assert_eq!(LevelConstructor::of(again), described);
+        let again: StaticMesh = rebuilt(described.clone());
+        assert_eq!(LevelConstructor::of(&again), described);
         assert_eq!(again.len(), level.len());
     }
 }

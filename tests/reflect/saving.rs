@@ -38,12 +38,13 @@ fn reload(from: &mut App, entities: Vec<Entity>) -> (App, EntityHashMap<Entity>)
     (other, loaded)
 }
 
-/// Whether the same bodies are bonded as strongly, and are to be at the same places to each other.
+/// Whether the same bodies are bonded as strongly, and are to be at the same places to each other; how many bonds that are.
 fn compare_bonds(
     world: &World,
     other: &World,
     loaded: &EntityHashMap<Entity>,
-) -> Result<(), String> {
+) -> Result<usize, String> {
+    let mut count = 0;
     let (bodies, bonds) = (world.resource::<Bodies>(), world.resource::<Bonds>());
     let (new_bodies, new_bonds) = (other.resource::<Bodies>(), other.resource::<Bonds>());
     let old: BTreeMap<u32, Entity> = (loaded.keys())
@@ -67,19 +68,21 @@ fn compare_bonds(
         if off > 1e-5 {
             return Err(format!("{ends:?} are to be {is:?}, not {was:?}"));
         }
+        count += 1;
     }
     match new_bonds.len() > bonds.len() {
         true => Err("there are more bonds".to_string()),
-        false => Ok(()),
+        false => Ok(count),
     }
 }
 
-fn saved(seed: u64) -> Result<(), String> {
+/// Whether there was something to compare in a random story.
+fn saved(seed: u64) -> Result<bool, String> {
     let mut scene = RandomWorld::new(seed.is_multiple_of(2));
     story(seed, 40).into_iter().for_each(|deed| scene.run(deed));
     scene.run(Deed::Frame(1));
     if !(0..20).any(|_| is_quiet(&mut scene)) {
-        return Ok(());
+        return Ok(false);
     }
     let (mut twin, twins) = twin(&scene);
     let entities = alive(&scene);
@@ -88,7 +91,7 @@ fn saved(seed: u64) -> Result<(), String> {
     twin.update();
     // Issues of constructors are gone by then too.
     if !is_quiet(&mut scene) {
-        return Ok(());
+        return Ok(false);
     }
     let (world, other) = (scene.app.world(), other.world());
     // What does not come back of the same components is another law's matter; and what lacks some is completed.
@@ -97,24 +100,27 @@ fn saved(seed: u64) -> Result<(), String> {
     let is_exempt = loaded.keys().any(is_short) || compare(world, twin.world(), &twins).is_err();
     match compare(world, other, &loaded).and_then(|()| compare_bonds(world, other, &loaded)) {
         Err(error) if !is_exempt => Err(format!("seed {seed}: {error}\n{:#?}", scene.said)),
-        _ => Ok(()),
+        compared => Ok(compared.is_ok()),
     }
 }
 
 #[test]
 fn entities_of_random_stories_are_saved() {
-    let failed: Vec<String> = (0..30).filter_map(|seed| saved(seed).err()).collect();
+    let stories: Vec<_> = (0..30).map(saved).collect();
+    let failed: Vec<&String> = stories.iter().filter_map(|it| it.as_ref().err()).collect();
     assert!(failed.is_empty(), "{} fail: {}", failed.len(), failed[0]);
+    let compared = stories.iter().filter(|it| **it == Ok(true)).count();
+    assert!(compared >= 20, "{compared} stories are too few to tell");
 }
 
 /// Something that stands or hangs, 1 to 3 m large, in a world with a floor.
-fn spawn_structure(world: &mut World, dice: &mut Dice) {
+fn spawn_structure(world: &mut World, kind: u64, dice: &mut Dice) {
     let mut spawn_all = |bodies: Vec<BodyDesc>| {
         let spawn = |desc| world.spawn_body(desc);
         bodies.into_iter().map(spawn).collect::<Vec<Entity>>()
     };
     let mu = 1.1;
-    match dice.below(8) {
+    match kind {
         0 => drop(spawn_all(tower(1 + dice.below(8)))),
         1 => drop(spawn_all(corbel(2 + dice.below(5), 0.8))),
         2 => drop(spawn_all(card_house(
@@ -194,11 +200,11 @@ fn relations(world: &World, entities: &[Entity]) -> [usize; 3] {
     })
 }
 
-/// What stands goes on standing once it was loaded.
-fn stands_on(seed: u64) -> Result<(), String> {
+/// What stands goes on standing once it was loaded; how many bonds hold it.
+fn stands_on(seed: u64) -> Result<usize, String> {
     let mut dice = Dice::new(seed);
     let mut first = app();
-    spawn_structure(first.world_mut(), &mut dice);
+    spawn_structure(first.world_mut(), seed % 8, &mut dice);
     let before = 60 + dice.below(240);
     (0..before).for_each(|_| first.update());
     let world = first.world_mut();
@@ -227,7 +233,7 @@ fn stands_on(seed: u64) -> Result<(), String> {
         }
     }
     let asleep = |app: &App| app.world().resource::<Bodies>().asleep();
-    compare_bonds(first.world(), other.world(), &loaded)?;
+    let bonds = compare_bonds(first.world(), other.world(), &loaded)?;
     let (was, is) = (
         relations(first.world(), &entities),
         relations(other.world(), &new_entities),
@@ -238,11 +244,16 @@ fn stands_on(seed: u64) -> Result<(), String> {
     if asleep(&first) != asleep(&other) {
         return said(format!("{} sleep, not {}", asleep(&other), asleep(&first)));
     }
-    Ok(())
+    Ok(bonds)
 }
 
 #[test]
 fn what_stands_goes_on_standing() {
-    let failed: Vec<String> = (0..8).filter_map(|seed| stands_on(seed).err()).collect();
+    let structures: Vec<_> = (0..16).map(stands_on).collect();
+    let failed: Vec<&String> = (structures.iter())
+        .filter_map(|it| it.as_ref().err())
+        .collect();
     assert!(failed.is_empty(), "{failed:#?}");
+    let bonds: usize = structures.iter().flatten().sum();
+    assert!(bonds > 0, "no structure was bonded");
 }
