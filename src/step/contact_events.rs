@@ -140,6 +140,12 @@ impl ContactEvents {
         }
     }
 
+    /// The same once the departed are forgotten, when the body need not be looked at.
+    fn current_watch(&self, slot: u32) -> ContactWatch {
+        let watch = self.watches.get(slot as usize);
+        watch.map_or_else(ContactWatch::default, |&(_, watch)| watch)
+    }
+
     /// Finds the news of a step of `step_dt` seconds, which is over but for the writing.
     pub(crate) fn update(
         &mut self,
@@ -164,9 +170,9 @@ impl ContactEvents {
                 self.keep_or_end(bodies, gone);
             }
             let known = old.next_if(|pair| pair.name == found.name);
-            let is_near = found.gap <= APART * smaller_extent(bodies, found.slots);
+            let is_near = || found.gap <= APART * smaller_extent(bodies, found.slots);
             let touches = found.is_loaded || found.gap <= 0.0 || found.is_dormant;
-            if touches || known.is_some() && is_near {
+            if touches || known.is_some() && is_near() {
                 self.touch(bodies, manifolds, found, known, step_dt);
             } else if let Some(known) = known {
                 self.end(bodies, known);
@@ -191,7 +197,7 @@ impl ContactEvents {
     fn find_pairs(&mut self, bodies: &Bodies, manifolds: &Manifolds) {
         self.found.clear();
         let mut found = std::mem::take(&mut self.found);
-        let is_watched = |slots: [u32; 2]| slots.iter().any(|&s| self.watch_of(bodies, s).is_any());
+        let is_watched = |slots: [u32; 2]| slots.iter().any(|&s| self.current_watch(s).is_any());
         let mut overlaps = (0..).zip(&self.sensing.overlaps).peekable();
         let name = |slots: [u32; 2]| slots.map(|slot| bodies.id(slot));
         let overlapping = |(index, overlap): (u32, &Overlap)| {
@@ -288,7 +294,7 @@ impl ContactEvents {
         known: Option<&TouchingPair>,
         step_dt: f32,
     ) {
-        let watches = found.slots.map(|slot| self.watch_of(bodies, slot));
+        let watches = found.slots.map(|slot| self.current_watch(slot));
         let (told, over) = known.map_or(([false; 2], [false; 2]), |pair| (pair.told, pair.over));
         let force = found.impulse / step_dt;
         let is_over = watches.map(|watch| force > watch.force);

@@ -12,7 +12,7 @@ use glam::Vec3;
 
 const H: f32 = 1.0 / 60.0;
 const STEPS: usize = 60;
-const SCENES: u64 = 80;
+const SCENES: u64 = 48;
 
 /// Rise of energy in a step over what there was at the start: solved steps have up to 2e-3, what kicked off its squeezer 0.1.
 const RISE: f64 = 3e-3;

@@ -561,11 +561,11 @@ fn books_are_right(seed: u64) -> Result<usize, String> {
 #[test]
 fn what_is_told_of_a_level_that_breaks_is_what_became_of_it() {
     let mut broken = 0;
-    for seed in 0..100 {
+    for seed in 0..50 {
         let count = books_are_right(seed);
         broken += count.unwrap_or_else(|error| panic!("seed {seed}: {error}"));
     }
-    assert!(broken > 700, "{broken} fractures are too few to tell");
+    assert!(broken > 350, "{broken} fractures are too few to tell");
 }
 
 /// Symptom: the pieces of what broke in the step in which its entity went, as a child of debris, stayed in the simulation for ever.

@@ -131,7 +131,7 @@ fn where_a_moved_shape_stops_is_a_point_of_both() {
     let mut dice = Dice::new(4);
     let all = QueryFilter::all();
     let mut hits = 0;
-    for _ in 0..3000 {
+    for _ in 0..1500 {
         let (mut simulation, slot) = alone(any_shape(&mut dice), &mut dice);
         let scale = dice.in_range(0.03, 0.6);
         let moved = any_shape(&mut dice).scaled(Vec3::splat(scale));
@@ -161,7 +161,7 @@ fn where_a_moved_shape_stops_is_a_point_of_both() {
             assert!(off.abs() < 1e-4, "{off} m off");
         }
     }
-    assert!(hits > 2000, "{hits}");
+    assert!(hits > 1000, "{hits}");
 }
 
 /// A shape that has got a little into a low box or an edge: how far it is pushed out, and how far it had to go, m.

@@ -23,7 +23,7 @@ fn shot_wall(cells: u16, seed: u64) -> (Simulation, Vec<Fracture>) {
 
 #[test]
 fn a_wall_breaks_by_the_blow_and_its_foot_stays() {
-    for seed in 0..4 {
+    for seed in 0..2 {
         let (simulation, done) = shot_wall(20, seed);
         let first = done.first().expect("it breaks");
         assert!(first.blow.is_some_and(|blow| blow.impulse > 50.0), "{seed}");
