@@ -21,7 +21,7 @@ fn size(hull: &ConvexHull) -> f64 {
 }
 
 proptest! {
-    #![proptest_config(cases(3000))]
+    #![proptest_config(cases(2000))]
 
     #[test]
     fn chains_of_cuts_are_right(bytes in prop::collection::vec(any::<u8>(), 0..500)) {
