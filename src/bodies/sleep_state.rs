@@ -20,14 +20,23 @@ pub(crate) enum Status {
     Frozen,
 }
 
-/// How long a body has been at rest, and where.
+/// How long a body has been near a place, and which.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Rest {
+pub(crate) struct Stay {
     /// s.
     pub(crate) time: f32,
     /// Center of mass when the time began to count, m.
     pub(crate) center: Vec3,
     pub(crate) rotation: Quat,
+}
+
+/// How long a body has been at rest.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Rest {
+    /// In one place, but for its drift.
+    pub(crate) still: Stay,
+    /// About one place, by some times as much: what rocks on the spot. Its time is that of the stays before `still`.
+    pub(crate) rocking: Stay,
 }
 
 /// An island all of whose bodies rest.
@@ -41,7 +50,7 @@ pub(crate) struct SleepCandidate {
     pub(crate) support: Vec3,
     /// Whether a fixed body touches it.
     pub(crate) has_support: bool,
-    /// Whether a fixed body touches it that moves.
+    /// Whether a fixed body that moves touches it, or a motor moves it.
     pub(crate) is_carried: bool,
 }
 

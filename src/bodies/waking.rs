@@ -1,6 +1,6 @@
 //! What wakes a body at once: whoever changes it.
 
-use crate::bodies::sleep_state::{Rest, Status};
+use crate::bodies::sleep_state::{Rest, Status, Stay};
 use crate::bodies::store::Bodies;
 use crate::contact::body_id::BodyId;
 
@@ -50,9 +50,13 @@ impl Bodies {
         let i = slot as usize;
         let needed = self.sleep.rest.len().max(i + 1);
         self.sleep.rest.resize(needed, Rest::default());
+        let here = self.stay_here(slot);
         self.sleep.rest[i] = Rest {
-            time: f32::INFINITY,
-            ..self.rest_here(slot)
+            still: Stay {
+                time: f32::INFINITY,
+                ..here
+            },
+            rocking: here,
         };
         self.sleep.sleep_changes.push((slot, self.ids[i]));
     }
@@ -85,9 +89,9 @@ impl Bodies {
         self.mark_changed(slot);
     }
 
-    /// Rest that begins now.
-    pub(crate) fn rest_here(&self, slot: u32) -> Rest {
-        Rest {
+    /// A stay that begins now.
+    pub(crate) fn stay_here(&self, slot: u32) -> Stay {
+        Stay {
             time: 0.0,
             center: self.center[slot as usize],
             rotation: self.rotation[slot as usize],

@@ -154,7 +154,7 @@ pub struct SleepConfig {
     /// How far a body at rest may get from where it came to rest, as a share of its least extent `L`. Tells rest from creep,
     /// which is slow but goes on. What is small falls by more than `L` in [`time`](Self::time); for it, this is a share of the way
     /// that it goes in that time with `sqrt(g L / 2)`, so that creep is told from rest by its speed. What is thin may go farther, by the square
-    /// root of its length over its thickness, up to four times.
+    /// root of its length over its thickness, up to four times; what rocks on the spot, eight times as far for twice as long.
     pub drift: f32,
     /// How long all bodies of an island must have been at rest, s.
     pub time: f32,

@@ -12,9 +12,7 @@
 //! Islands are gone through in the order of their first manifolds, which is that of body ids; which islands sleep does
 //! not depend on the order in which things are found.
 
-use crate::bodies::sleep_state::Rest;
-use crate::bodies::sleep_state::SleepCandidate;
-use crate::bodies::sleep_state::Status;
+use crate::bodies::sleep_state::{Rest, SleepCandidate, Status, Stay};
 use crate::bodies::solver_body::Motion;
 use crate::bodies::store::Bodies;
 use crate::contact::impulses::ContactCache;
@@ -32,6 +30,11 @@ const MIN_SUPPORTED_SHARE: f32 = 0.5;
 /// How many times farther what is thin may drift at most, as the square root of its length over its thickness tells: what creeps by 2e-3 of
 /// the thickness of a card or a needle creeps by 1e-4 of its length.
 const MAX_LEEWAY: f32 = 4.0;
+
+/// How many times farther what rocks on the spot may get, and how many times longer it must have done so. A last wobble on the corners of a
+/// splinter is not seen, hardly dies down, and would keep all that lies about it awake.
+const ROCKING_ROOM: f32 = 8.0;
+const ROCKING_TIMES: f32 = 2.0;
 
 /// Marks a slot that belongs to no island that may fall asleep.
 const NONE: u32 = u32::MAX;
@@ -142,12 +145,28 @@ impl Bodies {
             }
             // What a force of its own presses against a wall may tremble there as what gravity does.
             let pull = self.pull_on(slot).length().max(gravity);
-            if self.is_slow(slot, config, pull) && self.is_in_place(slot, config, pull) {
-                self.sleep.rest[i].time += step_dt;
+            let mut rest = self.sleep.rest[i];
+            let is_slow = self.is_slow(slot, config, pull);
+            let room = self.drift_room(slot, config, pull);
+            if is_slow && self.has_stayed(slot, &rest.still, room) {
+                rest.still.time += step_dt;
             } else {
-                self.sleep.rest[i] = self.rest_here(slot);
+                let here = self.stay_here(slot);
+                if is_slow && self.has_stayed(slot, &rest.rocking, ROCKING_ROOM * room) {
+                    rest.rocking.time += rest.still.time.min(config.time) + step_dt;
+                } else {
+                    rest.rocking = here;
+                }
+                rest.still = here;
             }
+            self.sleep.rest[i] = rest;
         }
+    }
+
+    /// Whether a body has been at rest for long enough.
+    fn is_rested(&self, slot: u32, config: &SleepConfig) -> bool {
+        let Rest { still, rocking } = &self.sleep.rest[slot as usize];
+        still.time >= config.time || rocking.time + still.time >= ROCKING_TIMES * config.time
     }
 
     /// Whether a body is slower than the limit for its size.
@@ -159,20 +178,23 @@ impl Bodies {
         speed_squared <= config.speed * config.speed * natural
     }
 
-    /// Whether a body is where it was when its rest began.
-    fn is_in_place(&self, slot: u32, config: &SleepConfig, gravity: f32) -> bool {
+    /// Whether a body is within `room` (m) of the place where a stay began.
+    fn has_stayed(&self, slot: u32, stay: &Stay, room: f32) -> bool {
         let i = slot as usize;
-        let rest = &self.sleep.rest[i];
-        let turn = rest.rotation.inverse() * self.rotation[i];
+        let turn = stay.rotation.inverse() * self.rotation[i];
         // The vector part has half the angle's length, for small angles.
         let sway = self.sway_squared(slot, 2.0 * turn.xyz()).sqrt();
-        let way = self.center[i].distance(rest.center) + sway;
-        let least = self.min_extent[i];
+        self.center[i].distance(stay.center) + sway <= room
+    }
+
+    /// How far a body at rest may get, m.
+    fn drift_room(&self, slot: u32, config: &SleepConfig, gravity: f32) -> f32 {
+        let least = self.min_extent[slot as usize];
         let fall = 0.5 * gravity * config.time * config.time;
         // A cube's farthest corner is at half of the square root of 3.
         let slenderness = self.radius(slot) / (0.866 * least);
         let leeway = slenderness.sqrt().clamp(1.0, MAX_LEEWAY);
-        way <= leeway * config.drift * (least * least.max(fall)).sqrt()
+        leeway * config.drift * (least * least.max(fall)).sqrt()
     }
 
     /// Square of how far the point that goes farthest gets when a body turns by a small vector, given in its own axes; with an
@@ -234,7 +256,7 @@ impl Bodies {
                 let slots = slots.iter().copied();
                 slots.filter(|&slot| self.velocity[slot as usize].inverse_mass > 0.0)
             };
-            if !dynamic().all(|slot| self.sleep.rest[slot as usize].time >= config.time) {
+            if !dynamic().all(|slot| self.is_rested(slot, config)) {
                 continue;
             }
             let index = candidates.len() as u32;
@@ -282,26 +304,34 @@ impl Bodies {
         }
     }
 
-    /// Adds up what joints to the world and to fixed bodies bear of each candidate.
+    /// Adds up what joints to the world and to fixed bodies bear of each candidate, and finds out which ones motors move.
     fn weigh_joints(&mut self, joints: &[JointRecord], step_dt: f32) {
         for record in joints {
             let slots = record.ends.map(|end| end.map(|(slot, _)| slot));
             let moves = slots
                 .map(|slot| slot.filter(|&slot| self.velocity[slot as usize].inverse_mass > 0.0));
-            let (body, fixed, sign) = match moves {
-                [None, Some(body)] => (body, slots[0], 1.0),
-                [Some(body), None] => (body, slots[1], -1.0),
-                _ => continue,
+            let Some(body) = moves[1].or(moves[0]) else {
+                continue;
             };
             let index = self.sleep.candidate_of[body as usize];
             if index == NONE {
                 continue;
             }
+            let is_driven = record.is_driven(self);
+            // What is fixed, if one end is, and on which side it is.
+            let (fixed, sign) = match moves {
+                [None, _] => (slots[0], 1.0),
+                [_, None] => (slots[1], -1.0),
+                _ => {
+                    self.sleep.candidates[index as usize].is_carried |= is_driven;
+                    continue;
+                }
+            };
             let is_displaced = fixed.is_some_and(|fixed| self.is_displaced(fixed));
             let candidate = &mut self.sleep.candidates[index as usize];
             candidate.support += sign * step_dt * record.load.force;
             candidate.has_support = true;
-            candidate.is_carried |= is_displaced;
+            candidate.is_carried |= is_displaced || is_driven;
         }
     }
 

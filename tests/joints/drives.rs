@@ -1,5 +1,6 @@
 //! Limits, motors, springs and friction do what their equations say.
 
+use crate::common::dice::Dice;
 use crate::common::scenes::awake;
 use crate::scene::{H, Random, gap, heavy};
 use bevy_cleave::prelude::*;
@@ -290,5 +291,75 @@ fn a_joint_breaks_at_its_strength_and_lets_go_without_a_kick() {
         let (v, _) = simulation.bodies.velocity(slot);
         let fall = if holds { 0.0 } else { -G * H };
         assert!((v.y - fall).abs() < 1e-4, "{v}");
+    }
+}
+
+/// What a motor of this speed drives, carried by the world, a fixed body or a heavy one on the floor: how far it got in 4 s, and whether it
+/// fell asleep.
+fn driven(dice: &mut Dice, speed: f32, limit: Option<f32>) -> (f32, bool) {
+    let mut simulation = Simulation::default();
+    let floor = HalfSpaceShape { normal: Vec3::Y };
+    simulation
+        .bodies
+        .insert(BodyDesc::floor(floor))
+        .expect("ok");
+    let size = 10_f32.powf(dice.in_range(-1.0, 0.3));
+    let mut base = heavy(size * Vec3::new(4.0, 1.0, 4.0), 0.5 * size * Vec3::Y, 1e3);
+    let carrier = dice.below(3);
+    if carrier == 1 {
+        base.kind = RigidBody::Static;
+    }
+    let base = (carrier > 0).then(|| simulation.bodies.insert(base).expect("ok"));
+    let at = 2.0 * size * Vec3::Y;
+    let extent = size * Vec3::new(dice.in_range(0.1, 2.0), 0.3, dice.in_range(0.1, 2.0));
+    let slot = simulation
+        .bodies
+        .insert(heavy(extent, at, 2.0))
+        .expect("ok");
+    let is_turned = dice.below(2) == 0;
+    let drive = JointDrive::velocity(speed, 1e3);
+    let (joint, axis) = if is_turned {
+        let joint = Joint::hinge().with_angular_drive(drive);
+        let limited = |limit: f32| joint.with_angular_limits(-limit, limit);
+        (limit.map_or(joint, limited), Vec3::Y)
+    } else {
+        let joint = Joint::slider().with_linear_drive(drive);
+        let limited = |limit: f32| joint.with_linear_limits(-limit, limit);
+        (limit.map_or(joint, limited), Vec3::X)
+    };
+    let pose = |slot: u32| simulation.bodies.pose(slot);
+    let poses = [base.map_or(Pose::IDENTITY, pose), pose(slot)];
+    let id = simulation
+        .join(base, slot, joint.with_anchor(at, axis, poses))
+        .expect("usable");
+    for _ in 0..240 {
+        simulation.step(H);
+    }
+    let load = simulation.joints.load(id).expect("there");
+    let way = if is_turned {
+        load.angle
+    } else {
+        load.translation.length()
+    };
+    (way.abs(), simulation.bodies.is_asleep(slot))
+}
+
+#[test]
+fn what_a_motor_drives_never_sleeps_however_slow_and_sleeps_where_it_stalls() {
+    let mut dice = Dice::new(31);
+    for member in 0..60 {
+        let speed = 10_f32.powf(dice.in_range(-4.0, -0.5));
+        let (way, asleep) = driven(&mut dice, speed, None);
+        assert!(!asleep, "{member}: {speed}");
+        assert!(
+            (way - 4.0 * speed).abs() < 0.02 * way,
+            "{member}: {way} of {speed}"
+        );
+        let (way, asleep) = driven(&mut dice, speed, Some(0.5 * speed));
+        assert!(asleep, "{member}: {way} of {speed}");
+        assert!(
+            (way - 0.5 * speed).abs() < 0.02 * way,
+            "{member}: {way} of {speed}"
+        );
     }
 }
