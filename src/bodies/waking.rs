@@ -50,14 +50,8 @@ impl Bodies {
         let i = slot as usize;
         let needed = self.sleep.rest.len().max(i + 1);
         self.sleep.rest.resize(needed, Rest::default());
-        let here = self.stay_here(slot);
-        self.sleep.rest[i] = Rest {
-            still: Stay {
-                time: f32::INFINITY,
-                ..here
-            },
-            rocking: here,
-        };
+        self.sleep.rest[i] = self.rest_here(slot);
+        self.sleep.rest[i].still.time = f32::INFINITY;
         self.sleep.sleep_changes.push((slot, self.ids[i]));
     }
 
@@ -89,12 +83,16 @@ impl Bodies {
         self.mark_changed(slot);
     }
 
-    /// A stay that begins now.
-    pub(crate) fn stay_here(&self, slot: u32) -> Stay {
-        Stay {
+    /// Rest that begins now.
+    pub(crate) fn rest_here(&self, slot: u32) -> Rest {
+        let here = Stay {
             time: 0.0,
             center: self.center[slot as usize],
             rotation: self.rotation[slot as usize],
+        };
+        Rest {
+            still: here,
+            rocking: here,
         }
     }
 }

@@ -12,7 +12,8 @@
 //! Above them, the way of a step: `contact_solver.rs` finds islands and batches and has them solved, `estimates.rs` says what each
 //! manifold and island asks for (`adaptivity.rs`), `deferral.rs` and `breakage_probe.rs` see to large islands in which bodies break,
 //! `results.rs` takes back what was found. `config.rs` is what users set, `settings.rs` the numbers of one sub-step that follow from
-//! it, `free_flight.rs` what touches nothing, `sleep.rs` when islands at rest are left out.
+//! it, `free_flight.rs` what touches nothing, `rest.rs` who is at rest, `sleep.rs` when islands at rest
+//! are left out.
 //!
 //! Must not know how contacts were found, nor entities. After `rows`, read `batch/substep.rs`: one sub-step, line by line.
 
@@ -28,6 +29,7 @@ pub(crate) mod exact;
 mod free_flight;
 pub(crate) mod graph;
 pub(crate) mod joint;
+mod rest;
 pub(crate) mod results;
 pub(crate) mod rows;
 pub(crate) mod settings;

@@ -12,7 +12,7 @@
 //! Islands are gone through in the order of their first manifolds, which is that of body ids; which islands sleep does
 //! not depend on the order in which things are found.
 
-use crate::bodies::sleep_state::{Rest, SleepCandidate, Status, Stay};
+use crate::bodies::sleep_state::{SleepCandidate, Status};
 use crate::bodies::solver_body::Motion;
 use crate::bodies::store::Bodies;
 use crate::contact::impulses::ContactCache;
@@ -26,15 +26,6 @@ use glam::Vec3;
 /// Share of an island's weight that fixed bodies must bear: less than one, because impulses of a step are not exactly
 /// those of rest.
 const MIN_SUPPORTED_SHARE: f32 = 0.5;
-
-/// How many times farther what is thin may drift at most, as the square root of its length over its thickness tells: what creeps by 2e-3 of
-/// the thickness of a card or a needle creeps by 1e-4 of its length.
-const MAX_LEEWAY: f32 = 4.0;
-
-/// How many times farther what rocks on the spot may get, and how many times longer it must have done so. A last wobble on the corners of a
-/// splinter is not seen, hardly dies down, and would keep all that lies about it awake.
-const ROCKING_ROOM: f32 = 8.0;
-const ROCKING_TIMES: f32 = 2.0;
 
 /// Marks a slot that belongs to no island that may fall asleep.
 const NONE: u32 = u32::MAX;
@@ -133,83 +124,6 @@ impl Bodies {
         }
     }
 
-    /// Counts for how long each body has been at rest, after a step of `step_dt` seconds.
-    fn count_rest(&mut self, config: &SleepConfig, step_dt: f32) {
-        let slots = self.slots();
-        let gravity = self.sleep.gravity.length();
-        self.sleep.rest.resize(slots, Rest::default());
-        for slot in 0..slots as u32 {
-            let i = slot as usize;
-            if self.status[i] != Status::Active || self.velocity[i].inverse_mass == 0.0 {
-                continue;
-            }
-            // What a force of its own presses against a wall may tremble there as what gravity does.
-            let pull = self.pull_on(slot).length().max(gravity);
-            let mut rest = self.sleep.rest[i];
-            let is_slow = self.is_slow(slot, config, pull);
-            let room = self.drift_room(slot, config, pull);
-            if is_slow && self.has_stayed(slot, &rest.still, room) {
-                rest.still.time += step_dt;
-            } else {
-                let here = self.stay_here(slot);
-                if is_slow && self.has_stayed(slot, &rest.rocking, ROCKING_ROOM * room) {
-                    rest.rocking.time += rest.still.time.min(config.time) + step_dt;
-                } else {
-                    rest.rocking = here;
-                }
-                rest.still = here;
-            }
-            self.sleep.rest[i] = rest;
-        }
-    }
-
-    /// Whether a body has been at rest for long enough.
-    fn is_rested(&self, slot: u32, config: &SleepConfig) -> bool {
-        let Rest { still, rocking } = &self.sleep.rest[slot as usize];
-        still.time >= config.time || rocking.time + still.time >= ROCKING_TIMES * config.time
-    }
-
-    /// Whether a body is slower than the limit for its size.
-    fn is_slow(&self, slot: u32, config: &SleepConfig, gravity: f32) -> bool {
-        let body = &self.velocity[slot as usize];
-        let turn = self.rotation[slot as usize].inverse() * body.angular;
-        let speed_squared = body.linear.length_squared() + self.sway_squared(slot, turn);
-        let natural = gravity * self.min_extent[slot as usize];
-        speed_squared <= config.speed * config.speed * natural
-    }
-
-    /// Whether a body is within `room` (m) of the place where a stay began.
-    fn has_stayed(&self, slot: u32, stay: &Stay, room: f32) -> bool {
-        let i = slot as usize;
-        let turn = stay.rotation.inverse() * self.rotation[i];
-        // The vector part has half the angle's length, for small angles.
-        let sway = self.sway_squared(slot, 2.0 * turn.xyz()).sqrt();
-        self.center[i].distance(stay.center) + sway <= room
-    }
-
-    /// How far a body at rest may get, m.
-    fn drift_room(&self, slot: u32, config: &SleepConfig, gravity: f32) -> f32 {
-        let least = self.min_extent[slot as usize];
-        let fall = 0.5 * gravity * config.time * config.time;
-        // A cube's farthest corner is at half of the square root of 3.
-        let slenderness = self.radius(slot) / (0.866 * least);
-        let leeway = slenderness.sqrt().clamp(1.0, MAX_LEEWAY);
-        leeway * config.drift * (least * least.max(fall)).sqrt()
-    }
-
-    /// Square of how far the point that goes farthest gets when a body turns by a small vector, given in its own axes; with an
-    /// angular velocity (rad/s), of how fast it is.
-    ///
-    /// About the axis of the largest moment of inertia `I` it is the farthest point's distance `R`, about one of a smaller
-    /// moment `I_k` it is `R sqrt(I_k / I)`: exact for ellipsoids, a little too much for boxes. A rod that rolls on the spot
-    /// moves its surface and not its ends.
-    fn sway_squared(&self, slot: u32, turn: Vec3) -> f32 {
-        let (r, mass) = (self.radius(slot), &self.mass[slot as usize]);
-        let turn = mass.principal_frame.inverse() * turn;
-        let shares = mass.principal / mass.principal.max_element();
-        r * r * (shares * turn * turn).element_sum()
-    }
-
     /// Puts islands to sleep that have been at rest for long enough, after a step of `step_dt` seconds; `manifolds` are those that
     /// `solver` has solved. Their ids are in `sleep.slept` then.
     pub(crate) fn fall_asleep(
@@ -273,13 +187,6 @@ impl Bodies {
             }
         }
         self.sleep.candidates = candidates;
-    }
-
-    /// What gravity and the body's own forces pull it with, m/s2.
-    fn pull_on(&self, slot: u32) -> Vec3 {
-        let gravity = self.sleep.gravity;
-        let drive = self.drive_of(slot, gravity);
-        drive.map_or(gravity, |drive| gravity + drive.acceleration)
     }
 
     /// Adds up what fixed bodies bear of each candidate.
