@@ -6,6 +6,10 @@ use crate::bodies::store::Bodies;
 use crate::math::rotate;
 use glam::Vec3;
 
+/// What goes slower than this share of the speed that a motor or a running surface gives it has stalled: at a limit, against a wall, under too
+/// great a load. What does not is no more at rest than what is fast: the hand of a clock, a load on a slow belt.
+pub(crate) const STALLED: f32 = 0.1;
+
 impl Bodies {
     /// What moves the body besides gravity and contacts.
     pub fn drive(&self, slot: u32) -> BodyDrive {

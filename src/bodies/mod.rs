@@ -28,7 +28,7 @@ pub(crate) mod breaking;
 pub(crate) mod cluster_state;
 mod clusters;
 pub(crate) mod drive;
-mod driving;
+pub(crate) mod driving;
 mod exploding;
 pub(crate) mod explosion;
 pub(crate) mod fatigue;

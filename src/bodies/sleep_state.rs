@@ -50,7 +50,7 @@ pub(crate) struct SleepCandidate {
     pub(crate) support: Vec3,
     /// Whether a fixed body touches it.
     pub(crate) has_support: bool,
-    /// Whether a fixed body that moves touches it, or a motor moves it.
+    /// Whether a fixed body that moves touches it, or a motor or a running surface moves it.
     pub(crate) is_carried: bool,
 }
 

@@ -1,15 +1,13 @@
 //! Whether a motor moves what it holds.
 
+use crate::bodies::driving::STALLED;
 use crate::bodies::store::Bodies;
 use crate::joints::axis::{DriveTarget, JointAxis};
 use crate::joints::store::JointRecord;
 use glam::Vec3;
 
-/// What goes slower than this share of its motor's speed has stalled: at a limit, against a wall, under too great a load.
-const STALLED: f32 = 0.1;
-
 impl JointRecord {
-    /// Whether a motor of the joint keeps it going. However slow, it is not at rest: a hand of a clock.
+    /// Whether a motor of the joint keeps it going, however slowly.
     pub(crate) fn is_driven(&self, bodies: &Bodies) -> bool {
         let joint = &self.joint;
         let linear = joint.linear.iter().chain([&joint.distance]);

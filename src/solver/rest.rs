@@ -60,6 +60,18 @@ impl Bodies {
         still.time >= config.time || rocking.time + still.time >= ROCKING_TIMES * config.time
     }
 
+    /// Mean velocity of a body while it has been still, or the one it has, m/s. What trembles in its place has none.
+    pub(super) fn mean_velocity(&self, slot: u32, config: &SleepConfig) -> Vec3 {
+        let i = slot as usize;
+        let still = &self.sleep.rest[i].still;
+        let is_known = still.time >= config.time && still.time.is_finite();
+        if is_known && self.velocity[i].inverse_mass > 0.0 {
+            (self.center[i] - still.center) / still.time
+        } else {
+            self.velocity[i].linear
+        }
+    }
+
     /// Whether a body is slower than the limit for its size.
     fn is_slow(&self, slot: u32, config: &SleepConfig, gravity: f32) -> bool {
         let body = &self.velocity[slot as usize];

@@ -12,6 +12,7 @@
 //! Islands are gone through in the order of their first manifolds, which is that of body ids; which islands sleep does
 //! not depend on the order in which things are found.
 
+use crate::bodies::driving::STALLED;
 use crate::bodies::sleep_state::{SleepCandidate, Status};
 use crate::bodies::solver_body::Motion;
 use crate::bodies::store::Bodies;
@@ -144,6 +145,7 @@ impl Bodies {
         }
         self.weigh_supports(manifolds);
         self.weigh_joints(&solver.joints, step_dt);
+        self.find_carried(config, manifolds.heads());
         let mut next = 0;
         for (number, slots) in solver.whole_islands().enumerate() {
             let Some(candidate) = self.sleep.candidates.get(next) else {
@@ -239,6 +241,26 @@ impl Bodies {
             candidate.support += sign * step_dt * record.load.force;
             candidate.has_support = true;
             candidate.is_carried |= is_displaced || is_driven;
+        }
+    }
+
+    /// Finds out which candidates go along on running surfaces. What is held back there may sleep.
+    fn find_carried(&mut self, config: &SleepConfig, manifolds: &[ManifoldHead]) {
+        if !self.has_running_surfaces() {
+            return;
+        }
+        for slots in manifolds.iter().map(|m| [m.a, m.b]) {
+            let [a, b] = slots.map(|slot| self.surface_velocity(slot));
+            let [of_a, of_b] = slots.map(|slot| self.mean_velocity(slot, config));
+            if a == b || of_a.distance(of_b) <= STALLED * a.distance(b) {
+                continue;
+            }
+            for slot in slots {
+                let index = self.sleep.candidate_of[slot as usize];
+                if index != NONE {
+                    self.sleep.candidates[index as usize].is_carried = true;
+                }
+            }
         }
     }
 

@@ -127,6 +127,55 @@ fn what_lies_on_a_belt_goes_as_on_a_floor_that_moves() {
     }
 }
 
+/// What lies on a belt, as a box before a wall that it touches if it is held back: how far it gets along the belt in 3 s, and whether it sleeps.
+fn slow_ride(dice: &mut Dice, speed: f32, is_held_back: bool) -> (f32, bool) {
+    let mut all = simulation([random_ground(dice, 0.6)]);
+    let (shape, height) = loop {
+        let (shape, height) = random_body(dice);
+        if !shape.is_round() {
+            break (shape, height);
+        }
+    };
+    let heading = Quat::from_rotation_y(dice.in_range(-3.0, 3.0));
+    let ahead = heading * Vec3::X;
+    let mut body = block(&shape, height * Vec3::Y, 0.6);
+    if is_held_back {
+        let size = dice.vector(0.2, 0.8);
+        body = block(&cuboid(size), 0.5 * size.y * Vec3::Y, 0.6);
+        body.pose.rotation = heading;
+        let place = 0.5 * (size.x + 1.0) * ahead + 0.5 * Vec3::Y;
+        let mut wall = fixed(&cuboid(Vec3::ONE), place, 0.6);
+        wall.pose.rotation = heading;
+        all.bodies.insert(wall).expect("usable");
+    }
+    let body = all.bodies.insert(body).expect("usable");
+    run_surface(&mut all, 0, speed * ahead);
+    let from = all.bodies.center_of_mass(body);
+    steps(&mut all, 3.0, 1.0 / 60.0);
+    let way = all.bodies.center_of_mass(body) - from;
+    (way.dot(ahead), all.bodies.is_asleep(body))
+}
+
+// Though what rests elsewhere would drift as far.
+#[test]
+fn what_lies_on_a_slow_belt_never_sleeps_but_where_it_is_held_back() {
+    let mut dice = Dice::new(32);
+    for member in 0..60 {
+        let speed = [1e-4, 1e-3, 1e-2][dice.below(3)] * dice.in_range(1.0, 10.0);
+        let (way, asleep) = slow_ride(&mut dice, speed, false);
+        let off = (way - 3.0 * speed).abs();
+        assert!(
+            !asleep && off < 0.15 * speed,
+            "{member}: {way} m at {speed} m/s"
+        );
+        let (way, asleep) = slow_ride(&mut dice, speed, true);
+        assert!(
+            asleep && way < 0.01,
+            "{member}: {way} m at {speed} m/s to a wall"
+        );
+    }
+}
+
 /// A belt of 10 m along x that runs at 1 m/s, with its top at height 0.
 fn belt() -> Simulation {
     let size = Vec3::new(10.0, 1.0, 2.0);

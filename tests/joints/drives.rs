@@ -303,7 +303,7 @@ fn driven(dice: &mut Dice, speed: f32, limit: Option<f32>) -> (f32, bool) {
         .bodies
         .insert(BodyDesc::floor(floor))
         .expect("ok");
-    let size = 10_f32.powf(dice.in_range(-1.0, 0.3));
+    let size = [0.1, 0.3, 1.0][dice.below(3)] * dice.in_range(1.0, 3.0);
     let mut base = heavy(size * Vec3::new(4.0, 1.0, 4.0), 0.5 * size * Vec3::Y, 1e3);
     let carrier = dice.below(3);
     if carrier == 1 {
@@ -348,7 +348,7 @@ fn driven(dice: &mut Dice, speed: f32, limit: Option<f32>) -> (f32, bool) {
 fn what_a_motor_drives_never_sleeps_however_slow_and_sleeps_where_it_stalls() {
     let mut dice = Dice::new(31);
     for member in 0..60 {
-        let speed = 10_f32.powf(dice.in_range(-4.0, -0.5));
+        let speed = [1e-4, 1e-3, 1e-2][dice.below(3)] * dice.in_range(1.0, 30.0);
         let (way, asleep) = driven(&mut dice, speed, None);
         assert!(!asleep, "{member}: {speed}");
         assert!(
