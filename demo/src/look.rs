@@ -46,6 +46,9 @@ pub(crate) struct Looks {
     pub(crate) bricks: Vec<Look>,
     pub(crate) laths: Vec<Look>,
     pub(crate) granite: Look,
+    pub(crate) concrete: Look,
+    /// Bars of steel in it.
+    pub(crate) rebar: Look,
     pub(crate) porcelain: Look,
     pub(crate) iron: Look,
     pub(crate) plinth: Look,
@@ -91,6 +94,8 @@ fn mix(mut commands: Commands, mut materials: ResMut<Assets<StandardMaterial>>) 
     let laths = laths.map(|outside| look(outside, [0.88, 0.74, 0.52], 0.6));
     let frame = look([0.16, 0.18, 0.21], [0.3, 0.3, 0.3], 0.45);
     let granite = look([0.36, 0.37, 0.39], [0.66, 0.63, 0.60], 0.8);
+    let concrete = look([0.60, 0.59, 0.57], [0.67, 0.66, 0.63], 0.9);
+    let rebar = look([0.36, 0.20, 0.12], [0.36, 0.20, 0.12], 0.6);
     let porcelain = look([0.93, 0.91, 0.86], [0.80, 0.33, 0.22], 0.25);
     let plinth = look([0.78, 0.77, 0.75], [0.8, 0.8, 0.8], 0.7);
     let iron = add(Color::srgb(0.55, 0.56, 0.58), 0.28, 1.0);
@@ -121,6 +126,8 @@ fn mix(mut commands: Commands, mut materials: ResMut<Assets<StandardMaterial>>) 
         bricks: bricks.into(),
         laths: laths.into(),
         granite,
+        concrete,
+        rebar,
         porcelain,
         iron,
         plinth,

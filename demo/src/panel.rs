@@ -40,16 +40,17 @@ pub(crate) fn plugin(app: &mut App) {
         .add_systems(Update, (write_figures, color_buttons));
 }
 
-const KEYS: [(KeyCode, &str, Action); 14] = [
+const KEYS: [(KeyCode, &str, Action); 15] = [
     (KeyCode::Digit1, "1", Action::Show(Exhibit::All)),
     (KeyCode::Digit2, "2", Action::Show(Exhibit::Glass)),
     (KeyCode::Digit3, "3", Action::Show(Exhibit::Brick)),
     (KeyCode::Digit4, "4", Action::Show(Exhibit::Wood)),
     (KeyCode::Digit5, "5", Action::Show(Exhibit::Stone)),
-    (KeyCode::Digit6, "6", Action::Show(Exhibit::Figurine)),
-    (KeyCode::Digit7, "7", Action::Show(Exhibit::Furniture)),
-    (KeyCode::Digit8, "8", Action::Show(Exhibit::Wrecking)),
-    (KeyCode::Digit9, "9", Action::Show(Exhibit::Tower)),
+    (KeyCode::Digit6, "6", Action::Show(Exhibit::Concrete)),
+    (KeyCode::Digit7, "7", Action::Show(Exhibit::Figurine)),
+    (KeyCode::Digit8, "8", Action::Show(Exhibit::Furniture)),
+    (KeyCode::Digit9, "9", Action::Show(Exhibit::Wrecking)),
+    (KeyCode::Digit0, "0", Action::Show(Exhibit::Tower)),
     (KeyCode::KeyS, "S", Action::Slow),
     (KeyCode::KeyP, "P", Action::Pause),
     (KeyCode::KeyB, "B", Action::Back),

@@ -1,6 +1,6 @@
 //! Concrete, as `docs/materials.md` quotes it.
 
-use crate::support::Error;
+use super::Error;
 use bevy_cleave::prelude::*;
 use glam::Vec3;
 

@@ -19,6 +19,7 @@ use glam::Vec3;
 use scenes::Demo;
 use std::path::Path;
 use std::process::ExitCode;
+use support::Error;
 use support::picture::{Picture, contact_sheet};
 use support::render::{Camera, Scene};
 
@@ -52,7 +53,7 @@ fn main() -> ExitCode {
 }
 
 /// Runs a scene; its pictures side by side.
-fn show(mut demo: Demo) -> Result<Picture, support::Error> {
+fn show(mut demo: Demo) -> Result<Picture, Error> {
     let (mut fractures, mut energy, mut broken) = (0, 0.0, 0);
     let mut pictures = Vec::new();
     let bonds = demo.simulation.bonds.len();

@@ -1,6 +1,7 @@
 //! What there is to slice and to break. Each exhibit is a function that puts it up; a key and a button for each.
 
 mod brick;
+mod concrete;
 mod figurine;
 mod furniture;
 mod glass;
@@ -26,6 +27,7 @@ pub(crate) enum Exhibit {
     Brick,
     Wood,
     Stone,
+    Concrete,
     Figurine,
     Furniture,
     Wrecking,
@@ -40,6 +42,7 @@ impl Exhibit {
             Self::Brick => "Brick",
             Self::Wood => "Wood",
             Self::Stone => "Stone",
+            Self::Concrete => "Concrete",
             Self::Figurine => "Figurine",
             Self::Furniture => "Table",
             Self::Wrecking => "Chain",
@@ -58,6 +61,7 @@ impl Exhibit {
             Self::Brick => brick::put_up(stage, Vec3::ZERO),
             Self::Wood => wood::put_up(stage, Vec3::ZERO),
             Self::Stone => stone::put_up(stage, Vec3::ZERO),
+            Self::Concrete => concrete::put_up(stage, Vec3::ZERO),
             Self::Figurine => figurine::put_up(stage, Vec3::ZERO),
             Self::Furniture => furniture::put_up(stage, Vec3::ZERO),
             Self::Wrecking => wrecking::put_up(stage, Vec3::ZERO),
@@ -78,6 +82,7 @@ impl Exhibit {
             Self::Brick => from(0.62, 4.0),
             Self::Wood => from(0.5, 3.4),
             Self::Stone => from(0.75, 5.6),
+            Self::Concrete => from(0.68, 4.2),
             Self::Figurine => from(0.68, 3.1),
             Self::Furniture => from(0.45, 3.8),
             Self::Wrecking => View {

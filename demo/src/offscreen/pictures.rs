@@ -42,7 +42,7 @@ const PLAIN: Shot = Shot {
     debug: false,
 };
 
-const SHOTS: [Shot; 12] = [
+const SHOTS: [Shot; 13] = [
     Shot {
         name: "playground",
         throws: &[[0.70, 0.42], [0.30, 0.36], [0.38, 0.45]],
@@ -76,6 +76,13 @@ const SHOTS: [Shot; 12] = [
         name: "stone",
         exhibit: Exhibit::Stone,
         after: 68,
+        ..PLAIN
+    },
+    Shot {
+        name: "concrete",
+        exhibit: Exhibit::Concrete,
+        throws: &[[0.45, 0.40], [0.57, 0.47], [0.50, 0.30]],
+        after: 30,
         ..PLAIN
     },
     Shot {
