@@ -331,7 +331,7 @@ fn change(entity: &mut EntityWorldMut<'_>, dice: &mut Dice) {
 }
 
 proptest! {
-    #![proptest_config(cases(6))]
+    #![proptest_config(cases(4))]
 
     #[test]
     fn nothing_that_is_done_to_entities_does_harm(seed: u64) {

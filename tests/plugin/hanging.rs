@@ -60,9 +60,9 @@ fn sleepers(deeds: &[Deed]) -> Result<usize, String> {
 #[test]
 fn what_sleeps_stays_where_it_is_when_it_is_made_afresh() {
     let mut count = 0;
-    for seed in 0..100 {
+    for seed in 0..60 {
         let stay = sleepers(&story(seed, 40));
         count += stay.unwrap_or_else(|error| panic!("seed {seed}: {error}"));
     }
-    assert!(count > 25, "{count} sleepers are too few to tell");
+    assert!(count > 15, "{count} sleepers are too few to tell");
 }

@@ -128,7 +128,7 @@ fn what_is_set_anew_as_it_is_changes_no_bit() {
 
 #[test]
 fn to_draw_bodies_between_steps_changes_no_bit() {
-    check(drawing_moves_nothing, 40, 200..400);
+    check(drawing_moves_nothing, 40, 200..320);
 }
 
 #[test]
