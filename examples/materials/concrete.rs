@@ -1,8 +1,7 @@
 //! Concrete, as `docs/materials.md` quotes it.
 
-use super::Error;
+use super::{Error, Vec3};
 use bevy_cleave::prelude::*;
-use glam::Vec3;
 
 /// What concrete bears in tension and in shear, Pa. Density 2400 kg/m3.
 pub(crate) const CONCRETE: f32 = 2.0e6;

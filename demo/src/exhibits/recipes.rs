@@ -1,5 +1,7 @@
 //! The recipes of `docs/materials.md`, as its examples have them.
 
+use bevy::math::Vec3;
+
 /// What the wall of concrete may fail with.
 type Error = Box<dyn std::error::Error + Send + Sync>;
 
