@@ -5,9 +5,9 @@ use bevy::prelude::*;
 use bevy_cleave::prelude::*;
 
 /// Of the wall, m.
-const SIZE: Vec3 = Vec3::new(1.8, 1.35, 0.16);
+const SIZE: Vec3 = Vec3::new(1.8, 1.35, 0.1);
 /// From bar to bar, m.
-const SPACING: f32 = 0.35;
+const SPACING: f32 = 0.45;
 /// kg/m3.
 const DENSITY: f32 = 2400.0;
 
