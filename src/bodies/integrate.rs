@@ -20,6 +20,12 @@ pub fn integrate_positions(bodies: &mut Bodies, problems: &mut Vec<(u32, BodyErr
 }
 
 impl Bodies {
+    /// Velocity of a body's material at a point of the world, m/s.
+    pub(crate) fn velocity_at(&self, slot: u32, point: Vec3) -> Vec3 {
+        let (linear, angular) = self.velocity(slot);
+        linear + angular.cross(point - self.center_of_mass(slot))
+    }
+
     /// The pose of a body as it will be after the step that has been solved.
     pub(crate) fn pose_after_step(&self, slot: u32) -> Pose {
         let i = slot as usize;

@@ -18,10 +18,8 @@ impl JointRecord {
         let frames = [joint.frame_a.position, joint.frame_b.position];
         let motion = |end: usize| {
             self.ends[end].map_or([Vec3::ZERO; 2], |(slot, _)| {
-                let body = &bodies.velocity[slot as usize];
                 let anchor = bodies.pose(slot).transform_point(frames[end]);
-                let arm = anchor - bodies.center_of_mass(slot);
-                [body.linear + body.angular.cross(arm), body.angular]
+                [bodies.velocity_at(slot, anchor), bodies.velocity(slot).1]
             })
         };
         let [a, b] = [motion(0), motion(1)];

@@ -145,7 +145,7 @@ impl Bodies {
         }
         self.weigh_supports(manifolds);
         self.weigh_joints(&solver.joints, step_dt);
-        self.find_carried(config, manifolds.heads());
+        self.find_carried(config, &solver.joints, manifolds.heads());
         let mut next = 0;
         for (number, slots) in solver.whole_islands().enumerate() {
             let Some(candidate) = self.sleep.candidates.get(next) else {
@@ -213,54 +213,62 @@ impl Bodies {
         }
     }
 
-    /// Adds up what joints to the world and to fixed bodies bear of each candidate, and finds out which ones motors move.
+    /// Adds up what joints to the world and to fixed bodies bear of each candidate.
     fn weigh_joints(&mut self, joints: &[JointRecord], step_dt: f32) {
         for record in joints {
             let slots = record.ends.map(|end| end.map(|(slot, _)| slot));
             let moves = slots
                 .map(|slot| slot.filter(|&slot| self.velocity[slot as usize].inverse_mass > 0.0));
-            let Some(body) = moves[1].or(moves[0]) else {
-                continue;
+            let (body, fixed, sign) = match moves {
+                [None, Some(body)] => (body, slots[0], 1.0),
+                [Some(body), None] => (body, slots[1], -1.0),
+                _ => continue,
             };
             let index = self.sleep.candidate_of[body as usize];
             if index == NONE {
                 continue;
             }
-            let is_driven = record.is_driven(self);
-            // What is fixed, if one end is, and on which side it is.
-            let (fixed, sign) = match moves {
-                [None, _] => (slots[0], 1.0),
-                [_, None] => (slots[1], -1.0),
-                _ => {
-                    self.sleep.candidates[index as usize].is_carried |= is_driven;
-                    continue;
-                }
-            };
             let is_displaced = fixed.is_some_and(|fixed| self.is_displaced(fixed));
             let candidate = &mut self.sleep.candidates[index as usize];
             candidate.support += sign * step_dt * record.load.force;
             candidate.has_support = true;
-            candidate.is_carried |= is_displaced || is_driven;
+            candidate.is_carried |= is_displaced;
         }
     }
 
-    /// Finds out which candidates go along on running surfaces. What is held back there may sleep.
-    fn find_carried(&mut self, config: &SleepConfig, manifolds: &[ManifoldHead]) {
+    /// Finds out which candidates motors and running surfaces move. What is held back there may sleep.
+    fn find_carried(
+        &mut self,
+        config: &SleepConfig,
+        joints: &[JointRecord],
+        manifolds: &[ManifoldHead],
+    ) {
+        for record in joints {
+            if record.is_driven(self) {
+                let ends = record.ends.iter().flatten();
+                ends.for_each(|&(slot, _)| self.mark_carried(slot));
+            }
+        }
         if !self.has_running_surfaces() {
             return;
         }
         for slots in manifolds.iter().map(|m| [m.a, m.b]) {
             let [a, b] = slots.map(|slot| self.surface_velocity(slot));
-            let [of_a, of_b] = slots.map(|slot| self.mean_velocity(slot, config));
-            if a == b || of_a.distance(of_b) <= STALLED * a.distance(b) {
+            if a == b {
                 continue;
             }
-            for slot in slots {
-                let index = self.sleep.candidate_of[slot as usize];
-                if index != NONE {
-                    self.sleep.candidates[index as usize].is_carried = true;
-                }
+            let [of_a, of_b] = slots.map(|slot| self.mean_velocity(slot, config));
+            if of_a.distance(of_b) > STALLED * a.distance(b) {
+                slots.into_iter().for_each(|slot| self.mark_carried(slot));
             }
+        }
+    }
+
+    /// Keeps the candidate that a body belongs to, if it does, awake.
+    fn mark_carried(&mut self, slot: u32) {
+        let index = self.sleep.candidate_of[slot as usize];
+        if index != NONE {
+            self.sleep.candidates[index as usize].is_carried = true;
         }
     }
 

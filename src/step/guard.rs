@@ -160,7 +160,7 @@ fn hold_middle(bodies: &mut Bodies, (slot, middle): (u32, Vec3), wall: u32) {
     bodies.motion[i].shift += at_end.transform_point(last) - to;
     if !is_moved {
         let normal = rotate(at_end.rotation, hit.normal);
-        let against = bodies.velocity[i].linear - velocity_at(bodies, wall, to);
+        let against = bodies.velocity[i].linear - bodies.velocity_at(wall, to);
         bodies.velocity[i].linear -= against.dot(normal).min(0.0) * normal;
     }
 }
@@ -192,10 +192,4 @@ fn first_hit(shape: &Shape, from: Vec3, way: Vec3) -> Option<LocalHit> {
         Shape::Compound(parts) => compound::cast_ray(parts, ray).filter(from_outside),
         Shape::HalfSpace(_) => None,
     }
-}
-
-/// How fast a point of a wall moves, m/s.
-fn velocity_at(bodies: &Bodies, wall: u32, at: Vec3) -> Vec3 {
-    let (linear, angular) = bodies.velocity(wall);
-    linear + angular.cross(at - bodies.center_of_mass(wall))
 }
