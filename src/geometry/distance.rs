@@ -120,6 +120,8 @@ fn search(
 pub(crate) struct CoreCast {
     /// Unit vector.
     pub(crate) direction: DVec3,
+    /// How far it surely goes without touching the other one, m.
+    pub(crate) free: f64,
     /// How far it goes, m.
     pub(crate) length: f64,
     /// Radius of both together, m.
@@ -144,14 +146,24 @@ impl CoreCast {
         if self.passes_by(a, b, start) {
             return None;
         }
-        let mut simplex = Simplex::new(corner(a, b, unit_or_x(start)));
-        let (mut moved, mut last) = (0.0, None);
+        let (mut moved, mut last) = (self.free, None);
+        let at = |moved: f64| b.moved(moved * self.direction);
+        let first = |b: &PlacedCore| {
+            let start = b.middle() - a.middle().as_dvec3();
+            Simplex::new(corner(a, b, unit_or_x(start)))
+        };
+        let mut simplex = first(&at(moved));
         for _ in 0..MAX_MOMENTS {
             let left = self.length - moved;
-            let now = b.moved(moved * self.direction);
+            let now = at(moved);
             let is_far = |normal, bound| self.stays_apart(normal, bound, left);
             let nearest = match search(a, &now, &mut simplex, is_far) {
                 Separation::Far => return None,
+                // Rounding: it was not free so far.
+                Separation::Overlap if last.is_none() && moved > 0.0 => {
+                    (moved, simplex) = (0.0, first(b));
+                    continue;
+                }
                 Separation::Overlap => {
                     let size = simplex.extent();
                     return Some(CastTouch {

@@ -7,11 +7,14 @@
 use crate::geometry::ConvexHull;
 use crate::geometry::hull_lanes::LANES;
 use crate::geometry::support::PlacedCore;
-use crate::math::{Aabb, Plane, Pose};
+use crate::math::{Aabb, Pose};
 use glam::{DVec3, Mat3, Vec3};
 
 /// Rounding of a gap along an axis, as a share of coordinates.
 const ROUNDING: f32 = 1e-6;
+
+/// Sine of an angle below which edges count as parallel.
+pub(crate) const PARALLEL: f32 = 1e-6;
 
 /// A box that lies anyhow, in the frame of a hull, m.
 #[derive(Clone, Copy, Debug)]
@@ -59,13 +62,6 @@ impl Cuboid {
         let local = self.axes.transpose() * (point - self.center);
         let rest = (local.abs() - self.half).max(Vec3::ZERO);
         rest.as_dvec3().length_squared() <= radius * radius
-    }
-
-    /// Whether it is surely off a plane.
-    pub(crate) fn is_off(&self, plane: &Plane) -> bool {
-        let reach = (self.axes.transpose() * plane.normal).abs().dot(self.half);
-        let slack = ROUNDING * (self.center.abs().max_element() + self.half.length());
-        plane.distance(self.center).abs() > reach + slack
     }
 
     /// Whether a hull overlaps or touches it.
@@ -156,7 +152,9 @@ impl Cuboid {
                 if gap > slack {
                     return Told::Apart;
                 }
-                is_sure &= gap < -slack;
+                // Edges that are parallel tell nothing that the other axes do not.
+                let sine = turn[j][i1].abs() + turn[j][i2].abs();
+                is_sure &= gap < -slack || sine < PARALLEL;
             }
         }
         if is_sure {

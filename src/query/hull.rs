@@ -138,6 +138,7 @@ pub(crate) fn cast_shape(hull: &ConvexHull, cast: &LocalCast) -> Option<LocalHit
 pub(crate) fn cast_against_core(core: &Core, cast: &LocalCast) -> Option<LocalHit> {
     let motion = CoreCast {
         direction: cast.direction.as_dvec3(),
+        free: f64::from(cast.free),
         length: f64::from(cast.end),
         radius: f64::from(cast.radius),
         touch: f64::from(cast.touch),

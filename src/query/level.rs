@@ -14,16 +14,21 @@ use crate::geometry::level_triangle::LevelTriangle;
 use crate::geometry::support::{Core, PlacedCore};
 use crate::geometry::triangle_distance::{nearest_on_triangle, rough_square};
 use crate::math::Aabb;
-use crate::query::cuboid::Cuboid;
+use crate::query::box_sweep::{BoxSweep, BoxView};
+use crate::query::cuboid::{Cuboid, Told};
 use crate::query::hull::cast_against_core;
 use crate::query::local::{LocalCast, LocalHit, LocalRay};
 use glam::{DVec3, Vec3};
+use smallvec::SmallVec;
 
 /// Rounding of corners and normals, as a share of lengths.
 const ROUNDING: f64 = 1e-6;
 
 /// What `f32` leaves open of a distance, as a share of lengths.
 const ROUGH: f32 = 1e-4;
+
+/// Triangles that wait for others which a moved box may meet first.
+const MAX_WAITING: usize = 16;
 
 /// Where a ray hits a triangle, and whether from the front.
 fn pierce(triangle: &LevelTriangle, ray: &LocalRay) -> Option<(f32, bool)> {
@@ -89,6 +94,75 @@ fn core_of(triangle: &LevelTriangle) -> Core<'static> {
 }
 
 pub(crate) fn cast_shape(mesh: &StaticMesh, cast: &LocalCast) -> Option<LocalHit> {
+    if let Some(sweep) = BoxSweep::of(cast) {
+        return cast_box(mesh, cast, &sweep);
+    }
+    let mut best = None;
+    on_the_way(mesh, cast, |leaf, is_behind, end| {
+        let triangle = &mesh.triangles()[leaf as usize];
+        if !stays_off(triangle, is_behind, cast, end) {
+            meet(triangle, &LocalCast { end, ..*cast }, &mut best);
+        }
+        end.min(end_of(&best, cast))
+    });
+    best
+}
+
+/// The same of a box: axes tell which triangles it may meet first, and only how it meets these is looked for.
+fn cast_box(mesh: &StaticMesh, cast: &LocalCast, sweep: &BoxSweep) -> Option<LocalHit> {
+    let mut best = None;
+    let mut waiting: SmallVec<[(f32, u32); MAX_WAITING]> = SmallVec::new();
+    on_the_way(mesh, cast, |leaf, _, end| {
+        let Some(meeting) = sweep.meeting(&mesh.triangles()[leaf as usize], end) else {
+            return end;
+        };
+        let mut end = end.min(meeting.latest);
+        if waiting.len() == MAX_WAITING {
+            waiting.retain(|(soonest, _)| *soonest <= end);
+        }
+        if waiting.len() == MAX_WAITING {
+            meet_first(mesh, cast, &mut waiting, &mut best);
+            end = end.min(end_of(&best, cast));
+        }
+        waiting.push((meeting.soonest, leaf));
+        end
+    });
+    meet_first(mesh, cast, &mut waiting, &mut best);
+    best
+}
+
+/// Meets the triangles that wait, each with the way on which it is not touched (m), and lets them go.
+fn meet_first(
+    mesh: &StaticMesh,
+    cast: &LocalCast,
+    waiting: &mut SmallVec<[(f32, u32); MAX_WAITING]>,
+    best: &mut Option<LocalHit>,
+) {
+    waiting.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+    for (free, leaf) in waiting.drain(..) {
+        let end = end_of(best, cast);
+        if free <= end {
+            let triangle = &mesh.triangles()[leaf as usize];
+            meet(triangle, &LocalCast { free, end, ..*cast }, best);
+        }
+    }
+}
+
+/// How far a cast goes that has met this.
+fn end_of(best: &Option<LocalHit>, cast: &LocalCast) -> f32 {
+    best.map_or(cast.end, |best| best.distance)
+}
+
+/// Keeps where a moved shape meets a triangle, if that is the first.
+fn meet(triangle: &LevelTriangle, cast: &LocalCast, best: &mut Option<LocalHit>) {
+    if let Some(hit) = cast_against_core(&core_of(triangle), cast) {
+        let triangle = Some(triangle.index);
+        keep_first(best, LocalHit { triangle, ..hit });
+    }
+}
+
+/// Visits the triangles whose boxes that of a moved shape meets, and that it may come against, each with whether the shape begins behind it.
+fn on_the_way(mesh: &StaticMesh, cast: &LocalCast, mut visit: impl FnMut(u32, bool, f32) -> f32) {
     let b = cast.core.bounds().fattened(cast.radius);
     let origin = b.center();
     let about = Aabb {
@@ -97,26 +171,15 @@ pub(crate) fn cast_shape(mesh: &StaticMesh, cast: &LocalCast) -> Option<LocalHit
     };
     let walk = RayWalk::new(origin, cast.direction, about);
     let middle = cast.core.inside();
-    let mut best: Option<LocalHit> = None;
     mesh.tree()
         .along_ray(mesh.triangles(), walk, cast.end, |leaf, end| {
-            let triangle = &mesh.triangles()[leaf as usize];
-            let is_behind = triangle.plane.distance(middle) < 0.0;
+            let plane = &mesh.triangles()[leaf as usize].plane;
+            let is_behind = plane.distance(middle) < 0.0;
             if is_behind && !mesh.is_two_sided() {
                 return end;
             }
-            if stays_off(triangle, is_behind, cast, end) {
-                return end;
-            }
-            let Some(hit) = cast_against_core(&core_of(triangle), &LocalCast { end, ..*cast })
-            else {
-                return end;
-            };
-            let triangle = Some(triangle.index);
-            keep_first(&mut best, LocalHit { triangle, ..hit });
-            end.min(hit.distance)
+            visit(leaf, is_behind, end)
         });
-    best
 }
 
 /// Whether a moved shape stays on its side of a triangle's plane up to `end` (m), and off it.
@@ -138,21 +201,29 @@ fn stays_off(triangle: &LevelTriangle, is_behind: bool, cast: &LocalCast, end: f
 
 pub(crate) fn overlaps(mesh: &StaticMesh, core: &PlacedCore, radius: f32) -> bool {
     let mut is_met = false;
-    let cuboid = Cuboid::of(core).filter(|_| radius == 0.0);
+    let view = Cuboid::of(core).filter(|_| radius == 0.0);
+    let view = view.map(|cuboid| BoxView::of(&cuboid));
     mesh.tree()
         .within(mesh.triangles(), &core.bounds().fattened(radius), |leaf| {
             let triangle = &mesh.triangles()[leaf as usize];
-            if is_met || cuboid.is_some_and(|cuboid| cuboid.is_off(&triangle.plane)) {
+            if is_met {
                 return;
             }
-            let triangle = core_of(triangle);
-            is_met = match distance(&triangle, core, f64::from(radius)) {
-                Separation::Overlap => true,
-                Separation::Near(nearest) => nearest.distance <= f64::from(radius),
-                Separation::Far => false,
+            is_met = match view.as_ref().map(|view| view.against(triangle)) {
+                Some(Told::Apart) => false,
+                Some(Told::Overlap) => true,
+                Some(Told::Nothing(_)) | None => is_within(triangle, core, radius),
             };
         });
     is_met
+}
+
+fn is_within(triangle: &LevelTriangle, core: &PlacedCore, radius: f32) -> bool {
+    match distance(&core_of(triangle), core, f64::from(radius)) {
+        Separation::Overlap => true,
+        Separation::Near(nearest) => nearest.distance <= f64::from(radius),
+        Separation::Far => false,
+    }
 }
 
 /// The point of the surface that is nearest to a point, if it is within `limit` (m).

@@ -26,6 +26,8 @@ pub(crate) struct LocalCast<'s> {
     pub(crate) core: PlacedCore<'s>,
     pub(crate) radius: f32,
     pub(crate) direction: Vec3,
+    /// How far it surely goes without touching what is asked, m.
+    pub(crate) free: f32,
     pub(crate) end: f32,
     pub(crate) touch: f32,
 }

@@ -35,6 +35,7 @@ pub(crate) fn cast_ray(shape: &RoundShape, ray: &LocalRay) -> Option<LocalHit> {
         core: placed(Core::of_point(Vec3::ZERO), ray.origin),
         radius: 0.0,
         direction: ray.direction,
+        free: 0.0,
         end: ray.end,
         touch: TOUCH * shape.aabb.diagonal(),
     };

@@ -99,6 +99,7 @@ impl<'b> Target<'b> {
                 core: PlacedCore::new(part.core, &self.own_pose(&part.pose)),
                 radius: part.radius,
                 direction: rotate(back, cast.direction),
+                free: 0.0,
                 end: best.map_or(end, |best| best.distance),
                 touch,
             };

@@ -197,6 +197,7 @@ impl LevelPair<'_> {
         let (length, touch) = (mover.way.length(), TOUCH * mover.size);
         let mut cast = CoreCast {
             direction: (mover.way / length).as_dvec3(),
+            free: 0.0,
             length: f64::from(length),
             radius: f64::from(mover.radius),
             touch: f64::from(touch),
