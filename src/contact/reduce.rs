@@ -30,6 +30,10 @@ pub(crate) enum CornerKind {
 /// How much lower a point must be to matter, as a share of the distance within which points are one: rounding of a flat face is a tenth of that.
 const UNEVEN: f32 = 0.02;
 
+/// How far hulls may sag into each other under a load, as a share of the smaller one's least extent: the heights of points that differ by
+/// less tell of loads, and not of where a body tips.
+pub(crate) const SAG: f32 = 1e-3;
+
 /// Chooses at most [`MAX_POINTS`] of `candidates` that carry a load as well as all of them would, and keeps their order.
 ///
 /// `candidates` are in one frame; `normal` is the unit contact normal; points nearer to each
@@ -50,13 +54,15 @@ pub(crate) fn reduce(candidates: &mut Vec<Candidate>, normal: Vec3, merge: f32) 
     });
 }
 
-/// [`reduce`] where gaps under one face differ, as on ridges: what it leaves out and is lower than all but one of those chosen, by a share of
-/// `merge`, goes to `lower`, or a body that rests on two points beside the chosen ones rocks from one set of them to another.
+/// [`reduce`] where gaps under one face differ, as on ridges, or below a plate that tips over an edge: what it leaves out and is lower than
+/// all but one of those chosen goes to `lower`, or a body that rests on two points beside the chosen ones rocks from one set of them to
+/// another. By less than `sag` (m), or a share of `merge`, a point is not lower.
 pub(crate) fn reduce_uneven(
     candidates: &mut Vec<Candidate>,
     lower: &mut Vec<Candidate>,
     normal: Vec3,
     merge: f32,
+    sag: f32,
 ) {
     lower.clear();
     remove_duplicates(candidates, merge);
@@ -66,7 +72,7 @@ pub(crate) fn reduce_uneven(
     let chosen = choose_four(candidates, normal, merge);
     let mut gaps = chosen.map(|it| candidates[it].separation);
     gaps.sort_unstable_by(f32::total_cmp);
-    let limit = gaps[1] - UNEVEN * merge;
+    let limit = gaps[1] - sag.max(UNEVEN * merge);
     let mut index = 0;
     candidates.retain(|candidate| {
         index += 1;

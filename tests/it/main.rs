@@ -32,6 +32,7 @@ mod import;
 mod import_far;
 mod known_pairs;
 mod layering;
+mod leaning_plates;
 mod local_steps;
 mod mass;
 mod mlcp;

@@ -222,7 +222,7 @@ fn a_straight_bridge_under_a_load_stays_together() {
     for (count, bound) in [
         (None, 1e-4),
         (Some(16), 1e-4),
-        (Some(4), 0.3),
+        (Some(4), 0.5),
         (Some(1), 3.0),
     ] {
         let (mut simulation, ids) = bridge(40, 0.0, 0.0);

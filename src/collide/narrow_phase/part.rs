@@ -16,7 +16,7 @@ use crate::contact::narrow::sat::{distance_along, examine_hulls};
 use crate::contact::narrow::scratch::{NarrowScratch, SatCache, SatResult};
 use crate::contact::pairs::broad_phase::Pair;
 use crate::contact::pairs::broad_phase::PairName;
-use crate::contact::pairs::recycle::{Recycle, reach_of_test};
+use crate::contact::pairs::recycle::{PairView, Recycle, reach_of_test};
 use crate::contact::pairs::store::PairStore;
 use crate::contact::pairs::touches::Touch;
 use crate::math::{Plane, Pose, rotate};
@@ -184,20 +184,22 @@ impl PairRun {
             SatResult::Touching(patch) => {
                 let bind = |patch: &LocalManifold, turn| touch_of(bodies, pair, patch, turn);
                 let touch = bind(&patch, b_in_a.rotation);
+                let beside = self.scratch.beside;
+                let beside = (beside.count > 0).then(|| bind(&beside, b_in_a.rotation));
                 view.state.faces = self.scratch.best_faces;
                 if view.needs_cast(&touch.patch, scene.fall)
                     && !bodies.are_bonded(pair.a, pair.b)
                     && let Some(cast) = scene.cast(pair, b_in_a, reach)
                 {
                     match cast.outcome(&patch, &mut self.scratch) {
-                        CastResult::AsFound => view.set_near(touch, reach),
+                        CastResult::AsFound => set_near(&mut view, touch, beside, reach),
                         CastResult::Touches(patch, pose) => {
                             view.set_passing(Some(bind(&patch, pose.rotation)));
                         }
                         CastResult::Misses => view.set_passing(None),
                     }
                 } else {
-                    view.set_near(touch, reach);
+                    set_near(&mut view, touch, beside, reach);
                 }
             }
         }
@@ -235,6 +237,14 @@ impl PairRun {
     }
 }
 
+/// Notes where a pair of hulls touches, with all points up to `reach` (m), and with what bears besides.
+fn set_near(view: &mut PairView, touch: Touch, beside: Option<Touch>, reach: f32) {
+    match beside {
+        Some(beside) => view.set_near_all([touch, beside].into_iter(), reach, true),
+        None => view.set_near(touch, reach),
+    }
+}
+
 /// A patch of a pair, found while B was turned so in A's frame, with the materials.
 pub(super) fn touch_of(bodies: &Bodies, pair: Pair, patch: &LocalManifold, turn: Quat) -> Touch {
     let slots = [pair.a as usize, pair.b as usize];
@@ -268,7 +278,7 @@ fn distance_of(bodies: &Bodies, pair: Pair, b_in_a: &Pose, axis: Vec3) -> Option
     Some(distance_along(a?.hull(), b?.hull(), b_in_a, axis))
 }
 
-/// Contact of one pair of hulls and half-spaces in A's frame, normal from A to B.
+/// Contact of one pair of hulls and half-spaces in A's frame, normal from A to B; what bears besides is in `scratch.beside`.
 pub(in crate::collide) fn examine_pair(
     bodies: &Bodies,
     pair: Pair,
@@ -277,6 +287,7 @@ pub(in crate::collide) fn examine_pair(
     hint: SatCache,
     scratch: &mut NarrowScratch,
 ) -> SatResult {
+    scratch.beside.count = 0;
     match (&bodies.info(pair.a).shape, &bodies.info(pair.b).shape) {
         (Shape::Convex(a), Shape::Convex(b)) => {
             examine_hulls(a.hull(), b.hull(), b_in_a, reach, hint, scratch)
@@ -289,7 +300,10 @@ pub(in crate::collide) fn examine_pair(
             let a_in_b = relative_pose(bodies, pair.b, pair.a);
             let plane = Plane::through(a_in_b.position, rotate(a_in_b.rotation, a.normal));
             match examine_half_space(b.hull(), plane, a_in_b, reach, scratch) {
-                SatResult::Touching(patch) => SatResult::Touching(patch.swapped(&a_in_b)),
+                SatResult::Touching(patch) => {
+                    scratch.beside = scratch.beside.swapped(&a_in_b);
+                    SatResult::Touching(patch.swapped(&a_in_b))
+                }
                 SatResult::Separated { distance, .. } => SatResult::Separated {
                     axis: a.normal,
                     distance,

@@ -7,7 +7,7 @@ use crate::contact::local_manifold::{LocalManifold, LocalPoint};
 use crate::contact::narrow::edge_search::EdgeAxis;
 use crate::contact::narrow::scratch::{FaceAxis, HullPair, NarrowScratch};
 use crate::contact::point::MAX_POINTS;
-use crate::contact::reduce::{Candidate, CornerKind, reduce};
+use crate::contact::reduce::{Candidate, CornerKind, SAG, reduce_uneven};
 use crate::geometry::ConvexHull;
 use crate::geometry::hull_lanes::point;
 use crate::math::Plane;
@@ -86,7 +86,7 @@ impl Clipping<'_> {
     }
 
     /// Cuts the outline of an incident face by the planes through the edges of the reference face `face`, whose plane is
-    /// `reference` (A's frame), and keeps what lies within the margin.
+    /// `reference` (A's frame), and keeps what lies within the margin. What four points do not tell is left in `scratch.beside`.
     pub(super) fn clipped_patch(
         &self,
         face: usize,
@@ -100,6 +100,8 @@ impl Clipping<'_> {
             b_in_a,
             polygon,
             clipped,
+            lower,
+            beside,
             ..
         } = scratch;
         let (hull, corners) = if b_refers {
@@ -129,12 +131,16 @@ impl Clipping<'_> {
             corner.separation = reference.distance(corner.at);
         }
         polygon.retain(|corner| corner.separation <= self.pair.margin);
-        reduce(polygon, reference.normal, self.merge);
-        LocalManifold {
+        let extents = [self.pair.a, self.pair.b].map(|hull| hull.aabb().extents().min_element());
+        let sag = SAG * extents[0].min(extents[1]);
+        reduce_uneven(polygon, lower, reference.normal, self.merge, sag);
+        let patch = |corners: &[Candidate]| LocalManifold {
             recycle_distance,
             slide,
-            ..self.patch(face, reference, b_refers, polygon)
-        }
+            ..self.patch(face, reference, b_refers, corners)
+        };
+        *beside = patch(lower);
+        patch(polygon)
     }
 
     /// The support vertex alone, for an overlap so small that clipping lost it to rounding.

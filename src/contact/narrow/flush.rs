@@ -120,7 +120,7 @@ impl CompoundScratch {
         let places: Vec<Vec3> = candidates.iter().map(|it| it.at).collect();
         let size = Aabb::of_points(places.iter().copied()).diagonal();
         keep_outline(candidates, normal, MERGE * size);
-        reduce_uneven(candidates, lower, normal, MERGE * size);
+        reduce_uneven(candidates, lower, normal, MERGE * size, 0.0);
         let of = |candidates: &[Candidate]| {
             let mut patch = LocalManifold {
                 count: 0,

@@ -2,7 +2,7 @@
 
 use crate::contact::local_manifold::{LocalManifold, LocalPoint};
 use crate::contact::narrow::scratch::{MERGE, NarrowScratch, SatResult};
-use crate::contact::reduce::{Candidate, CornerKind, reduce};
+use crate::contact::reduce::{Candidate, CornerKind, SAG, reduce_uneven};
 use crate::geometry::ConvexHull;
 use crate::geometry::hull_lanes::lowest;
 use crate::math::{Plane, Pose, rotate};
@@ -25,7 +25,7 @@ pub fn collide_half_space(
     }
 }
 
-/// As [`collide_half_space`], which it does the work of, and says how far apart hull and half-space are.
+/// As [`collide_half_space`], which it does the work of, and says how far apart hull and half-space are; `scratch.beside` as that of hulls.
 pub(crate) fn examine_half_space(
     hull: &ConvexHull,
     plane: Plane,
@@ -33,7 +33,7 @@ pub(crate) fn examine_half_space(
     margin: f32,
     scratch: &mut NarrowScratch,
 ) -> SatResult {
-    let mut patch = LocalManifold {
+    let patch = LocalManifold {
         normal: -plane.normal,
         normal_in_b: Some(-rotate(b_in_a.rotation.inverse(), plane.normal)),
         recycle_distance: f32::INFINITY,
@@ -49,38 +49,56 @@ pub(crate) fn examine_half_space(
         return SatResult::Touching(patch);
     }
     if distance > margin {
-        return SatResult::Separated {
-            axis: -plane.normal,
-            distance,
-        };
+        let axis = -plane.normal;
+        return SatResult::Separated { axis, distance };
     }
-    let size = hull.aabb().diagonal();
-    // The face that a falling hull lands on. Vertices off it do not count, however large the margin, or four points would be
-    // spread over the whole height of a flat hull.
+    load_lowest_face(hull, support, &plane, margin, scratch);
+    let NarrowScratch {
+        polygon,
+        lower,
+        beside,
+        ..
+    } = scratch;
+    let merge = MERGE * hull.aabb().diagonal();
+    let sag = SAG * hull.aabb().extents().min_element();
+    reduce_uneven(polygon, lower, plane.normal, merge, sag);
+    let with = |vertices: &[Candidate]| {
+        let mut patch = patch;
+        for vertex in vertices {
+            let below = vertex.at - vertex.separation * plane.normal;
+            patch.push(LocalPoint {
+                on_a: vertex.at,
+                on_b: b_in_a.inverse_transform_point(below),
+                separation: vertex.separation,
+                ..LocalPoint::default()
+            });
+        }
+        patch
+    };
+    *beside = with(lower);
+    SatResult::Touching(with(polygon))
+}
+
+/// Puts the corners of the face that a falling hull lands on into `scratch.polygon`, as far as they are within the margin. Vertices off it do
+/// not count, however large the margin, or four points would be spread over the whole height of a flat hull.
+fn load_lowest_face(
+    hull: &ConvexHull,
+    support: usize,
+    plane: &Plane,
+    margin: f32,
+    scratch: &mut NarrowScratch,
+) {
     let face = hull.most_opposed_face(support, plane.normal);
     let outline = face.map_or(&[][..], |face| hull.face_loop(face));
-    let candidates = &mut scratch.polygon;
-    candidates.clear();
-    candidates.extend(
-        outline
-            .iter()
-            .map(|&v| hull.vertices()[v as usize])
-            .map(|at| Candidate {
-                at,
-                separation: plane.distance(at),
-                kind: CornerKind::Incident,
-                leaves_on_cut: false,
-            })
-            .filter(|vertex| vertex.separation <= margin),
-    );
-    reduce(candidates, plane.normal, MERGE * size);
-    for vertex in candidates {
-        patch.push(LocalPoint {
-            on_a: vertex.at,
-            on_b: b_in_a.inverse_transform_point(vertex.at - vertex.separation * plane.normal),
-            separation: vertex.separation,
-            ..LocalPoint::default()
-        });
-    }
-    SatResult::Touching(patch)
+    let corners = outline.iter().map(|&v| hull.vertices()[v as usize]);
+    let corners = corners.map(|at| Candidate {
+        at,
+        separation: plane.distance(at),
+        kind: CornerKind::Incident,
+        leaves_on_cut: false,
+    });
+    scratch.polygon.clear();
+    scratch
+        .polygon
+        .extend(corners.filter(|corner| corner.separation <= margin));
 }

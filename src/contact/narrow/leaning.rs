@@ -40,7 +40,12 @@ pub(super) fn leaning_patch(
     let gaps = patch.points().iter().map(|point| point.separation);
     let deepest = gaps.fold(f32::INFINITY, f32::min);
     let is_same = (deepest - edge.separation).abs() <= clipping.merge;
-    (patch.count > 1 && is_same).then_some(patch)
+    let found = (patch.count > 1 && is_same).then_some(patch);
+    scratch.beside = match found {
+        Some(_) => along_axis(clipping, &scratch.beside, edge.normal, &beside),
+        None => LocalManifold::default(),
+    };
+    found
 }
 
 /// Of the faces beside the two edges, the one that faces the other body most.

@@ -295,7 +295,13 @@ impl LevelPair<'_> {
         scratch: &mut LevelScratch,
     ) {
         let Group { normal, slot } = scratch.groups[group as usize];
-        reduce_uneven(&mut scratch.candidates, &mut scratch.lower, normal, merge);
+        reduce_uneven(
+            &mut scratch.candidates,
+            &mut scratch.lower,
+            normal,
+            merge,
+            0.0,
+        );
         let (back, is_round) = (turn.transpose(), self.shape.is_round());
         for points in [&scratch.candidates, &scratch.lower] {
             let mut patch = LocalManifold {

@@ -51,7 +51,8 @@ pub fn collide_hulls(
     }
 }
 
-/// As [`collide_hulls`], which it does the work of, and says by which axis hulls are apart.
+/// As [`collide_hulls`], which it does the work of, and says by which axis hulls are apart. `scratch.beside` has what bears besides, if four
+/// points are not enough, and is to be without points before.
 pub(crate) fn examine_hulls(
     a: &ConvexHull,
     b: &ConvexHull,

@@ -35,6 +35,10 @@ pub struct NarrowScratch {
     /// Polygon being clipped, and the result of the last cut.
     pub(crate) polygon: Vec<Candidate>,
     pub(crate) clipped: Vec<Candidate>,
+    /// Corners that bear beside those that were chosen.
+    pub(crate) lower: Vec<Candidate>,
+    /// What bears beside the patch of the last pair; it has no points if nothing does.
+    pub(crate) beside: LocalManifold,
     /// Edges of either hull that may be the best axis.
     pub(crate) near_a: Vec<NearEdge>,
     pub(crate) near_b: Vec<NearEdge>,
