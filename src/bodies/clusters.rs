@@ -6,7 +6,7 @@ use crate::bodies::body::{RigidBody, Shape};
 use crate::bodies::cluster_state::{ClusterState, PartLoad};
 use crate::bodies::store::Bodies;
 use crate::cluster::network::Network;
-use crate::geometry::Compound;
+use crate::geometry::{Compound, groups_of};
 use crate::mass::MassError;
 use std::sync::Arc;
 
@@ -54,6 +54,8 @@ impl Bodies {
             return Ok(());
         };
         let network = Network::new(compound, info.density, info.friction.coefficient)?;
+        let groups = groups_of(compound.len(), compound.bonds(), |_| false);
+        let is_divided = groups.iter().any(|&group| group != 0);
         let held = if info.kind == RigidBody::Static {
             self.unheld_clusters.push(slot);
             None
@@ -71,6 +73,9 @@ impl Bodies {
             overloaded: 0.0,
             elastic: None,
         }));
+        if is_divided {
+            self.divided_clusters.push((slot, self.id(slot)));
+        }
         Ok(())
     }
 

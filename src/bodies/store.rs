@@ -71,6 +71,8 @@ pub struct Bodies {
     pub(crate) clusters: Vec<Option<Box<ClusterState>>>,
     /// Static ones of them of which it is not known yet which parts hold on to the world.
     pub(crate) unheld_clusters: Vec<u32>,
+    /// Those that came as several groups of parts: copies of what waited to come apart.
+    pub(crate) divided_clusters: Vec<(u32, BodyId)>,
     /// Those that have lost bonds since the entities were last told, and go on.
     pub(crate) cracked: Vec<(u32, BodyId)>,
     /// Blasts, and what acts at points of clusters, in the next step.

@@ -5,6 +5,7 @@ use crate::contact::body_id::BodyId;
 use crate::ecs::components::*;
 use crate::ecs::forces::Mass;
 use crate::ecs::parents::{local_of, parent_of};
+use crate::ecs::piece_children::move_without_children;
 use crate::ecs::state::PluginState;
 use crate::fracture::Fracture;
 use crate::mass::MassProperties;
@@ -136,7 +137,7 @@ pub(super) fn sync_cracked(world: &mut World) {
     }
 }
 
-/// The shape of a body is as large as it is in the world: an entity that was scaled is not any more.
+/// The shape of a body is as large as it is in the world: an entity that was scaled is not any more, but its children are.
 fn unscale(world: &mut World, entity: Entity, slot: u32) {
     let above = parent_of(world, entity);
     let pose = world.resource::<Bodies>().pose(slot);
@@ -154,6 +155,6 @@ fn unscale(world: &mut World, entity: Entity, slot: u32) {
         }
     };
     if scaled.scale != own.scale && scaled.is_finite() {
-        world.entity_mut(entity).insert(scaled);
+        move_without_children(world, entity, scaled);
     }
 }

@@ -35,40 +35,60 @@ pub(super) fn hand_on_children(world: &mut World, parent: Entity, pieces: &[(u32
         return;
     }
     for child in children.into_iter().flatten() {
-        let transform = world.get::<Transform>(child).copied();
-        let place = transform.and_then(|local| {
-            let above = parent_of(world, child)?;
-            let (scale, rotation, translation) =
-                (above * local.compute_affine()).to_scale_rotation_translation();
-            Some((scale, Pose::new(translation, rotation)))
-        });
+        let place = place_of(world, child);
         let alive = |&&(_, piece): &&(u32, Entity)| world.get_entity(piece).is_ok();
         let piece = match place {
             Some((_, pose)) => nearest(world, pieces.iter().filter(alive), pose.position),
             None => pieces.iter().find(alive).map(|&(_, piece)| piece),
         };
-        let Some(piece) = piece else {
-            continue;
-        };
-        let local = place.and_then(|(scale, pose)| {
-            let piece_world = parent_of(world, piece).unwrap_or_default()
-                * world.get::<Transform>(piece)?.compute_affine();
-            let (above, ..) = piece_world.to_scale_rotation_translation();
-            Some(local_of(&piece_world, pose, scale / above))
-        });
-        let mut child = world.entity_mut(child);
-        child.insert(ChildOf(piece));
-        if let Some(local) = local {
-            child.insert(local);
+        if let Some(piece) = piece {
+            put_beneath(world, child, piece, place);
         }
-        let body = child.get::<BodyHandle>().and_then(|handle| handle.0);
-        if let (Some((slot, _)), Some(local)) = (body, local) {
-            // It is where it was: no news to its body.
-            world
-                .resource_mut::<PluginState>()
-                .entities
-                .set_local(slot, piece, local);
-        }
+    }
+}
+
+/// Gives an entity another `Transform`; its children stay where they are in the world.
+pub(super) fn move_without_children(world: &mut World, entity: Entity, transform: Transform) {
+    let children = world.get::<Children>(entity);
+    let children = children.map_or(Vec::new(), |children| children.to_vec());
+    let places: Vec<_> = (children.into_iter())
+        .map(|child| (child, place_of(world, child)))
+        .collect();
+    world.entity_mut(entity).insert(transform);
+    for (child, place) in places.into_iter().filter(|(_, place)| place.is_some()) {
+        put_beneath(world, child, entity, place);
+    }
+}
+
+/// Scale and pose of a child in the world, if it has a place there.
+fn place_of(world: &World, child: Entity) -> Option<(Vec3, Pose)> {
+    let local = world.get::<Transform>(child)?;
+    let above = parent_of(world, child)?;
+    let (scale, rotation, translation) =
+        (above * local.compute_affine()).to_scale_rotation_translation();
+    Some((scale, Pose::new(translation, rotation)))
+}
+
+/// Makes an entity a child of another one, at a place in the world.
+fn put_beneath(world: &mut World, child: Entity, parent: Entity, place: Option<(Vec3, Pose)>) {
+    let local = place.and_then(|(scale, pose)| {
+        let parent_world = parent_of(world, parent).unwrap_or_default()
+            * world.get::<Transform>(parent)?.compute_affine();
+        let (above, ..) = parent_world.to_scale_rotation_translation();
+        Some(local_of(&parent_world, pose, scale / above))
+    });
+    let mut child = world.entity_mut(child);
+    child.insert(ChildOf(parent));
+    if let Some(local) = local {
+        child.insert(local);
+    }
+    let body = child.get::<BodyHandle>().and_then(|handle| handle.0);
+    if let (Some((slot, _)), Some(local)) = (body, local) {
+        // It is where it was: no news to its body.
+        world
+            .resource_mut::<PluginState>()
+            .entities
+            .set_local(slot, parent, local);
     }
 }
 

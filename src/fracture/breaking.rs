@@ -11,7 +11,8 @@ use crate::fracture::debris::Debris;
 use crate::fracture::impact;
 use crate::fracture::inheritance::{ParentState, note_heirs, transfer_impulses};
 use crate::fracture::pending::{
-    Division, PendingBreak, PendingCause, Progress, break_later, cut_triangles, divide, wait,
+    Division, PendingBreak, PendingCause, Progress, await_divided, break_later, cut_triangles,
+    divide, wait,
 };
 use crate::fracture::pieces::{PieceSet, replace};
 use crate::fracture::requests::collect_requests;
@@ -123,6 +124,7 @@ pub(crate) fn make_cuts(
     (state.debris).pass(bodies, &budget.debris, step_dt, (expired, fading));
     removed.remove(expired, bodies, cache);
     fractures.state.debris.take_stock(bodies);
+    await_divided(&mut fractures.state.waiting, bodies);
     let is_quiet = fractures.requests.is_empty() && fractures.state.waiting.is_empty();
     let is_pushed = !(bodies.pushes.explosions.is_empty() && bodies.pushes.impulses.is_empty());
     if is_quiet && !is_pushed {
@@ -158,8 +160,12 @@ fn break_waiting(
     let mut waiting = std::mem::take(&mut fractures.state.waiting);
     waiting.retain_mut(|entry| {
         let slot = entry.slot;
-        if !(bodies.is_current(slot, entry.body) && bodies.is_active(slot)) {
+        if !bodies.is_current(slot, entry.body) {
             return false;
+        }
+        if !bodies.is_active(slot) {
+            // Who is left out for a while breaks when it is back.
+            return true;
         }
         let left = fractures.state.left(budget);
         let is_gradual = entry.is_gradual(bodies, budget);

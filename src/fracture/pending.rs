@@ -225,6 +225,19 @@ impl PendingBreak {
     }
 }
 
+/// Lets bodies wait that came as several groups of parts, unless they do already.
+pub(super) fn await_divided(waiting: &mut Vec<PendingBreak>, bodies: &mut Bodies) {
+    let mut divided = std::mem::take(&mut bodies.divided_clusters);
+    for (slot, body) in divided.drain(..) {
+        let waits = waiting.iter().any(|entry| entry.body == body);
+        if bodies.is_current(slot, body) && !waits {
+            let cause = PendingCause::Rest(None, None);
+            waiting.push(PendingBreak { body, slot, cause });
+        }
+    }
+    bodies.divided_clusters = divided;
+}
+
 /// Breaks bonds of a body: at once if nothing comes off, else when its turn comes, with what it waits for already.
 pub(super) fn break_later(
     waiting: &mut Vec<PendingBreak>,

@@ -18,6 +18,19 @@ impl Compound {
     /// # Errors
     /// [`CompoundError::Bond`] if a bond is not usable, [`CompoundError::Unbonded`] if the bonds leave parts on their own.
     pub fn with_bonds(self, bonds: impl Into<Vec<PartBond>>) -> Result<Self, CompoundError> {
+        let held = self.with_bonds_of_groups(bonds)?;
+        let groups = groups_of(held.len(), held.bonds(), |_| false);
+        if let Some(part) = groups.iter().position(|&group| group != 0) {
+            return Err(CompoundError::Unbonded { part });
+        }
+        Ok(held)
+    }
+
+    /// The same if the bonds may leave several groups, which come apart as soon as a body has them.
+    pub(crate) fn with_bonds_of_groups(
+        self,
+        bonds: impl Into<Vec<PartBond>>,
+    ) -> Result<Self, CompoundError> {
         let bonds: Vec<PartBond> = bonds.into();
         let count = self.len() as u32;
         let is_wrong = |bond: &PartBond| {
@@ -26,10 +39,6 @@ impl Compound {
         };
         if let Some(bond) = bonds.iter().position(is_wrong) {
             return Err(CompoundError::Bond { bond });
-        }
-        let groups = groups_of(self.len(), &bonds, |_| false);
-        if let Some(part) = groups.iter().position(|&group| group != 0) {
-            return Err(CompoundError::Unbonded { part });
         }
         Ok(self.holding(bonds))
     }

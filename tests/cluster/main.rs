@@ -7,6 +7,7 @@ mod common;
 
 mod blasts;
 mod blows;
+mod entities;
 mod family;
 mod in_app;
 mod levels;

@@ -53,7 +53,7 @@ impl CompoundConstructor {
         }
     }
 
-    /// The compound.
+    /// The compound. Bonds may hold several groups of parts together, as of a body that was saved while it broke: they come apart at once.
     ///
     /// # Errors
     /// [`CompoundError`] if a part has no shape, or as [`Compound::new`] and [`Compound::with_bonds`].
@@ -69,7 +69,7 @@ impl CompoundConstructor {
             compound = compound.with_visual(visual.build()?);
         }
         match &self.bonds {
-            Some(bonds) => compound.with_bonds(bonds.clone()),
+            Some(bonds) => compound.with_bonds_of_groups(bonds.clone()),
             None => Ok(compound),
         }
     }
