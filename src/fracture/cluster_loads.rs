@@ -105,9 +105,9 @@ fn add_contact(
     let to_body = bodies.pose(slot).rotation.inverse();
     let per_time = [-1.0, 1.0][side] / step_dt;
     let in_body = |v: Vec3| rotate(to_body, v * per_time).as_dvec3();
-    let friction = SharedFriction::of(manifold, side);
+    let friction = SharedFriction::of(manifold, side, bodies.are_bonded(manifold.a, manifold.b));
     for point in manifold.points() {
-        let share = friction.share_of(point.normal_impulse);
+        let share = friction.share_of(point);
         let impulse = point.normal_impulse * manifold.normal + share * friction.sum;
         if impulse == Vec3::ZERO {
             continue;
@@ -131,39 +131,51 @@ fn add_contact(
     }
 }
 
-/// Friction of a contact, shared by its points as they bear the normal force.
+/// Friction of a contact, shared by its points as they bear the normal force; that of a bond, whose points may pull, evenly.
 ///
 /// What it is together follows from the motion of what lies there; how points pull against each other does not, and is left from how it came to rest.
 /// As a load it would strain bonds that nothing strains: by a fourth of what they bear under 20 t, another one for each rate of steps.
 struct SharedFriction {
     /// Of all points, N s.
     sum: Vec3,
-    /// About the middle of the normal impulses, N m s.
+    /// About the middle of the shares, N m s.
     twist: Vec3,
-    /// Of all normal impulses, N s.
-    normal: f32,
+    /// How points share it.
+    is_even: bool,
+    /// Of all shares.
+    whole: f32,
 }
 
 impl SharedFriction {
-    fn of(manifold: &ManifoldRef, side: usize) -> Self {
+    fn of(manifold: &ManifoldRef, side: usize, is_bonded: bool) -> Self {
         let anchor = |point: &ContactPoint| [point.anchor_a, point.anchor_b][side];
         let points = manifold.points();
-        let normal: f32 = points.iter().map(|point| point.normal_impulse).sum();
-        let weighed = points.iter().map(|it| it.normal_impulse * anchor(it));
-        let middle = weighed.sum::<Vec3>() / normal.max(f32::MIN_POSITIVE);
+        let mut shared = Self {
+            sum: points.iter().map(|point| point.friction_impulse).sum(),
+            twist: Vec3::ZERO,
+            is_even: is_bonded,
+            whole: 0.0,
+        };
+        shared.whole = points.iter().map(|point| shared.weight_of(point)).sum();
+        let weighed = points.iter().map(|it| shared.weight_of(it) * anchor(it));
+        let middle = weighed.sum::<Vec3>() / shared.whole.max(f32::MIN_POSITIVE);
         let turning = points.iter();
         let turning = turning.map(|it| (anchor(it) - middle).cross(it.friction_impulse));
-        Self {
-            sum: points.iter().map(|point| point.friction_impulse).sum(),
-            twist: turning.sum(),
-            normal,
+        shared.twist = turning.sum();
+        shared
+    }
+
+    fn weight_of(&self, point: &ContactPoint) -> f32 {
+        match self.is_even {
+            true => 1.0,
+            false => point.normal_impulse,
         }
     }
 
-    /// Share of a point with this normal impulse (N s).
-    fn share_of(&self, normal_impulse: f32) -> f32 {
-        if self.normal > 0.0 {
-            normal_impulse / self.normal
+    /// Share of a point.
+    fn share_of(&self, point: &ContactPoint) -> f32 {
+        if self.whole > 0.0 {
+            self.weight_of(point) / self.whole
         } else {
             0.0
         }

@@ -9,6 +9,7 @@ mod blasts;
 mod blows;
 mod entities;
 mod family;
+mod hanging;
 mod in_app;
 mod levels;
 mod loads;
