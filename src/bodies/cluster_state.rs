@@ -61,6 +61,15 @@ impl PartLoad {
 }
 
 impl ClusterState {
+    /// Takes note that the bonds bear what the loads do, with gravity and spin in the frame of the compound.
+    pub(crate) fn note_judged(&mut self, motion: [DVec3; 2], utilization: f64) {
+        self.judged = Some(JudgedLoad {
+            loads: self.loads.clone(),
+            motion,
+            utilization,
+        });
+    }
+
     /// Whether a part holds on to the world.
     pub(crate) fn holds(&self, part: u32) -> bool {
         let held = self.held.as_ref();

@@ -96,14 +96,16 @@ impl Bodies {
         };
         let cracked = compound.without_bonds(broken);
         let held = self.cluster(slot).and_then(|state| state.held.clone());
-        let loads = self.cluster(slot).map(|state| state.loads.clone());
+        let loaded = self.cluster(slot);
+        let loaded = loaded.map(|state| (state.loads.clone(), state.overloaded));
         self.set_compound(slot, cracked);
         if self.renew_cluster(slot).is_err() {
             return;
         }
         if let Some(state) = self.cluster_mut(slot) {
             state.held = held;
-            state.loads = loads.unwrap_or_default();
+            // What is too much for it does not begin anew with each bond.
+            (state.loads, state.overloaded) = loaded.unwrap_or_default();
         }
         self.cracked.push((slot, self.id(slot)));
     }

@@ -33,13 +33,13 @@ impl Network {
     /// `spin` (rad/s, frame of the compound). `elastic`: the system, if it is known; none afterwards if bonds broke.
     ///
     /// None if `budget` (products of blocks) is used up before the system is ready: it goes on from there the next time. Where it is
-    /// used up later, what has broken until then is told.
+    /// used up later, what has broken until then is told; if `is_first`, no more than what breaks first, with the system kept.
     pub(crate) fn bear(
         &self,
         elastic: &mut Option<Box<Elastic>>,
         loads: &[Wrench],
         (held, spin): (&[bool], DVec3),
-        budget: &mut usize,
+        (is_first, budget): (bool, &mut usize),
     ) -> Option<LoadOutcome> {
         let mut is_broken = vec![false; self.bonds.len()];
         let mut loads = loads.to_vec();
@@ -77,6 +77,10 @@ impl Network {
             let most = TOGETHER * utilization;
             for (is_broken, share) in is_broken.iter_mut().zip(&shares) {
                 *is_broken |= *share >= most.max(1.0);
+            }
+            if is_first {
+                *elastic = Some(system);
+                break;
             }
             let groups = groups_of(self.nodes.len(), &self.bonds, |bond| is_broken[bond]);
             if groups.iter().any(|&group| group != 0) {

@@ -5,7 +5,7 @@
 //! the others are solved.
 
 use crate::bodies::body::RigidBody;
-use crate::bodies::cluster_state::{ClusterState, JudgedLoad, LoadSource, PartLoad};
+use crate::bodies::cluster_state::{ClusterState, LoadSource, PartLoad};
 use crate::bodies::store::Bodies;
 use crate::cluster::elastic::Wrench;
 use crate::cluster::load::LoadOutcome;
@@ -68,7 +68,7 @@ pub(super) fn judge_loads(
     let slots: Vec<u32> = bodies.cluster_slots().collect();
     let mut broken = Vec::new();
     for slot in slots {
-        if !bodies.is_active(slot) || bodies.is_asleep(slot) {
+        if !bodies.is_active(slot) || bodies.is_asleep(slot) && !goes_on(bodies, slot) {
             continue;
         }
         let first = found.partition_point(|(of, _)| *of < slot);
@@ -87,6 +87,12 @@ pub(super) fn judge_loads(
         ));
     }
     broken
+}
+
+/// Whether it is not known yet what the load does that a body has fallen asleep with: a large one sleeps before that is worked out.
+fn goes_on(bodies: &Bodies, slot: u32) -> bool {
+    let state = bodies.cluster(slot);
+    state.is_some_and(|state| state.judged.is_none() && !state.loads.is_empty())
 }
 
 /// Adds what a contact does to a cluster, part by part.
@@ -249,28 +255,33 @@ fn judge(
     let (kind, spin) = (bodies.kind(slot), bodies.velocity(slot).1);
     let motion = [gravity, spin].map(|v| rotate(to_body, v).as_dvec3());
     let reach = f64::from(bodies.compound(slot)?.aabb().diagonal());
+    let is_asleep = bodies.is_asleep(slot);
     let holding = held_back(bodies, slot);
     let state = bodies.cluster_mut(slot)?;
-    remember(&mut state.loads, now, &holding, elapsed);
+    // Contacts of what sleeps are not looked at: all loads go on as they were.
+    if !is_asleep {
+        remember(&mut state.loads, now, &holding, elapsed);
+    }
     let held = state.held.as_ref()?;
     let is_held = held.contains(&true);
     if kind == RigidBody::Kinematic || kind == RigidBody::Static && !is_held {
         return None;
     }
     let mass: f64 = state.network.nodes.iter().map(|node| node.mass).sum();
-    let own = |motion: &[DVec3; 2]| {
-        if is_held {
-            mass * motion[0]
-        } else {
-            mass * reach * motion[1] * motion[1].length()
-        }
+    let own = |motion: &[DVec3; 2]| match is_held {
+        true => mass * motion[0],
+        false => mass * reach * motion[1] * motion[1].length(),
     };
-    let total: f64 = state.loads.iter().map(PartLoad::size).sum();
-    let total = total + own(&motion).length();
+    let loads = state.loads.iter().map(PartLoad::size);
+    let total = loads.sum::<f64>() + own(&motion).length();
     let least = state.network.least_force;
     // Not a number: nothing is known.
     if !total.is_finite() || total < least {
         state.overloaded = 0.0;
+        if is_asleep {
+            // No bond can bear a larger share than this.
+            state.note_judged(motion, total / least);
+        }
         return None;
     }
     if let Some(judged) = &state.judged {
@@ -281,24 +292,25 @@ fn judge(
             return None;
         }
     }
-    let outcome = bear(state, is_held, &motion)?;
+    let is_due = state.overloaded + elapsed >= SUSTAINED;
+    let outcome = bear(state, (is_held, &motion), is_due)?;
     if outcome.broken.is_empty() {
-        state.judged = Some(JudgedLoad {
-            loads: state.loads.clone(),
-            motion,
-            utilization: outcome.utilization,
-        });
+        state.note_judged(motion, outcome.utilization);
         state.overloaded = 0.0;
         return None;
     }
     // Looked at again until it is over, or long enough.
     state.judged = None;
     state.overloaded += elapsed;
-    (state.overloaded >= SUSTAINED).then_some(outcome)
+    is_due.then_some(outcome)
 }
 
-/// What the load does; none as long as that is being worked out.
-fn bear(state: &mut ClusterState, is_held: bool, motion: &[DVec3; 2]) -> Option<LoadOutcome> {
+/// What the load does; none as long as that is being worked out. As long as it `is_due` to break nothing, no more than whether it would.
+fn bear(
+    state: &mut ClusterState,
+    (is_held, motion): (bool, &[DVec3; 2]),
+    is_due: bool,
+) -> Option<LoadOutcome> {
     let network = &state.network;
     let mut loads = vec![Wrench::default(); network.nodes.len()];
     for load in &state.loads {
@@ -311,7 +323,8 @@ fn bear(state: &mut ClusterState, is_held: bool, motion: &[DVec3; 2]) -> Option<
     }
     let held = state.held.as_deref().unwrap_or_default();
     let mut budget = WORK_PER_STEP;
-    network.bear(&mut state.elastic, &loads, (held, motion[1]), &mut budget)
+    let how_far = (!is_due, &mut budget);
+    network.bear(&mut state.elastic, &loads, (held, motion[1]), how_far)
 }
 
 /// Loads of a cluster by contacts with bodies that sleep: these are not looked at, and go on as they were.

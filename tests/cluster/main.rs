@@ -5,6 +5,7 @@ mod app;
 #[path = "../common/mod.rs"]
 mod common;
 
+mod asleep;
 mod blasts;
 mod blows;
 mod entities;
