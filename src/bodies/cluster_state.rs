@@ -1,5 +1,6 @@
 //! What is known of a body whose parts are held by bonds, besides its shape.
 
+use crate::cluster::bearing::Bearing;
 use crate::cluster::elastic::{Elastic, Wrench};
 use crate::cluster::network::Network;
 use crate::contact::body_id::BodyId;
@@ -15,6 +16,8 @@ pub(crate) struct ClusterState {
     pub(crate) held: Option<Vec<bool>>,
     /// If nothing of it does: the newest body when that was found out.
     pub(crate) looked_at: Option<u32>,
+    /// Where it lies on others, by these.
+    pub(crate) bearings: Vec<(LoadSource, Bearing)>,
     /// What it bears, low-passed, by source and part.
     pub(crate) loads: Vec<PartLoad>,
     /// The same when it was last found out what that does to the bonds.

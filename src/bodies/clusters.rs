@@ -68,6 +68,7 @@ impl Bodies {
             network: Arc::new(network),
             held,
             looked_at: None,
+            bearings: Vec::new(),
             loads: Vec::new(),
             judged: None,
             overloaded: 0.0,
@@ -97,7 +98,7 @@ impl Bodies {
         let cracked = compound.without_bonds(broken);
         let held = self.cluster(slot).and_then(|state| state.held.clone());
         let loaded = self.cluster(slot);
-        let loaded = loaded.map(|state| (state.loads.clone(), state.overloaded));
+        let loaded = loaded.map(|it| (it.loads.clone(), it.bearings.clone(), it.overloaded));
         self.set_compound(slot, cracked);
         if self.renew_cluster(slot).is_err() {
             return;
@@ -105,7 +106,7 @@ impl Bodies {
         if let Some(state) = self.cluster_mut(slot) {
             state.held = held;
             // What is too much for it does not begin anew with each bond.
-            (state.loads, state.overloaded) = loaded.unwrap_or_default();
+            (state.loads, state.bearings, state.overloaded) = loaded.unwrap_or_default();
         }
         self.cracked.push((slot, self.id(slot)));
     }

@@ -7,11 +7,14 @@
 use crate::bodies::body::RigidBody;
 use crate::bodies::cluster_state::{ClusterState, LoadSource, PartLoad};
 use crate::bodies::store::Bodies;
+use crate::cluster::bearing::Borne;
 use crate::cluster::elastic::Wrench;
 use crate::cluster::load::LoadOutcome;
-use crate::contact::manifolds::{ManifoldRef, Manifolds};
-use crate::contact::point::ContactPoint;
+use crate::contact::manifolds::Manifolds;
+use crate::fracture::bearings::{bearing_of, borne_by};
 use crate::fracture::cluster::BrokenBonds;
+use crate::fracture::contact_loads::add_contact;
+use crate::geometry::Compound;
 use crate::joints::Joints;
 use crate::math::rotate;
 use glam::{DVec3, Vec3};
@@ -54,26 +57,37 @@ pub(super) fn judge_loads(
     elapsed: f32,
 ) -> Vec<(u32, BrokenBonds)> {
     let mut found: Vec<(u32, PartLoad)> = Vec::new();
+    let mut faces = Vec::new();
     for manifold in step.manifolds.iter() {
         for side in 0..2 {
             let slot = [manifold.a, manifold.b][side];
             if bodies.cluster(slot).is_some() {
                 add_contact(bodies, &manifold, side, step.step_dt, &mut found);
+                faces.extend(bearing_of(bodies, &manifold, side, step.gravity));
             }
         }
     }
     add_joints(bodies, step.joints, &mut found);
     add_pushes(bodies, &mut found);
     found.sort_by_key(|(slot, load)| (*slot, load.from));
+    faces.sort_by_key(|(slot, source, _)| (*slot, *source));
     let slots: Vec<u32> = bodies.cluster_slots().collect();
     let mut broken = Vec::new();
     for slot in slots {
-        if !bodies.is_active(slot) || bodies.is_asleep(slot) && !goes_on(bodies, slot) {
+        let is_asleep = bodies.is_active(slot) && bodies.is_asleep(slot);
+        if !bodies.is_active(slot) || is_asleep && !goes_on(bodies, slot) {
             continue;
         }
         let first = found.partition_point(|(of, _)| *of < slot);
         let own = found[first..].iter().take_while(|(of, _)| *of == slot);
         let own: Vec<PartLoad> = own.map(|(_, load)| *load).collect();
+        if let Some(state) = bodies.cluster_mut(slot).filter(|_| !is_asleep) {
+            let first = faces.partition_point(|(of, ..)| *of < slot);
+            let own = faces[first..].iter().take_while(|(of, ..)| *of == slot);
+            state.bearings = own
+                .map(|(_, source, face)| (*source, face.clone()))
+                .collect();
+        }
         let Some(outcome) = judge(bodies, slot, &own, (step.gravity, elapsed)) else {
             continue;
         };
@@ -93,99 +107,6 @@ pub(super) fn judge_loads(
 fn goes_on(bodies: &Bodies, slot: u32) -> bool {
     let state = bodies.cluster(slot);
     state.is_some_and(|state| state.judged.is_none() && !state.loads.is_empty())
-}
-
-/// Adds what a contact does to a cluster, part by part.
-fn add_contact(
-    bodies: &Bodies,
-    manifold: &ManifoldRef,
-    side: usize,
-    step_dt: f32,
-    found: &mut Vec<(u32, PartLoad)>,
-) {
-    let slots = [manifold.a, manifold.b];
-    let (slot, other) = (slots[side], slots[1 - side]);
-    let (Some(compound), Some(state)) = (bodies.compound(slot), bodies.cluster(slot)) else {
-        return;
-    };
-    let to_body = bodies.pose(slot).rotation.inverse();
-    let per_time = [-1.0, 1.0][side] / step_dt;
-    let in_body = |v: Vec3| rotate(to_body, v * per_time).as_dvec3();
-    let friction = SharedFriction::of(manifold, side, bodies.are_bonded(manifold.a, manifold.b));
-    for point in manifold.points() {
-        let share = friction.share_of(point);
-        let impulse = point.normal_impulse * manifold.normal + share * friction.sum;
-        if impulse == Vec3::ZERO {
-            continue;
-        }
-        let anchor = [point.anchor_a, point.anchor_b][side];
-        let place = rotate(to_body, anchor) + bodies.mass(slot).center;
-        let part = compound.part_at(place);
-        let force = in_body(impulse);
-        let arm = place.as_dvec3() - state.network.nodes[part as usize].center;
-        let wrench = Wrench {
-            force,
-            torque: arm.cross(force) + in_body(share * friction.twist),
-        };
-        let from = (LoadSource::Contact(bodies.id(other), other), part);
-        let last = found.iter_mut().rev().take(4);
-        let mut known = last.filter(|(of, load)| *of == slot && load.from == from);
-        match known.next() {
-            Some((_, load)) => load.wrench.add(wrench),
-            None => found.push((slot, PartLoad { from, wrench })),
-        }
-    }
-}
-
-/// Friction of a contact, shared by its points as they bear the normal force; that of a bond, whose points may pull, evenly.
-///
-/// What it is together follows from the motion of what lies there; how points pull against each other does not, and is left from how it came to rest.
-/// As a load it would strain bonds that nothing strains: by a fourth of what they bear under 20 t, another one for each rate of steps.
-struct SharedFriction {
-    /// Of all points, N s.
-    sum: Vec3,
-    /// About the middle of the shares, N m s.
-    twist: Vec3,
-    /// How points share it.
-    is_even: bool,
-    /// Of all shares.
-    whole: f32,
-}
-
-impl SharedFriction {
-    fn of(manifold: &ManifoldRef, side: usize, is_bonded: bool) -> Self {
-        let anchor = |point: &ContactPoint| [point.anchor_a, point.anchor_b][side];
-        let points = manifold.points();
-        let mut shared = Self {
-            sum: points.iter().map(|point| point.friction_impulse).sum(),
-            twist: Vec3::ZERO,
-            is_even: is_bonded,
-            whole: 0.0,
-        };
-        shared.whole = points.iter().map(|point| shared.weight_of(point)).sum();
-        let weighed = points.iter().map(|it| shared.weight_of(it) * anchor(it));
-        let middle = weighed.sum::<Vec3>() / shared.whole.max(f32::MIN_POSITIVE);
-        let turning = points.iter();
-        let turning = turning.map(|it| (anchor(it) - middle).cross(it.friction_impulse));
-        shared.twist = turning.sum();
-        shared
-    }
-
-    fn weight_of(&self, point: &ContactPoint) -> f32 {
-        match self.is_even {
-            true => 1.0,
-            false => point.normal_impulse,
-        }
-    }
-
-    /// Share of a point.
-    fn share_of(&self, point: &ContactPoint) -> f32 {
-        if self.whole > 0.0 {
-            self.weight_of(point) / self.whole
-        } else {
-            0.0
-        }
-    }
 }
 
 /// Adds what joints do to clusters.
@@ -257,6 +178,7 @@ fn judge(
     let reach = f64::from(bodies.compound(slot)?.aabb().diagonal());
     let is_asleep = bodies.is_asleep(slot);
     let holding = held_back(bodies, slot);
+    let compound = bodies.compound(slot)?.clone();
     let state = bodies.cluster_mut(slot)?;
     // Contacts of what sleeps are not looked at: all loads go on as they were.
     if !is_asleep {
@@ -293,7 +215,7 @@ fn judge(
         }
     }
     let is_due = state.overloaded + elapsed >= SUSTAINED;
-    let outcome = bear(state, (is_held, &motion), is_due)?;
+    let outcome = bear(state, &compound, (is_held, &motion), is_due)?;
     if outcome.broken.is_empty() {
         state.note_judged(motion, outcome.utilization);
         state.overloaded = 0.0;
@@ -308,14 +230,26 @@ fn judge(
 /// What the load does; none as long as that is being worked out. As long as it `is_due` to break nothing, no more than whether it would.
 fn bear(
     state: &mut ClusterState,
+    compound: &Compound,
     (is_held, motion): (bool, &[DVec3; 2]),
     is_due: bool,
 ) -> Option<LoadOutcome> {
     let network = &state.network;
     let mut loads = vec![Wrench::default(); network.nodes.len()];
-    for load in &state.loads {
-        loads[load.from.1 as usize].add(load.wrench);
+    let mut borne = borne_by(state);
+    for PartLoad {
+        from: (source, part),
+        wrench,
+    } in &state.loads
+    {
+        match borne.iter_mut().find(|(of, _)| of == source) {
+            Some((_, borne)) => borne.parts.push((*part, *wrench)),
+            None => loads[*part as usize].add(*wrench),
+        }
     }
+    let borne: Vec<Borne> = borne.into_iter().map(|(_, borne)| borne).collect();
+    network.spread(compound, &borne, motion[0], &mut loads);
+    drop(borne);
     if is_held {
         for (load, node) in loads.iter_mut().zip(&network.nodes) {
             load.force += node.mass * motion[0];

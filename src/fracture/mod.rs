@@ -19,6 +19,7 @@
 //! | `holding.rs`, `hold_area.rs` | which pieces of what stood stay, and what falls with the others |
 //! | `blast.rs`, `pressure.rs` | explosions and forces at points, which push clusters part by part; other bodies |
 //! | `cluster.rs`, `cluster_loads.rs` | bodies whose parts are held by bonds: what comes off, and what sustained loads break |
+//! | `contact_loads.rs`, `bearings.rs` | what contacts do to their parts, and where they lie on something |
 //! | `debris.rs` | which pieces go again |
 //! | `inheritance.rs`, `bond_inheritance.rs`, `joint_inheritance.rs` | which piece gets multipliers, bonds and joints of the parent |
 //! | `bond.rs`, `bonded_pair.rs`, `bonds.rs`, `neighbors.rs` | what holds bodies together, and over which area |
@@ -26,6 +27,7 @@
 //! Must not know entities. How an impact divides a shape is decided in `slice`, whether it is too much in `bodies/breaking.rs` while
 //! the island is solved. Read `breaking.rs` first.
 
+mod bearings;
 mod blast;
 pub(crate) mod bond;
 mod bond_inheritance;
@@ -36,6 +38,7 @@ mod budget;
 mod cluster;
 mod cluster_loads;
 mod conservation;
+mod contact_loads;
 mod debris;
 mod gradual;
 mod hold_area;

@@ -14,6 +14,7 @@ mod hanging;
 mod in_app;
 mod levels;
 mod loads;
+mod lying;
 mod pushes;
 mod shapes;
 mod threads;
