@@ -139,7 +139,10 @@ impl Clipping<'_> {
             slide,
             ..self.patch(face, reference, b_refers, corners)
         };
-        *beside = patch(lower);
+        beside.count = 0;
+        if !lower.is_empty() {
+            *beside = patch(lower);
+        }
         patch(polygon)
     }
 

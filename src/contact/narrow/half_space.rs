@@ -75,7 +75,10 @@ pub(crate) fn examine_half_space(
         }
         patch
     };
-    *beside = with(lower);
+    beside.count = 0;
+    if !lower.is_empty() {
+        *beside = with(lower);
+    }
     SatResult::Touching(with(polygon))
 }
 
