@@ -62,13 +62,13 @@ fn leaning(dice: &mut Dice) -> Simulation {
     simulation
 }
 
-/// Corners that were left out sank in until they were pushed out again, the slab with them: 12 of 60 never came to rest, and energy rose in 2242
+/// Corners that were left out sank in until they were pushed out again, the slab with them: 12 of the first 60 never came to rest, and energy rose in 2242
 /// of 14 400 steps (2 and 95 since).
 #[test]
 fn plates_under_a_slab_come_to_rest() {
     let mut dice = Dice::new(1);
     let (mut awake, mut rises) = (0, 0);
-    for _ in 0..60 {
+    for _ in 0..30 {
         let mut simulation = leaning(&mut dice);
         (0..360).for_each(|_| simulation.step(H));
         let before = energy(&simulation);
@@ -81,5 +81,5 @@ fn plates_under_a_slab_come_to_rest() {
         }
         awake += usize::from(simulation.bodies.asleep() < 3);
     }
-    assert!(awake <= 4 && rises <= 200, "{awake} awake, {rises} rises");
+    assert!(awake <= 3 && rises <= 120, "{awake} awake, {rises} rises");
 }

@@ -471,7 +471,7 @@ fn on_grounds_of_any_kind_it_goes_as_on_a_floor() {
 
 #[test]
 fn it_goes_up_and_down_stairs_that_are_low_enough() {
-    check(judge_stairs, 60);
+    check(judge_stairs, 30);
 }
 
 #[test]
@@ -486,7 +486,7 @@ fn slopes_near_the_limit_are_told_apart() {
 
 #[test]
 fn between_steep_slopes_it_keeps_still_and_out_of_them() {
-    check(judge_groove, 60);
+    check(judge_groove, 30);
 }
 
 #[test]
