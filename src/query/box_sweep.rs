@@ -209,6 +209,13 @@ mod tests {
     }
 
     impl Members {
+        fn new(seed: u32) -> Self {
+            Self {
+                state: seed,
+                place: Vec3::ZERO,
+            }
+        }
+
         /// From -1 to 1.
         fn number(&mut self) -> f32 {
             let next = self.state.wrapping_mul(1_664_525);
@@ -280,10 +287,7 @@ mod tests {
 
     #[test]
     fn what_axes_tell_of_a_box_and_a_triangle_is_so() {
-        let mut members = Members {
-            state: 3,
-            place: Vec3::ZERO,
-        };
+        let mut members = Members::new(3);
         let mut told = [0; 3];
         for _ in 0..20_000 {
             members.go();
@@ -317,10 +321,7 @@ mod tests {
 
     #[test]
     fn boxes_meet_triangles_when_axes_say_so() {
-        let mut members = Members {
-            state: 4,
-            place: Vec3::ZERO,
-        };
+        let mut members = Members::new(4);
         let mut met = [0; 2];
         for _ in 0..50_000 {
             members.go();

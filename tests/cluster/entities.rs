@@ -2,6 +2,7 @@
 
 use crate::app::stepping_app;
 use crate::common::dice::Dice;
+use crate::hierarchy::world_of;
 use bevy_app::App;
 use bevy_cleave::prelude::*;
 use bevy_ecs::entity_disabling::Disabled;
@@ -33,12 +34,6 @@ fn cluster(dice: &mut Dice) -> Compound {
     let strength = [1e3, 1e4, 1e5][dice.below(3)];
     let cluster = Cluster::cut(&whole, &pattern, 1 + dice.below(100) as u64, strength);
     cluster.expect("cells").compound().expect("connected")
-}
-
-fn world_of(world: &World, entity: Entity) -> Affine3A {
-    let own = world.get::<Transform>(entity).expect("has a place");
-    let above = world.get::<ChildOf>(entity).map(ChildOf::parent);
-    above.map_or(Affine3A::IDENTITY, |above| world_of(world, above)) * own.compute_affine()
 }
 
 /// A ball that flies at a point within the cluster.

@@ -4,6 +4,8 @@
 mod app;
 #[path = "../common/mod.rs"]
 mod common;
+#[path = "../common/hierarchy.rs"]
+mod hierarchy;
 
 mod asleep;
 mod blasts;

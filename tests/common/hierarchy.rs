@@ -1,4 +1,5 @@
 //! Where entities beneath others are.
+#![allow(dead_code, reason = "not every program puts entities beneath others")]
 
 use bevy_ecs::prelude::*;
 use bevy_math::{Affine3A, Mat4};
