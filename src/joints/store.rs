@@ -53,6 +53,8 @@ pub(crate) struct JointRecord {
     pub(crate) joint: Joint,
     pub(crate) ends: [JointEnd; 2],
     pub(crate) load: JointLoad,
+    /// Force on B at its anchor that may make bodies hard to turn, N.
+    pub(crate) tension: Vec3,
     /// Energy in its springs, J.
     pub(crate) stored_energy: f32,
     /// Whether a piece of a body that broke has it, and its entity does not know yet.
@@ -105,6 +107,7 @@ impl Joints {
                 angle: joint.expected_twist(),
                 ..JointLoad::default()
             },
+            tension: Vec3::ZERO,
             stored_energy: 0.0,
             is_inherited: false,
         });
@@ -263,6 +266,7 @@ impl Joints {
                 continue;
             };
             known.load = record.load;
+            known.tension = record.tension;
             known.stored_energy = record.stored_energy;
         }
     }

@@ -22,5 +22,6 @@ mod random_trees;
 mod scene;
 mod scenes;
 mod statics;
+mod taut;
 mod touching;
 mod vehicles;

@@ -5,6 +5,11 @@ use crate::solver::batch::Batch;
 use glam::Vec3;
 
 impl Batch {
+    /// Share of a sub-step's gravity that acts before the motion.
+    pub(super) fn gravity_share(&self) -> f32 {
+        self.joints.shares()[0]
+    }
+
     /// Lists them.
     pub(super) fn load_driven(&mut self, bodies: &Bodies) {
         self.bodies.driven.clear();

@@ -25,10 +25,12 @@ impl Batch {
     /// Takes back a sub-step whose bodies have not moved yet; what follows until [`end_halves`](Self::end_halves) is half as long.
     pub(crate) fn begin_halves(&mut self) {
         self.bodies.velocities.clone_from(&self.joints.start);
-        self.joints.system.take_back();
         self.joints.halvings += 1;
         self.settings.substep_dt *= 0.5;
         self.settings.substeps *= 2;
+        self.joints
+            .system
+            .take_back(self.settings.substep_dt.into());
     }
 
     /// Goes on with sub-steps as they were.

@@ -32,6 +32,7 @@ impl Batch {
         if std::mem::take(&mut self.joints.is_disturbed) {
             self.solve_joints();
         }
+        self.give_back_spin();
         self.calm_open_islands();
         let are_alone = self.joints.are_alone();
         self.joints.system.end_substep(are_alone);
@@ -97,6 +98,7 @@ impl Batch {
             record.load.angle = system.angle(joint) as f32;
             let translation = joint.now.as_ref().map(|now| now.translation().as_vec3());
             record.load.translation = translation.unwrap_or_default();
+            record.tension = joint.tension;
             record.stored_energy = 0.0;
             for row in &system.rows[joint.rows.clone()] {
                 record.stored_energy += row.stored_energy() as f32;

@@ -84,7 +84,7 @@ impl BatchJoints {
     }
 
     /// Shares of the forces of a sub-step that act before and after the motion.
-    fn shares(&self) -> [f32; 2] {
+    pub(super) fn shares(&self) -> [f32; 2] {
         if self.are_alone() {
             [0.5; 2]
         } else {
@@ -169,6 +169,7 @@ impl Batch {
                 joint.slack = (ROUNDING * far[0].max(far[1])).into();
             }
         }
+        self.load_tensions(joints);
         self.joints.system.analyse();
         self.load_jointed_turning(bodies);
         self.joints.given.clear();
@@ -265,11 +266,6 @@ impl Batch {
         }
     }
 
-    /// Share of a sub-step's gravity that acts before the motion.
-    pub(crate) fn gravity_share(&self) -> f32 {
-        self.joints.shares()[0]
-    }
-
     /// Begins a sub-step, after gravity.
     pub(crate) fn begin_joints(&mut self, is_first: bool) {
         if !self.joints.any() {
@@ -280,7 +276,7 @@ impl Batch {
         let half = self.half(self.joints.shares()[0]);
         let system = &mut self.joints.system;
         if is_first {
-            system.begin_step();
+            system.begin_step(half.substep_dt);
         }
         system.begin_ahead(&half);
         self.return_velocities();
@@ -358,12 +354,13 @@ impl Batch {
             self.drive_for(share * self.settings.substep_dt);
             self.joints.system.note_impulses(true);
         }
+        self.note_tensions();
         let system = &mut self.joints.system;
         let moving = |body: &&mut FixedBody| body.velocity != Vector6::default();
         for body in system.fixed.iter_mut().filter(moving) {
             body.place = body.after(half.substep_dt);
         }
-        system.linearise();
+        system.linearise(half.substep_dt);
         self.fetch_velocities();
         self.joints.system.begin_along(&half);
     }

@@ -33,6 +33,7 @@ mod results;
 mod subdomain_slices;
 pub(crate) mod substep;
 mod sweeps;
+mod swings;
 mod targets;
 mod warm_start;
 

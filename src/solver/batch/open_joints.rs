@@ -60,7 +60,7 @@ impl Batch {
     }
 
     /// Adds a share of a motion to the bodies of a component.
-    fn add_motion(&mut self, component: u32, motion: &RigidMotion, share: f32) {
+    pub(super) fn add_motion(&mut self, component: u32, motion: &RigidMotion, share: f32) {
         let system = &self.joints.system;
         for (at, number) in self.joints.numbers.iter().enumerate() {
             if system.is_of(at, component) {
@@ -78,7 +78,10 @@ impl Batch {
     fn may_gain(&self, joints: Range<usize>) -> bool {
         let (system, are_alone) = (&self.joints.system, self.joints.are_alone());
         system.stay_open(joints.clone())
-            || are_alone && (system.hold_along_end(joints.clone()) || system.come_back(joints))
+            || are_alone
+                && (system.swings_fast()
+                    || system.hold_along_end(joints.clone())
+                    || system.come_back(joints))
     }
 
     /// The share of an island's velocities, but for those that it keeps, that leaves no more energy than the sub-step began with and drives have given, J.

@@ -28,6 +28,8 @@ pub(crate) struct JointedBody {
     /// Inertia tensor and its inverse, world axes.
     pub(crate) inertia: DMat3,
     pub(crate) inverse_inertia: DMat3,
+    /// Inertia that it has besides where joints are solved, since what it bears resists its turn.
+    pub(crate) implicit_inertia: DMat3,
     /// `h^2 k J M^-1 J^T` of its springs together.
     pub(crate) swing: f64,
 }
@@ -54,9 +56,21 @@ impl FixedBody {
 }
 
 impl JointedBody {
-    /// Mass and inertia, about its center of mass.
+    /// Mass and inertia where joints are solved, about its center of mass.
     #[inline(always)]
     pub(super) fn spatial_inertia(&self) -> Block6 {
+        let mut block = self.own_inertia();
+        for i in 0..3 {
+            for j in 0..3 {
+                block[3 + i][3 + j] += self.implicit_inertia.col(j)[i];
+            }
+        }
+        block
+    }
+
+    /// Its own mass and inertia, about its center of mass.
+    #[inline(always)]
+    pub(super) fn own_inertia(&self) -> Block6 {
         let mut block = Block6::default();
         let shares = DVec3::ONE + LOCKED * self.locks[0];
         for i in 0..3 {
@@ -66,6 +80,11 @@ impl JointedBody {
             }
         }
         block
+    }
+
+    /// Whether it has inertia besides its own.
+    pub(super) fn is_stiffened(&self) -> bool {
+        self.implicit_inertia != DMat3::ZERO
     }
 
     /// How far from its center of mass its mass is, m.

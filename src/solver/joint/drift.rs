@@ -74,6 +74,7 @@ impl JointSystem {
         if is_pushed || has_retreated {
             drift.follow(self, h, width);
         }
+        self.note_borrowed_spin(1.0);
     }
 
     /// Whether for some joints no motion was found at whose end they hold.
@@ -81,9 +82,10 @@ impl JointSystem {
         self.rounds.any_lost()
     }
 
-    /// Takes a sub-step back whose motion was not found, once the velocities are what they were: the rows are where the bodies are again.
-    pub(crate) fn take_back(&mut self) {
-        self.linearise();
+    /// Takes a sub-step back whose motion was not found, once the velocities are what they were: the rows are where the bodies are again, for
+    /// sub-steps of `h` seconds.
+    pub(crate) fn take_back(&mut self, h: f64) {
+        self.linearise(h);
         self.is_bent = false;
     }
 

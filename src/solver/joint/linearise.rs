@@ -58,13 +58,16 @@ impl JointSystem {
 
     /// Begins a step: with the rows that the one before ended with, if nothing was moved or changed since, else with new ones. Either way
     /// nothing is left of what these bore.
-    pub(crate) fn begin_step(&mut self) {
+    pub(crate) fn begin_step(&mut self, h: f64) {
         self.is_bent = false;
         self.begin_spread();
         if self.is_as_it_ended() {
             self.take_over_rows();
+            if self.stiffen(h) {
+                self.outdate();
+            }
         } else {
-            self.linearise();
+            self.linearise(h);
         }
     }
 
@@ -88,6 +91,7 @@ impl JointSystem {
             body.rotation = before.rotation;
             body.inertia = before.inertia;
             body.inverse_inertia = before.inverse_inertia;
+            body.implicit_inertia = before.implicit_inertia;
         }
         for (joint, before) in self.joints.iter_mut().zip(&self.before.joints) {
             joint.rows = before.rows.clone();
@@ -114,9 +118,10 @@ impl JointSystem {
         self.is_written = true;
     }
 
-    /// Writes the rows anew for where the bodies are now; those that were there keep their impulses.
-    pub(crate) fn linearise(&mut self) {
+    /// Writes the rows anew for where the bodies are now; those that were there keep their impulses. `h`: length of a sub-step, s.
+    pub(crate) fn linearise(&mut self, h: f64) {
         run(self.width, Linearise(self));
+        self.stiffen(h);
     }
 
     #[inline(always)]

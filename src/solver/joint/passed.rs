@@ -30,6 +30,12 @@ impl JointSystem {
                 is_passed[joint.component as usize] |= comes_back;
             }
         }
+        // Inertia that bodies do not have bears something of what rows bear.
+        if self.stiffening.is_any {
+            for (body, &component) in self.bodies.iter().zip(&self.sparsity.components) {
+                is_passed[component as usize] |= body.is_stiffened();
+            }
+        }
         // Of loops bodies do not say it.
         if self.borne.any {
             for (is_passed, is_loop) in is_passed.iter_mut().zip(&self.borne.is_loop) {
@@ -56,7 +62,7 @@ impl JointSystem {
                 .zip(velocities)
                 .map(|(body, (now, before))| {
                     let change = std::array::from_fn(|i| now[i] - before[i]);
-                    product(&body.spatial_inertia(), &change)
+                    product(&body.own_inertia(), &change)
                 }),
         );
         for at in 0..self.sparsity.order.len() {

@@ -1,7 +1,8 @@
 //! The motion that connected bodies would have as one rigid body: what joints cannot change where nothing holds them.
 
+use crate::solver::joint::body::JointedBody;
 use crate::solver::joint::system::{BatchJoint, JointSystem};
-use crate::solver::joint::vector6::split;
+use crate::solver::joint::vector6::{Vector6, split};
 use glam::{DMat3, DVec3};
 
 /// A motion as one.
@@ -40,34 +41,71 @@ impl JointSystem {
 
     /// The motion of a component as one, with its momentum and angular momentum; none if something holds it.
     pub(crate) fn free_motion(&self, component: u32) -> Option<RigidMotion> {
-        if self.borne.is_held[component as usize] {
+        let frozen = self.freeze(component)?;
+        let (mut momentum, mut spin) = (DVec3::ZERO, DVec3::ZERO);
+        for (body, velocity) in self.bodies_of(component) {
+            let [v, omega] = split(velocity);
+            momentum += body.mass * v;
+            spin += body.mass * (body.center - frozen.center).cross(v) + body.inertia * omega;
+        }
+        frozen.moving(momentum, spin)
+    }
+
+    /// The turn of a component as one with an angular momentum, N m s; none if something holds it.
+    pub(crate) fn free_turn(&self, component: u32, spin: DVec3) -> Option<RigidMotion> {
+        self.freeze(component)?.moving(DVec3::ZERO, spin)
+    }
+
+    fn bodies_of(&self, component: u32) -> impl Iterator<Item = (&JointedBody, &Vector6)> {
+        let bodies = self.bodies.iter().zip(&self.velocities).zip(0..);
+        let own = bodies.filter(move |&(_, at)| self.is_of(at, component));
+        own.map(|(body, _)| body)
+    }
+
+    /// A component as one body; none if something holds it.
+    fn freeze(&self, component: u32) -> Option<Frozen> {
+        let mut bodies = self.bodies_of(component).map(|(body, _)| body);
+        let is_locked = |body: &JointedBody| body.locks != [DVec3::ZERO; 2];
+        if self.borne.is_held[component as usize] || bodies.any(is_locked) {
             return None;
         }
-        let velocities = self.velocities.iter().map(split);
-        let bodies = self.bodies.iter().zip(velocities).zip(0..);
-        let bodies = bodies.filter(|&(_, at)| self.is_of(at, component));
-        let bodies = bodies.map(|(body, _)| body);
-        let (mut mass, mut center, mut momentum) = (0.0, DVec3::ZERO, DVec3::ZERO);
-        for (body, [linear, _]) in bodies.clone() {
-            if body.locks != [DVec3::ZERO; 2] {
-                return None;
-            }
+        let (mut mass, mut center) = (0.0, DVec3::ZERO);
+        for (body, _) in self.bodies_of(component) {
             mass += body.mass;
             center += body.mass * body.center;
-            momentum += body.mass * linear;
         }
-        let (center, linear) = (center / mass, momentum / mass);
-        let (mut spin, mut inertia) = (DVec3::ZERO, DMat3::ZERO);
-        for (body, [v, omega]) in bodies {
+        center /= mass;
+        let mut inertia = DMat3::ZERO;
+        for (body, _) in self.bodies_of(component) {
             let arm = body.center - center;
-            spin += body.mass * arm.cross(v) + body.inertia * omega;
             let [x, y, z] = arm.to_array().map(|along| along * arm);
             let squares = DMat3::from_diagonal(DVec3::splat(arm.length_squared()));
             inertia += body.inertia + (squares - DMat3::from_cols(x, y, z)) * body.mass;
         }
-        let angular = inertia.inverse() * spin;
-        let motion = RigidMotion {
+        Some(Frozen {
+            mass,
             center,
+            inertia,
+        })
+    }
+}
+
+/// Connected bodies as one.
+struct Frozen {
+    /// kg
+    mass: f64,
+    /// Center of mass, m.
+    center: DVec3,
+    /// kg m2, world axes.
+    inertia: DMat3,
+}
+
+impl Frozen {
+    /// Its motion with a momentum, N s, and an angular momentum about its center, N m s.
+    fn moving(&self, momentum: DVec3, spin: DVec3) -> Option<RigidMotion> {
+        let (linear, angular) = (momentum / self.mass, self.inertia.inverse() * spin);
+        let motion = RigidMotion {
+            center: self.center,
             linear,
             angular,
             twice_energy: momentum.dot(linear) + spin.dot(angular),

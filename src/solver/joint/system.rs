@@ -10,8 +10,9 @@ use crate::solver::joint::rounds::Rounds;
 use crate::solver::joint::row::JointRow;
 use crate::solver::joint::rows::HalfSettings;
 use crate::solver::joint::sparsity::{EdgeBlock, Sparsity};
+use crate::solver::joint::stiffening::Stiffening;
 use crate::solver::joint::vector6::Vector6;
-use glam::{DQuat, DVec3};
+use glam::{DQuat, DVec3, Vec3};
 use std::ops::Range;
 
 /// What a joint holds on to.
@@ -50,6 +51,8 @@ pub(crate) struct BatchJoint {
     pub(crate) now: Option<Frames>,
     /// Twist, counted on over full turns, rad.
     pub(crate) angle: f64,
+    /// Force on B at its anchor that may make bodies hard to turn, N.
+    pub(crate) tension: Vec3,
     /// Impulse on B in the step, and about B's anchor, N s and N m s.
     pub(crate) impulse: [DVec3; 2],
     /// Largest error of what is held in the step, m and rad.
@@ -115,6 +118,8 @@ pub(crate) struct JointSystem {
     pub(super) has_bounds: bool,
     /// Time for which springs act in the factor, and length of its sub-step, s.
     factored_for: [f64; 2],
+    /// What its bodies bear that turns them.
+    pub(super) stiffening: Stiffening,
     /// Changes of velocities, by place in the order.
     pub(super) changes: Vec<Vector6>,
     /// By body: velocities that it is pushed with in this sub-step, and does not keep; empty if none is.
@@ -171,6 +176,7 @@ impl JointSystem {
             link: None,
             now: None,
             angle,
+            tension: Vec3::ZERO,
             impulse: [DVec3::ZERO; 2],
             error: [0.0; 2],
             slack: 0.0,
@@ -235,6 +241,8 @@ impl JointSystem {
             self.outdate();
         }
         self.factored_for = acts_for;
+        self.forget_borrowed_spin();
+        self.note_borrowed_spin(-1.0);
         if !std::mem::replace(&mut self.is_bent, true) {
             self.bend_rows(half.substep_dt);
         }
@@ -269,6 +277,7 @@ impl JointSystem {
         self.begin_half();
         self.find_swings(half.substep_dt);
         self.factored_for = [half.kick, half.substep_dt];
+        self.note_borrowed_spin(-1.0);
         let Self {
             joints,
             rows,

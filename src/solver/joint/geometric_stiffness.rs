@@ -1,0 +1,152 @@
+//! Light links under heavy loads: what they bear pulls them straight, faster than sub-steps can follow.
+//!
+//! A force `f` on a body at an anchor `r` from its center of mass resists a turn about any axis across `r` with the torque `r . f` per radian, the
+//! geometric stiffness of the joint: a link of mass `m` and length `l` that bears `T` swings about the line of the force at up to
+//! `sqrt(12 T / (m l))`, 600 rad/s where 1 kg bears a ton that swings. Impulses along the rows of where bodies are, which have joints
+//! hold at the end of the motion, are an explicit method for that, a leapfrog: beyond `h omega = 2` it grows, until links are bent by so
+//! much that no impulses along these rows close the joints any more. So bodies that what they bear would swing faster have more inertia where joints are
+//! solved, as in an implicit method: as much as leaves `h omega` at a bound. What swings slower has none, to the bit.
+//!
+//! Such inertia takes up energy and gives it back, at a sudden load what nothing gave it. So what a joint is taken to bear follows what it bears slowly
+//! upwards; where bodies turn by much in a sub-step it fades, and the energy of the island is bounded. Angular momentum that it takes from bodies that nothing
+//! holds is given back to all of them, as to one rigid body.
+//!
+//! # References
+//! Tournier, Nesme, Gilles and Faure, "Stable Constrained Dynamics", ACM Transactions on Graphics 34, 2015: the geometric
+//! stiffness of all joints, whole, as part of the mass of all bodies.
+
+use crate::solver::joint::rigid::RigidMotion;
+use crate::solver::joint::row::JointRow;
+use crate::solver::joint::stiffening::{implicit_inertia, stiffness_of};
+use crate::solver::joint::system::{BatchJoint, JointEndpoint, JointSystem};
+use crate::solver::joint::vector6::split;
+use glam::{DMat3, DVec3, Vec3};
+
+/// Largest ratio of what a joint is taken to bear to that of the sub-step before, from this share of a force on that moves its anchor by its lever in a sub-step.
+const GROWTH: f64 = 1.25;
+const FIRST: f64 = 0.5;
+
+/// Turn of a body in a sub-step at which a component has no such inertia any more, rad, and share of it beyond which its energy is bounded.
+const MOST_TURN: f64 = 0.15;
+const BOUNDED: f64 = 0.3;
+
+impl JointSystem {
+    /// Whether bodies have inertia besides their own.
+    pub(crate) fn is_stiffened(&self) -> bool {
+        self.stiffening.is_any
+    }
+
+    /// Whether they do, and some turn so fast that they may gain energy by it.
+    pub(crate) fn swings_fast(&self) -> bool {
+        self.stiffening.is_fast
+    }
+
+    /// Takes note of what joints bear as their rows say, in half of a sub-step of `h` seconds. Where no motion was found it
+    /// is nothing that comes again, and in loops rows may bear anything against each other.
+    pub(crate) fn note_tensions(&mut self, h: f64) {
+        self.find_turns(h);
+        let stiffening = &mut self.stiffening;
+        stiffening.is_fast = stiffening.is_any && stiffening.turns.iter().any(|&it| it > BOUNDED);
+        for joint in &mut self.joints {
+            let component = joint.component as usize;
+            let is_loop = self.borne.any && self.borne.is_loop[component];
+            if is_loop || self.rounds.leave_open(joint.component) {
+                continue;
+            }
+            let turn = stiffening.turns[component];
+            let left = (1.0 - turn * turn).max(0.0);
+            let rows = &self.rows[joint.rows.clone()];
+            let force = joint.force_on_b(rows) / (0.5 * h);
+            let first = FIRST * joint.moving_force(rows, h);
+            let most = first.max(GROWTH * f64::from(joint.tension.length()));
+            // Between steps it is told in single precision.
+            joint.tension = (left * force.clamp_length_max(most)).as_vec3();
+        }
+    }
+
+    fn find_turns(&mut self, h: f64) {
+        let turns = &mut self.stiffening.turns;
+        turns.clear();
+        turns.resize(self.components.len(), 0.0);
+        for (velocity, &component) in self.velocities.iter().zip(&self.sparsity.components) {
+            let turn = h * split(velocity)[1].length() / MOST_TURN;
+            let most = &mut turns[component as usize];
+            *most = most.max(turn);
+        }
+    }
+
+    /// Has bodies have the inertia that sub-steps of `h` seconds ask for; whether any has another than before.
+    pub(super) fn stiffen(&mut self, h: f64) -> bool {
+        let is_pulled = self.joints.iter().any(|joint| joint.tension != Vec3::ZERO);
+        let was_any = self.bodies.iter().any(|body| body.is_stiffened());
+        let stiffening = &mut self.stiffening;
+        stiffening.is_any = false;
+        if !is_pulled && !was_any {
+            return false;
+        }
+        let stiffness = &mut stiffening.stiffness;
+        stiffness.clear();
+        stiffness.resize(self.bodies.len(), DMat3::ZERO);
+        for joint in &self.joints {
+            let Some(now) = &joint.now else {
+                continue;
+            };
+            let force = joint.tension.as_dvec3();
+            for (side, force) in [-force, force].into_iter().enumerate() {
+                if let JointEndpoint::Jointed(body) = joint.ends[side] {
+                    stiffness[body as usize] += stiffness_of(now.r[side], force);
+                }
+            }
+        }
+        let mut has_changed = false;
+        for (body, stiffness) in self.bodies.iter_mut().zip(stiffness) {
+            let inertia = implicit_inertia(&body.inverse_inertia, stiffness, h);
+            has_changed |= inertia != body.implicit_inertia;
+            body.implicit_inertia = inertia;
+            stiffening.is_any |= body.is_stiffened();
+        }
+        has_changed
+    }
+
+    /// Forgets what angular momenta bodies have got by inertia that is none of theirs.
+    pub(super) fn forget_borrowed_spin(&mut self) {
+        let borrowed = &mut self.stiffening.borrowed_spin;
+        borrowed.clear();
+        borrowed.resize(self.components.len(), DVec3::ZERO);
+    }
+
+    /// Takes note of them before (`sign` -1) and after (1) joints change velocities.
+    pub(crate) fn note_borrowed_spin(&mut self, sign: f64) {
+        if !self.stiffening.is_any {
+            return;
+        }
+        let bodies = self.bodies.iter().zip(&self.velocities);
+        for ((body, velocity), &component) in bodies.zip(&self.sparsity.components) {
+            let spin = body.implicit_inertia * split(velocity)[1];
+            self.stiffening.borrowed_spin[component as usize] += sign * spin;
+        }
+    }
+
+    /// The turns that give them back to components that nothing holds.
+    pub(crate) fn borrowed_turns(&self) -> impl Iterator<Item = (u32, RigidMotion)> + '_ {
+        let borrowed = (0..).zip(&self.stiffening.borrowed_spin);
+        let borrowed = borrowed.filter(|&(_, &spin)| spin != DVec3::ZERO);
+        borrowed
+            .filter_map(|(component, &spin)| Some((component, self.free_turn(component, spin)?)))
+    }
+}
+
+impl BatchJoint {
+    /// Impulse on B that these rows, its own, hold its anchor with, N s.
+    fn force_on_b(&self, rows: &[JointRow]) -> DVec3 {
+        let holding = rows.iter().filter(|row| row.is_of_anchor());
+        let of_row = |row: &JointRow| row.impulse * split(&row.jacobian[1])[0];
+        holding.map(of_row).sum()
+    }
+
+    /// Force that moves its anchor by its lever within `h` seconds, N.
+    fn moving_force(&self, rows: &[JointRow], h: f64) -> f64 {
+        let row = rows.iter().find(|row| row.is_of_anchor());
+        row.map_or(0.0, |row| self.levers / (row.mobility * h * h))
+    }
+}
