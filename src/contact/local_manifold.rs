@@ -52,6 +52,12 @@ impl LocalManifold {
         &self.points[..self.count as usize]
     }
 
+    /// How deep bodies overlap at the deepest point, m; zero if they do not.
+    pub(crate) fn depth(&self) -> f32 {
+        let points = self.points().iter();
+        points.fold(0.0, |depth, point| depth.max(-point.separation))
+    }
+
     /// The patch with the two bodies exchanged: in B's frame, normal from B to A.
     pub fn swapped(&self, b_in_a: &Pose) -> Self {
         let normal_in_b = rotate(b_in_a.rotation.inverse(), self.normal);

@@ -11,7 +11,7 @@ use crate::collide::narrow_phase::scene::{OVERLAP, Scene};
 use crate::collide::proxies::CONTACT_MARGIN;
 use crate::contact::local_manifold::LocalManifold;
 use crate::contact::narrow::cast::{Cast, CastResult};
-use crate::contact::narrow::compound::{PartPair, Side, lifted, on_surface};
+use crate::contact::narrow::compound::{Bearing, PartPair, Side, lifted, on_surface};
 use crate::contact::narrow::course::Course;
 use crate::contact::narrow::flush::{CompoundScratch, Found};
 use crate::contact::narrow::level::LevelPair;
@@ -97,16 +97,10 @@ impl PairRun {
     }
 }
 
-/// How deep bodies overlap at the deepest point of a contact, m; zero if they do not.
-fn depth(patch: &LocalManifold) -> f32 {
-    let points = patch.points().iter();
-    points.fold(0.0, |depth, point| depth.max(-point.separation))
-}
-
 /// Keeps the deeper of two contacts that are on no surface where they are deep, if they are.
 fn note_deeper(hidden: &mut Option<Found>, other: Found) {
-    let known = hidden.as_ref().map_or(0.0, |it| depth(&it.patch));
-    if depth(&other.patch) > known {
+    let known = hidden.as_ref().map_or(0.0, |it| it.patch.depth());
+    if other.patch.depth() > known {
         *hidden = Some(other);
     }
 }
@@ -114,8 +108,8 @@ fn note_deeper(hidden: &mut Option<Found>, other: Found) {
 /// Takes the deepest contact that is on no surface there after all, if no other holds the bodies apart.
 fn stand_in(hidden: Option<Found>, scratch: &mut CompoundScratch) {
     if let Some(hidden) = hidden {
-        let held = HELD * depth(&hidden.patch);
-        if scratch.found.iter().all(|it| depth(&it.patch) < held) {
+        let held = HELD * hidden.patch.depth();
+        if scratch.found.iter().all(|it| it.patch.depth() < held) {
             scratch.found.push(hidden);
         }
     }
@@ -166,21 +160,23 @@ impl<'s> BodyPair<'s> {
                 SatResult::Separated { distance, .. } => gap.least = gap.least.min(distance),
                 SatResult::Touching(patch) => {
                     gap.touches = true;
+                    let beside = others.beside(parts.is_round());
                     let followed = self.follow(view, &parts, patch, pose, others);
                     let Some((patch, there)) = followed else {
                         continue;
                     };
-                    let settled = parts.settle(&patch, &there, self.reach, others.hulls);
+                    // What bears besides does so where they are, and not where they touch first.
+                    let beside = beside.filter(|_| there == pose);
+                    let bearing = Bearing { patch, beside };
+                    let settled = parts.settle(bearing, &there, self.reach, others.hulls);
                     let found = |patch: &LocalManifold| Found {
                         patch: parts.lift(patch),
                         turn: parts.turn_of_bodies(&there),
                         is_ahead: there != pose,
                     };
-                    if settled.count > 0 {
-                        scratch.found.push(found(&settled));
-                    }
+                    scratch.found.extend(settled.patches().map(found));
                     // What is left of it may be where they hardly touch.
-                    if depth(&settled) < HELD * depth(&patch) {
+                    if settled.depth() < HELD * patch.depth() {
                         note_deeper(&mut hidden, found(&patch));
                     }
                 }
@@ -303,7 +299,10 @@ impl<'s> BodyPair<'s> {
                 SatResult::Separated { distance, .. } => gap.least = gap.least.min(distance),
                 SatResult::Touching(patch) => {
                     gap.touches = true;
-                    self.take(&side, &patch, is_second, (scratch, &mut hidden));
+                    let beside = others.beside(side.shape.is_round());
+                    for patch in std::iter::once(patch).chain(beside) {
+                        self.take(&side, &patch, is_second, (scratch, &mut hidden));
+                    }
                 }
             }
         }
@@ -336,7 +335,7 @@ impl<'s> BodyPair<'s> {
         if kept.count > 0 {
             scratch.found.push(lift(&kept));
         }
-        if depth(&kept) < HELD * depth(patch) {
+        if kept.depth() < HELD * patch.depth() {
             note_deeper(hidden, lift(patch));
         }
     }

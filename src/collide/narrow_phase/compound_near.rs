@@ -1,6 +1,7 @@
 //! Which parts of two bodies are near each other, and what is asked of one part.
 
 use crate::bodies::body::Shape;
+use crate::contact::local_manifold::LocalManifold;
 use crate::contact::narrow::compound::{PartPair, Side};
 use crate::contact::narrow::half_space::examine_half_space;
 use crate::contact::narrow::level_scratch::LevelScratch;
@@ -15,6 +16,13 @@ pub(in crate::collide) struct PartScratch<'r> {
     pub(in crate::collide) hulls: &'r mut NarrowScratch,
     pub(in crate::collide) round: &'r mut RoundScratch,
     pub(in crate::collide) level: &'r mut LevelScratch,
+}
+
+impl PartScratch<'_> {
+    /// What bears beside the last contact that was looked for, which nothing is said of if a shape was round.
+    pub(super) fn beside(&self, is_round: bool) -> Option<LocalManifold> {
+        self.hulls.beside.filter(|_| !is_round)
+    }
 }
 
 /// Contact of a part with everything below a plane, whose body has this pose in the part's frame.

@@ -60,8 +60,12 @@ impl PairRun {
             level: &mut self.level_scratch,
         };
         examine_level(&level, ground.as_ref(), &mut others);
-        match self.level_scratch.patches.as_slice() {
-            [patch] if ground.is_some() => view.set_near(touch(patch), level.reach_over_plane),
+        let (patches, reach) = (&self.level_scratch.patches, level.reach_over_plane);
+        match patches.as_slice() {
+            [patch] if ground.is_some() => view.set_near(touch(patch), reach),
+            [_, _] if ground.is_some() => {
+                view.set_near_all(patches.iter().map(touch), reach, true);
+            }
             patches => view.set_near_all(patches.iter().map(touch), level.reach, is_slow),
         }
         true
@@ -127,9 +131,8 @@ pub(super) fn examine_level(
     } = others;
     if let Some(ground) = ground {
         level.patches.clear();
-        level
-            .patches
-            .extend(pair.examine_ground(ground, hulls, round));
+        let found = pair.examine_ground(ground, hulls, round);
+        level.patches.extend(found.into_iter().flatten());
     } else if pair.shape.is_round() {
         pair.examine_round(level, round);
     } else {

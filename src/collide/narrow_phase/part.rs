@@ -184,8 +184,8 @@ impl PairRun {
             SatResult::Touching(patch) => {
                 let bind = |patch: &LocalManifold, turn| touch_of(bodies, pair, patch, turn);
                 let touch = bind(&patch, b_in_a.rotation);
-                let beside = self.scratch.beside;
-                let beside = (beside.count > 0).then(|| bind(&beside, b_in_a.rotation));
+                let beside = self.scratch.beside.as_ref();
+                let beside = beside.map(|beside| bind(beside, b_in_a.rotation));
                 view.state.faces = self.scratch.best_faces;
                 if view.needs_cast(&touch.patch, scene.fall)
                     && !bodies.are_bonded(pair.a, pair.b)
@@ -287,7 +287,6 @@ pub(in crate::collide) fn examine_pair(
     hint: SatCache,
     scratch: &mut NarrowScratch,
 ) -> SatResult {
-    scratch.beside.count = 0;
     match (&bodies.info(pair.a).shape, &bodies.info(pair.b).shape) {
         (Shape::Convex(a), Shape::Convex(b)) => {
             examine_hulls(a.hull(), b.hull(), b_in_a, reach, hint, scratch)
@@ -301,7 +300,7 @@ pub(in crate::collide) fn examine_pair(
             let plane = Plane::through(a_in_b.position, rotate(a_in_b.rotation, a.normal));
             match examine_half_space(b.hull(), plane, a_in_b, reach, scratch) {
                 SatResult::Touching(patch) => {
-                    scratch.beside = scratch.beside.swapped(&a_in_b);
+                    scratch.beside = scratch.beside.map(|beside| beside.swapped(&a_in_b));
                     SatResult::Touching(patch.swapped(&a_in_b))
                 }
                 SatResult::Separated { distance, .. } => SatResult::Separated {

@@ -139,10 +139,7 @@ impl Clipping<'_> {
             slide,
             ..self.patch(face, reference, b_refers, corners)
         };
-        beside.count = 0;
-        if !lower.is_empty() {
-            *beside = patch(lower);
-        }
+        *beside = (!lower.is_empty()).then(|| patch(lower));
         patch(polygon)
     }
 

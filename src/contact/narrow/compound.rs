@@ -85,6 +85,26 @@ impl<'s> Side<'s> {
     }
 }
 
+/// A contact, and what bears besides if four points are not enough.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Bearing {
+    pub(crate) patch: LocalManifold,
+    pub(crate) beside: Option<LocalManifold>,
+}
+
+impl Bearing {
+    /// The manifolds that have points.
+    pub(crate) fn patches(&self) -> impl Iterator<Item = &LocalManifold> {
+        let all = std::iter::once(&self.patch).chain(&self.beside);
+        all.filter(|patch| patch.count > 0)
+    }
+
+    /// How deep bodies overlap at the deepest point, m; zero if they do not.
+    pub(crate) fn depth(&self) -> f32 {
+        self.patches().map(LocalManifold::depth).fold(0.0, f32::max)
+    }
+}
+
 /// Two convex shapes of two bodies.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PartPair<'s> {
@@ -126,21 +146,28 @@ impl PartPair<'_> {
     /// What of a contact that was found at a pose is on the surfaces of the bodies, or what takes its place.
     pub(crate) fn settle(
         &self,
-        patch: &LocalManifold,
+        found: Bearing,
         pose: &Pose,
         reach: f32,
         scratch: &mut NarrowScratch,
-    ) -> LocalManifold {
+    ) -> Bearing {
         if !self.sides.iter().any(Side::has_neighbors) {
-            return *patch;
+            return found;
         }
-        let patch = &self.on_larger_body(patch, pose, reach, scratch);
-        let (kept, refused) = self.admitted(patch, pose);
-        if kept.count > 0 || patch.count == 0 || self.is_round() {
+        let on_larger = self.on_larger_body(&found.patch, pose, reach, scratch);
+        let found = on_larger.unwrap_or(found);
+        let admitted = |found: Bearing| {
+            let (patch, refused) = self.admitted(&found.patch, pose);
+            let beside = found.beside.map(|beside| self.admitted(&beside, pose).0);
+            (Bearing { patch, beside }, refused)
+        };
+        let is_empty = found.patch.count == 0;
+        let (kept, refused) = admitted(found);
+        if kept.patch.count > 0 || is_empty || self.is_round() {
             return kept;
         }
         let instead = self.along_open_face(refused, pose, reach, scratch);
-        self.admitted(&instead, pose).0
+        admitted(instead).0
     }
 
     /// The same contact on a face of the larger body, if it lies on one of the smaller body that is parallel: parts are smaller than
@@ -151,7 +178,7 @@ impl PartPair<'_> {
         pose: &Pose,
         reach: f32,
         scratch: &mut NarrowScratch,
-    ) -> LocalManifold {
+    ) -> Option<Bearing> {
         let [a, b] = self.sides.map(|side| side.body_size());
         let is_second = b > LARGER * a;
         let is_edge = patch.points().iter().any(|point| point.share_b == 0.5);
@@ -161,7 +188,7 @@ impl PartPair<'_> {
             || is_edge
             || self.is_round()
         {
-            return *patch;
+            return None;
         }
         let outward = if is_second {
             -rotate(pose.rotation.inverse(), patch.normal)
@@ -170,18 +197,16 @@ impl PartPair<'_> {
         };
         let hull = self.sides[usize::from(is_second)].shape.hull();
         let mut faces = hull.faces().iter();
-        let Some(face) = faces.position(|face| face.plane.normal.dot(outward) > EQUAL) else {
-            return *patch;
-        };
+        let face = faces.position(|face| face.plane.normal.dot(outward) > EQUAL)?;
         if hull.faces()[face].plane.normal == outward {
-            return *patch;
+            return None;
         }
         let [a, b] = self.sides.map(|side| side.shape.hull());
         scratch.load(a, b, pose);
         let others = [&scratch.b_in_a, &scratch.a_in_b][usize::from(is_second)];
         let axis = FaceAxis::new(hull, face, others);
         let instead = self.clip(&axis, is_second, pose, reach, scratch);
-        if instead.count > 0 { instead } else { *patch }
+        (instead.patch.count > 0).then_some(instead)
     }
 
     /// The contact along a face.
@@ -192,7 +217,7 @@ impl PartPair<'_> {
         pose: &Pose,
         reach: f32,
         scratch: &mut NarrowScratch,
-    ) -> LocalManifold {
+    ) -> Bearing {
         let [a, b] = self.sides.map(|side| side.shape.hull());
         let size = a.aabb().diagonal().min(b.aabb().diagonal());
         let clipping = Clipping {
@@ -204,7 +229,11 @@ impl PartPair<'_> {
             },
             merge: MERGE * size,
         };
-        clipping.face_patch(axis, b_refers, scratch)
+        let patch = clipping.face_patch(axis, b_refers, scratch);
+        Bearing {
+            patch,
+            beside: scratch.beside,
+        }
     }
 
     /// The points that are on the surfaces of both bodies, and on which of them some are not.
@@ -238,7 +267,7 @@ impl PartPair<'_> {
         pose: &Pose,
         reach: f32,
         scratch: &mut NarrowScratch,
-    ) -> LocalManifold {
+    ) -> Bearing {
         let hulls = self.sides.map(|side| side.shape.hull());
         let [a, b] = hulls;
         scratch.load(a, b, pose);
@@ -263,7 +292,7 @@ impl PartPair<'_> {
         let Some((axis, b_refers)) =
             best.filter(|(axis, _)| (least..=most).contains(&axis.separation))
         else {
-            return LocalManifold::default();
+            return Bearing::default();
         };
         self.clip(&axis, b_refers, pose, reach, scratch)
     }

@@ -40,6 +40,7 @@ pub(crate) fn examine_half_space(
         slide: f32::INFINITY,
         ..LocalManifold::default()
     };
+    scratch.beside = None;
     if !b_in_a.is_finite() || !margin.is_finite() {
         return SatResult::Touching(patch);
     }
@@ -75,10 +76,7 @@ pub(crate) fn examine_half_space(
         }
         patch
     };
-    beside.count = 0;
-    if !lower.is_empty() {
-        *beside = with(lower);
-    }
+    *beside = (!lower.is_empty()).then(|| with(lower));
     SatResult::Touching(with(polygon))
 }
 

@@ -41,13 +41,8 @@ pub(super) fn leaning_patch(
     let deepest = gaps.fold(f32::INFINITY, f32::min);
     let is_same = (deepest - edge.separation).abs() <= clipping.merge;
     let found = (patch.count > 1 && is_same).then_some(patch);
-    match found {
-        Some(_) if scratch.beside.count > 0 => {
-            scratch.beside = along_axis(clipping, &scratch.beside, edge.normal, &beside);
-        }
-        Some(_) => {}
-        None => scratch.beside.count = 0,
-    }
+    let lower = scratch.beside.filter(|_| found.is_some());
+    scratch.beside = lower.map(|lower| along_axis(clipping, &lower, edge.normal, &beside));
     found
 }
 

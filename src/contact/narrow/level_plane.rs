@@ -51,13 +51,13 @@ impl LevelPair<'_> {
         -height < SUNK * thickness
     }
 
-    /// The contact with that plane; none if it is out of reach.
+    /// The contact with that plane, unless it is out of reach, and what bears besides, if something does.
     pub(crate) fn examine_ground(
         &self,
         ground: &FlatGround,
         hulls: &mut NarrowScratch,
         round: &mut RoundScratch,
-    ) -> Option<LocalManifold> {
+    ) -> [Option<LocalManifold>; 2] {
         let Pose { position, rotation } = self.hull_in_mesh;
         let back = rotation.inverse();
         // Triangles may be far from each other and from the origin.
@@ -71,19 +71,25 @@ impl LevelPair<'_> {
         };
         // The level with the origin of the shape as its own.
         let (pose, reach) = (Pose::new(Vec3::ZERO, back), self.reach_over_plane);
-        let found = if self.shape.is_round() {
-            examine_round_half_space(self.shape, plane, pose, reach, round)
+        let (found, beside) = if self.shape.is_round() {
+            let found = examine_round_half_space(self.shape, plane, pose, reach, round);
+            (found, None)
         } else {
-            examine_half_space(self.shape.hull(), plane, pose, reach, hulls)
+            let found = examine_half_space(self.shape.hull(), plane, pose, reach, hulls);
+            (found, hulls.beside)
         };
-        let SatResult::Touching(mut patch) = found else {
-            return None;
+        let SatResult::Touching(patch) = found else {
+            return [None; 2];
         };
-        patch.slot = ground.slot;
-        patch.normal_in_b = Some(-ground.normal);
-        for point in &mut patch.points {
-            point.on_b += position;
-        }
-        (patch.count > 0).then_some(patch)
+        let patch = (patch.count > 0).then_some(patch);
+        [patch, beside].map(|patch| {
+            let mut patch = patch?;
+            patch.slot = ground.slot;
+            patch.normal_in_b = Some(-ground.normal);
+            for point in &mut patch.points {
+                point.on_b += position;
+            }
+            Some(patch)
+        })
     }
 }

@@ -51,8 +51,8 @@ pub fn collide_hulls(
     }
 }
 
-/// As [`collide_hulls`], which it does the work of, and says by which axis hulls are apart. `scratch.beside` has what bears besides, if four
-/// points are not enough, and is to be without points before.
+/// As [`collide_hulls`], which it does the work of, and says by which axis hulls are apart. `scratch.beside` is what bears besides, if four
+/// points are not enough.
 pub(crate) fn examine_hulls(
     a: &ConvexHull,
     b: &ConvexHull,
@@ -61,6 +61,7 @@ pub(crate) fn examine_hulls(
     hint: SatCache,
     scratch: &mut NarrowScratch,
 ) -> SatResult {
+    scratch.beside = None;
     if !b_in_a.is_finite() || !margin.is_finite() {
         return SatResult::Touching(LocalManifold::default());
     }

@@ -37,8 +37,8 @@ pub struct NarrowScratch {
     pub(crate) clipped: Vec<Candidate>,
     /// Corners that bear beside those that were chosen.
     pub(crate) lower: Vec<Candidate>,
-    /// What bears beside the patch of the last pair; it has no points if nothing does.
-    pub(crate) beside: LocalManifold,
+    /// What bears beside the patch of the last pair, if something does.
+    pub(crate) beside: Option<LocalManifold>,
     /// Edges of either hull that may be the best axis.
     pub(crate) near_a: Vec<NearEdge>,
     pub(crate) near_b: Vec<NearEdge>,
