@@ -79,7 +79,7 @@ impl Batch {
         let (system, are_alone) = (&self.joints.system, self.joints.are_alone());
         system.stay_open(joints.clone())
             || are_alone
-                && (system.swings_fast()
+                && (system.swing_fast(joints.clone())
                     || system.hold_along_end(joints.clone())
                     || system.come_back(joints))
     }

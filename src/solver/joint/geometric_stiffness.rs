@@ -17,18 +17,18 @@
 
 use crate::solver::joint::rigid::RigidMotion;
 use crate::solver::joint::row::JointRow;
-use crate::solver::joint::stiffening::{implicit_inertia, stiffness_of};
+use crate::solver::joint::stiffening::{Swing, implicit_inertia, stiffness_of};
 use crate::solver::joint::system::{BatchJoint, JointEndpoint, JointSystem};
 use crate::solver::joint::vector6::split;
 use glam::{DMat3, DVec3, Vec3};
+use std::ops::Range;
 
 /// Largest ratio of what a joint is taken to bear to that of the sub-step before, from this share of a force on that moves its anchor by its lever in a sub-step.
 const GROWTH: f64 = 1.25;
 const FIRST: f64 = 0.5;
 
-/// Turn of a body in a sub-step at which a component has no such inertia any more, rad, and share of it beyond which its energy is bounded.
+/// Turn of a body in a sub-step at which a component has no such inertia any more, rad.
 const MOST_TURN: f64 = 0.15;
-const BOUNDED: f64 = 0.3;
 
 impl JointSystem {
     /// Whether bodies have inertia besides their own.
@@ -36,24 +36,27 @@ impl JointSystem {
         self.stiffening.is_any
     }
 
-    /// Whether they do, and some turn so fast that they may gain energy by it.
-    pub(crate) fn swings_fast(&self) -> bool {
-        self.stiffening.is_fast
+    /// Whether some of these joints are among such bodies that turn so fast that they may gain energy by it.
+    pub(crate) fn swing_fast(&self, joints: Range<usize>) -> bool {
+        let swings = &self.stiffening.swings;
+        let mut joints = self.joints[joints].iter();
+        self.stiffening.is_any && joints.any(|joint| swings[joint.component as usize].is_fast())
     }
 
     /// Takes note of what joints bear as their rows say, in half of a sub-step of `h` seconds. Where no motion was found it
     /// is nothing that comes again, and in loops rows may bear anything against each other.
     pub(crate) fn note_tensions(&mut self, h: f64) {
         self.find_turns(h);
-        let stiffening = &mut self.stiffening;
-        stiffening.is_fast = stiffening.is_any && stiffening.turns.iter().any(|&it| it > BOUNDED);
         for joint in &mut self.joints {
             let component = joint.component as usize;
-            let is_loop = self.borne.any && self.borne.is_loop[component];
-            if is_loop || self.rounds.leave_open(joint.component) {
+            if self.borne.any && self.borne.is_loop[component] {
+                joint.tension = Vec3::ZERO;
                 continue;
             }
-            let turn = stiffening.turns[component];
+            if self.rounds.leave_open(joint.component) {
+                continue;
+            }
+            let turn = self.stiffening.swings[component].turn;
             let left = (1.0 - turn * turn).max(0.0);
             let rows = &self.rows[joint.rows.clone()];
             let force = joint.force_on_b(rows) / (0.5 * h);
@@ -65,13 +68,12 @@ impl JointSystem {
     }
 
     fn find_turns(&mut self, h: f64) {
-        let turns = &mut self.stiffening.turns;
-        turns.clear();
-        turns.resize(self.components.len(), 0.0);
-        for (velocity, &component) in self.velocities.iter().zip(&self.sparsity.components) {
+        let bodies = self.bodies.iter().zip(&self.velocities);
+        for ((body, velocity), &component) in bodies.zip(&self.sparsity.components) {
             let turn = h * split(velocity)[1].length() / MOST_TURN;
-            let most = &mut turns[component as usize];
-            *most = most.max(turn);
+            let swing = &mut self.stiffening.swings[component as usize];
+            swing.turn = swing.turn.max(turn);
+            swing.is_stiffened |= body.is_stiffened();
         }
     }
 
@@ -108,14 +110,14 @@ impl JointSystem {
         has_changed
     }
 
-    /// Forgets what angular momenta bodies have got by inertia that is none of theirs.
-    pub(super) fn forget_borrowed_spin(&mut self) {
-        let borrowed = &mut self.stiffening.borrowed_spin;
-        borrowed.clear();
-        borrowed.resize(self.components.len(), DVec3::ZERO);
+    /// Begins a sub-step, in which nothing is known yet.
+    pub(super) fn forget_swings(&mut self) {
+        let swings = &mut self.stiffening.swings;
+        swings.clear();
+        swings.resize(self.components.len(), Swing::default());
     }
 
-    /// Takes note of them before (`sign` -1) and after (1) joints change velocities.
+    /// Takes note of the angular momenta that bodies get by inertia that is none of theirs, before (`sign` -1) and after (1) joints change velocities.
     pub(crate) fn note_borrowed_spin(&mut self, sign: f64) {
         if !self.stiffening.is_any {
             return;
@@ -123,16 +125,18 @@ impl JointSystem {
         let bodies = self.bodies.iter().zip(&self.velocities);
         for ((body, velocity), &component) in bodies.zip(&self.sparsity.components) {
             let spin = body.implicit_inertia * split(velocity)[1];
-            self.stiffening.borrowed_spin[component as usize] += sign * spin;
+            self.stiffening.swings[component as usize].borrowed_spin += sign * spin;
         }
     }
 
     /// The turns that give them back to components that nothing holds.
     pub(crate) fn borrowed_turns(&self) -> impl Iterator<Item = (u32, RigidMotion)> + '_ {
-        let borrowed = (0..).zip(&self.stiffening.borrowed_spin);
-        let borrowed = borrowed.filter(|&(_, &spin)| spin != DVec3::ZERO);
-        borrowed
-            .filter_map(|(component, &spin)| Some((component, self.free_turn(component, spin)?)))
+        let swings = (0..).zip(&self.stiffening.swings);
+        let borrowed = swings.filter(|(_, swing)| swing.borrowed_spin != DVec3::ZERO);
+        borrowed.filter_map(|(component, swing)| {
+            let turn = self.free_turn(component, swing.borrowed_spin)?;
+            Some((component, turn))
+        })
     }
 }
 

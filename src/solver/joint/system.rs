@@ -241,7 +241,7 @@ impl JointSystem {
             self.outdate();
         }
         self.factored_for = acts_for;
-        self.forget_borrowed_spin();
+        self.forget_swings();
         self.note_borrowed_spin(-1.0);
         if !std::mem::replace(&mut self.is_bent, true) {
             self.bend_rows(half.substep_dt);
