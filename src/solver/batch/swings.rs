@@ -30,7 +30,7 @@ impl Batch {
 
     /// Gives components that nothing holds the angular momentum back that joints took from it by inertia that bodies do not have.
     pub(super) fn give_back_spin(&mut self) {
-        if !self.joints.system.is_stiffened() {
+        if !self.joints.system.has_borrowed_spin() {
             return;
         }
         self.fetch_velocities();

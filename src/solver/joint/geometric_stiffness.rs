@@ -31,16 +31,17 @@ const FIRST: f64 = 0.5;
 const MOST_TURN: f64 = 0.15;
 
 impl JointSystem {
-    /// Whether bodies have inertia besides their own.
-    pub(crate) fn is_stiffened(&self) -> bool {
-        self.stiffening.is_any
+    /// Whether bodies have got angular momentum in the sub-step by inertia that is none of theirs; they may have it no more.
+    pub(crate) fn has_borrowed_spin(&self) -> bool {
+        let mut swings = self.stiffening.swings.iter();
+        swings.any(|swing| swing.borrowed_spin != DVec3::ZERO)
     }
 
-    /// Whether some of these joints are among such bodies that turn so fast that they may gain energy by it.
+    /// Whether some of these joints are among bodies that had such inertia in the motion and turned so fast that they may gain energy by it.
     pub(crate) fn swing_fast(&self, joints: Range<usize>) -> bool {
         let swings = &self.stiffening.swings;
         let mut joints = self.joints[joints].iter();
-        self.stiffening.is_any && joints.any(|joint| swings[joint.component as usize].is_fast())
+        joints.any(|joint| swings[joint.component as usize].is_fast())
     }
 
     /// Takes note of what joints bear as their rows say, in half of a sub-step of `h` seconds. Where no motion was found it
