@@ -2,7 +2,7 @@
 
 use crate::bodies::free_rotation::FreeRotation;
 use crate::solver::joint::measure::Place;
-use crate::solver::joint::vector6::{Block6, Vector6, split};
+use crate::solver::joint::vector6::{Block6, Vector6, join, split};
 use glam::{DMat3, DQuat, DVec3};
 
 /// How many times heavier a body is along and about axes on which it does not move.
@@ -82,7 +82,16 @@ impl JointedBody {
         block
     }
 
+    /// Its momentum about its center of mass at a velocity, by its own mass and inertia.
+    #[inline(always)]
+    pub(super) fn momentum(&self, velocity: &Vector6) -> Vector6 {
+        let [linear, angular] = split(velocity);
+        let shares = DVec3::ONE + LOCKED * self.locks[0];
+        join(self.mass * shares * linear, self.inertia * angular)
+    }
+
     /// Whether it has inertia besides its own.
+    #[inline(always)]
     pub(super) fn is_stiffened(&self) -> bool {
         self.implicit_inertia != DMat3::ZERO
     }

@@ -8,6 +8,7 @@ use crate::bodies::free_rotation::{FreeRotation, FreeRotations, SPINS};
 use crate::math::rotate_by;
 use crate::simd::dispatch::run;
 use crate::simd::lanes::{Kernel, LaneWidth, Lanes};
+use crate::solver::joint::body::JointedBody;
 use crate::solver::joint::measure::{Frames, Place};
 use crate::solver::joint::rounds::Move;
 use crate::solver::joint::row::{EPSILON, RowState};
@@ -55,7 +56,8 @@ impl JointSystem {
             let [goes_on, retreats] = self.rounds.judge();
             has_retreated = retreats;
             if goes_on || retreats {
-                self.step_back_or_remember(h);
+                let system = &mut *self;
+                run(width, StepBack { system, h });
             }
             if round + 1 == ROUNDS || !goes_on {
                 break;
@@ -151,6 +153,7 @@ impl JointSystem {
 
     /// Takes note of velocities and impulses of the components that take a step, and goes back by a share of the last one with those that
     /// retreat; only the first are given what they miss.
+    #[inline(always)]
     fn step_back_or_remember(&mut self, h: f64) {
         let Self {
             rounds,
@@ -304,6 +307,22 @@ impl Kernel for FindMisses<'_> {
     }
 }
 
+/// Takes note of what is before a step, or goes back by a share of the last one.
+struct StepBack<'a> {
+    system: &'a mut JointSystem,
+    h: f64,
+}
+
+impl Kernel for StepBack<'_> {
+    type Output = ();
+    const NEEDS_32_REGISTERS: bool = false;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        self.system.step_back_or_remember(self.h);
+    }
+}
+
 /// Goes back by a share of the way from `before`; by all of it, to the bit.
 fn step_back(now: f64, before: f64, share: f64) -> f64 {
     if share < 1.0 {
@@ -332,23 +351,48 @@ impl Drift {
                 spins.push(body.spin, split(velocity)[1].as_vec3());
             }
             spins.advance(h as f32, width);
-            let moved = bodies.iter().zip(velocities).zip(spins.iter());
-            for (to, ((body, velocity), (spin, angular))) in to.iter_mut().zip(moved) {
-                *to = Moved {
-                    place: Place {
-                        center: body.center + h * split(velocity)[0],
-                        rotation: spin.rotation.as_dquat().normalize(),
-                    },
-                    spin: *spin,
-                    angular,
-                };
-            }
+            let bodies = bodies.iter().zip(velocities);
+            let moved = bodies.zip(spins.iter()).zip(to);
+            run(width, PlaceMoved { moved, h });
         }
         for (moved, push) in self.bodies.iter_mut().zip(&system.pushes) {
             let [linear, angular] = split(push);
             moved.place.center += h * linear;
             moved.spin.rotation = rotate_by(moved.spin.rotation, angular.as_vec3(), h as f32);
             moved.place.rotation = moved.spin.rotation.as_dquat().normalize();
+        }
+    }
+}
+
+/// Says where bodies are that have turned.
+struct PlaceMoved<I> {
+    moved: I,
+    h: f64,
+}
+
+impl<'a, I> Kernel for PlaceMoved<I>
+where
+    I: Iterator<
+        Item = (
+            ((&'a JointedBody, &'a Vector6), (&'a FreeRotation, Vec3)),
+            &'a mut Moved,
+        ),
+    >,
+{
+    type Output = ();
+    const NEEDS_32_REGISTERS: bool = false;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        for (((body, velocity), (spin, angular)), to) in self.moved {
+            *to = Moved {
+                place: Place {
+                    center: body.center + self.h * split(velocity)[0],
+                    rotation: spin.rotation.as_dquat().normalize(),
+                },
+                spin: *spin,
+                angular,
+            };
         }
     }
 }

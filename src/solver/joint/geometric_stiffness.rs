@@ -15,6 +15,8 @@
 //! Tournier, Nesme, Gilles and Faure, "Stable Constrained Dynamics", ACM Transactions on Graphics 34, 2015: the geometric
 //! stiffness of all joints, whole, as part of the mass of all bodies.
 
+use crate::simd::dispatch::run;
+use crate::simd::lanes::{Kernel, Lanes};
 use crate::solver::joint::rigid::RigidMotion;
 use crate::solver::joint::row::JointRow;
 use crate::solver::joint::stiffening::{Swing, implicit_inertia, stiffness_of};
@@ -47,6 +49,11 @@ impl JointSystem {
     /// Takes note of what joints bear as their rows say, in half of a sub-step of `h` seconds. Where no motion was found it
     /// is nothing that comes again, and in loops rows may bear anything against each other.
     pub(crate) fn note_tensions(&mut self, h: f64) {
+        run(self.width, NoteTensions { system: self, h });
+    }
+
+    #[inline(always)]
+    fn note_tensions_and_turns(&mut self, h: f64) {
         self.find_turns(h);
         for joint in &mut self.joints {
             let component = joint.component as usize;
@@ -68,6 +75,7 @@ impl JointSystem {
         }
     }
 
+    #[inline(always)]
     fn find_turns(&mut self, h: f64) {
         let bodies = self.bodies.iter().zip(&self.velocities);
         for ((body, velocity), &component) in bodies.zip(&self.sparsity.components) {
@@ -82,11 +90,13 @@ impl JointSystem {
     pub(super) fn stiffen(&mut self, h: f64) -> bool {
         let is_pulled = self.joints.iter().any(|joint| joint.tension != Vec3::ZERO);
         let was_any = self.bodies.iter().any(|body| body.is_stiffened());
+        self.stiffening.is_any = false;
+        (is_pulled || was_any) && run(self.width, Stiffen { system: self, h })
+    }
+
+    #[inline(always)]
+    fn stiffen_pulled(&mut self, h: f64) -> bool {
         let stiffening = &mut self.stiffening;
-        stiffening.is_any = false;
-        if !is_pulled && !was_any {
-            return false;
-        }
         let stiffness = &mut stiffening.stiffness;
         stiffness.clear();
         stiffness.resize(self.bodies.len(), DMat3::ZERO);
@@ -119,6 +129,7 @@ impl JointSystem {
     }
 
     /// Takes note of the angular momenta that bodies get by inertia that is none of theirs, before (`sign` -1) and after (1) joints change velocities.
+    #[inline(always)]
     pub(crate) fn note_borrowed_spin(&mut self, sign: f64) {
         if !self.stiffening.is_any {
             return;
@@ -143,6 +154,7 @@ impl JointSystem {
 
 impl BatchJoint {
     /// Impulse on B that these rows, its own, hold its anchor with, N s.
+    #[inline(always)]
     fn force_on_b(&self, rows: &[JointRow]) -> DVec3 {
         let holding = rows.iter().filter(|row| row.is_of_anchor());
         let of_row = |row: &JointRow| row.impulse * split(&row.jacobian[1])[0];
@@ -150,8 +162,41 @@ impl BatchJoint {
     }
 
     /// Force that moves its anchor by its lever within `h` seconds, N.
+    #[inline(always)]
     fn moving_force(&self, rows: &[JointRow], h: f64) -> f64 {
         let row = rows.iter().find(|row| row.is_of_anchor());
         row.map_or(0.0, |row| self.levers / (row.mobility * h * h))
+    }
+}
+
+/// Takes note of what joints bear and how fast bodies turn.
+struct NoteTensions<'a> {
+    system: &'a mut JointSystem,
+    h: f64,
+}
+
+impl Kernel for NoteTensions<'_> {
+    type Output = ();
+    const NEEDS_32_REGISTERS: bool = false;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        self.system.note_tensions_and_turns(self.h);
+    }
+}
+
+/// Gives bodies the inertia that sub-steps of `h` seconds ask for.
+struct Stiffen<'a> {
+    system: &'a mut JointSystem,
+    h: f64,
+}
+
+impl Kernel for Stiffen<'_> {
+    type Output = bool;
+    const NEEDS_32_REGISTERS: bool = false;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> bool {
+        self.system.stiffen_pulled(self.h)
     }
 }

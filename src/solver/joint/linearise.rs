@@ -210,6 +210,7 @@ impl JointSystem {
     }
 
     /// The same for the rows of a measure, and for its springs.
+    #[inline(always)]
     fn mobilities(&self, joint: &BatchJoint, measures: &[Measure], of: &Measure) -> [f64; 2] {
         let mobility = self.mobility(joint, &of.jacobian);
         let of_spring = if has_spring(axis_of(&joint.joint, of.axis)) {
@@ -222,6 +223,7 @@ impl JointSystem {
 
     /// The same of what is left of a motion where the joint's own rows that always act hold: the mass that swings on a spring about a hinge is
     /// that of all that turns about the hinge. What is left of each row is found by Gram's and Schmidt's method, with `M^-1` as the metric.
+    #[inline(never)]
     fn held_mobility(&self, joint: &BatchJoint, measures: &[Measure], of: &Measure) -> f64 {
         let mut held: SmallVec<[([Vector6; 2], f64); 6]> = SmallVec::new();
         let left = |jacobian: &[Vector6; 2], held: &[([Vector6; 2], f64)]| {
@@ -253,15 +255,18 @@ impl JointSystem {
     /// `J M^-1 K^T` of two rows of a joint.
     #[inline(always)]
     fn product(&self, joint: &BatchJoint, j: &[Vector6; 2], k: &[Vector6; 2]) -> f64 {
-        let of = |side: usize| {
-            let JointEndpoint::Jointed(body) = joint.ends[side] else {
-                return 0.0;
-            };
-            let body = &self.bodies[body as usize];
-            let ([v, omega], [w, spin]) = (split(&j[side]), split(&k[side]));
-            body.free_part(v).dot(w) / body.mass + omega.dot(body.inverse_inertia * spin)
+        let [a, b] = joint.ends;
+        self.product_at(a, &j[0], &k[0]) + self.product_at(b, &j[1], &k[1])
+    }
+
+    #[inline(always)]
+    fn product_at(&self, end: JointEndpoint, j: &Vector6, k: &Vector6) -> f64 {
+        let JointEndpoint::Jointed(body) = end else {
+            return 0.0;
         };
-        of(0) + of(1)
+        let body = &self.bodies[body as usize];
+        let ([v, omega], [w, spin]) = (split(j), split(k));
+        body.free_part(v).dot(w) / body.mass + omega.dot(body.inverse_inertia * spin)
     }
 }
 

@@ -123,6 +123,7 @@ impl Frames {
     }
 
     /// What the axes of a joint have come to that do anything. `last`: twist in the last step, rad.
+    #[inline(always)]
     pub(crate) fn measure(&self, joint: &Joint, last: f64) -> Measures {
         let mut measures = Measures::new();
         for (i, axis) in joint.linear.iter().enumerate() {
@@ -142,16 +143,25 @@ impl Frames {
             let jacobian = [join(-u, u.cross(self.r[0])), join(u, self.r[1].cross(u))];
             measures.push(both(DISTANCE, length, jacobian));
         }
-        self.measure_angles(joint, last, &mut measures);
+        if has_angles(joint) {
+            self.measure_angles(joint, last, &mut measures);
+        }
         measures
     }
 
     /// What the axis of a row that keeps a place has come to, as [`measure`](Self::measure) says; whether that is what is left of a cone.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn value(&self, joint: &Joint, axis: usize, last: f64) -> Option<(f64, bool)> {
+        match axis {
+            DISTANCE => Some((self.d.length(), false)),
+            0..3 => Some((self.axes[0].col(axis).dot(self.d), false)),
+            _ => self.angle_value(joint, axis, last),
+        }
+    }
+
+    /// The same of an angle.
+    fn angle_value(&self, joint: &Joint, axis: usize, last: f64) -> Option<(f64, bool)> {
         let value = match axis {
-            DISTANCE => self.d.length(),
-            0..3 => self.axes[0].col(axis).dot(self.d),
             _ if is_fixed(joint) => self.small_angles()[axis - 3],
             _ => match (self.held_by(joint, axis - 3), cone_of(joint)) {
                 (Some(of), _) => {
@@ -308,15 +318,18 @@ fn is_fixed(joint: &Joint) -> bool {
 }
 
 /// Whether angles make rows.
+#[inline(always)]
 pub(crate) fn has_angles(joint: &Joint) -> bool {
     joint.angular.iter().any(does_anything)
 }
 
 /// Whether an axis makes rows.
+#[inline(always)]
 fn does_anything(axis: &JointAxis) -> bool {
     axis.range != AxisRange::Free || axis.drive.is_some() || axis.friction > 0.0
 }
 
+#[inline(always)]
 fn both(axis: usize, value: f64, jacobian: [Vector6; 2]) -> Measure {
     Measure {
         axis,

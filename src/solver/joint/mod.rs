@@ -6,15 +6,17 @@
 //! | `body.rs` | bodies at the ends of joints |
 //! | `measure.rs` | where two bodies are against each other: values and Jacobians of a joint's axes |
 //! | `row.rs` | one constraint: stiffness, target, bounds |
-//! | `rows.rs` | which rows a joint has, and what they aim at in each half of a sub-step |
+//! | `rows.rs` | which rows a joint has, and what one aims at |
 //! | `sparsity.rs` | in which order bodies are eliminated, and what fills in |
 //! | `links.rs` | bodies that hang on one other, eliminated by the rows of their joints |
 //! | `factor.rs` | `M + J^T K J`, factored body by body |
 //! | `system.rs` | the bodies and joints of a batch, and their rows |
+//! | `halves.rs` | what the rows aim at in each half of a sub-step |
 //! | `linearise.rs` | these rows anew where the bodies are now, or those that the step before ended with |
 //! | `solve.rs` | which rows act; velocities that satisfy them |
 //! | `settle.rs` | the same where that goes round in circles |
 //! | `bend.rs` | how much what turns is pulled inward |
+//! | `geometric_stiffness.rs`, `stiffening.rs` | light links under heavy loads: inertia that holds their swings to what sub-steps follow |
 //! | `drift.rs` | where the bodies go, and the impulses that keep the joints together there |
 //! | `rigid.rs` | what connected bodies that nothing holds keep |
 //! | `energy.rs` | which joints stay open, and what drives give |
@@ -32,6 +34,7 @@ pub(crate) mod drift;
 mod energy;
 mod factor;
 mod geometric_stiffness;
+mod halves;
 mod linearise;
 mod links;
 pub(crate) mod measure;

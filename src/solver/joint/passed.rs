@@ -7,11 +7,12 @@
 use crate::solver::joint::body::JointedBody;
 use crate::solver::joint::row::JointRow;
 use crate::solver::joint::system::{BatchJoint, JointEndpoint, JointSystem};
-use crate::solver::joint::vector6::{Vector6, add_scaled, join, product, split};
+use crate::solver::joint::vector6::{Vector6, add_scaled, join, split};
 use glam::DVec3;
 
 impl JointSystem {
     /// Whether what a joint bears is told by bodies.
+    #[inline(always)]
     pub(super) fn is_passed(&self, joint: &BatchJoint) -> bool {
         self.borne.is_passed[joint.component as usize]
     }
@@ -46,6 +47,7 @@ impl JointSystem {
     }
 
     /// Has joints bear what their bodies got, where rows do not say it; whether there are such joints.
+    #[inline(always)]
     pub(super) fn note_passed(&mut self) -> bool {
         let is_asked = self.find_passed();
         // What holds a body along its locked axes is no joint.
@@ -62,7 +64,7 @@ impl JointSystem {
                 .zip(velocities)
                 .map(|(body, (now, before))| {
                     let change = std::array::from_fn(|i| now[i] - before[i]);
-                    product(&body.own_inertia(), &change)
+                    body.momentum(&change)
                 }),
         );
         for at in 0..self.sparsity.order.len() {
@@ -83,6 +85,7 @@ impl JointSystem {
 
 impl BatchJoint {
     /// Bears what the body that hangs on it got by it, which is what the other one took.
+    #[inline(always)]
     fn pass_on(&mut self, got: &Vector6, passed: &mut [Vector6]) {
         let (Some(now), Some(side)) = (&self.now, self.link) else {
             return;

@@ -182,11 +182,13 @@ impl Rounds {
     }
 
     /// Whether a component searches along the rows of where the bodies would be.
+    #[inline(always)]
     pub(super) fn is_along_end(&self, component: u32) -> bool {
         self.progress[component as usize].is_along_end()
     }
 
     /// Whether the bodies of a component go elsewhere than in the last round.
+    #[inline(always)]
     pub(super) fn moves(&self, component: u32) -> bool {
         self.next(component) != Move::Stop
     }
@@ -204,6 +206,7 @@ impl Rounds {
     }
 
     /// What a component does next.
+    #[inline(always)]
     pub(super) fn next(&self, component: u32) -> Move {
         self.progress[component as usize].next
     }

@@ -102,16 +102,19 @@ pub(crate) struct JointRow {
 
 impl JointRow {
     /// Whether its impulse adds up.
+    #[inline(always)]
     pub(crate) fn is_rigid(&self) -> bool {
         !matches!(self.kind, RowKind::Spring(_))
     }
 
     /// Whether it acts, whatever the velocity.
+    #[inline(always)]
     pub(crate) fn always_acts(&self) -> bool {
         matches!(self.kind, RowKind::Equality)
     }
 
     /// Whether it keeps a place exactly.
+    #[inline(always)]
     pub(crate) fn is_position(&self) -> bool {
         matches!(self.kind, RowKind::Equality | RowKind::Limit)
     }

@@ -60,6 +60,7 @@ impl HalfSettings {
 }
 
 /// The axis of a joint by its number.
+#[inline(always)]
 pub(crate) fn axis_of(joint: &Joint, number: usize) -> &JointAxis {
     match number {
         DISTANCE => &joint.distance,
@@ -86,6 +87,7 @@ pub(crate) fn is_held(axis: &JointAxis) -> bool {
 
 /// Adds the rows that a measure stands for. Mobilities: `J M^-1 J^T`, 1/kg, of the two bodies as they are, and for springs where what the joint
 /// holds is held.
+#[inline(always)]
 pub(crate) fn add_rows(
     rows: &mut Vec<JointRow>,
     joint: &Joint,
@@ -178,7 +180,7 @@ pub(crate) fn measure_of<'m>(measures: &'m [Measure], row: &JointRow) -> Option<
 }
 
 /// How far a row that keeps a place is from where it should be, elsewhere than where it was written.
-#[inline]
+#[inline(always)]
 pub(crate) fn position_of(
     joint: &Joint,
     frames: &Frames,
@@ -215,11 +217,13 @@ fn coefficients(spring: JointSpring, mobility: f64) -> [f64; 2] {
 
 impl JointRow {
     /// Number of its axis.
+    #[inline(always)]
     fn axis(&self) -> usize {
         usize::from(self.slot) / 4
     }
 
     /// Whether it holds an anchor along an axis.
+    #[inline(always)]
     pub(crate) fn is_of_anchor(&self) -> bool {
         self.axis() < 3 && self.always_acts()
     }
@@ -229,6 +233,7 @@ impl JointRow {
     ///
     /// What motion leaves open is so little that it is closed on the way. More than that was not made by motion: bodies were put
     /// where they are, and are pushed to where they belong without getting the velocity.
+    #[inline(always)]
     pub(crate) fn aim_ahead(&mut self, half: &HalfSettings, swing: f64, [slack, size]: [f64; 2]) {
         let h = half.substep_dt;
         self.act_for(half.kick);
@@ -265,6 +270,7 @@ impl JointRow {
 
     /// Aims at velocities that do not leave the joint, where the bodies are now.
     /// `arm`: of the joint, m.
+    #[inline(always)]
     pub(crate) fn aim_along(&mut self, half: &HalfSettings, swing: f64, arm: f64) {
         let is_fresh = half.kick > 0.0;
         let has_acted = self.side * self.impulse > 0.0;
@@ -324,6 +330,7 @@ impl JointRow {
     }
 
     /// Sets the bounds of what forces may do in a time.
+    #[inline(always)]
     fn act_for(&mut self, kick: f64) {
         let most = match self.kind {
             RowKind::Velocity(_) | RowKind::Spring(_) => kick * self.max_force,
@@ -367,6 +374,7 @@ impl JointRow {
 }
 
 /// Stiffness of a rigid row; nothing acts on what nothing moves.
+#[inline(always)]
 fn rigid(mobility: f64) -> f64 {
     if mobility > 0.0 {
         1.0 / (EPSILON * mobility)

@@ -12,6 +12,7 @@ const ROUNDS: usize = 8;
 
 impl JointSystem {
     /// Rows that do not act yet do if they would alone.
+    #[inline(always)]
     pub(super) fn guess_states(&mut self) {
         for joint in &self.joints {
             let velocities = joint.velocities(&self.velocities);
@@ -84,6 +85,11 @@ impl JointSystem {
 
     /// Gives rows and bodies a share of what has been found.
     pub(super) fn give(&mut self, share: f64) {
+        run(self.width, Give(self, share));
+    }
+
+    #[inline(always)]
+    fn give_share(&mut self, share: f64) {
         let components = &self.components;
         let asked = |joint: &&BatchJoint| components[joint.component as usize].is_asked;
         for joint in self.joints.iter().filter(asked) {
@@ -164,6 +170,9 @@ impl JointSystem {
     fn renew_states(&mut self) -> bool {
         for component in &mut self.components {
             component.was_asked = std::mem::take(&mut component.is_asked);
+        }
+        if !self.has_bounds {
+            return false;
         }
         let mut has_changed = false;
         for joint in &self.joints {
@@ -332,5 +341,18 @@ impl Kernel for FindChanges<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         self.0.solve_for_missing();
+    }
+}
+
+/// Gives a share of what has been found.
+struct Give<'a>(&'a mut JointSystem, f64);
+
+impl Kernel for Give<'_> {
+    type Output = ();
+    const NEEDS_32_REGISTERS: bool = false;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        self.0.give_share(self.1);
     }
 }

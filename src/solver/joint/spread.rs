@@ -14,6 +14,8 @@
 //! 1e8 of the rows themselves it would be more exact, and what is none of the joints' would come in: balls in a line hold a torque about it by
 //! the rounding that keeps them from a line, 1e-7 of their distance, and what bodies have got about it by rounding made 60 times a weight of that.
 
+use crate::simd::dispatch::run;
+use crate::simd::lanes::{Kernel, Lanes};
 use crate::solver::joint::row::{JointRow, RowState};
 use crate::solver::joint::system::{BatchJoint, JointEndpoint, JointSystem};
 use crate::solver::joint::vector6::{Vector6, add_scaled, product, split};
@@ -59,12 +61,24 @@ impl JointSystem {
         self.borne.before.clone_from(&self.velocities);
     }
 
+    #[inline(always)]
     fn is_in_loop(&self, joint: &BatchJoint) -> bool {
         self.borne.any && self.borne.is_loop[joint.component as usize]
     }
 
     /// Takes note of what the joints bear in a half of a sub-step, where the bodies are in it. `are_alone`: nothing else has changed velocities.
     pub(crate) fn note_impulses(&mut self, are_alone: bool) {
+        run(
+            self.width,
+            NoteImpulses {
+                system: self,
+                are_alone,
+            },
+        );
+    }
+
+    #[inline(always)]
+    fn add_impulses(&mut self, are_alone: bool) {
         let any_passed = are_alone && self.note_passed();
         for at in 0..self.joints.len() {
             let is_spread = self.is_in_loop(&self.joints[at]);
@@ -162,6 +176,7 @@ impl JointRow {
 
 impl BatchJoint {
     /// Adds impulses of its rows to what it bears.
+    #[inline(always)]
     fn add_impulses<'r>(&mut self, impulses: impl Iterator<Item = (&'r JointRow, f64)>) {
         let Some(now) = &self.now else {
             return;
@@ -173,5 +188,21 @@ impl BatchJoint {
         let [linear, angular] = split(&sum);
         self.impulse[0] += linear;
         self.impulse[1] += angular - now.r[1].cross(linear);
+    }
+}
+
+/// Takes note of what the joints bear.
+struct NoteImpulses<'a> {
+    system: &'a mut JointSystem,
+    are_alone: bool,
+}
+
+impl Kernel for NoteImpulses<'_> {
+    type Output = ();
+    const NEEDS_32_REGISTERS: bool = false;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        self.system.add_impulses(self.are_alone);
     }
 }

@@ -38,6 +38,7 @@ impl Swing {
 }
 
 /// How hard a force at an anchor makes it to turn a body, N m / rad; not at all where it pushes the body, which makes that easier.
+#[inline(always)]
 pub(super) fn stiffness_of(r: DVec3, force: DVec3) -> DMat3 {
     let pull = r.dot(force);
     if pull > 0.0 && pull.is_finite() {
@@ -50,6 +51,7 @@ pub(super) fn stiffness_of(r: DVec3, force: DVec3) -> DMat3 {
 
 /// Inertia that a body has besides its own, kg m2, such that its fastest swing has `(h omega)^2 = 1 / FASTEST` at most. Two axes swing alike
 /// as a rule, so that `omega^2` of the fastest is half of the trace of `I^-1 K`.
+#[inline(always)]
 pub(super) fn implicit_inertia(inverse_inertia: &DMat3, stiffness: &DMat3, h: f64) -> DMat3 {
     let of_axis = |i: usize| inverse_inertia.row(i).dot(stiffness.col(i));
     let square = 0.5 * (0..3).map(of_axis).sum::<f64>();

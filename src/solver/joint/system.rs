@@ -8,7 +8,6 @@ use crate::solver::joint::factor::Factor;
 use crate::solver::joint::measure::{Frames, Place, has_angles};
 use crate::solver::joint::rounds::Rounds;
 use crate::solver::joint::row::JointRow;
-use crate::solver::joint::rows::HalfSettings;
 use crate::solver::joint::sparsity::{EdgeBlock, Sparsity};
 use crate::solver::joint::stiffening::Stiffening;
 use crate::solver::joint::vector6::Vector6;
@@ -117,7 +116,7 @@ pub(crate) struct JointSystem {
     /// Whether there are rows that do not always act.
     pub(super) has_bounds: bool,
     /// Time for which springs act in the factor, and length of its sub-step, s.
-    factored_for: [f64; 2],
+    pub(super) factored_for: [f64; 2],
     /// What its bodies bear that turns them.
     pub(super) stiffening: Stiffening,
     /// Changes of velocities, by place in the order.
@@ -231,68 +230,6 @@ impl JointSystem {
         frames.twist(joint.angle)
     }
 
-    /// Begins the first half of a sub-step: rows aim at where the bodies are to be. Impulses of the sub-step before do not act: they may
-    /// be any where a chain is as good as straight between fixed ends, and along rows that have turned since they would throw it.
-    pub(crate) fn begin_ahead(&mut self, half: &HalfSettings) {
-        self.begin_half();
-        self.find_swings(half.substep_dt);
-        let acts_for = [half.kick, half.substep_dt];
-        if self.factored_for != acts_for && self.has_springs {
-            self.outdate();
-        }
-        self.factored_for = acts_for;
-        self.forget_swings();
-        self.note_borrowed_spin(-1.0);
-        if !std::mem::replace(&mut self.is_bent, true) {
-            self.bend_rows(half.substep_dt);
-        }
-        let Self {
-            joints,
-            rows,
-            bodies,
-            velocities,
-            ..
-        } = self;
-        for joint in joints.iter() {
-            let swing = joint.swing(bodies);
-            for row in &mut rows[joint.rows.clone()] {
-                if !row.always_acts() {
-                    row.velocity_before = row.velocity(joint.velocities(velocities));
-                }
-                row.spent = 0.0;
-                let tolerances = if row.is_angular {
-                    [0.0, 1.0]
-                } else {
-                    [joint.slack, joint.levers]
-                };
-                row.aim_ahead(half, swing, tolerances);
-                row.impulse = 0.0;
-            }
-        }
-        self.guess_states();
-    }
-
-    /// Begins the second half, where the bodies are at its end.
-    pub(crate) fn begin_along(&mut self, half: &HalfSettings) {
-        self.begin_half();
-        self.find_swings(half.substep_dt);
-        self.factored_for = [half.kick, half.substep_dt];
-        self.note_borrowed_spin(-1.0);
-        let Self {
-            joints,
-            rows,
-            bodies,
-            ..
-        } = self;
-        for joint in joints.iter() {
-            let swing = joint.swing(bodies);
-            for row in &mut rows[joint.rows.clone()] {
-                row.aim_along(half, swing, joint.arm);
-            }
-        }
-        self.guess_states();
-    }
-
     /// The factor is none of the rows any more.
     pub(super) fn outdate(&mut self) {
         for component in &mut self.components {
@@ -304,22 +241,6 @@ impl JointSystem {
     #[inline(always)]
     pub(super) fn is_asked(&self, joint: &BatchJoint) -> bool {
         self.components[joint.component as usize].is_asked
-    }
-
-    fn find_swings(&mut self, substep_dt: f64) {
-        if !self.has_springs {
-            return;
-        }
-        for body in &mut self.bodies {
-            body.swing = 0.0;
-        }
-        for joint in &self.joints {
-            let rows = self.rows[joint.rows.clone()].iter();
-            let swing: f64 = rows.map(|row| row.swing(substep_dt)).sum();
-            for body in joint.jointed() {
-                self.bodies[body].swing += swing;
-            }
-        }
     }
 
     /// Ends a sub-step: takes note of how far off the joints are too.
@@ -338,7 +259,7 @@ impl JointSystem {
 
 impl BatchJoint {
     /// Its bodies that joints move.
-    fn jointed(&self) -> impl Iterator<Item = usize> + use<> {
+    pub(super) fn jointed(&self) -> impl Iterator<Item = usize> + use<> {
         let ends = self.ends.into_iter();
         ends.filter_map(|end| match end {
             JointEndpoint::Jointed(body) => Some(body as usize),
@@ -354,11 +275,8 @@ impl BatchJoint {
         }
     }
 
-    fn swing(&self, bodies: &[JointedBody]) -> f64 {
-        self.jointed().map(|body| bodies[body].swing).sum()
-    }
-
     /// Velocities of its bodies that joints move.
+    #[inline(always)]
     pub(crate) fn velocities<'v>(&self, velocities: &'v [Vector6]) -> [Option<&'v Vector6>; 2] {
         self.ends.map(|end| match end {
             JointEndpoint::Jointed(body) => Some(&velocities[body as usize]),

@@ -9,6 +9,7 @@ pub(crate) type Vector6 = [f64; 6];
 pub(crate) type Block6 = [[f64; 6]; 6];
 
 /// From its two halves.
+#[inline(always)]
 pub(crate) fn join(linear: DVec3, angular: DVec3) -> Vector6 {
     [
         linear.x, linear.y, linear.z, angular.x, angular.y, angular.z,
@@ -16,6 +17,7 @@ pub(crate) fn join(linear: DVec3, angular: DVec3) -> Vector6 {
 }
 
 /// Its two halves.
+#[inline(always)]
 pub(crate) fn split(v: &Vector6) -> [DVec3; 2] {
     [DVec3::new(v[0], v[1], v[2]), DVec3::new(v[3], v[4], v[5])]
 }
