@@ -15,7 +15,7 @@
 //! | `part_bond.rs`, `compound_bonds.rs`, `shared_area.rs` | what holds parts together, and which of them hang together; faces that two shapes share |
 //! | `constant_shapes.rs` | shapes of constant sizes, as macros |
 //! | `static_mesh.rs`, `level_triangle.rs`, `level_edges.rs`, `flat_ground.rs`, `bvh.rs`, `wide_tree.rs`, `wide_tree_build.rs`, `tree_queue.rs` | a level of triangles, where it is a plane, and walks through trees |
-//! | `support.rs`, `distance.rs`, `simplex.rs` | distances and casts of convex shapes |
+//! | `support.rs`, `distance.rs`, `simplex.rs`, `penetration.rs` | distances and casts of convex shapes, and ways out of each other |
 //! | `kd_code.rs` | cells of a box, for the contact cache |
 //!
 //! Must not know mass, motion, contacts or the ECS. Coordinates are meters in the body's own frame; triangles and face loops run
@@ -50,6 +50,7 @@ mod mesh_error;
 mod mesh_join;
 pub(crate) mod moments;
 mod part_bond;
+pub(crate) mod penetration;
 pub(crate) mod polygon;
 pub(crate) mod predicates;
 pub mod primitives;

@@ -11,7 +11,7 @@
 //! | `slide.rs`, `walk.rs`, `walker.rs` | a shape that slides along what it meets; a character that walks |
 //! | `footing.rs` | what a character stands on, and steps up to |
 //! | `ahead.rs`, `carry.rs` | bodies as a step will leave them; how they carry a character and shove it |
-//! | `nearness.rs`, `penetration.rs`, `convex.rs`, `cuboid.rs`, `compound.rs`, `hull.rs`, `round.rs`, `half_space.rs`, `level.rs`, `box_sweep.rs`, `local.rs` | the exact tests, in the frame of the body |
+//! | `nearness.rs`, `convex.rs`, `cuboid.rs`, `compound.rs`, `hull.rs`, `round.rs`, `half_space.rs`, `level.rs`, `box_sweep.rs`, `local.rs` | the exact tests, in the frame of the body |
 //!
 //! Bodies are seen where they were when the index was refreshed; a scene that asks nothing has none. Nothing here changes a scene or is
 //! remembered by it. Must not know contacts, the solver or the ECS. Read `view.rs` first.
@@ -35,7 +35,6 @@ pub(crate) mod level;
 pub(crate) mod local;
 pub(crate) mod movers;
 pub(crate) mod nearness;
-mod penetration;
 mod place;
 pub(crate) mod request;
 mod round;

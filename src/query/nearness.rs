@@ -2,10 +2,10 @@
 
 use crate::bodies::body::Shape;
 use crate::geometry::distance::{Nearest, Separation, distance};
+use crate::geometry::penetration::WayOut;
 use crate::geometry::support::{Core, PlacedCore};
 use crate::geometry::{Compound, ConvexMesh, StaticMesh};
 use crate::query::local::LocalHit;
-use crate::query::penetration::WayOut;
 use crate::query::{compound, convex, half_space};
 
 /// Where a body is nearest to a core with a radius (m), if it is within `limit` (m); its frame. The distance is negative where they

@@ -2,6 +2,7 @@
 
 use crate::contact::narrow::round::solid::{Form, Solid};
 use crate::geometry::distance::{Nearest, Separation, distance};
+use crate::geometry::penetration::WayOut;
 use crate::geometry::support::PlacedCore;
 use crate::math::{Pose, rotate};
 use glam::{DVec3, Mat3, Vec3};
@@ -21,7 +22,7 @@ pub(crate) struct PairAxis {
     pub(crate) normal: Vec3,
     /// How far the shapes are apart along it, m; negative where they overlap.
     pub(crate) separation: f64,
-    /// The point inside of A that is nearest to B, if their insides are apart.
+    /// The point inside of A that is nearest to the inside of B, or where that leaves the inside of A first if they overlap; if it is known.
     pub(crate) inner: Option<DVec3>,
 }
 
@@ -95,8 +96,17 @@ impl SolidPair<'_> {
             Separation::Near(Nearest { normal, on_a, .. }) => {
                 self.along(self.straightened(normal.as_vec3()), Some(on_a))
             }
-            _ => self.along(self.deepest(), None),
+            _ => self.way_out(&placed),
         }
+    }
+
+    /// The same of shapes whose insides overlap, by the least way on which B gets out of A: of few directions the best one, turned as long as
+    /// the way becomes shorter.
+    fn way_out(&self, placed: &PlacedCore) -> PairAxis {
+        let inner = &self.a.inner;
+        let best = WayOut::along(inner, placed, self.deepest().as_dvec3());
+        let way = best.turned(inner, placed);
+        self.along(self.straightened(way.normal.as_vec3()), way.on_a)
     }
 
     /// The normal of a face or a side that looks along a direction from A to B, or else the direction.

@@ -2,13 +2,16 @@
 
 use crate::contact::local_manifold::{LocalManifold, LocalPoint};
 use crate::contact::narrow::round::axis::{PairAxis, SolidPair};
-use crate::contact::narrow::round::solid::{Flat, Place};
+use crate::contact::narrow::round::solid::{Flat, Place, Solid};
 use crate::contact::narrow::scratch::MERGE;
 use crate::contact::reduce::{Candidate, CornerKind, reduce};
 use glam::{DVec3, Vec3};
 
 /// Sine of the angle between two lines up to which they lie side by side.
 const PARALLEL: f32 = 0.05;
+
+/// How far a point may be beside a face that it is on, over the distance up to which two points are one.
+const BESIDE: f32 = 30.0;
 
 /// Buffers.
 #[derive(Clone, Debug, Default)]
@@ -101,6 +104,9 @@ fn face_patch(
     };
     keep_near(normal, offset, rule, scratch);
     let is_one = scratch.places.len() == 1;
+    if is_one && !is_over(&scratch.outline, normal, scratch.places[0].at, rule) {
+        return patch;
+    }
     for place in &scratch.places {
         let own = pair.b_in_a.inverse_transform_point(place.at);
         let curvature = if is_one {
@@ -120,6 +126,20 @@ fn face_patch(
         });
     }
     patch
+}
+
+/// Whether a point is over a face, or beside it by less than two points that are one: the point of a shape that is deepest below the plane of a face that it
+/// overlaps may be anywhere beside it.
+fn is_over(outline: &[Vec3], normal: Vec3, at: Vec3, rule: PatchRule) -> bool {
+    let Some(&(mut from)) = outline.last() else {
+        return true;
+    };
+    outline.iter().all(|&to| {
+        let outward = (to - from).cross(normal);
+        let beside = outward.dot(at - from);
+        from = to;
+        beside <= BESIDE * rule.merge * outward.length()
+    })
 }
 
 /// Keeps of `scratch.places` those that are not higher than `rule.reach` (m) above a plane, four at most.
@@ -257,13 +277,21 @@ fn point_patch(pair: &SolidPair, axis: &PairAxis) -> LocalManifold {
     let separation = axis.separation;
     let to_b = pair.seen_from_b(axis.normal);
     let of_b = |at: Vec3| pair.b_in_a.transform_point(at).as_dvec3();
-    let on_a: DVec3 = match (pair.a.sharp_point(axis.normal), pair.b.sharp_point(-to_b)) {
-        (Some(at), _) => at.as_dvec3(),
-        (None, Some(at)) => of_b(at) - separation * normal,
-        (None, None) => match axis.inner {
-            Some(at) => at + f64::from(pair.a.depth) * normal,
-            None => pair.a.support(normal),
-        },
+    // A rim or a tip of one that looks towards the other one may be far from where that is nearest.
+    let is_near = |solid: &Solid, inner: DVec3| {
+        let beside = axis.inner.map_or(DVec3::ZERO, |at| {
+            (inner - at).reject_from_normalized(normal)
+        });
+        beside.length() <= f64::from(solid.depth)
+    };
+    let [sharp_a, sharp_b] = [pair.a.sharp_point(axis.normal), pair.b.sharp_point(-to_b)];
+    let sharp_a = sharp_a.filter(|_| is_near(&pair.a, pair.a.inner.exact_support(normal)));
+    let sharp_b = sharp_b.filter(|_| is_near(&pair.b, of_b(pair.b.inner.support(-to_b))));
+    let on_a: DVec3 = match (sharp_a, sharp_b, axis.inner) {
+        (Some(at), ..) => at.as_dvec3(),
+        (None, Some(at), _) => of_b(at) - separation * normal,
+        (None, None, Some(at)) => at + f64::from(pair.a.depth) * normal,
+        (None, None, None) => pair.a.support(normal),
     };
     let on_b = pair
         .b_in_a

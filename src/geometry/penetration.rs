@@ -28,7 +28,7 @@ pub(crate) struct WayOut {
 
 impl WayOut {
     /// The one along an axis.
-    fn along(a: &Core, b: &PlacedCore, normal: DVec3) -> Self {
+    pub(crate) fn along(a: &Core, b: &PlacedCore, normal: DVec3) -> Self {
         Self {
             normal,
             length: normal.dot(a.exact_support(normal) - b.support(-normal)),
