@@ -28,6 +28,11 @@ impl Bodies {
         slots.filter_map(|(slot, state)| state.is_some().then_some(slot))
     }
 
+    /// Behind the slot of the last of them.
+    pub(crate) fn cluster_end(&self) -> u32 {
+        self.clusters.len() as u32
+    }
+
     /// Changes with each body that is added.
     pub(crate) fn newest(&self) -> u32 {
         self.next_id
@@ -99,6 +104,10 @@ impl Bodies {
         let held = self.cluster(slot).and_then(|state| state.held.clone());
         let loaded = self.cluster(slot);
         let loaded = loaded.map(|it| (it.loads.clone(), it.bearings.clone(), it.overloaded));
+        let elastic = self.cluster_mut(slot).and_then(|state| {
+            let elastic = state.elastic.take()?;
+            elastic.cracked(&state.network, broken).map(Box::new)
+        });
         self.set_compound(slot, cracked);
         if self.renew_cluster(slot).is_err() {
             return;
@@ -107,6 +116,8 @@ impl Bodies {
             state.held = held;
             // What is too much for it does not begin anew with each bond.
             (state.loads, state.bearings, state.overloaded) = loaded.unwrap_or_default();
+            // Nor is what moves its parts worked out anew.
+            state.elastic = elastic;
         }
         self.cracked.push((slot, self.id(slot)));
     }

@@ -80,7 +80,7 @@ impl BitOr for LockedAxes {
 /// What moves a dynamic body besides gravity and contacts, and how the surface of any body runs, until it is changed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyDrive {
-    /// How much of gravity acts on it.
+    /// How much of gravity acts on it; of what stands, on the parts that bonds hold.
     pub gravity_scale: f32,
     /// Share of its velocity that it loses in a second, for small shares, 1/s.
     pub linear_damping: f32,

@@ -6,12 +6,13 @@
 //! same resultant. By the theorem of the lower bound a body stands if any way to spread it breaks nothing.
 
 use crate::cluster::elastic::Wrench;
+use crate::cluster::footprint::{Outline, Plane, overlap};
 use crate::cluster::network::Network;
 use crate::geometry::Compound;
 use glam::{DMat2, DVec2, DVec3};
 use smallvec::SmallVec;
 
-/// How far from the plane and from the rim of a face a corner may be, as a share of the least extent of its part.
+/// How far from the plane of a face a corner may be, and how far beyond its rim, as a share of the least extent of its part.
 const NEAR: f64 = 0.02;
 
 /// Width of a face that is none, as a share of its length.
@@ -43,29 +44,6 @@ struct Place {
     at: DVec3,
     /// Force that comes down there, N.
     weight: f64,
-}
-
-impl Bearing {
-    /// Whether a point is on the face, but for `near` m.
-    fn contains(&self, point: DVec3, near: f64) -> bool {
-        let count = self.rim.len();
-        let corners = (0..count).flat_map(|i| (i + 1..count).map(move |j| (i, j)));
-        let triples = corners.flat_map(|(i, j)| (j + 1..count).map(move |k| [i, j, k]));
-        let mut triangles = triples.map(|triple| triple.map(|i| self.rim[i]));
-        triangles.any(|corners| self.is_within(&corners, point, near))
-    }
-
-    fn is_within(&self, corners: &[DVec3; 3], point: DVec3, near: f64) -> bool {
-        (0..3).all(|i| {
-            let [a, b, c] = [0, 1, 2].map(|k| corners[(i + k) % 3]);
-            let inward = self.normal.cross(b - a).normalize_or_zero();
-            let (depth, across) = (inward.dot(point - a), inward.dot(c - a));
-            let is_flat = across.abs() <= near;
-            !is_flat
-                && depth * across.signum() >= -near
-                && (point - a).dot(self.normal).abs() <= near
-        })
-    }
 }
 
 impl Network {
@@ -158,17 +136,29 @@ impl Network {
     }
 }
 
-/// Corners of parts on faces, by part.
+/// Corners of what of each part lies on the faces, by part.
 fn places_of(compound: &Compound, borne: &Borne) -> Vec<Place> {
     let mut places = Vec::new();
+    let Some(first) = borne.faces.first() else {
+        return places;
+    };
+    let plane = Plane::through(first.rim[0], first.normal);
+    let rims = borne.faces.iter();
+    let rims: SmallVec<[Outline; 2]> = rims
+        .map(|face| plane.outline(face.rim.iter().copied()))
+        .collect();
     for (number, part) in (0..).zip(compound.parts()) {
         let near = NEAR * f64::from(part.shape.aabb().extents().min_element());
         let corners = part.shape.hull().vertices().iter();
         let corners = corners.map(|&corner| part.pose.transform_point(corner).as_dvec3());
-        let on_face = corners.filter(|&at| borne.faces.iter().any(|face| face.contains(at, near)));
-        places.extend(on_face.map(|at| Place {
+        let own = plane.outline(corners.filter(|&at| plane.height_of(at).abs() <= near));
+        if own.is_empty() {
+            continue;
+        }
+        let corners = rims.iter().flat_map(|rim| overlap(own.clone(), rim, near));
+        places.extend(corners.map(|at| Place {
             part: number,
-            at,
+            at: plane.point(at),
             weight: 0.0,
         }));
     }

@@ -1,12 +1,9 @@
 //! The parts of a cluster as rigid bodies on elastic bonds: how loads move them.
 
 use crate::cluster::network::Network;
-use crate::cluster::sparse::{Block, Pattern, Six, Sparse};
-use crate::geometry::PartBond;
-use glam::{DMat3, DVec3};
-
-/// Shear modulus over Young's modulus: that of concrete and brick, and near that of steel.
-const SHEAR: f64 = 0.4;
+use crate::cluster::removal::Removal;
+use crate::cluster::sparse::{Block, NONE, Pattern, Six, Sparse};
+use glam::DVec3;
 
 /// Blocks that a factor may have, 144 MB: that of a cluster of some 5000 parts which is as thick as it is long, or of 10 000 in a wall. Beyond,
 /// conjugate gradients are used, which need a hundredth of that, and as much time as it takes.
@@ -14,8 +11,6 @@ const MOST_BLOCKS: usize = 500_000;
 
 /// Error of the forces, relative to the loads, that conjugate gradients leave.
 const TOLERANCE: f64 = 1e-4;
-
-const NONE: u32 = u32::MAX;
 
 /// Force and torque about the center of a part, frame of the compound, N and N m.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -36,9 +31,10 @@ impl Wrench {
     }
 }
 
-/// The system that tells how loads move the parts, for Young's modulus 1; it serves as long as the bonds and what is held are the same.
+/// The system that tells how loads move the parts, for Young's modulus 1; it serves as long as the parts and what is held are the same.
 #[derive(Clone, Debug)]
 pub(crate) struct Elastic {
+    /// By bond, whether it is left out.
     is_broken: Vec<bool>,
     /// The parts that move.
     order: Vec<u32>,
@@ -46,6 +42,10 @@ pub(crate) struct Elastic {
     number: Vec<u32>,
     /// None where there are too many parts.
     system: Option<Sparse>,
+    /// Bonds that are still to be taken out of its factor; the first one may have begun.
+    removals: Vec<Removal>,
+    /// Whether some have been.
+    is_updated: bool,
 }
 
 impl Elastic {
@@ -82,13 +82,88 @@ impl Elastic {
             order,
             number,
             system,
+            removals: Vec::new(),
+            is_updated: false,
         }
     }
 
+    /// By bond, whether it is left out.
+    pub(super) fn is_broken(&self) -> &[bool] {
+        &self.is_broken
+    }
+
+    /// Whether it was not made without the bonds that it leaves out now.
+    pub(super) fn is_updated(&self) -> bool {
+        self.is_updated
+    }
+
+    /// Leaves more bonds (by index) out, which hold nothing together that others do not; made anew if that is less work.
+    pub(super) fn leave_out(&mut self, network: &Network, bonds: impl Iterator<Item = usize>) {
+        for bond in bonds {
+            if std::mem::replace(&mut self.is_broken[bond], true) {
+                continue;
+            }
+            let rows = network.bonds[bond]
+                .parts
+                .map(|part| self.number[part as usize]);
+            if self.system.is_some() && rows != [NONE; 2] {
+                let (strains, stiffness) = network.strains(bond);
+                self.removals.push(Removal::new(rows, strains, &stiffness));
+            }
+        }
+        self.is_updated = true;
+        let Some(system) = &self.system else {
+            return;
+        };
+        let mut left = system.pattern.cost();
+        let is_much = self.removals.iter().any(|removal| {
+            let cost = system.cost_of(removal);
+            left = left.saturating_sub(cost);
+            left == 0
+        });
+        if is_much {
+            let held = self.number.iter().map(|&number| number == NONE);
+            let held: Vec<bool> = held.collect();
+            *self = Self::new(network, &held, &self.is_broken);
+        }
+    }
+
+    /// The same of a network in which the bonds that are left out are gone, and `broken` (ascending) with them; none if others are left out than
+    /// those.
+    pub(crate) fn cracked(mut self, network: &Network, broken: &[u32]) -> Option<Self> {
+        self.leave_out(network, broken.iter().map(|&bond| bond as usize));
+        let count = self
+            .is_broken
+            .iter()
+            .filter(|is_broken| **is_broken)
+            .count();
+        self.is_broken.retain(|is_broken| !is_broken);
+        (count == broken.len()).then_some(self)
+    }
+
     /// Prepares it, as long as `budget` has products of blocks left; whether it is ready.
-    pub(super) fn prepare(&mut self, budget: &mut usize) -> bool {
-        let system = self.system.as_mut();
-        system.is_none_or(|system| system.factorise(budget))
+    pub(crate) fn prepare(&mut self, budget: &mut usize) -> bool {
+        let Some(system) = &mut self.system else {
+            return true;
+        };
+        if !system.factorise(budget) {
+            return false;
+        }
+        let mut done = 0;
+        let mut removals = self.removals.iter_mut();
+        let is_ready = removals.all(|removal| {
+            let is_done = system.remove(removal, budget);
+            done += usize::from(is_done);
+            is_done
+        });
+        self.removals.drain(..done);
+        is_ready
+    }
+
+    /// Products of blocks that it takes to tell what loads do.
+    pub(super) fn cost_of_displacements(&self) -> usize {
+        let system = self.system.as_ref();
+        system.map_or(0, |system| system.pattern.len() / 3)
     }
 
     /// How the loads move the parts: displacements and turns. It must be ready.
@@ -157,67 +232,6 @@ impl Network {
         order.last().copied().unwrap_or(0)
     }
 
-    /// Stiffness of the bonds: by bond, forces on its two parts by motions of its two parts.
-    fn springs<'n>(
-        &'n self,
-        is_broken: &'n [bool],
-    ) -> impl Iterator<Item = (usize, [[Block; 2]; 2])> + 'n {
-        let whole = (0..self.bonds.len()).filter(|&bond| !is_broken[bond]);
-        whole.map(|bond| {
-            let spring = self.spring(bond);
-            let arms = self.arms(bond);
-            let sides = arms.map(|arm| skew(-arm));
-            let block = |i: usize, j: usize| {
-                let sign = if i == j { 1.0 } else { -1.0 };
-                // B = [1, -[r]x], and K = B^T diag(k, 0) B + diag(0, c).
-                let (left, right) = (sides[i].transpose(), sides[j]);
-                let corner = left * spring.along * right + spring.turning;
-                blocks(
-                    spring.along,
-                    spring.along * right,
-                    left * spring.along,
-                    corner,
-                    sign,
-                )
-            };
-            (
-                bond,
-                [[block(0, 0), block(0, 1)], [block(1, 0), block(1, 1)]],
-            )
-        })
-    }
-
-    /// From the centers of its parts to the center of a bond, m.
-    pub(super) fn arms(&self, bond: usize) -> [DVec3; 2] {
-        let PartBond { center, parts, .. } = &self.bonds[bond];
-        parts.map(|part| center.as_dvec3() - self.nodes[part as usize].center)
-    }
-
-    pub(super) fn spring(&self, bond: usize) -> Spring {
-        let PartBond {
-            normal,
-            axis,
-            half_extents,
-            area,
-            ..
-        } = &self.bonds[bond];
-        let (normal, axis) = (normal.as_dvec3(), axis.as_dvec3());
-        let across = normal.cross(axis);
-        let [a, b] = self.arms(bond);
-        let length = (a - b).dot(normal).abs();
-        let sides = half_extents.as_dvec2();
-        let length = length.max(0.1 * sides.min_element());
-        let area = f64::from(*area);
-        let moments = area / 3.0 * sides * sides;
-        let outer = |v: DVec3| DMat3::from_cols(v * v.x, v * v.y, v * v.z);
-        let (n, u, v) = (outer(normal), outer(axis), outer(across));
-        Spring {
-            along: (n + (u + v) * SHEAR) * (area / length),
-            turning: (u * moments.y + v * moments.x + n * (SHEAR * (moments.x + moments.y)))
-                * (1.0 / length),
-        }
-    }
-
     /// Conjugate gradients, preconditioned by the blocks of the diagonal.
     fn iterate(&self, rows: &mut [Six], number: &[u32], is_broken: &[bool]) {
         let springs: Vec<_> = self.springs(is_broken).collect();
@@ -277,37 +291,6 @@ impl Network {
             square = next;
         }
     }
-}
-
-/// Stiffness of a bond at its center.
-pub(super) struct Spring {
-    /// Force by displacement.
-    pub(super) along: DMat3,
-    /// Moment by turn.
-    pub(super) turning: DMat3,
-}
-
-/// `[v]x`.
-fn skew(v: DVec3) -> DMat3 {
-    DMat3::from_cols(
-        DVec3::new(0.0, v.z, -v.y),
-        DVec3::new(-v.z, 0.0, v.x),
-        DVec3::new(v.y, -v.x, 0.0),
-    )
-}
-
-/// Four blocks of three by three as one, times a sign.
-fn blocks(a: DMat3, b: DMat3, c: DMat3, d: DMat3, sign: f64) -> Block {
-    let mut block = [[0.0; 6]; 6];
-    for i in 0..3 {
-        for j in 0..3 {
-            block[i][j] = sign * a.col(j)[i];
-            block[i][j + 3] = sign * b.col(j)[i];
-            block[i + 3][j] = sign * c.col(j)[i];
-            block[i + 3][j + 3] = sign * d.col(j)[i];
-        }
-    }
-    block
 }
 
 fn add_block(to: &mut Block, block: &Block) {

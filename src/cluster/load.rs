@@ -28,12 +28,23 @@ pub(crate) struct LoadOutcome {
     pub(crate) utilization: f64,
 }
 
+impl LoadOutcome {
+    fn of(is_broken: &[bool], utilization: f64) -> Self {
+        let broken = (0..).zip(is_broken).filter(|(_, broken)| **broken);
+        Self {
+            broken: broken.map(|(bond, _)| bond).collect(),
+            utilization,
+        }
+    }
+}
+
 impl Network {
     /// What `loads` (by part) do, besides inertia. `held`: by part, whether it holds on to the world; if none does, the body turns with
-    /// `spin` (rad/s, frame of the compound). `elastic`: the system, if it is known; none afterwards if bonds broke.
+    /// `spin` (rad/s, frame of the compound). `elastic`: the system, if it is known; without the bonds that broke afterwards, and none if something
+    /// comes off.
     ///
     /// None if `budget` (products of blocks) is used up before the system is ready: it goes on from there the next time. Where it is
-    /// used up later, what has broken until then is told; if `is_first`, no more than what breaks first, with the system kept.
+    /// used up later, what has broken until then is told; if `is_first`, no more than what breaks first, with the system as it was.
     pub(crate) fn bear(
         &self,
         elastic: &mut Option<Box<Elastic>>,
@@ -41,57 +52,66 @@ impl Network {
         (held, spin): (&[bool], DVec3),
         (is_first, budget): (bool, &mut usize),
     ) -> Option<LoadOutcome> {
-        let mut is_broken = vec![false; self.bonds.len()];
         let mut loads = loads.to_vec();
         if !held.contains(&true) {
             self.add_inertia(&mut loads, spin);
         }
-        let mut utilization = 0.0;
+        let none = vec![false; self.bonds.len()];
+        let mut system =
+            (elastic.take()).unwrap_or_else(|| Box::new(Elastic::new(self, held, &none)));
+        let (mut broken, mut has_broken, mut utilization) = (none, false, 0.0);
         loop {
-            let known = elastic.take();
-            let mut system =
-                known.unwrap_or_else(|| Box::new(Elastic::new(self, held, &is_broken)));
             if !system.prepare(budget) {
-                if is_broken.contains(&true) {
+                if has_broken {
                     break;
                 }
                 *elastic = Some(system);
                 return None;
             }
-            let motion = system.displacements(self, &loads);
-            let shares: Vec<f64> = (0..self.bonds.len())
-                .map(|bond| {
-                    if is_broken[bond] {
-                        0.0
-                    } else {
-                        self.utilization(bond, &motion)
-                    }
-                })
-                .collect();
+            *budget = budget.saturating_sub(system.cost_of_displacements());
+            broken.copy_from_slice(system.is_broken());
+            let shares = self.utilizations(&system, &loads);
             utilization = shares.iter().copied().fold(0.0, f64::max);
-            // Not a number: nothing is known, and nothing breaks.
-            if utilization.is_nan() || utilization <= 1.0 {
-                *elastic = (!is_broken.contains(&true)).then_some(system);
+            if system.is_updated() && shares.iter().any(|share| share.is_nan()) {
+                // Bonds that were taken out one by one have left nothing but rounding.
+                *system = Elastic::new(self, held, &broken);
+                continue;
+            }
+            // Where nothing is a number, nothing is known, and nothing breaks.
+            if utilization <= 1.0 {
                 break;
             }
-            let most = TOGETHER * utilization;
-            for (is_broken, share) in is_broken.iter_mut().zip(&shares) {
-                *is_broken |= *share >= most.max(1.0);
-            }
+            let most = (TOGETHER * utilization).max(1.0);
+            let torn = (0..self.bonds.len()).filter(|&bond| shares[bond] >= most);
+            torn.clone().for_each(|bond| broken[bond] = true);
+            has_broken = true;
             if is_first {
-                *elastic = Some(system);
                 break;
             }
-            let groups = groups_of(self.nodes.len(), &self.bonds, |bond| is_broken[bond]);
+            let groups = groups_of(self.nodes.len(), &self.bonds, |bond| broken[bond]);
             if groups.iter().any(|&group| group != 0) {
-                break;
+                return Some(LoadOutcome::of(&broken, utilization));
             }
+            system.leave_out(self, torn);
         }
-        let broken = (0..).zip(&is_broken).filter(|(_, broken)| **broken);
-        Some(LoadOutcome {
-            broken: broken.map(|(bond, _)| bond).collect(),
-            utilization,
-        })
+        *elastic = Some(system);
+        if !has_broken {
+            broken.fill(false);
+        }
+        Some(LoadOutcome::of(&broken, utilization))
+    }
+
+    /// What each bond bears under these loads, as a share of its strength; nothing of what is broken.
+    fn utilizations(&self, system: &Elastic, loads: &[Wrench]) -> Vec<f64> {
+        let motion = system.displacements(self, loads);
+        let shares = (0..).zip(system.is_broken()).map(|(bond, &is_broken)| {
+            if is_broken {
+                0.0
+            } else {
+                self.utilization(bond, &motion)
+            }
+        });
+        shares.collect()
     }
 
     /// Adds what inertia does to each part of a body that the loads move.

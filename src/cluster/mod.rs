@@ -7,8 +7,8 @@
 //! | `hit.rs` | what a cluster is hit with |
 //! | `blow.rs`, `instant.rs`, `moving_part.rs`, `link.rs` | what a blow breaks: the parts around it in motion for an instant |
 //! | `blast.rs` | how what comes off moves that was pushed part by part |
-//! | `load.rs`, `elastic.rs`, `sparse.rs`, `dissection.rs` | what a sustained load breaks: forces as in an elastic body |
-//! | `bearing.rs` | how what a cluster lies on bears it |
+//! | `load.rs`, `elastic.rs`, `spring.rs`, `sparse.rs`, `removal.rs`, `dissection.rs` | what a sustained load breaks: forces as in an elastic body |
+//! | `bearing.rs`, `footprint.rs` | how what a cluster lies on bears it |
 //!
 //! Must not know contacts or bodies: all is in the frame of the compound, and pushes come as numbers. Read `network.rs` first.
 
@@ -18,12 +18,15 @@ pub(crate) mod blow;
 mod building;
 mod dissection;
 pub(crate) mod elastic;
+mod footprint;
 pub(crate) mod hit;
 mod instant;
 mod link;
 pub(crate) mod load;
 mod moving_part;
 pub(crate) mod network;
+mod removal;
 mod sparse;
+mod spring;
 
 pub use building::{Cluster, ClusterError};

@@ -10,24 +10,26 @@ pub(crate) type Block = [[f64; 6]; 6];
 /// Six numbers.
 pub(crate) type Six = [f64; 6];
 
-const NONE: u32 = u32::MAX;
+pub(super) const NONE: u32 = u32::MAX;
 
 /// Where the lower triangle of a system has blocks, by column.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Pattern {
     /// By column: where its rows begin in `rows`; behind the last one, where they end.
-    starts: Vec<usize>,
+    pub(super) starts: Vec<usize>,
     /// Ascending in a column; the first one is the diagonal.
-    rows: Vec<u32>,
+    pub(super) rows: Vec<u32>,
 }
 
 /// Lower triangle of a system, or its factor.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Sparse {
-    pattern: Pattern,
-    blocks: Vec<Block>,
+    pub(super) pattern: Pattern,
+    pub(super) blocks: Vec<Block>,
     /// Columns that are factorised.
     done: usize,
+    /// By row, what is to be taken out of the columns that are not done yet; zero but for the columns of a bond that is being taken out.
+    pub(super) update: Vec<Block>,
 }
 
 impl Pattern {
@@ -78,9 +80,26 @@ impl Pattern {
         self.rows.len()
     }
 
-    fn column(&self, column: usize) -> std::ops::Range<usize> {
+    /// Products of blocks that the factor takes.
+    pub(crate) fn cost(&self) -> usize {
+        let columns = 0..self.starts.len() - 1;
+        columns.map(|at| product_count(self.column(at).len())).sum()
+    }
+
+    pub(super) fn column(&self, column: usize) -> std::ops::Range<usize> {
         self.starts[column]..self.starts[column + 1]
     }
+
+    /// The first column that changes when this one does; `NONE` behind the last one.
+    pub(super) fn parent(&self, column: usize) -> u32 {
+        let own = &self.rows[self.column(column)];
+        own.get(1).copied().unwrap_or(NONE)
+    }
+}
+
+/// Products of blocks that a column with so many rows takes.
+fn product_count(width: usize) -> usize {
+    width * width / 2 + 1
 }
 
 impl Sparse {
@@ -90,6 +109,7 @@ impl Sparse {
             blocks: vec![[[0.0; 6]; 6]; pattern.rows.len()],
             pattern,
             done: 0,
+            update: Vec::new(),
         }
     }
 
@@ -108,8 +128,7 @@ impl Sparse {
             }
             let own = self.pattern.column(self.done);
             self.done += 1;
-            let width = own.len();
-            *budget = budget.saturating_sub(width * width / 2 + 1);
+            *budget = budget.saturating_sub(product_count(own.len()));
             let (head, later) = self.blocks.split_at_mut(own.end);
             let (diagonal, below) = head[own.start..].split_at_mut(1);
             factorise_block(&mut diagonal[0]);
@@ -120,11 +139,12 @@ impl Sparse {
             for (i, (&column, right)) in rows.iter().zip(&*below).enumerate() {
                 // What is in this column from here on is in that one too.
                 let mut place = self.pattern.starts[column as usize];
+                let right = transposed(right);
                 for (&row, left) in rows[i..].iter().zip(&below[i..]) {
                     while self.pattern.rows[place] < row {
                         place += 1;
                     }
-                    take_product(&mut later[place - own.end], left, right);
+                    take_product(&mut later[place - own.end], left, &right);
                 }
             }
         }
@@ -161,24 +181,34 @@ impl Sparse {
     }
 }
 
-/// `c -= a b^T`.
+pub(super) fn transposed(a: &Block) -> Block {
+    std::array::from_fn(|i| std::array::from_fn(|j| a[j][i]))
+}
+
+/// `c -= a b`, row by row of `b`: as many columns at a time as a register holds.
 fn take_product(c: &mut Block, a: &Block, b: &Block) {
     for (c, a) in c.iter_mut().zip(a) {
-        for (c, b) in c.iter_mut().zip(b) {
-            *c -= a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4] + a[5] * b[5];
+        let mut sum = b[0].map(|b| a[0] * b);
+        for (a, b) in a.iter().zip(b).skip(1) {
+            for (sum, b) in sum.iter_mut().zip(b) {
+                *sum += a * b;
+            }
+        }
+        for (c, sum) in c.iter_mut().zip(sum) {
+            *c -= sum;
         }
     }
 }
 
 /// `x = x l^-T` with a lower triangle.
-fn divide_by_transposed(x: &mut Block, l: &Block) {
+pub(super) fn divide_by_transposed(x: &mut Block, l: &Block) {
     for row in x {
         solve_lower(l, row);
     }
 }
 
 /// `x = l^-1 x` with a lower triangle.
-fn solve_lower(l: &Block, x: &mut Six) {
+pub(super) fn solve_lower(l: &Block, x: &mut Six) {
     for i in 0..6 {
         let sum: f64 = (0..i).map(|j| l[i][j] * x[j]).sum();
         x[i] = (x[i] - sum) / l[i][i];
@@ -194,7 +224,7 @@ fn solve_upper(l: &Block, x: &mut Six) {
 }
 
 /// Cholesky's factor of a block, in its lower triangle.
-fn factorise_block(a: &mut Block) {
+pub(super) fn factorise_block(a: &mut Block) {
     for i in 0..6 {
         for j in 0..=i {
             let sum: f64 = (0..j).map(|k| a[i][k] * a[j][k]).sum();

@@ -17,7 +17,8 @@ use bevy_ecs::query::{Allow, QueryData};
 use bevy_math::{Quat, Vec3};
 use bevy_transform::components::{GlobalTransform, Transform};
 
-/// How much of [`Gravity`](crate::solver::Gravity) acts on a dynamic body: 0 lets it float, -1 lets it rise.
+/// How much of [`Gravity`](crate::solver::Gravity) acts on a dynamic body: 0 lets it float, -1 lets it rise. And on what stands and is
+/// built of bonded parts: so much their bonds bear.
 #[derive(Clone, Copy, Debug, PartialEq, Component)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct GravityScale(pub f32);

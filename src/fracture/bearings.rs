@@ -4,7 +4,7 @@ use crate::bodies::body::RigidBody;
 use crate::bodies::cluster_state::{ClusterState, LoadSource};
 use crate::bodies::store::Bodies;
 use crate::cluster::bearing::{Bearing, Borne};
-use crate::contact::manifolds::ManifoldRef;
+use crate::contact::manifolds::{ManifoldRef, Manifolds};
 use crate::contact::point::ContactPoint;
 use crate::math::rotate;
 use glam::Vec3;
@@ -16,19 +16,56 @@ const GAP: f32 = 0.01;
 /// Cosine of the angle between faces that are one.
 const ONE_FACE: f64 = 0.9995;
 
+/// Finds out where clusters (slots, ascending) lie on others. Contacts of what sleeps are not looked at: it lies as it did.
+pub(super) fn find_bearings(
+    bodies: &mut Bodies,
+    manifolds: &Manifolds,
+    gravity: Vec3,
+    slots: &[u32],
+) {
+    let is_looked_at = |bodies: &Bodies, slot: u32| {
+        slots.binary_search(&slot).is_ok()
+            && bodies.kind(slot) == RigidBody::Dynamic
+            && !bodies.is_asleep(slot)
+    };
+    for &slot in slots {
+        let is_looked_at = is_looked_at(bodies, slot);
+        if let Some(state) = bodies.cluster_mut(slot).filter(|_| is_looked_at) {
+            state.bearings.clear();
+        }
+    }
+    for manifold in manifolds.iter() {
+        for (side, slot) in [manifold.a, manifold.b].into_iter().enumerate() {
+            if !is_looked_at(bodies, slot) {
+                continue;
+            }
+            let bearing = bearing_of(bodies, &manifold, side, gravity);
+            if let (Some(bearing), Some(state)) = (bearing, bodies.cluster_mut(slot)) {
+                state.bearings.push(bearing);
+            }
+        }
+    }
+    for &slot in slots {
+        if let Some(state) = bodies.cluster_mut(slot) {
+            state.bearings.sort_by_key(|(source, _)| *source);
+        }
+    }
+}
+
 /// The face of a dynamic cluster that lies on the other body of a contact; none if it does not lie there, or on no face.
-pub(super) fn bearing_of(
+fn bearing_of(
     bodies: &Bodies,
     manifold: &ManifoldRef,
     side: usize,
     gravity: Vec3,
-) -> Option<(u32, LoadSource, Bearing)> {
+) -> Option<(LoadSource, Bearing)> {
     let slots = [manifold.a, manifold.b];
     let (slot, other) = (slots[side], slots[1 - side]);
     let compound = bodies.compound(slot)?;
     let normal = [-1.0, 1.0][side] * manifold.normal;
-    let lies = 2.0 * normal.dot(gravity) < -gravity.length();
-    if bodies.kind(slot) != RigidBody::Dynamic || !lies || manifold.points().len() < 3 {
+    let weight = bodies.drive(slot).gravity_scale * gravity;
+    let lies = 2.0 * normal.dot(weight) < -weight.length();
+    if !lies || manifold.points().len() < 3 {
         return None;
     }
     let to_body = bodies.pose(slot).rotation.inverse();
@@ -43,7 +80,7 @@ pub(super) fn bearing_of(
         rim: rim.collect(),
     };
     let source = LoadSource::Contact(bodies.id(other), other);
-    (bearing.rim.len() >= 3).then_some((slot, source, bearing))
+    (bearing.rim.len() >= 3).then_some((source, bearing))
 }
 
 /// Who bears the cluster at faces, and what by each part is still to be told. Those whose faces are not one bear it as points do.

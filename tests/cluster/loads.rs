@@ -38,6 +38,37 @@ fn falls(shape: &Compound, load: Option<f32>, rate: f32) -> (bool, usize) {
     (is_broken, left)
 }
 
+/// Symptom: what stands bore all of gravity, however much of it acted on what fell off of it.
+#[test]
+fn what_stands_bears_as_much_of_gravity_as_acts_on_it() {
+    for seed in 0..6 {
+        let dice = &mut Dice::new(seed);
+        let (count, size) = (6 + dice.below(6), dice.vector(0.1, 0.2));
+        let scale = [-1.0, 1.0][dice.below(2)] * dice.in_range(0.2, 4.0);
+        let stress = root_stress(count, size, 1000.0, None) * scale.abs();
+        let falls = |strength: f32, gravity_scale: f32| {
+            let mut simulation = awake();
+            let shape = row(count, size, strength);
+            let body = simulation.bodies.insert(standing(shape)).expect("usable");
+            let wall = Anchors::none().and_behind(Vec3::X, 0.01);
+            let bodies = &mut simulation.bodies;
+            bodies.set_anchors(body, Some(wall)).expect("usable");
+            let drive = BodyDrive {
+                gravity_scale,
+                ..BodyDrive::default()
+            };
+            bodies.set_drive(body, drive).expect("usable");
+            (0..120).any(|_| {
+                simulation.step(1.0 / 60.0);
+                !simulation.fractures.done.is_empty()
+            })
+        };
+        assert!(falls(stress / 1.05, scale), "{seed}: {scale}");
+        assert!(!falls(stress / 0.95, scale), "{seed}: {scale}");
+        assert!(!falls(1e-3 * stress, 0.0), "{seed}: without gravity");
+    }
+}
+
 /// Stress at the root of a cantilever of `count` parts of `size` under its own weight and one at its end, Pa: moment over section modulus.
 fn root_stress(count: usize, size: Vec3, density: f32, load: Option<f32>) -> f32 {
     let g = 9.81;

@@ -19,6 +19,7 @@ mod loads;
 mod lying;
 mod pushes;
 mod shapes;
+mod thick;
 mod threads;
 mod unanchored;
 mod wear;
