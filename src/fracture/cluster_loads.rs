@@ -14,6 +14,7 @@ use crate::contact::manifolds::Manifolds;
 use crate::fracture::bearings::{borne_by, find_bearings};
 use crate::fracture::cluster::BrokenBonds;
 use crate::fracture::contact_loads::add_contact;
+use crate::fracture::grip::{find_grips, grip_at};
 use crate::geometry::Compound;
 use crate::joints::Joints;
 use crate::math::rotate;
@@ -57,11 +58,13 @@ pub(super) fn judge_loads(
     elapsed: f32,
 ) -> Vec<(u32, BrokenBonds)> {
     let mut found: Vec<(u32, PartLoad)> = Vec::new();
+    let grips = find_grips(bodies, step.manifolds);
     for manifold in step.manifolds.iter() {
         for side in 0..2 {
             let slot = [manifold.a, manifold.b][side];
             if bodies.cluster(slot).is_some() {
-                add_contact(bodies, &manifold, side, step.step_dt, &mut found);
+                let grip = grip_at(bodies, &grips, &manifold, side);
+                add_contact(bodies, &manifold, side, (step.step_dt, grip), &mut found);
             }
         }
     }

@@ -5,15 +5,16 @@ use crate::bodies::store::Bodies;
 use crate::cluster::elastic::Wrench;
 use crate::contact::manifolds::ManifoldRef;
 use crate::contact::point::ContactPoint;
+use crate::fracture::grip::Grip;
 use crate::math::rotate;
 use glam::Vec3;
 
-/// Adds what a contact does to a cluster, part by part.
+/// Adds what a contact does to a cluster, part by part; with friction by the grip of the cluster, if it has one.
 pub(super) fn add_contact(
     bodies: &Bodies,
     manifold: &ManifoldRef,
     side: usize,
-    step_dt: f32,
+    (step_dt, grip): (f32, Option<Grip>),
     found: &mut Vec<(u32, PartLoad)>,
 ) {
     let slots = [manifold.a, manifold.b];
@@ -26,19 +27,23 @@ pub(super) fn add_contact(
     let in_body = |v: Vec3| rotate(to_body, v * per_time).as_dvec3();
     let friction = SharedFriction::of(manifold, side, bodies.are_bonded(manifold.a, manifold.b));
     for point in manifold.points() {
+        let anchor = [point.anchor_a, point.anchor_b][side];
         let share = friction.share_of(point);
-        let impulse = point.normal_impulse * manifold.normal + share * friction.sum;
+        let (sideways, twist) = match &grip {
+            Some(grip) => (grip.friction(manifold.normal, point, anchor), Vec3::ZERO),
+            None => ((share * friction.sum).as_dvec3(), share * friction.twist),
+        };
+        let impulse = point.normal_impulse * manifold.normal + sideways.as_vec3();
         if impulse == Vec3::ZERO {
             continue;
         }
-        let anchor = [point.anchor_a, point.anchor_b][side];
         let place = rotate(to_body, anchor) + bodies.mass(slot).center;
         let part = compound.part_at(place);
         let force = in_body(impulse);
         let arm = place.as_dvec3() - state.network.nodes[part as usize].center;
         let wrench = Wrench {
             force,
-            torque: arm.cross(force) + in_body(share * friction.twist),
+            torque: arm.cross(force) + in_body(twist),
         };
         let from = (LoadSource::Contact(bodies.id(other), other), part);
         let last = found.iter_mut().rev().take(4);

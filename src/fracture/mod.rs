@@ -19,7 +19,7 @@
 //! | `holding.rs`, `hold_area.rs` | which pieces of what stood stay, and what falls with the others |
 //! | `blast.rs`, `pressure.rs` | explosions and forces at points, which push clusters part by part; other bodies |
 //! | `cluster.rs`, `cluster_loads.rs` | bodies whose parts are held by bonds: what comes off, and what sustained loads break |
-//! | `contact_loads.rs`, `bearings.rs` | what contacts do to their parts, and where they lie on something |
+//! | `contact_loads.rs`, `grip.rs`, `bearings.rs` | what contacts do to their parts, and where they lie on something |
 //! | `debris.rs` | which pieces go again |
 //! | `inheritance.rs`, `bond_inheritance.rs`, `joint_inheritance.rs` | which piece gets multipliers, bonds and joints of the parent |
 //! | `bond.rs`, `bonded_pair.rs`, `bonds.rs`, `neighbors.rs` | what holds bodies together, and over which area |
@@ -41,6 +41,7 @@ mod conservation;
 mod contact_loads;
 mod debris;
 mod gradual;
+mod grip;
 mod hold_area;
 mod holding;
 mod impact;
