@@ -317,6 +317,10 @@ pub(crate) fn judge_harder(seed: u64) -> Verdict {
                 let steps = 2.4 / shot.linear_velocity.length();
                 shot.pose.position -= steps * way;
                 shot.linear_velocity *= factor;
+                // And from outside: what is slow would start within what it hits.
+                let away = 0.1 + 2.4 * factor;
+                let more = (2.5 - away) / (shot.linear_velocity.length() * H);
+                shot.pose.position -= more.ceil().max(0.0) * H * shot.linear_velocity;
                 Hit::Shot(shot)
             }
             Hit::Blast(blast) => Hit::Blast(Explosion {
