@@ -71,8 +71,8 @@ fn clusters_are_the_groups_that_bonds_hold_together_and_weigh_what_their_parts_d
     check(clusters::judge, 50, (0, 150));
 }
 
-/// What comes off hits its neighbors in the same step, and what breaks by that depends on the order in which contacts are solved; and a bond that bears
-/// all it can, but for rounding, breaks in one of them and not in the other: six in a hundred.
+/// What comes off hits its neighbors in the same step, with energies that differ with the order; and a bond that bears all it can, but for rounding, breaks
+/// in one of them and not in the other: six in a hundred.
 #[test]
 fn clusters_break_alike_with_parts_in_another_order_moved_and_turned() {
     check(clusters::judge_same, 150, (9, 70));
