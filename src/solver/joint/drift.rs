@@ -8,7 +8,6 @@ use crate::bodies::free_rotation::{FreeRotation, FreeRotations, SPINS};
 use crate::math::rotate_by;
 use crate::simd::dispatch::run;
 use crate::simd::lanes::{Kernel, LaneWidth, Lanes};
-use crate::solver::joint::body::JointedBody;
 use crate::solver::joint::measure::{Frames, Place};
 use crate::solver::joint::rounds::Move;
 use crate::solver::joint::row::{EPSILON, RowState};
@@ -351,48 +350,23 @@ impl Drift {
                 spins.push(body.spin, split(velocity)[1].as_vec3());
             }
             spins.advance(h as f32, width);
-            let bodies = bodies.iter().zip(velocities);
-            let moved = bodies.zip(spins.iter()).zip(to);
-            run(width, PlaceMoved { moved, h });
+            let moved = bodies.iter().zip(velocities).zip(spins.iter());
+            for (to, ((body, velocity), (spin, angular))) in to.iter_mut().zip(moved) {
+                *to = Moved {
+                    place: Place {
+                        center: body.center + h * split(velocity)[0],
+                        rotation: spin.rotation.as_dquat().normalize(),
+                    },
+                    spin: *spin,
+                    angular,
+                };
+            }
         }
         for (moved, push) in self.bodies.iter_mut().zip(&system.pushes) {
             let [linear, angular] = split(push);
             moved.place.center += h * linear;
             moved.spin.rotation = rotate_by(moved.spin.rotation, angular.as_vec3(), h as f32);
             moved.place.rotation = moved.spin.rotation.as_dquat().normalize();
-        }
-    }
-}
-
-/// Says where bodies are that have turned.
-struct PlaceMoved<I> {
-    moved: I,
-    h: f64,
-}
-
-impl<'a, I> Kernel for PlaceMoved<I>
-where
-    I: Iterator<
-        Item = (
-            ((&'a JointedBody, &'a Vector6), (&'a FreeRotation, Vec3)),
-            &'a mut Moved,
-        ),
-    >,
-{
-    type Output = ();
-    const NEEDS_32_REGISTERS: bool = false;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        for (((body, velocity), (spin, angular)), to) in self.moved {
-            *to = Moved {
-                place: Place {
-                    center: body.center + self.h * split(velocity)[0],
-                    rotation: spin.rotation.as_dquat().normalize(),
-                },
-                spin: *spin,
-                angular,
-            };
         }
     }
 }
