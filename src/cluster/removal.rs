@@ -5,7 +5,8 @@
 //! diagonal. Of a beam of 1300 parts that is a hundredth of what the whole factor takes.
 
 use crate::cluster::sparse::{
-    Block, NONE, Sparse, divide_by_transposed, factorise_block, solve_lower, transposed,
+    Block, NONE, Sparse, divide_by_transposed, factorise_block, solve_lower, take_product,
+    transposed,
 };
 
 /// A bond that is being taken out.
@@ -68,7 +69,7 @@ impl Sparse {
         let strain = std::mem::replace(&mut self.update[column], [[0.0; 6]; 6]);
         let weighted = product(&strain, middle);
         let mut after = product(&before, &transposed(&before));
-        add_product(&mut after, &strain, &transposed(&weighted), 1.0);
+        add_product(&mut after, &strain, &transposed(&weighted));
         factorise_block(&mut after);
         // What the columns behind it get.
         let share = solved(&after, &weighted);
@@ -77,13 +78,13 @@ impl Sparse {
         for (&row, block) in self.pattern.rows[own.start + 1..own.end].iter().zip(below) {
             let other = &mut self.update[row as usize];
             let mut new = product(block, &before);
-            add_product(&mut new, other, &weighted, 1.0);
+            add_product(&mut new, other, &weighted);
             divide_by_transposed(&mut new, &after);
-            add_product(other, block, &by_own, -1.0);
+            take_product(other, block, &by_own);
             *block = new;
         }
         diagonal[0] = after;
-        add_product(middle, &transposed(&share), &share, -1.0);
+        take_product(middle, &transposed(&share), &share);
     }
 
     /// Products of blocks that it takes to take out a bond.
@@ -104,16 +105,16 @@ fn lower(a: &Block) -> Block {
 
 fn product(a: &Block, b: &Block) -> Block {
     let mut sum = [[0.0; 6]; 6];
-    add_product(&mut sum, a, b, 1.0);
+    add_product(&mut sum, a, b);
     sum
 }
 
-/// `c += sign a b`.
-fn add_product(c: &mut Block, a: &Block, b: &Block, sign: f64) {
+/// `c += a b`.
+fn add_product(c: &mut Block, a: &Block, b: &Block) {
     for (c, a) in c.iter_mut().zip(a) {
         for (a, b) in a.iter().zip(b) {
             for (c, b) in c.iter_mut().zip(b) {
-                *c += sign * a * b;
+                *c += a * b;
             }
         }
     }

@@ -186,7 +186,7 @@ pub(super) fn transposed(a: &Block) -> Block {
 }
 
 /// `c -= a b`, row by row of `b`: as many columns at a time as a register holds.
-fn take_product(c: &mut Block, a: &Block, b: &Block) {
+pub(super) fn take_product(c: &mut Block, a: &Block, b: &Block) {
     for (c, a) in c.iter_mut().zip(a) {
         let mut sum = b[0].map(|b| a[0] * b);
         for (a, b) in a.iter().zip(b).skip(1) {
