@@ -8,7 +8,7 @@
 //! | `blow.rs`, `instant.rs`, `moving_part.rs`, `link.rs` | what a blow breaks: the parts around it in motion for an instant |
 //! | `blast.rs` | how what comes off moves that was pushed part by part |
 //! | `load.rs`, `elastic.rs`, `spring.rs`, `sparse.rs`, `removal.rs`, `dissection.rs` | what a sustained load breaks: forces as in an elastic body |
-//! | `bearing.rs`, `footprint.rs` | how what a cluster lies on bears it |
+//! | `bearing.rs`, `footprint.rs` | how what is at the faces of a cluster bears and loads it |
 //!
 //! Must not know contacts or bodies: all is in the frame of the compound, and pushes come as numbers. Read `network.rs` first.
 

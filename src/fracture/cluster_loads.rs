@@ -11,7 +11,7 @@ use crate::cluster::bearing::Borne;
 use crate::cluster::elastic::Wrench;
 use crate::cluster::load::LoadOutcome;
 use crate::contact::manifolds::Manifolds;
-use crate::fracture::bearings::{borne_by, find_bearings};
+use crate::fracture::bearings::{borne_by, find_bearings, is_held_back};
 use crate::fracture::cluster::BrokenBonds;
 use crate::fracture::contact_loads::add_contact;
 use crate::fracture::grip::{find_grips, grip_at};
@@ -284,11 +284,9 @@ fn bear(
 fn held_back(bodies: &Bodies, slot: u32) -> Vec<LoadSource> {
     let loads = bodies.cluster(slot).map_or(&[][..], |state| &state.loads);
     let sources = loads.iter().map(|load| load.from.0);
-    let asleep = sources.filter(|source| match *source {
-        LoadSource::Contact(id, other) => bodies.is_current(other, id) && bodies.is_asleep(other),
-        LoadSource::Joint(_) | LoadSource::Push => false,
-    });
-    asleep.collect()
+    sources
+        .filter(|source| is_held_back(bodies, source))
+        .collect()
 }
 
 /// Lets what is remembered come nearer to what is now; both are sorted.
