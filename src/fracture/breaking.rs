@@ -6,7 +6,9 @@ use crate::contact::impulses::ContactCache;
 use crate::contact::manifolds::Manifolds;
 use crate::fracture::budget::FractureBudget;
 use crate::fracture::cluster::{BrokenBonds, Groups, apply_cracks, replace_groups};
-use crate::fracture::cluster_loads::{LOOK_INTERVAL, StepLoads, judge_loads, work_out_loads};
+use crate::fracture::cluster_loads::{
+    LOOK_INTERVAL, StepLoads, follow_loads, judge_loads, work_out_loads,
+};
 use crate::fracture::debris::Debris;
 use crate::fracture::impact;
 use crate::fracture::inheritance::{ParentState, note_heirs, transfer_impulses};
@@ -307,6 +309,7 @@ fn look_at_loads(fractures: &mut Fractures, bodies: &mut Bodies, step: &StepLoad
     let elapsed = fractures.state.load_time + step.step_dt;
     fractures.state.load_time = elapsed;
     if elapsed < LOOK_INTERVAL {
+        follow_loads(bodies, step);
         return work_out_loads(bodies);
     }
     fractures.state.load_time = 0.0;

@@ -30,6 +30,9 @@ pub(super) const LOOK_INTERVAL: f32 = 0.032;
 /// a mean alone is up to 1.3 times the load at 30 Hz, and what hits is a blow.
 const SUSTAINED: f32 = 0.12;
 
+/// Share of its strength that a bond must bear for the loads of its cluster to be noted in each step.
+const FOLLOWED: f64 = 0.5;
+
 /// Change of a load that is worth another look at what it does, as a share of all of it.
 const CHANGE: f64 = 0.005;
 
@@ -57,20 +60,7 @@ pub(super) fn judge_loads(
     step: &StepLoads,
     elapsed: f32,
 ) -> Vec<(u32, BrokenBonds)> {
-    let mut found: Vec<(u32, PartLoad)> = Vec::new();
-    let grips = find_grips(bodies, step.manifolds);
-    for manifold in step.manifolds.iter() {
-        for side in 0..2 {
-            let slot = [manifold.a, manifold.b][side];
-            if bodies.cluster(slot).is_some() {
-                let grip = grip_at(bodies, &grips, &manifold, side);
-                add_contact(bodies, &manifold, side, (step.step_dt, grip), &mut found);
-            }
-        }
-    }
-    add_joints(bodies, step.joints, &mut found);
-    add_pushes(bodies, &mut found);
-    found.sort_by_key(|(slot, load)| (*slot, load.from));
+    let found = find_loads(bodies, step, |_, _| true);
     let slots: Vec<u32> = bodies.cluster_slots().collect();
     let mut asked: Vec<(u32, [DVec3; 2])> = Vec::new();
     for slot in slots {
@@ -78,9 +68,12 @@ pub(super) fn judge_loads(
         if !bodies.is_active(slot) || is_asleep && !goes_on(bodies, slot) {
             continue;
         }
-        let first = found.partition_point(|(of, _)| *of < slot);
-        let own = found[first..].iter().take_while(|(of, _)| *of == slot);
-        let own: Vec<PartLoad> = own.map(|(_, load)| *load).collect();
+        // The steps before have been noted.
+        let elapsed = match is_followed(bodies, slot) {
+            true => step.step_dt,
+            false => elapsed,
+        };
+        let own = loads_of(&found, slot);
         asked.extend(is_asked(bodies, slot, &own, (step.gravity, elapsed)).map(|it| (slot, it)));
     }
     if !asked.is_empty() {
@@ -102,6 +95,66 @@ pub(super) fn judge_loads(
         ));
     }
     broken
+}
+
+/// What loads the clusters that are asked for, by cluster, source and part.
+fn find_loads(
+    bodies: &Bodies,
+    step: &StepLoads,
+    is_asked: impl Fn(&Bodies, u32) -> bool,
+) -> Vec<(u32, PartLoad)> {
+    let mut found: Vec<(u32, PartLoad)> = Vec::new();
+    let grips = find_grips(bodies, step.manifolds);
+    for manifold in step.manifolds.iter() {
+        for side in 0..2 {
+            let slot = [manifold.a, manifold.b][side];
+            if bodies.cluster(slot).is_some() && is_asked(bodies, slot) {
+                let grip = grip_at(bodies, &grips, &manifold, side);
+                add_contact(bodies, &manifold, side, (step.step_dt, grip), &mut found);
+            }
+        }
+    }
+    add_joints(bodies, step.joints, &mut found);
+    add_pushes(bodies, &mut found);
+    found.sort_by_key(|(slot, load)| (*slot, load.from));
+    found
+}
+
+/// Those of a cluster.
+fn loads_of(found: &[(u32, PartLoad)], slot: u32) -> Vec<PartLoad> {
+    let first = found.partition_point(|(of, _)| *of < slot);
+    let own = found[first..].iter().take_while(|(of, _)| *of == slot);
+    own.map(|(_, load)| *load).collect()
+}
+
+/// Whether the loads of a cluster are noted in each step: where they are, or were at the last look, near to what breaks it.
+fn is_followed(bodies: &Bodies, slot: u32) -> bool {
+    let is_near = |state: &ClusterState| {
+        let judged = state.judged.as_ref();
+        state.overloaded > 0.0 || judged.is_some_and(|judged| judged.utilization > FOLLOWED)
+    };
+    bodies.cluster(slot).is_some_and(is_near)
+}
+
+/// Between two looks at the loads: takes note of what loads those that it may break. Contacts tremble by rounding, and their impulses are those of a
+/// sub-step: a beam on edge, 60 times as long as it is wide, bore three hundredths of its load sideways at one look and not at the next.
+pub(super) fn follow_loads(bodies: &mut Bodies, step: &StepLoads) {
+    let slots = bodies.cluster_slots();
+    let slots = slots.filter(|&slot| is_followed(bodies, slot));
+    let slots: Vec<u32> = slots
+        .filter(|&slot| bodies.is_active(slot) && !bodies.is_asleep(slot))
+        .collect();
+    if slots.is_empty() {
+        return;
+    }
+    let found = find_loads(bodies, step, is_followed);
+    for slot in slots {
+        let holding = held_back(bodies, slot);
+        let now = loads_of(&found, slot);
+        if let Some(state) = bodies.cluster_mut(slot) {
+            remember(&mut state.loads, &now, &holding, step.step_dt);
+        }
+    }
 }
 
 /// Between two looks at the loads: goes on with what the last one has begun to work out, for as much as a step may.
