@@ -301,6 +301,21 @@ pub(crate) struct Drive {
 }
 
 impl Drive {
+    /// Nothing.
+    pub(crate) const NONE: Self = Self {
+        acceleration: Vec3::ZERO,
+        angular_acceleration: Vec3::ZERO,
+        damping: [0.0; 2],
+        most: [f32::INFINITY; 2],
+        free: [Vec3::ONE; 2],
+    };
+
+    /// The same forces, weight among them, on a body with so many times the inverse mass and inertia.
+    pub(crate) fn scale_inverse_mass(&mut self, scale: f32, gravity: Vec3) {
+        self.acceleration = scale * (gravity + self.acceleration) - gravity;
+        self.angular_acceleration *= scale;
+    }
+
     /// The velocities (m/s, rad/s) after `h` seconds; gravity is not among it.
     pub(crate) fn advance(&self, linear: &mut Vec3, angular: &mut Vec3, h: f32) {
         *linear = (*linear + h * self.acceleration) / (1.0 + h * self.damping[0]);

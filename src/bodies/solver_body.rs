@@ -70,6 +70,15 @@ impl BodyMass {
         self.0.0[7]
     }
 
+    /// With so many times the inverse mass and inertia.
+    pub(crate) fn scaled(&self, scale: f32) -> Self {
+        Self::new(
+            scale * self.inverse_mass(),
+            &(scale * self.inverse_inertia()),
+            self.extent(),
+        )
+    }
+
     /// Sets the inverse tensor.
     pub fn set_inverse_inertia(&mut self, inverse_inertia: &Mat3) {
         *self = Self::new(self.inverse_mass(), inverse_inertia, self.extent());

@@ -181,7 +181,12 @@ impl ContactSolver {
                 if body.inverse_mass > 0.0 {
                     let moved = &batch.bodies.displacements[number];
                     self.progress[i] = Progress::Solved;
-                    bodies.velocity[i] = *body;
+                    // What was squeezed was heavier for the step.
+                    let inverse_mass = bodies.velocity[i].inverse_mass;
+                    bodies.velocity[i] = SolverBody {
+                        inverse_mass,
+                        ..*body
+                    };
                     bodies.motion[i] = Motion {
                         shift: moved.linear,
                         rotation: rotate_by(bodies.rotation[i], moved.angular, 1.0),

@@ -233,6 +233,12 @@ impl SubstepSettings {
         (parts.ceil() as u32).clamp(self.substeps, self.max_substeps.max(self.substeps))
     }
 
+    /// Load, as in [`IslandRequirements::load`], under which contacts give way by [`sag`](Self::sag) with these sub-steps, 1/s.
+    pub(crate) fn bearable_load(&self) -> f32 {
+        let frequency = std::f32::consts::TAU * self.contact_frequency / self.substep_dt;
+        self.step_dt() * self.sag * frequency * frequency
+    }
+
     /// See [`sag`](Self::sag).
     fn sag_for(&self, requirements: &IslandRequirements) -> f32 {
         match requirements.joints {

@@ -1,5 +1,6 @@
 //! Bodies of a batch that something drives besides gravity and contacts.
 
+use crate::bodies::drive::Drive;
 use crate::bodies::store::Bodies;
 use crate::solver::batch::Batch;
 use glam::Vec3;
@@ -13,6 +14,7 @@ impl Batch {
     /// Lists them.
     pub(super) fn load_driven(&mut self, bodies: &Bodies) {
         self.bodies.driven.clear();
+        self.bodies.most_driven = 0.0;
         if bodies.drives.is_empty() {
             return;
         }
@@ -23,13 +25,26 @@ impl Batch {
             Some((number, drive))
         });
         self.bodies.driven.extend(driven);
+        let driven = self.bodies.driven.iter();
+        let accelerations = driven.map(|(_, drive)| drive.acceleration.length());
+        self.bodies.most_driven = accelerations.fold(0.0, f32::max);
+    }
+
+    /// Drives a body by the same forces, its weight among them, when it has so many times its inverse mass.
+    pub(super) fn scale_drive(&mut self, body: u32, scale: f32) {
+        let driven = &mut self.bodies.driven;
+        let at = driven.partition_point(|(number, _)| *number < body);
+        if driven.get(at).is_none_or(|(number, _)| *number != body) {
+            driven.insert(at, (body, Drive::NONE));
+        }
+        driven[at]
+            .1
+            .scale_inverse_mass(scale, self.settings.gravity);
     }
 
     /// Bound of the acceleration of bodies by gravity and drives together, m/s2.
     pub(super) fn fastest_acceleration(&self) -> f32 {
-        let driven = self.bodies.driven.iter();
-        let fastest = driven.map(|(_, drive)| drive.acceleration.length());
-        self.settings.gravity.length() + fastest.fold(0.0, f32::max)
+        self.settings.gravity.length() + self.bodies.most_driven
     }
 
     /// The velocities that drives give within a sub-step before the motion: as gravity, half of them where joints are alone, or what friction and

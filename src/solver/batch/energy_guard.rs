@@ -342,7 +342,8 @@ fn inertia_over_mass(body: &BodyMass) -> f32 {
 #[inline(always)]
 pub(super) fn inertia_of(body: &BodyMass) -> Option<Mat3> {
     let inverse = body.inverse_inertia();
-    (inverse.determinant() > 0.0).then(|| inverse.inverse())
+    // Of what is smaller the reciprocal is not finite.
+    (inverse.determinant() >= f32::MIN_POSITIVE).then(|| inverse.inverse())
 }
 
 /// Mass, kg; zero where contacts give nothing.

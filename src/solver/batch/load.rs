@@ -75,6 +75,7 @@ impl Batch {
         }
         self.load_copies();
         self.load_driven(bodies);
+        self.scale_masses(settings, requirements, manifolds, bodies);
         for member in 0..self.layout.members.len() {
             self.measure(member, team);
             self.measure_inertia(member, team);
@@ -215,11 +216,13 @@ impl Batch {
             }
             let slot = self.layout.slots[number];
             if let Some(spin) = bodies.spin(slot, step) {
+                let own = bodies.velocity[slot as usize].inverse_mass;
+                let scale = self.bodies.velocities[number].inverse_mass / own;
                 self.bodies.turning.push(TurningBody {
                     body: number as u32,
                     start: spin.rotation,
                     spin,
-                    inverse_inertia: bodies.mass(slot).inverse_inertia(),
+                    inverse_inertia: scale * bodies.mass(slot).inverse_inertia(),
                     is_jointed: false,
                     is_round: bodies.is_round(slot),
                     followed: Vec3::ZERO,

@@ -22,6 +22,7 @@ mod joints;
 pub(crate) mod layout;
 mod load;
 pub(crate) mod lone;
+mod mass_scaling;
 mod motion;
 mod open_joints;
 mod overload;
@@ -55,6 +56,7 @@ use crate::solver::wide::bond::BondConstraint;
 use glam::{Mat3, Quat, Vec3};
 use layout::Layout;
 use lone::LoneIslands;
+use mass_scaling::Squeeze;
 
 /// Islands with all that their sub-steps read and write; buffers are reused from step to step.
 #[derive(Debug, Default)]
@@ -91,6 +93,8 @@ pub struct BatchBodies {
     pub masses: Vec<BodyMass>,
     /// Those that are driven, and their numbers within the batch.
     pub(crate) driven: Vec<(u32, Drive)>,
+    /// Largest acceleration that drives give, besides gravity, m/s2.
+    pub(crate) most_driven: f32,
     /// Those that turn.
     pub turning: Vec<TurningBody>,
     /// By island: the largest extent that a contact is measured by, the lesser of the least extents of two bodies, m.
@@ -178,6 +182,8 @@ pub(crate) struct BatchScratch {
     pub(crate) last_velocities: Vec<SolverBody>,
     /// By body: whether a contact pushes it.
     pub(crate) is_pushed: Vec<bool>,
+    /// By body, where some may be squeezed: what squeezed it in the last step.
+    pub(crate) squeezes: Vec<Squeeze>,
     #[cfg(feature = "exact")]
     pub(crate) exact: exact_substep::ExactBuffers,
 }

@@ -5,7 +5,7 @@ use super::support::*;
 use crate::common::dice::Dice;
 use crate::common::structures::*;
 use bevy_cleave::prelude::*;
-use glam::Vec3;
+use glam::{Quat, Vec3};
 
 /// Ten cubes of edge `size` (m) on a floor, askew by up to a thousandth of it.
 fn stack(size: f32) -> Simulation {
@@ -89,4 +89,43 @@ fn stacks_from_10_cm_to_100_m_stand_at_the_same_step() {
     }
     println!("23 stack of 10, h 1/60: stands from {least} m on");
     assert!(least <= 0.1, "stands from {least} m on only");
+}
+
+/// How deep a pebble gets into what it touches when a block of 1 m falls on it from a little above, as a share of the pebble's edge, in the last
+/// quarter of 2 s.
+fn press(seed: u64) -> f32 {
+    let mut dice = Dice::new(seed);
+    let edge = dice.in_range(1.0 / 30.0, 1.0 / 8.0);
+    let height = dice.in_range(0.3, 1.0);
+    let mut simulation = with_floor(0.6);
+    let beside = dice.vector(-0.3, 0.3).with_y(0.0);
+    let mut pebble = block(&cuboid(Vec3::splat(edge)), 0.5 * edge * Vec3::Y, 0.6);
+    pebble.pose.rotation = Quat::from_rotation_y(dice.in_range(0.0, 1.0));
+    let pebble = add(&mut simulation, pebble);
+    let above = (1.01 * edge + 0.5 * height) * Vec3::Y;
+    let shape = cuboid(Vec3::new(1.0, height, 1.0));
+    add(&mut simulation, block(&shape, beside + above, 0.6));
+    let mut deepest = 0.0_f32;
+    for step in 0..120 {
+        simulation.step(H);
+        let manifolds = simulation.contacts.manifolds().iter();
+        let own = manifolds.filter(|m| m.a == pebble || m.b == pebble);
+        let depths = own.flat_map(|m| m.points()).map(|p| -p.separation / edge);
+        if step >= 90 {
+            deepest = depths.fold(deepest, f32::max);
+        }
+    }
+    deepest
+}
+
+/// Hard because contacts give way by the mass of the lighter body: a pebble under thousands of times its mass was pressed into the floor.
+#[test]
+fn what_is_light_is_not_pressed_into_the_floor_by_what_is_heavy() {
+    let depths: Vec<f32> = (0..24).map(press).collect();
+    let deepest = depths.iter().copied().fold(0.0, f32::max);
+    println!(
+        "pebbles of 3 to 12 cm under a block of 1 m: overlap {deepest:.2e} of an edge at most"
+    );
+    assert!(deepest > 0.0, "none is touched");
+    assert!(deepest < 0.02, "{depths:.3?}");
 }

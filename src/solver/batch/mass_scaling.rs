@@ -1,0 +1,137 @@
+//! Mass scaling: a light body that is squeezed by many times its weight is heavier while it is.
+//!
+//! A contact gives way by what its effective mass is accelerated, which is that of the lighter body. Under a heavy one a pebble
+//! would ask for more sub-steps than there may be, and lies half in the floor with those there are. Stiffer contacts leave the sweeps as far from
+//! each other's impulses as the masses are, and what lies on them trembles (`docs/decisions/soft_step.md`). But the inertia of what is squeezed matters little to what happens to
+//! it, as in explicit finite elements, where what is too stiff for the step gets more mass. So for the step it gets `k` times its mass and inertia and keeps its
+//! weight, with
+//!
+//! ```text
+//! k = s d / d_max                        d: what the last step's impulses gave a point of the body, m/s; d_max: what sub-steps bear, m/s
+//! s = 1 - |sum of pushes| / sum |pushes| how much of it others push back: 1 if it is squeezed, 0 if it is thrown or only lies there
+//! (k - 1) m v^2 / 2 <= c I g dt          v: how fast it moves against what squeezes it; I: half of s sum |pushes|, N s
+//! ```
+//!
+//! The last line is for energy, which a body that is moving would have more of: not above a share of what the squeeze gains by falling
+//! for a step. What is thrown about between heavy bodies keeps its mass, so.
+
+use crate::bodies::store::Bodies;
+use crate::contact::manifolds::Manifolds;
+use crate::contact::point::ContactPoint;
+use crate::solver::adaptivity::{IslandRequirements, JointPresence};
+use crate::solver::batch::Batch;
+use crate::solver::settings::SubstepSettings;
+use glam::Vec3;
+
+/// Times [`SoftStep::sag`](crate::solver::config::SoftStep::sag) that contacts give way before the mass of what they bear upon is scaled.
+const SAGS: f32 = 4.0;
+
+/// Share of the energy that a squeeze gains by falling for a step which the mass that is added may have.
+const SPARE_ENERGY: f32 = 0.25;
+
+/// Most times its mass that a body may have.
+const MAX_SCALE: f32 = 1e3;
+
+/// What squeezed a body in the last step.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Squeeze {
+    /// Sum of all pushes, N s.
+    total: f32,
+    /// Their resultant, N s.
+    resultant: Vec3,
+    /// Largest velocity that one gave the point where it acted, m/s.
+    velocity: f32,
+    /// Sum of pushes times squares of the speeds of who pushes against the body there, N s m2/s2.
+    motion: f32,
+}
+
+impl Squeeze {
+    /// By how much the body is to be heavier, if it is. `bearable`: largest velocity that a contact bears to be given, m/s; `fall`:
+    /// what gravity gives within a step, m/s.
+    fn mass_scale(&self, inverse_mass: f32, bearable: f32, fall: f32) -> Option<f32> {
+        if self.total <= 0.0 {
+            return None;
+        }
+        let share = 1.0 - self.resultant.length() / self.total;
+        let asked = share * self.velocity / bearable;
+        let square = self.motion / self.total;
+        let added = SPARE_ENERGY * share * self.total * fall * inverse_mass / square;
+        let scale = asked.min(1.0 + added).min(MAX_SCALE);
+        (scale.is_finite() && scale > 1.0).then_some(scale)
+    }
+}
+
+impl Batch {
+    /// Gives bodies that are squeezed more mass for the step. `all`: of islands that ask for nothing.
+    pub(super) fn scale_masses(
+        &mut self,
+        all: &SubstepSettings,
+        requirements: &IslandRequirements,
+        manifolds: &Manifolds,
+        bodies: &Bodies,
+    ) {
+        let has_joints = requirements.joints != JointPresence::None;
+        let has_most = requirements.substeps >= all.max_substeps;
+        if !all.depends_on_load() || has_joints || !has_most {
+            return;
+        }
+        let bearable = SAGS * self.settings.bearable_load();
+        // What more than one island asks for is known of the first one only.
+        if self.layout.members.len() == 1 && requirements.load <= bearable {
+            return;
+        }
+        self.find_squeezes(manifolds, bodies);
+        let gravity = self.settings.gravity;
+        let fall = gravity.length() * self.settings.step_dt();
+        for number in 0..self.layout.slots.len() {
+            let (body, mass) = (
+                &mut self.bodies.velocities[number],
+                &mut self.bodies.masses[number],
+            );
+            let squeeze = &self.scratch.squeezes[number];
+            let bearable = bearable * mass.extent();
+            let Some(scale) = squeeze.mass_scale(body.inverse_mass, bearable, fall) else {
+                continue;
+            };
+            body.inverse_mass /= scale;
+            *mass = mass.scaled(scale.recip());
+            self.scale_drive(number as u32, scale.recip());
+        }
+    }
+
+    /// Sums up what contacts gave the bodies in the last step, but for bonds, which pull too.
+    fn find_squeezes(&mut self, manifolds: &Manifolds, store: &Bodies) {
+        let squeezes = &mut self.scratch.squeezes;
+        squeezes.clear();
+        squeezes.resize(self.layout.slots.len(), Squeeze::default());
+        let (bodies, masses) = (&self.bodies.velocities, &self.bodies.masses);
+        for (&(index, _), pair) in self.layout.places.iter().zip(&self.layout.pairs) {
+            let manifold = manifolds.at(index.index());
+            if store.are_bonded(manifold.a, manifold.b) {
+                continue;
+            }
+            let normal = manifold.normal;
+            let pair = pair.map(|body| body.index());
+            let velocity = |side: usize, anchor: Vec3| {
+                let body = &bodies[pair[side]];
+                body.linear + body.angular.cross(anchor)
+            };
+            let pushing = |point: &&ContactPoint| point.normal_impulse > 0.0;
+            for point in manifold.points().iter().filter(pushing) {
+                let (push, anchors) = (point.normal_impulse, [point.anchor_a, point.anchor_b]);
+                let motion = velocity(0, anchors[0]) - velocity(1, anchors[1]);
+                for side in 0..2 {
+                    let number = pair[side];
+                    let arm = anchors[side].cross(normal);
+                    let turn = masses[number].inverse_inertia() * arm;
+                    let diagonal = bodies[number].inverse_mass + arm.dot(turn);
+                    let squeeze = &mut squeezes[number];
+                    squeeze.total += push;
+                    squeeze.resultant += [-push, push][side] * normal;
+                    squeeze.velocity = squeeze.velocity.max(push * diagonal);
+                    squeeze.motion += push * motion.length_squared();
+                }
+            }
+        }
+    }
+}
