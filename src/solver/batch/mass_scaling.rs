@@ -72,7 +72,7 @@ impl Batch {
     ) {
         let has_joints = requirements.joints != JointPresence::None;
         let has_most = requirements.substeps >= all.max_substeps;
-        if !all.depends_on_load() || has_joints || !has_most {
+        if !all.depends_on_load() || has_joints || !has_most || self.any_may_break(bodies) {
             return;
         }
         let bearable = SAGS * self.settings.bearable_load();
@@ -97,6 +97,12 @@ impl Batch {
             *mass = mass.scaled(scale.recip());
             self.scale_drive(number as u32, scale.recip());
         }
+    }
+
+    /// Whether any of its bodies may break: what a blow breaks is judged by the energy of true masses.
+    fn any_may_break(&self, bodies: &Bodies) -> bool {
+        let mut slots = self.layout.slots.iter();
+        bodies.any_fracturable() && slots.any(|&slot| bodies.limit(slot).is_some())
     }
 
     /// Sums up what contacts gave the bodies in the last step, but for bonds, which pull too.
