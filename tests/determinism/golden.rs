@@ -12,7 +12,7 @@ pub(crate) const GOLDEN: [(Scene, u64, u64); 20] = [
     (Scene::Large, 0x6e3ddd0d5aa59bd2, 0x43b22e0a20829597),
     (Scene::LargeBreaking, 0xbe9912fd47666358, 0x5bfb7d2250f2e744),
     (Scene::Sleep, 0xd8b86826f12d6038, 0xcc4ad1c242b7fb04),
-    (Scene::BondedWall, 0xacb3e6c3c78ac50e, 0xbc7edf4bd31bac6b),
+    (Scene::BondedWall, 0x2f2938371b67084d, 0x1dd15d45ffc8218e),
     (Scene::BrickWall, 0x22fc4ca81201b774, 0xf0203cc03555b795),
     (Scene::Paper, 0x1c2d8f0076886d99, 0x429c7e717f711cc4),
     (Scene::PaperSquare, 0x9f59984dd77f876e, 0xf59bbba4d072b964),

@@ -14,6 +14,8 @@
 //!
 //! The last line is for energy, which a body that is moving would have more of: not above a share of what the squeeze gains by falling
 //! for a step. What is thrown about between heavy bodies keeps its mass, so.
+//!
+//! Where a body may break, all keep their masses: what a blow breaks is judged by energies, which are of true masses.
 
 use crate::bodies::store::Bodies;
 use crate::contact::manifolds::Manifolds;
@@ -72,7 +74,7 @@ impl Batch {
     ) {
         let has_joints = requirements.joints != JointPresence::None;
         let has_most = requirements.substeps >= all.max_substeps;
-        if !all.depends_on_load() || has_joints || !has_most || self.any_may_break(bodies) {
+        if !all.depends_on_load() || has_joints || !has_most || bodies.any_fracturable() {
             return;
         }
         let bearable = SAGS * self.settings.bearable_load();
@@ -97,12 +99,6 @@ impl Batch {
             *mass = mass.scaled(scale.recip());
             self.scale_drive(number as u32, scale.recip());
         }
-    }
-
-    /// Whether any of its bodies may break: what a blow breaks is judged by the energy of true masses.
-    fn any_may_break(&self, bodies: &Bodies) -> bool {
-        let mut slots = self.layout.slots.iter();
-        bodies.any_fracturable() && slots.any(|&slot| bodies.limit(slot).is_some())
     }
 
     /// Sums up what contacts gave the bodies in the last step, but for bonds, which pull too.
