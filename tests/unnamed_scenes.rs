@@ -44,13 +44,13 @@ const KNOWN: [Known; FAMILIES.len()] = [
     known("hulls", MANY, 0),
     known("round", FEW, 0),
     known("plates", FEW, 1),
-    known("rods", FEW, 2),
-    known("needles", FEW, 0),
+    known("rods", FEW, 0),
+    known("needles", FEW, 1),
     known("wedges", MANY, 1),
     known("sizes", MANY, 1),
     known("masses", MANY, 0),
     known("broken", MANY, 0),
-    known("stacks", MANY, 1),
+    known("stacks", MANY, 0),
     known("lifts", MANY, 0),
     known("towers", MANY, 0),
     known("decks", MANY, 0),
@@ -75,7 +75,7 @@ const KNOWN: [Known; FAMILIES.len()] = [
 
 /// Files in `data/judge` that break a law: all of these and no others. A mend takes them off the list; none is added but with a
 /// new file.
-const OPEN: [&str; 2] = ["needles_overlap_14", "slides_seam_184"];
+const OPEN: [&str; 1] = ["slides_seam_184"];
 
 fn list(breaches: &[Breach]) -> String {
     let say = |breach: &Breach| format!("{}: {}", breach.law.name(), breach.what);
