@@ -172,11 +172,7 @@ fn striker(
     } else {
         manifold.normal
     };
-    let RowBody {
-        inverse_mass,
-        inverse_inertia,
-        ..
-    } = RowBody::of(bodies, other as usize);
+    let striker = RowBody::of(bodies, other as usize);
     let lever = anchors[1 - side].cross(direction);
     let to_body = bodies.pose(own).rotation.inverse();
     let place = rotate(to_body, anchors[side] + way) + bodies.mass(own).center;
@@ -186,6 +182,6 @@ fn striker(
         point: place,
         direction: rotate(to_body, direction),
         speed: 0.0,
-        inverse_mass: inverse_mass + lever.dot(inverse_inertia * lever),
+        inverse_mass: striker.inverse_mass_at(lever),
     }
 }

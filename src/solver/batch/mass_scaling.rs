@@ -22,6 +22,7 @@ use crate::contact::manifolds::Manifolds;
 use crate::contact::point::ContactPoint;
 use crate::solver::adaptivity::{IslandRequirements, JointPresence};
 use crate::solver::batch::Batch;
+use crate::solver::rows::contact_rows::RowBody;
 use crate::solver::settings::SubstepSettings;
 use glam::Vec3;
 
@@ -43,11 +44,20 @@ pub(crate) struct Squeeze {
     resultant: Vec3,
     /// Largest velocity that one gave the point where it acted, m/s.
     velocity: f32,
-    /// Sum of pushes times squares of the speeds of who pushes against the body there, N s m2/s2.
+    /// Sum of pushes times squares of the speeds of the two bodies against each other there, N s m2/s2.
     motion: f32,
 }
 
 impl Squeeze {
+    /// Adds a push (N s, and its direction) that gives the point where it acts so much velocity (m/s), and against which the bodies move with
+    /// `motion` (m/s).
+    fn add(&mut self, (push, direction): (f32, Vec3), velocity: f32, motion: Vec3) {
+        self.total += push;
+        self.resultant += push * direction;
+        self.velocity = self.velocity.max(velocity);
+        self.motion += push * motion.length_squared();
+    }
+
     /// By how much the body is to be heavier, if it is. `bearable`: largest velocity that a contact bears to be given, m/s; `fall`:
     /// what gravity gives within a step, m/s.
     fn mass_scale(&self, inverse_mass: f32, bearable: f32, fall: f32) -> Option<f32> {
@@ -114,6 +124,10 @@ impl Batch {
             }
             let normal = manifold.normal;
             let pair = pair.map(|body| body.index());
+            let sides = pair.map(|number| RowBody {
+                inverse_mass: bodies[number].inverse_mass,
+                inverse_inertia: masses[number].inverse_inertia(),
+            });
             let velocity = |side: usize, anchor: Vec3| {
                 let body = &bodies[pair[side]];
                 body.linear + body.angular.cross(anchor)
@@ -122,16 +136,10 @@ impl Batch {
             for point in manifold.points().iter().filter(pushing) {
                 let (push, anchors) = (point.normal_impulse, [point.anchor_a, point.anchor_b]);
                 let motion = velocity(0, anchors[0]) - velocity(1, anchors[1]);
-                for side in 0..2 {
-                    let number = pair[side];
-                    let arm = anchors[side].cross(normal);
-                    let turn = masses[number].inverse_inertia() * arm;
-                    let diagonal = bodies[number].inverse_mass + arm.dot(turn);
-                    let squeeze = &mut squeezes[number];
-                    squeeze.total += push;
-                    squeeze.resultant += [-push, push][side] * normal;
-                    squeeze.velocity = squeeze.velocity.max(push * diagonal);
-                    squeeze.motion += push * motion.length_squared();
+                for (side, body) in sides.iter().enumerate() {
+                    let given = push * body.inverse_mass_at(anchors[side].cross(normal));
+                    let direction = [-normal, normal][side];
+                    squeezes[pair[side]].add((push, direction), given, motion);
                 }
             }
         }

@@ -105,6 +105,11 @@ impl RowBody {
             inverse_inertia: bodies.inverse_inertia[slot],
         }
     }
+
+    /// What an impulse of 1 N s gives the point where it acts, along itself, m/s; `lever`: from the center of mass, cross the unit vector of the impulse, m.
+    pub(crate) fn inverse_mass_at(&self, lever: Vec3) -> f32 {
+        self.inverse_mass + lever.dot(self.inverse_inertia * lever)
+    }
 }
 
 /// The three rows of one contact point.
