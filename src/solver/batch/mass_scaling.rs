@@ -15,7 +15,8 @@
 //! The last line is for energy, which a body that is moving would have more of: not above a share of what the squeeze gains by falling
 //! for a step. What is thrown about between heavy bodies keeps its mass, so.
 //!
-//! Where a body may break, all keep their masses: what a blow breaks is judged by energies, which are of true masses.
+//! What is in contact with a body that may break, or with a bond, also by way of others, keeps its mass: what a blow breaks is judged by the impulse and the
+//! energy that are left for it, and a pebble that strikes a wall with a thousand times its mass breaks it.
 
 use crate::bodies::store::Bodies;
 use crate::contact::manifolds::Manifolds;
@@ -84,7 +85,7 @@ impl Batch {
     ) {
         let has_joints = requirements.joints != JointPresence::None;
         let has_most = requirements.substeps >= all.max_substeps;
-        if !all.depends_on_load() || has_joints || !has_most || bodies.any_fracturable() {
+        if !all.depends_on_load() || has_joints || !has_most {
             return;
         }
         let bearable = SAGS * self.settings.bearable_load();
@@ -92,7 +93,10 @@ impl Batch {
         if self.layout.members.len() == 1 && requirements.load <= bearable {
             return;
         }
-        self.find_squeezes(manifolds, bodies);
+        if self.touches_breakable(manifolds, bodies) {
+            return;
+        }
+        self.find_squeezes(manifolds);
         let gravity = self.settings.gravity;
         let fall = gravity.length() * self.settings.step_dt();
         for number in 0..self.layout.slots.len() {
@@ -111,17 +115,26 @@ impl Batch {
         }
     }
 
-    /// Sums up what contacts gave the bodies in the last step, but for bonds, which pull too.
-    fn find_squeezes(&mut self, manifolds: &Manifolds, store: &Bodies) {
+    /// Whether anything in the batch touches a body that may break, static ones among them, or is held by a bond.
+    fn touches_breakable(&self, manifolds: &Manifolds, bodies: &Bodies) -> bool {
+        let is_breakable =
+            |slot: u32| bodies.fracturable(slot).is_some() || bodies.cluster(slot).is_some();
+        let any_breakable = bodies.any_fracturable();
+        self.layout.places.iter().any(|&(index, _)| {
+            let manifold = manifolds.at(index.index());
+            let [a, b] = [manifold.a, manifold.b];
+            any_breakable && (is_breakable(a) || is_breakable(b)) || bodies.are_bonded(a, b)
+        })
+    }
+
+    /// Sums up what contacts gave the bodies in the last step.
+    fn find_squeezes(&mut self, manifolds: &Manifolds) {
         let squeezes = &mut self.scratch.squeezes;
         squeezes.clear();
         squeezes.resize(self.layout.slots.len(), Squeeze::default());
         let (bodies, masses) = (&self.bodies.velocities, &self.bodies.masses);
         for (&(index, _), pair) in self.layout.places.iter().zip(&self.layout.pairs) {
             let manifold = manifolds.at(index.index());
-            if store.are_bonded(manifold.a, manifold.b) {
-                continue;
-            }
             let normal = manifold.normal;
             let pair = pair.map(|body| body.index());
             let sides = pair.map(|number| RowBody {
