@@ -10,25 +10,58 @@ const GROUP: usize = 8;
 /// Groups that are passed over together where none has the vertex.
 const GROUPS: usize = 4;
 
+/// Sine of the angle between a plane and an edge below which a body that the end of the edge supports lies on all of it.
+const LEVEL: f32 = 0.1;
+
 impl ConvexHull {
-    /// Of the faces that meet in a vertex the one whose normal is most opposed to `direction`, the first on a tie; none if no
-    /// normal is a number.
+    /// The face that looks against `direction` where a vertex supports the hull; none if no normal is a number.
+    ///
+    /// Of those that meet there it is the most opposed one. But where an edge all but lies across `direction`, it is one of the two
+    /// beside the edge that does most: a body that lies on an edge is borne by both ends, whichever of them is lower by rounding, and the
+    /// most opposed face at one end may end there.
     ///
     /// Nothing is kept for this: to look for a vertex in the loops of a hull is little beside the rest of a contact, and less
     /// than what every cut would have to do to keep lists of faces by vertex.
-    pub(crate) fn most_opposed_face(&self, vertex: usize, direction: Vec3) -> Option<&Face> {
-        let mut best = (f32::INFINITY, None);
-        self.for_faces_around(vertex as u32, |face| {
+    pub(crate) fn incident_face(&self, vertex: usize, direction: Vec3) -> Option<&Face> {
+        let (mut opposed, mut beside) = ((f32::INFINITY, None), (LEVEL, f32::INFINITY, None));
+        self.for_faces_around(vertex as u32, |face, place| {
             let height = direction.dot(face.plane.normal);
-            if height < best.0 {
-                best = (height, Some(face));
+            if height < opposed.0 {
+                opposed = (height, Some(face));
+            }
+            let slope = self.least_slope(face, place, direction);
+            if slope < beside.0 || slope == beside.0 && height < beside.1 {
+                beside = (slope, height, Some(face));
             }
         });
-        best.1
+        beside.2.or(opposed.1)
     }
 
-    /// Calls `found` for each face that has a vertex, in their order.
-    fn for_faces_around<'h>(&'h self, vertex: u32, mut found: impl FnMut(&'h Face)) {
+    /// Sine of the angle between `direction` and the plane across it of that edge of a face which is nearest to the plane, of the two that leave the
+    /// vertex at `place` of the loops.
+    #[inline]
+    fn least_slope(&self, face: &Face, place: usize, direction: Vec3) -> f32 {
+        let range = face.range();
+        let before = if place == range.start {
+            range.end
+        } else {
+            place
+        } - 1;
+        let after = if place + 1 == range.end {
+            range.start
+        } else {
+            place + 1
+        };
+        let at = |place: usize| self.vertices()[self.loops[place] as usize];
+        let slope = |to: usize| {
+            let edge = at(to) - at(place);
+            direction.dot(edge) / edge.length()
+        };
+        slope(before).min(slope(after))
+    }
+
+    /// Calls `found` for each face that has a vertex, in their order, with its place in the loops.
+    fn for_faces_around<'h>(&'h self, vertex: u32, mut found: impl FnMut(&'h Face, usize)) {
         let has_triangles_only = self.only_triangles().is_some();
         let face_at = |place: usize| match has_triangles_only {
             true => &self.faces[place / 3],
@@ -49,14 +82,15 @@ impl ConvexHull {
             {
                 let mut places = places_of(vertex, group);
                 while places != 0 {
-                    found(face_at(first + places.trailing_zeros() as usize));
+                    let place = first + places.trailing_zeros() as usize;
+                    found(face_at(place), place);
                     places &= places - 1;
                 }
             }
         }
         let rest = (groups.len() * GROUP..).zip(rest);
         for (place, _) in rest.filter(|&(_, &corner)| corner == vertex) {
-            found(face_at(place));
+            found(face_at(place), place);
         }
     }
 }
@@ -87,7 +121,10 @@ mod tests {
             let hull = hull.expect("valid sizes");
             for vertex in 0..hull.vertices().len() as u32 {
                 let mut found = Vec::new();
-                hull.for_faces_around(vertex, |face| found.push(*face));
+                hull.for_faces_around(vertex, |face, place| {
+                    assert_eq!(hull.loops[place], vertex);
+                    found.push(*face);
+                });
                 let faces = hull.faces().iter().copied();
                 let expected: Vec<_> = faces
                     .filter(|face| hull.face_loop(face).contains(&vertex))

@@ -34,6 +34,7 @@ mod known_pairs;
 mod layering;
 mod leaning_plates;
 mod local_steps;
+mod lying_edges;
 mod mass;
 mod mlcp;
 mod pattern;

@@ -192,7 +192,7 @@ impl Clipping<'_> {
         scratch: &NarrowScratch,
     ) -> &[u32] {
         let (incident, normal) = self.incident_hull(reference, b_refers, scratch);
-        let face = incident.most_opposed_face(axis.support, normal);
+        let face = incident.incident_face(axis.support, normal);
         face.map_or(&[][..], |face| incident.face_loop(face))
     }
 

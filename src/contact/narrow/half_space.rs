@@ -89,7 +89,7 @@ fn load_lowest_face(
     margin: f32,
     scratch: &mut NarrowScratch,
 ) {
-    let face = hull.most_opposed_face(support, plane.normal);
+    let face = hull.incident_face(support, plane.normal);
     let outline = face.map_or(&[][..], |face| hull.face_loop(face));
     let corners = outline.iter().map(|&v| hull.vertices()[v as usize]);
     let corners = corners.map(|at| Candidate {

@@ -17,7 +17,7 @@ use crate::contact::narrow::scratch::SatResult;
 
 use crate::contact::local_manifold::LocalManifold;
 use crate::contact::narrow::clipping::{Clipping, edge_patch};
-use crate::contact::narrow::edge_search::best_edge_pair;
+use crate::contact::narrow::edge_search::{EdgeAxis, best_edge_pair};
 use crate::contact::narrow::leaning::leaning_patch;
 use crate::geometry::ConvexHull;
 use crate::geometry::hull_lanes::{LANES, Points4, lowest, lowest_height, point};
@@ -186,17 +186,16 @@ impl SatAxes {
                 };
             }
             if edge.separation > bar {
-                let leaning = leaning_patch(&contact, &edge, scratch);
-                let patch = leaning.unwrap_or_else(|| edge_patch(&pair, &edge, scratch));
-                return SatResult::Touching(patch);
+                return SatResult::Touching(contact_of_edges(&contact, &edge, scratch));
             }
         }
         let patch = contact.face_patch(face, b_refers, scratch);
         if patch.count > 0 {
             return SatResult::Touching(patch);
         }
+        // What supports the face is beside it, and so is the face of it that was cut.
         SatResult::Touching(match search(best_of_faces, scratch) {
-            Some(edge) if edge.separation <= margin => edge_patch(&pair, &edge, scratch),
+            Some(edge) if edge.separation <= margin => contact_of_edges(&contact, &edge, scratch),
             _ => contact.support_patch(face, b_refers, scratch),
         })
     }
@@ -211,6 +210,16 @@ impl SatAxes {
         let from_b = distance_from_face(b, face_b, point(&scratch.a_in_b, face_b.support));
         from_a.min(from_b)
     }
+}
+
+/// The contact of two edges that cross, with what a face beside one of them tells.
+fn contact_of_edges(
+    contact: &Clipping<'_>,
+    edge: &EdgeAxis,
+    scratch: &mut NarrowScratch,
+) -> LocalManifold {
+    let leaning = leaning_patch(contact, edge, scratch);
+    leaning.unwrap_or_else(|| edge_patch(&contact.pair, edge, scratch))
 }
 
 /// Distance of a point from a face, m; 0 for a point behind the face, which may be inside the hull.

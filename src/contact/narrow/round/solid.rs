@@ -175,7 +175,7 @@ impl<'s> Solid<'s> {
             Form::Triangle(corners) => corners.into_iter().for_each(add),
             Form::Hull(hull) => {
                 let (support, _) = lowest(hull.lanes.points.iter(), -axis);
-                let face = hull.most_opposed_face(support, -axis);
+                let face = hull.incident_face(support, -axis);
                 let outline = face.map_or(&[][..], |face| hull.face_loop(face));
                 outline
                     .iter()
