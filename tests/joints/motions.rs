@@ -383,6 +383,69 @@ fn what_falls_on_the_end_of_its_range_comes_back_or_rests() {
     }
 }
 
+/// Fastest speed at which a body goes back that is thrown at the end of its range, `far` away (m or rad), with a speed.
+fn thrown_at_end(on: &mut OnAxis, far: f32, speed: f32, steps: usize) -> f64 {
+    let turn = if on.is_angular() {
+        speed * on.axis
+    } else {
+        Vec3::ZERO
+    };
+    let v = if on.is_angular() {
+        turn.cross(on.arm)
+    } else {
+        speed * on.axis
+    };
+    on.set(|axis| {
+        axis.range = AxisRange::Limited {
+            min: -2.0 * far,
+            max: far,
+        }
+    });
+    let carried = on.rig.member.carrier_velocity();
+    let bodies = &mut on.rig.simulation.bodies;
+    let set = bodies.set_velocity(on.body, carried + v, turn);
+    set.expect("finite");
+    let mut fastest = 0.0_f64;
+    for _ in 0..steps {
+        on.rig.step();
+        fastest = fastest.max(-on.state()[1]);
+    }
+    fastest
+}
+
+/// What brakes it may not act otherwise on the way back than on the way there: friction, and a motor that was fast enough and is to turn it again.
+#[test]
+fn what_is_braked_comes_back_with_its_share_of_the_speed() {
+    for (seed, has_motor) in (0..SEEDS).flat_map(|seed| [(seed, false), (seed, true)]) {
+        let mut dice = Dice::new(seed);
+        let member = weightless(Member::draw(&mut dice));
+        let (number, axis) = (dice.below(6), dice.direction());
+        let mut on = OnAxis::new(member, number, axis, &mut dice);
+        let far = if number < 3 { member.size } else { 0.4 };
+        let steps = dice.in_range(5.0, 20.0);
+        let speed = far / (steps * member.step());
+        let lost = dice.in_range(0.05, 0.5);
+        let restitution = dice.in_range(0.2, 0.9);
+        // Of the energy, on the way to the end.
+        let force = 0.5 * on.mass * speed * speed * lost / far;
+        on.set(|axis| {
+            axis.restitution = restitution;
+            if has_motor {
+                axis.drive = Some(JointDrive::velocity(speed, force));
+            } else {
+                axis.friction = force;
+            }
+        });
+        let kept = if has_motor { 1.0 } else { 1.0 - lost };
+        let wanted = f64::from(restitution * speed * kept.sqrt());
+        let fastest = thrown_at_end(&mut on, far, speed, (2.0 * steps) as usize);
+        let braked = f64::from(force / on.mass * member.step());
+        let told = format!("{seed}: {fastest}, not {wanted} {has_motor} {number} {member:?}");
+        assert!(fastest < 1.03 * wanted, "{told}");
+        assert!(fastest > 0.97 * wanted - 1.5 * braked, "{told}");
+    }
+}
+
 #[test]
 fn soft_ends_of_a_range_do_not_brake_before_they_are_reached() {
     for seed in 0..SEEDS {

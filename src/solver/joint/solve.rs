@@ -5,10 +5,13 @@ use crate::simd::lanes::{Kernel, Lanes};
 use crate::solver::joint::links::{AddRows, LinkRow, Links};
 use crate::solver::joint::row::{JointRow, RowState};
 use crate::solver::joint::system::{BatchJoint, JointEndpoint, JointSystem};
-use crate::solver::joint::vector6::{Vector6, add_scaled};
+use crate::solver::joint::vector6::{Vector6, add_scaled, dot};
 
 /// Most rounds in which it is found out which rows act, before each is made to gain something.
 const ROUNDS: usize = 8;
+
+/// Share of its speeds by which a rigid row that acts may miss its target: what rows leave that were asked for what another one forbids.
+const CONTRADICTED: f64 = 1e-3;
 
 impl JointSystem {
     /// Rows that do not act yet do if they would alone.
@@ -30,16 +33,40 @@ impl JointSystem {
     pub(crate) fn solve(&mut self) {
         for component in &mut self.components {
             component.is_asked = true;
+            component.has_let_go = false;
         }
         self.remember_unsettled();
         for _ in 0..ROUNDS {
             run(self.width, FindMissing(self));
             self.apply_missing();
-            if !self.renew_states() {
+            if !self.renew_states() && !self.ask_contradicted() {
                 return;
             }
         }
         self.settle();
+    }
+
+    /// Asks components again in which a rigid row was let go that others contradicted; whether there are any. While friction, say, held a body that
+    /// was to come back from the end of its range, both got what is half of the speed times their stiffness, and what the one that acts had got of
+    /// that was still in its way: such a body came back with half as much speed again.
+    fn ask_contradicted(&mut self) -> bool {
+        let mut any = false;
+        for joint in &self.joints {
+            let component = &mut self.components[joint.component as usize];
+            if !component.has_let_go {
+                continue;
+            }
+            let velocities = joint.velocities(&self.velocities);
+            let mut rows = self.rows[joint.rows.clone()].iter();
+            if rows.any(|row| row.is_contradicted(velocities)) {
+                component.is_asked = true;
+                any = true;
+            }
+        }
+        for component in &mut self.components {
+            component.has_let_go = false;
+        }
+        any
     }
 
     #[inline(always)]
@@ -187,6 +214,7 @@ impl JointSystem {
                 }
                 let state = row.state_at(|| row.velocity(velocities));
                 if state != row.state {
+                    component.has_let_go |= row.state == RowState::Free && row.is_rigid();
                     row.state = state;
                     component.is_stale |= state != row.factored;
                     component.is_asked = true;
@@ -298,6 +326,19 @@ impl AddRows for RowsOfLinks<'_> {
 }
 
 impl JointRow {
+    /// Whether it is rigid, acts, and misses its target by more than its softness leaves.
+    fn is_contradicted(&self, velocities: [Option<&Vector6>; 2]) -> bool {
+        if self.state != RowState::Free || !self.is_rigid() || self.stiffness == 0.0 {
+            return false;
+        }
+        let of = |side: usize| velocities[side].map_or(0.0, |v| dot(&self.jacobian[side], v));
+        let speeds = [self.fixed_velocity, of(0), of(1)];
+        let miss = (speeds.iter().sum::<f64>() - self.target).abs();
+        let given = self.mobility * self.impulse.abs();
+        let most = speeds.iter().map(|speed| speed.abs()).sum::<f64>() + self.target.abs() + given;
+        miss > CONTRADICTED * most
+    }
+
     /// Whether it holds the body that is eliminated by it.
     #[inline(always)]
     fn acts_in_link(&self) -> bool {

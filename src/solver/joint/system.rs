@@ -71,6 +71,8 @@ pub(super) struct Component {
     pub(super) is_stale: bool,
     /// Whether its factor is being made.
     pub(super) is_renewed: bool,
+    /// Whether a rigid row that acted no longer does, since the search for those that act began.
+    pub(super) has_let_go: bool,
 }
 
 /// A step as it ended.
