@@ -11,7 +11,7 @@ const GROUP: usize = 8;
 const GROUPS: usize = 4;
 
 /// Sine of the angle between a plane and an edge below which a body that the end of the edge supports lies on all of it.
-const LEVEL: f32 = 0.1;
+const LEVEL: f32 = 0.02;
 
 impl ConvexHull {
     /// The face that looks against `direction` where a vertex supports the hull; none if no normal is a number.
@@ -23,41 +23,43 @@ impl ConvexHull {
     /// Nothing is kept for this: to look for a vertex in the loops of a hull is little beside the rest of a contact, and less
     /// than what every cut would have to do to keep lists of faces by vertex.
     pub(crate) fn incident_face(&self, vertex: usize, direction: Vec3) -> Option<&Face> {
-        let (mut opposed, mut beside) = ((f32::INFINITY, None), (LEVEL, f32::INFINITY, None));
+        let mut best = (f32::INFINITY, f32::INFINITY, None);
         self.for_faces_around(vertex as u32, |face, place| {
             let height = direction.dot(face.plane.normal);
-            if height < opposed.0 {
-                opposed = (height, Some(face));
-            }
-            let slope = self.least_slope(face, place, direction);
-            if slope < beside.0 || slope == beside.0 && height < beside.1 {
-                beside = (slope, height, Some(face));
+            let range = face.range();
+            let before = if place == range.start {
+                range.end
+            } else {
+                place
+            } - 1;
+            let after = if place + 1 == range.end {
+                range.start
+            } else {
+                place + 1
+            };
+            for to in [before, after] {
+                let slope = self.slope([place, to], direction);
+                if slope < best.0 || slope == best.0 && height < best.1 {
+                    best = (slope, height, Some(face));
+                }
             }
         });
-        beside.2.or(opposed.1)
+        best.2
     }
 
-    /// Sine of the angle between `direction` and the plane across it of that edge of a face which is nearest to the plane, of the two that leave the
-    /// vertex at `place` of the loops.
+    /// Square of the sine, with its sign, of the angle between the plane across `direction` and the edge between two places of the loops;
+    /// infinite from [`LEVEL`] on.
     #[inline]
-    fn least_slope(&self, face: &Face, place: usize, direction: Vec3) -> f32 {
-        let range = face.range();
-        let before = if place == range.start {
-            range.end
+    fn slope(&self, places: [usize; 2], direction: Vec3) -> f32 {
+        let [from, to] = places.map(|place| self.vertices()[self.loops[place] as usize]);
+        let edge = to - from;
+        let (rise, length) = (direction.dot(edge), edge.length_squared());
+        let square = rise * rise.abs();
+        if square < LEVEL * LEVEL * length {
+            square / length
         } else {
-            place
-        } - 1;
-        let after = if place + 1 == range.end {
-            range.start
-        } else {
-            place + 1
-        };
-        let at = |place: usize| self.vertices()[self.loops[place] as usize];
-        let slope = |to: usize| {
-            let edge = at(to) - at(place);
-            direction.dot(edge) / edge.length()
-        };
-        slope(before).min(slope(after))
+            f32::INFINITY
+        }
     }
 
     /// Calls `found` for each face that has a vertex, in their order, with its place in the loops.
