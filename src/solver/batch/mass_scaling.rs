@@ -93,13 +93,18 @@ impl Batch {
         if self.layout.members.len() == 1 && requirements.load <= bearable {
             return;
         }
-        if self.touches_breakable(manifolds, bodies) {
-            return;
-        }
         self.find_squeezes(manifolds);
-        let gravity = self.settings.gravity;
-        let fall = gravity.length() * self.settings.step_dt();
-        for number in 0..self.layout.slots.len() {
+        for member in 0..self.layout.members.len() {
+            if !self.touches_breakable(member, manifolds, bodies) {
+                self.scale_masses_of(member, bearable);
+            }
+        }
+    }
+
+    /// Scales the masses of one island's bodies. `bearable`: velocity that a contact bears to be given for each meter of a body's extent, 1/s.
+    fn scale_masses_of(&mut self, member: usize, bearable: f32) {
+        let fall = self.settings.gravity.length() * self.settings.step_dt();
+        for number in self.layout.members[member].bodies.clone() {
             let (body, mass) = (
                 &mut self.bodies.velocities[number],
                 &mut self.bodies.masses[number],
@@ -115,12 +120,13 @@ impl Batch {
         }
     }
 
-    /// Whether anything in the batch touches a body that may break, static ones among them, or is held by a bond.
-    fn touches_breakable(&self, manifolds: &Manifolds, bodies: &Bodies) -> bool {
+    /// Whether anything in an island touches a body that may break, static ones among them, or is held by a bond.
+    fn touches_breakable(&self, member: usize, manifolds: &Manifolds, bodies: &Bodies) -> bool {
         let is_breakable =
             |slot: u32| bodies.fracturable(slot).is_some() || bodies.cluster(slot).is_some();
         let any_breakable = bodies.any_fracturable();
-        self.layout.places.iter().any(|&(index, _)| {
+        let places = self.layout.members[member].places.clone();
+        self.layout.places[places].iter().any(|&(index, _)| {
             let manifold = manifolds.at(index.index());
             let [a, b] = [manifold.a, manifold.b];
             any_breakable && (is_breakable(a) || is_breakable(b)) || bodies.are_bonded(a, b)
