@@ -87,6 +87,19 @@ impl OnAxis {
         [angle, omega.dot(self.axis).into()]
     }
 
+    /// Gives the body a speed along the axis or about it, m/s or rad/s, as seen from what carries it.
+    fn throw(&mut self, speed: f32) {
+        let (linear, angular) = if self.is_angular() {
+            (speed * self.axis.cross(self.arm), speed * self.axis)
+        } else {
+            (speed * self.axis, Vec3::ZERO)
+        };
+        let carried = self.rig.member.carrier_velocity();
+        let bodies = &mut self.rig.simulation.bodies;
+        let set = bodies.set_velocity(self.body, carried + linear, angular);
+        set.expect("finite");
+    }
+
     /// Changes the axis.
     fn set(&mut self, change: impl FnOnce(&mut JointAxis)) {
         let (number, is_swapped) = (self.number, self.rig.is_swapped());
@@ -385,26 +398,13 @@ fn what_falls_on_the_end_of_its_range_comes_back_or_rests() {
 
 /// Fastest speed at which a body goes back that is thrown at the end of its range, `far` away (m or rad), with a speed.
 fn thrown_at_end(on: &mut OnAxis, far: f32, speed: f32, steps: usize) -> f64 {
-    let turn = if on.is_angular() {
-        speed * on.axis
-    } else {
-        Vec3::ZERO
-    };
-    let v = if on.is_angular() {
-        turn.cross(on.arm)
-    } else {
-        speed * on.axis
-    };
     on.set(|axis| {
         axis.range = AxisRange::Limited {
             min: -2.0 * far,
             max: far,
         }
     });
-    let carried = on.rig.member.carrier_velocity();
-    let bodies = &mut on.rig.simulation.bodies;
-    let set = bodies.set_velocity(on.body, carried + v, turn);
-    set.expect("finite");
+    on.throw(speed);
     let mut fastest = 0.0_f64;
     for _ in 0..steps {
         on.rig.step();
@@ -466,15 +466,7 @@ fn soft_ends_of_a_range_do_not_brake_before_they_are_reached() {
                 ..JointAxis::limited(-far, far)
             };
         });
-        let (linear, angular) = if on.is_angular() {
-            (speed * on.axis.cross(on.arm), speed * on.axis)
-        } else {
-            (speed * on.axis, Vec3::ZERO)
-        };
-        let carried = member.carrier_velocity();
-        let bodies = &mut on.rig.simulation.bodies;
-        let set = bodies.set_velocity(on.body, carried + linear, angular);
-        set.expect("finite");
+        on.throw(speed);
         (0..(steps - 1.0) as usize).for_each(|_| on.rig.step());
         let [_, now] = on.state();
         let off = (now / f64::from(speed) - 1.0).abs();

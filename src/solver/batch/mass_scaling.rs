@@ -93,9 +93,12 @@ impl Batch {
         if self.layout.members.len() == 1 && requirements.load <= bearable {
             return;
         }
-        self.find_squeezes(manifolds);
+        let squeezes = &mut self.scratch.squeezes;
+        squeezes.clear();
+        squeezes.resize(self.layout.slots.len(), Squeeze::default());
         for member in 0..self.layout.members.len() {
             if !self.touches_breakable(member, manifolds, bodies) {
+                self.find_squeezes(member, manifolds);
                 self.scale_masses_of(member, bearable);
             }
         }
@@ -133,13 +136,16 @@ impl Batch {
         })
     }
 
-    /// Sums up what contacts gave the bodies in the last step.
-    fn find_squeezes(&mut self, manifolds: &Manifolds) {
+    /// Sums up what contacts gave the bodies of one island in the last step.
+    fn find_squeezes(&mut self, member: usize, manifolds: &Manifolds) {
         let squeezes = &mut self.scratch.squeezes;
-        squeezes.clear();
-        squeezes.resize(self.layout.slots.len(), Squeeze::default());
         let (bodies, masses) = (&self.bodies.velocities, &self.bodies.masses);
-        for (&(index, _), pair) in self.layout.places.iter().zip(&self.layout.pairs) {
+        let range = self.layout.members[member].places.clone();
+        let (places, pairs) = (
+            &self.layout.places[range.clone()],
+            &self.layout.pairs[range],
+        );
+        for (&(index, _), pair) in places.iter().zip(pairs) {
             let manifold = manifolds.at(index.index());
             let normal = manifold.normal;
             let pair = pair.map(|body| body.index());

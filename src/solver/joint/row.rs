@@ -100,6 +100,9 @@ pub(crate) struct JointRow {
     pub(crate) spent: f64,
 }
 
+/// Share of its speeds by which a rigid row that acts may miss its target: what rows leave that were asked for what another one forbids.
+const CONTRADICTED: f64 = 1e-3;
+
 impl JointRow {
     /// Whether its impulse adds up.
     #[inline(always)]
@@ -122,8 +125,15 @@ impl JointRow {
     /// `J v` of both bodies, of which those that joints do not move have none.
     #[inline(always)]
     pub(crate) fn velocity(&self, velocities: [Option<&Vector6>; 2]) -> f64 {
+        let [fixed, a, b] = self.speeds(velocities);
+        fixed + a + b
+    }
+
+    /// Of its velocity, what is given to it, and what each of its bodies gives, m/s or rad/s.
+    #[inline(always)]
+    pub(crate) fn speeds(&self, velocities: [Option<&Vector6>; 2]) -> [f64; 3] {
         let of = |side: usize| velocities[side].map_or(0.0, |v| dot(&self.jacobian[side], v));
-        self.fixed_velocity + of(0) + of(1)
+        [self.fixed_velocity, of(0), of(1)]
     }
 
     /// How much its velocity is above the one that goes with its impulse, m/s or rad/s; none where no velocity does, as of a spring
@@ -135,6 +145,20 @@ impl JointRow {
         }
         let given = (self.impulse - self.base) / self.stiffness;
         given.is_finite().then_some(error + given)
+    }
+
+    /// Whether it is rigid, acts, and misses its target by more than its softness leaves.
+    pub(super) fn is_contradicted(&self, velocities: [Option<&Vector6>; 2]) -> bool {
+        if self.state != RowState::Free || !self.is_rigid() {
+            return false;
+        }
+        let Some(miss) = self.velocity_error(velocities) else {
+            return false;
+        };
+        let speeds = self.speeds(velocities).map(f64::abs);
+        let given = self.mobility * self.impulse.abs();
+        let most = speeds.iter().sum::<f64>() + self.target.abs() + given;
+        miss.abs() > CONTRADICTED * most
     }
 
     /// Impulse that it is to have more, at a velocity of the row and before that changes. At a bound it is all that is left, whatever the

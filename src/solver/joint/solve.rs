@@ -5,13 +5,10 @@ use crate::simd::lanes::{Kernel, Lanes};
 use crate::solver::joint::links::{AddRows, LinkRow, Links};
 use crate::solver::joint::row::{JointRow, RowState};
 use crate::solver::joint::system::{BatchJoint, JointEndpoint, JointSystem};
-use crate::solver::joint::vector6::{Vector6, add_scaled, dot};
+use crate::solver::joint::vector6::{Vector6, add_scaled};
 
 /// Most rounds in which it is found out which rows act, before each is made to gain something.
 const ROUNDS: usize = 8;
-
-/// Share of its speeds by which a rigid row that acts may miss its target: what rows leave that were asked for what another one forbids.
-const CONTRADICTED: f64 = 1e-3;
 
 impl JointSystem {
     /// Rows that do not act yet do if they would alone.
@@ -50,6 +47,9 @@ impl JointSystem {
     /// was to come back from the end of its range, both got what is half of the speed times their stiffness, and what the one that acts had got of
     /// that was still in its way: such a body came back with half as much speed again.
     fn ask_contradicted(&mut self) -> bool {
+        if !self.components.iter().any(|component| component.has_let_go) {
+            return false;
+        }
         let mut any = false;
         for joint in &self.joints {
             let component = &mut self.components[joint.component as usize];
@@ -326,19 +326,6 @@ impl AddRows for RowsOfLinks<'_> {
 }
 
 impl JointRow {
-    /// Whether it is rigid, acts, and misses its target by more than its softness leaves.
-    fn is_contradicted(&self, velocities: [Option<&Vector6>; 2]) -> bool {
-        if self.state != RowState::Free || !self.is_rigid() || self.stiffness == 0.0 {
-            return false;
-        }
-        let of = |side: usize| velocities[side].map_or(0.0, |v| dot(&self.jacobian[side], v));
-        let speeds = [self.fixed_velocity, of(0), of(1)];
-        let miss = (speeds.iter().sum::<f64>() - self.target).abs();
-        let given = self.mobility * self.impulse.abs();
-        let most = speeds.iter().map(|speed| speed.abs()).sum::<f64>() + self.target.abs() + given;
-        miss > CONTRADICTED * most
-    }
-
     /// Whether it holds the body that is eliminated by it.
     #[inline(always)]
     fn acts_in_link(&self) -> bool {
